@@ -1,0 +1,128 @@
+/* The event-driven flow of a system with rigid stops.
+ *
+ * A flow advances trajectories through free flight, impacts, complete chatter, sticking and release, to a tolerance,
+ * with tangent vectors as extra columns of the same integration. The contract on events stands at the head of
+ * src/flow/flow.c.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef SALTUS_FLOW_H
+#define SALTUS_FLOW_H
+
+#include "saltus/system.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Time, counted in forcing periods: (cycle + phase) T with 0 <= phase < 1. The forcing depends on the phase alone, so
+ * a section does not drift however many periods pass. */
+typedef struct saltus_time {
+    long long cycle;
+    double phase;
+} saltus_time;
+
+/* cycle + phase as one number. */
+double saltus_time_periods(saltus_time time);
+
+typedef enum saltus_integrator {
+    SALTUS_AUTOMATIC, /* the choice made when the system was built */
+    SALTUS_TAYLOR,    /* explicit Taylor series of high order: not stiff */
+    SALTUS_RADAU      /* implicit collocation at 16 Radau points, modal part solved exactly: stiff */
+} saltus_integrator;
+
+typedef struct saltus_flow_options {
+    double rtol;  /* local error of a step relative to the state's norm; 1e-15 <= rtol <= 1e-3 */
+    double atol;  /* the same, absolute, in displacements; > 0 or 0 */
+    saltus_integrator integrator;
+    int order;    /* Taylor order, 8 to 40; 0: chosen from rtol */
+    int columns;  /* tangent vectors carried along, 0 to 256 */
+} saltus_flow_options;
+
+/* rtol 1e-13, atol 1e-16, automatic integrator and order, no tangent vectors. */
+saltus_flow_options saltus_flow_defaults(void);
+
+typedef enum saltus_event_kind {
+    SALTUS_REACHED, /* the target time */
+    SALTUS_IMPACT,
+    SALTUS_STICK,   /* complete chatter or an impact without rebound ended: the contact holds from here */
+    SALTUS_RELEASE, /* the contact force fell through zero */
+    SALTUS_TURNING, /* the observed displacement's velocity passed through zero */
+    SALTUS_STEP     /* one step was made (asked for to sample the dense output) */
+} saltus_event_kind;
+
+/* Which events end an advance, as bits; impacts and contacts are always handled, watched or not. */
+enum {
+    SALTUS_WATCH_IMPACT = 1 << SALTUS_IMPACT,
+    SALTUS_WATCH_STICK = 1 << SALTUS_STICK,
+    SALTUS_WATCH_RELEASE = 1 << SALTUS_RELEASE,
+    SALTUS_WATCH_TURNING = 1 << SALTUS_TURNING,
+    SALTUS_WATCH_STEP = 1 << SALTUS_STEP,
+    SALTUS_WATCH_CONTACT = SALTUS_WATCH_IMPACT | SALTUS_WATCH_STICK | SALTUS_WATCH_RELEASE
+};
+
+/* Why an advance ended. */
+typedef struct saltus_event {
+    saltus_event_kind kind;
+    int face;               /* contact events: which face; otherwise -1 */
+    saltus_time time;       /* for a stick: the accumulation point of the impacts */
+    double velocity_before; /* n.q' just before (signed as n.q': positive towards an upper stop); turning: acceleration */
+    double velocity_after;  /* n.q' just after */
+    double displacement;    /* of the observer (turning) or of the contact coordinate */
+} saltus_event;
+
+/* What a flow has done since it was started. */
+typedef struct saltus_flow_info {
+    long long steps;             /* steps of the integrator */
+    long long field_evaluations; /* Taylor: orders expanded; Radau: node evaluations */
+    long long impacts, sticks, releases;
+    double log_volume;           /* sum of 2 ln r over the impacts: the impacts' share of the sum rule */
+} saltus_flow_info;
+
+typedef struct saltus_flow saltus_flow;
+
+/* Create a workspace for one trajectory (lanes = 1) or for several side by side. `systems` holds `lanes` systems of
+ * one model and size; they must outlive the flow. All memory is allocated here.
+ * lanes: 1, or up to saltus_flow_width(). Errors: SALTUS_BAD_INPUT, SALTUS_NO_MEMORY. */
+saltus_status saltus_flow_new(const saltus_system *const *systems, int lanes, const saltus_flow_options *options,
+                              saltus_flow **flow, saltus_message *message);
+/* NULL is accepted. */
+void saltus_flow_free(saltus_flow *flow);
+/* Number of trajectories that run side by side for a system's model on this processor. */
+int saltus_flow_width(const saltus_system *system);
+const saltus_system *saltus_flow_system(const saltus_flow *flow, int lane);
+int saltus_flow_columns(const saltus_flow *flow);
+
+/* Place a lane at a time and state (length dimension), resting or approaching contacts resolved. The state must be
+ * beyond no stop (SALTUS_BAD_INPUT). Tangent vectors become the first columns of the identity matrix. */
+saltus_status saltus_flow_start(saltus_flow *flow, int lane, saltus_time time, const double *state,
+                                saltus_message *message);
+/* Set or read tangent vectors: `columns` vectors of length dimension, one after the other. */
+void saltus_flow_set_tangents(saltus_flow *flow, int lane, const double *tangents);
+void saltus_flow_tangents(const saltus_flow *flow, int lane, double *tangents);
+/* The state (length dimension) and time of a lane now. */
+void saltus_flow_state(const saltus_flow *flow, int lane, double *state);
+saltus_time saltus_flow_time(const saltus_flow *flow, int lane);
+/* The time derivative of the state now, contacts held; for section derivatives. */
+void saltus_flow_field(saltus_flow *flow, int lane, double *derivative);
+/* Faces now in lasting contact, as bits. */
+unsigned saltus_flow_contacts(const saltus_flow *flow, int lane);
+saltus_flow_info saltus_flow_information(const saltus_flow *flow, int lane);
+
+/* Give a lane its next target: advance to time `until` (not before now) or to the first watched event. */
+void saltus_flow_aim(saltus_flow *flow, int lane, saltus_time until, unsigned watch);
+/* Advance all aimed lanes until one of them has reached its target; that lane must be aimed again before it moves.
+ * Errors: SALTUS_STALLED with time, gap and speed in the message; the lane named in *lane stays where it is. */
+saltus_status saltus_flow_run(saltus_flow *flow, int *lane, saltus_event *event, saltus_message *message);
+/* aim and run for lane 0. */
+saltus_status saltus_flow_advance(saltus_flow *flow, saltus_time until, unsigned watch, saltus_event *event,
+                                  saltus_message *message);
+
+/* Dense output: the last step of a lane covers [begin, now]; the state at a time in it, to the step's own accuracy.
+ * `since` is the time since the step's begin, in units of time (not of T). */
+double saltus_flow_step_length(const saltus_flow *flow, int lane);
+saltus_time saltus_flow_step_begin(const saltus_flow *flow, int lane);
+void saltus_flow_dense(const saltus_flow *flow, int lane, double since, double *state);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

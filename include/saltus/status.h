@@ -1,0 +1,42 @@
+/* Return codes and messages shared by every room of the library.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef SALTUS_STATUS_H
+#define SALTUS_STATUS_H
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define SALTUS_VERSION "0.1.0"
+
+/* What a call returns: zero, or a negative number that says why the call could not do its work. Why a
+ * computation *ended* (time reached, section, impact, ...) is a different question with an answer of its own. */
+typedef enum saltus_status {
+    SALTUS_OK = 0,
+    SALTUS_BAD_INPUT = -1,      /* an argument, a scene or an option is not acceptable */
+    SALTUS_NO_MEMORY = -2,      /* an allocation failed; nothing was changed */
+    SALTUS_NO_CONVERGENCE = -3, /* an iteration did not reach its tolerance */
+    SALTUS_STALLED = -4,        /* the flow could not proceed: step or impact sequence without progress */
+    SALTUS_SINGULAR = -5,       /* a linear system or a derivative is singular (grazing, say) */
+    SALTUS_IO = -6              /* a file or a child process failed */
+} saltus_status;
+
+/* One clear sentence about a failure, written by the call that failed. Owned by the caller. */
+typedef struct saltus_message {
+    char text[512];
+} saltus_message;
+
+/* The name of a status, for messages ("no convergence"). Never NULL. */
+const char *saltus_status_name(saltus_status status);
+
+/* Write a formatted sentence into `message` (which may be NULL) and return `status`. */
+saltus_status saltus_fail(saltus_message *message, saltus_status status, const char *format, ...)
+#if defined(__GNUC__)
+    __attribute__((format(printf, 3, 4)))
+#endif
+    ;
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,137 @@
+/* Systems: the constant description of a structure, its forcing and its stops.
+ *
+ * A system is built once from a specification (a model, its parameters, its stops), checked, and never written
+ * again; any number of flows may share it. Everything is nondimensional unless a model says otherwise.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef SALTUS_SYSTEM_H
+#define SALTUS_SYSTEM_H
+
+#include "saltus/status.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+enum {
+    SALTUS_PARAMETERS_MAX = 24, /* parameters of one model */
+    SALTUS_STOPS_MAX = 4,       /* stops of one scene; a two-sided stop counts once */
+    SALTUS_FACES_MAX = 8        /* one-sided contacts: two for each two-sided stop */
+};
+
+/* One entry of an option or parameter table: it gives the default, the check, `--set`, `--help` and file headers. */
+typedef struct saltus_parameter {
+    const char *name;   /* the symbol used in scenes, on the command line and in results */
+    bool integer;       /* whole numbers only */
+    double fallback;    /* default */
+    double min, max;    /* admissible range */
+    bool open_min;      /* min itself is not admissible */
+    bool open_max;      /* max itself is not admissible */
+    const char *meaning;/* one phrase, with the unit where there is one */
+} saltus_parameter;
+
+typedef struct saltus_model saltus_model;
+
+/* Number of models and the k-th one (NULL beyond the last). Static storage. */
+int saltus_model_count(void);
+const saltus_model *saltus_model_at(int k);
+/* The model of that name, or NULL. */
+const saltus_model *saltus_model_find(const char *name);
+const char *saltus_model_name(const saltus_model *model);
+const char *saltus_model_summary(const saltus_model *model);
+/* The parameter table of a model and its length. */
+const saltus_parameter *saltus_model_parameters(const saltus_model *model, int *count);
+/* Index of a parameter in the model's table, or -1. */
+int saltus_model_parameter_index(const saltus_model *model, const char *name);
+
+typedef enum saltus_sides { SALTUS_UPPER = 1, SALTUS_LOWER = 2, SALTUS_BOTH = 3 } saltus_sides;
+
+/* A rigid stop. The contact coordinate g is a linear function of the displacements: eta(xi) of a pipe,
+ * weight[0] x1 + weight[1] x2 of an oscillator. An upper stop forbids g > d, a lower one g < -d. */
+typedef struct saltus_stop {
+    double xi;        /* position along the pipe, 0 < xi < 1 (pipe only) */
+    double weight[2]; /* the coordinate that the stop limits (oscillator only) */
+    double d;         /* clearance; negative is a pre-load, possible for a one-sided stop only */
+    double r;         /* coefficient of restitution, 0 <= r <= 1 */
+    saltus_sides sides;
+} saltus_stop;
+
+/* Ranges of the keys of a stop (xi, d, r), in the form of the parameter tables. */
+const saltus_parameter *saltus_stop_parameters(int *count);
+
+/* What a system is built from: plain values, owned by the caller. */
+typedef struct saltus_spec {
+    const saltus_model *model;
+    double parameters[SALTUS_PARAMETERS_MAX]; /* in the order of the model's table */
+    saltus_stop stops[SALTUS_STOPS_MAX];
+    int stop_count;
+} saltus_spec;
+
+/* The model's defaults without any stop. */
+saltus_spec saltus_spec_defaults(const saltus_model *model);
+/* The value of a parameter by name; NaN when the model has none of that name. */
+double saltus_spec_get(const saltus_spec *spec, const char *name);
+/* A stop with the defaults xi = 1/2, weight = (1, 0), d = 1, r = 0.9, upper side. */
+saltus_stop saltus_stop_defaults(void);
+
+typedef struct saltus_system saltus_system;
+
+/* One one-sided contact as the flow sees it: gap(q) = normal . q - d <= 0. */
+typedef struct saltus_face {
+    int stop;  /* index into the spec's stops */
+    int side;  /* +1 upper, -1 lower */
+    double d;  /* clearance */
+    double r;  /* restitution */
+} saltus_face;
+
+/* Check a specification and build a system from it.
+ * On success *system is a new object to be freed with saltus_system_free; on failure it is NULL and `message`
+ * (may be NULL) names the key, the value and what would be right.
+ * Errors: SALTUS_BAD_INPUT, SALTUS_NO_MEMORY. */
+saltus_status saltus_system_new(const saltus_spec *spec, saltus_system **system, saltus_message *message);
+/* NULL is accepted. */
+void saltus_system_free(saltus_system *system);
+
+const saltus_spec *saltus_system_spec(const saltus_system *system);
+/* Degrees of freedom (modes), extra first-order states, and the length of a state vector:
+ * displacements q, then velocities q', then the extra states. */
+int saltus_system_dof(const saltus_system *system);
+int saltus_system_extra(const saltus_system *system);
+int saltus_system_dimension(const saltus_system *system);
+/* Forcing period T = 2 pi / omega, the unit in which sections and event phases are counted. */
+double saltus_system_period(const saltus_system *system);
+/* Whether the vector field depends on time. */
+bool saltus_system_forced(const saltus_system *system);
+/* Whether q -> -q maps the system, stops included, onto itself. With `shift`, together with a shift by half a
+ * forcing period: q(t) -> -q(t + T/2), the symmetry of a directly forced system. */
+bool saltus_system_mirror_symmetric(const saltus_system *system, bool *shift);
+int saltus_system_face_count(const saltus_system *system);
+saltus_face saltus_system_face(const saltus_system *system, int face);
+/* Row vector n with g = n.q for a stop (length dof). */
+const double *saltus_system_stop_normal(const saltus_system *system, int stop);
+/* Gap normal.q - d of a face for a state; negative inside, positive beyond the stop. */
+double saltus_system_gap(const saltus_system *system, int face, const double *state);
+/* A typical magnitude of each state component (length dimension), for random initial states and scaled distances. */
+const double *saltus_system_scale(const saltus_system *system);
+/* The row vector of the displacement that diagrams show: the first stop's contact coordinate; without a stop the
+ * pipe's midpoint or the oscillator's first mass. */
+const double *saltus_system_observer(const saltus_system *system);
+/* A small admissible initial state for scenes that give none. Errors: SALTUS_BAD_INPUT when none could be found
+ * (contradicting pre-loads). */
+saltus_status saltus_system_default_state(const saltus_system *system, double *state, saltus_message *message);
+/* Check that a state is finite and beyond no stop. `message` names the stop and the displacement. */
+saltus_status saltus_system_check_state(const saltus_system *system, const double *state, saltus_message *message);
+/* Trace of the Jacobian of the vector field at a state (model.md, section 1), for the sum rule of exponents. */
+double saltus_system_trace(const saltus_system *system, const double *state);
+/* Displacement at position xi along the structure (0..1): eta(xi) of a pipe, the masses of an oscillator joined by
+ * straight lines from the support at xi = 0. */
+double saltus_system_shape(const saltus_system *system, const double *state, double xi);
+/* Name of the integrator chosen when the system was built ("taylor" or "radau"). */
+const char *saltus_system_integrator(const saltus_system *system);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,29 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "base/memory.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { alignment = 64 };
+
+double *saltus_arena_doubles(saltus_arena *arena, size_t count) {
+    unsigned char *place = arena->base ? arena->base + arena->used : NULL;
+    size_t bytes = count * sizeof(double);
+    arena->used += (bytes + alignment - 1) / alignment * alignment;
+    return (double *)(void *)place;
+}
+
+bool saltus_arena_open(saltus_arena *arena) {
+    size_t bytes = arena->used + alignment;
+    arena->base = aligned_alloc(alignment, bytes);
+    if (arena->base) {
+        memset(arena->base, 0, bytes);
+        arena->used = 0;
+    }
+    return arena->base != NULL;
+}
+
+void saltus_arena_close(saltus_arena *arena) {
+    free(arena->base);
+    *arena = (saltus_arena){0};
+}

@@ -1,0 +1,24 @@
+/* One aligned block per object, carved into arrays: an object is allocated once, checked once and freed once.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef SALTUS_BASE_MEMORY_H
+#define SALTUS_BASE_MEMORY_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+/* An arena is used in two passes over the same code: measuring (base == NULL: only `used` grows) and handing out. */
+typedef struct saltus_arena {
+    unsigned char *base;
+    size_t used;
+} saltus_arena;
+
+/* Reserve `count` doubles, aligned to 64 bytes and zeroed. NULL while measuring. */
+double *saltus_arena_doubles(saltus_arena *arena, size_t count);
+
+/* Allocate the measured number of bytes, zeroed and aligned to 64; false if there is no memory. */
+bool saltus_arena_open(saltus_arena *arena);
+
+/* Free what the arena holds. A zeroed arena is accepted. */
+void saltus_arena_close(saltus_arena *arena);
+
+#endif

@@ -1,0 +1,375 @@
+/* Contacts: impact law, complete chatter, sticking, release, and what they do to tangent vectors.
+ *
+ * Impact: Newton's law for all faces that take part (model.md, section 2). Which faces receive an impulse is the
+ * solution of a complementarity problem, found by trying the few subsets in order of size: impulses push, and no
+ * face without one is left closing.
+ *
+ * Complete chatter (Nordmark & Piiroinen, Nonlinear Dynamics 58 (2009) 85-106): impacts are simulated one by one until
+ * the rest of the sequence is negligible. With outgoing speed v, contact acceleration a > 0 of the state projected on
+ * the stop, the sequence lasts 2 v / (a (1 - r)) and rises no further than v^2 / (2 a) from the stop; when
+ * v^2 / (a (1 - r)) is below the tolerance in displacement, the velocity is projected on n.q' = 0 and the contact holds
+ * from the same instant. The impulses act along one direction, to which the rest of the state is blind but for the
+ * small excursion; its integral over the sequence is of third order in v (the mean of the normal velocity vanishes
+ * between contacts), so the remaining error is v^3 in the state and v^2 in its derivative.
+ *
+ * Tangent vectors pass every event by the saltation matrix S = DP + (f+ - DP f-) (n, 0)^T / (n.q'-). The end of a
+ * chatter is the same formula with r = 0 and the sticking field as f+; release has no jump in the field, so S = 1.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "flow/flow.h"
+
+#include "base/dense.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+double saltus_face_normal(const saltus_system *system, int face, const double *vector) {
+    saltus_face f = system->faces[face];
+    const double *normal = system->stop_normal[f.stop];
+    double sum = 0;
+    for (int i = 0; i < system->dof; i++)
+        sum = fma(normal[i], vector[i], sum);
+    return f.side * sum;
+}
+
+/* pull_k = sum_j (N B)^-1_kj (1 + r_j) n_j, with r_j = 0 for faces that do not rebound. */
+static void fill_pull(const saltus_system *system, saltus_contact_map *map, const double *inverse, unsigned elastic) {
+    int n = system->dof, m = map->count;
+    memset(map->pull, 0, (size_t)(m * n) * sizeof *map->pull);
+    for (int k = 0; k < m; k++)
+        for (int j = 0; j < m; j++) {
+            saltus_face f = system->faces[map->face[j]];
+            double factor = inverse[k * m + j] * f.side * (elastic >> map->face[j] & 1 ? 1 + f.r : 1);
+            for (int i = 0; i < n; i++)
+                map->pull[k * n + i] += factor * system->stop_normal[f.stop][i];
+        }
+}
+
+bool saltus_contact_map_build(const saltus_system *system, unsigned faces, unsigned elastic, saltus_contact_map *map) {
+    double gram[SALTUS_FACES_MAX * SALTUS_FACES_MAX], inverse[SALTUS_FACES_MAX * SALTUS_FACES_MAX];
+    int n = system->dof, m = 0;
+    for (int f = 0; f < system->face_count; f++)
+        if (faces >> f & 1)
+            map->face[m++] = f;
+    map->count = m;
+    if (m > n)
+        return false;
+    for (int k = 0; k < m; k++) {
+        saltus_face f = system->faces[map->face[k]];
+        for (int i = 0; i < n; i++)
+            map->push[k * n + i] = f.side * system->stop_impulse[f.stop][i];
+    }
+    for (int k = 0; k < m; k++)
+        for (int j = 0; j < m; j++)
+            gram[k * m + j] = saltus_face_normal(system, map->face[k], map->push + j * n);
+    if (!saltus_dense_inverse(gram, m, inverse))
+        return false;
+    fill_pull(system, map, inverse, elastic);
+    return true;
+}
+
+static double dot(const double *a, const double *b, int n) {
+    double sum = 0;
+    for (int i = 0; i < n; i++)
+        sum = fma(a[i], b[i], sum);
+    return sum;
+}
+
+void saltus_contact_map_apply(const saltus_contact_map *map, int dof, double *velocity) {
+    double size[SALTUS_FACES_MAX];
+    for (int k = 0; k < map->count; k++)
+        size[k] = dot(map->pull + k * dof, velocity, dof);
+    for (int k = 0; k < map->count; k++)
+        for (int i = 0; i < dof; i++)
+            velocity[i] = fma(-size[k], map->push[k * dof + i], velocity[i]);
+}
+
+static void publish_row(double *rows, int row, int stride, int lane, int slot, const double *values, int n) {
+    for (int i = 0; i < n; i++)
+        rows[slot * row + i * stride + lane] = values ? values[i] : 0.0;
+}
+
+static void publish(saltus_work *work, int lane, const saltus_contact_map *map, int slots) {
+    int n = work->dof;
+    for (int k = 0; k < slots; k++) {
+        bool used = k < map->count;
+        publish_row(work->push, work->row, work->stride, lane, k, used ? map->push + k * n : NULL, n);
+        publish_row(work->pull, work->row, work->stride, lane, k, used ? map->pull + k * n : NULL, n);
+    }
+}
+
+void saltus_contacts_publish(saltus_flow *flow, int lane) {
+    int slots = 0;
+    for (int l = 0; l < flow->lanes; l++)
+        slots = flow->lane[l].hold.count > slots ? flow->lane[l].hold.count : slots;
+    publish(&flow->work, lane, &flow->lane[lane].hold, flow->lane[lane].system->face_count);
+    flow->work.contacts = slots;
+    if (flow->radau)
+        saltus_radau_publish(flow->radau, &flow->work);
+}
+
+/* Series of the state at one point, in the lane's narrow probe, to `order`. */
+static saltus_work *probe_at(saltus_flow *flow, int lane, const double *state, double phase,
+                             const saltus_contact_map *hold, int order) {
+    saltus_work *probe = &flow->probe[lane];
+    size_t n = (size_t)flow->dof * sizeof(double);
+    memcpy(probe->xq, state, n);
+    memcpy(probe->xv, state + flow->dof, n);
+    if (flow->extra)
+        memcpy(probe->xe, state + 2 * flow->dof, (size_t)flow->extra * sizeof(double));
+    probe->phase[0] = phase;
+    probe->contacts = hold ? hold->count : 0;
+    if (hold)
+        publish(probe, 0, hold, hold->count);
+    flow->narrow->expand(probe, order);
+    return probe;
+}
+
+void saltus_field_at(saltus_flow *flow, int lane, const double *state, double phase, const saltus_contact_map *hold,
+                     double *derivative) {
+    saltus_work *probe = probe_at(flow, lane, state, phase, hold, 1);
+    memcpy(derivative, state + flow->dof, (size_t)flow->dof * sizeof(double));
+    memcpy(derivative + flow->dof, probe->v + saltus_work_jet(probe, 1, 0), (size_t)flow->dof * sizeof(double));
+    if (flow->extra)
+        memcpy(derivative + 2 * flow->dof, probe->e + saltus_work_extra_jet(probe, 1, 0),
+               (size_t)flow->extra * sizeof(double));
+}
+
+/* Coefficient k of the gap's series at the probe's point: side * n.q_k. */
+static double gap_coefficient(const saltus_system *system, const saltus_work *probe, int face, int k) {
+    saltus_face f = system->faces[face];
+    return f.side * probe->gap[(size_t)f.stop * (size_t)(probe->order + 2) + (size_t)k];
+}
+
+/* Whether a face touched with zero velocity is pressed: the sign of the first coefficient of its gap's series, from the
+ * second order on, that stands out of rounding. */
+static bool pressed(const saltus_system *system, const saltus_work *probe, int face, int order) {
+    for (int k = 2; k <= order; k++) {
+        double size = 0;
+        for (int i = 0; i < system->dof; i++)
+            size += fabs(system->stop_normal[system->faces[face].stop][i] * probe->q[saltus_work_jet(probe, k, 0) + (size_t)i]);
+        double value = gap_coefficient(system, probe, face, k);
+        if (fabs(value) > 1e-12 * size)
+            return value > 0;
+    }
+    return true;
+}
+
+static int count_bits(unsigned bits) {
+    int count = 0;
+    for (; bits; bits &= bits - 1)
+        count++;
+    return count;
+}
+
+/* The subset of `resting` whose contacts hold: all of its contact forces push, no other resting face closes. */
+static unsigned holding_subset(saltus_flow *flow, int lane, unsigned resting) {
+    enum { order = 5 };
+    saltus_lane *self = &flow->lane[lane];
+    const saltus_system *system = self->system;
+    int total = count_bits(resting);
+    for (int size = 0; size <= total; size++)
+        for (unsigned subset = 0; subset <= resting; subset++) {
+            if ((subset & resting) != subset || count_bits(subset) != size ||
+                !saltus_contact_map_build(system, subset, 0, &flow->scratch))
+                continue;
+            saltus_work *probe = probe_at(flow, lane, self->state, self->now.phase, &flow->scratch, order);
+            bool valid = true;
+            for (int k = 0; k < flow->scratch.count; k++)
+                valid &= probe->force[(size_t)k * (size_t)(probe->order + 2)] >= 0;
+            for (int f = 0; f < system->face_count; f++)
+                if (resting & ~subset & 1u << f)
+                    valid &= !pressed(system, probe, f, order);
+            if (valid)
+                return subset;
+        }
+    return resting;
+}
+
+void saltus_contacts_rest(saltus_flow *flow, int lane, unsigned resting) {
+    saltus_lane *self = &flow->lane[lane];
+    unsigned held = holding_subset(flow, lane, resting);
+    if (!saltus_contact_map_build(self->system, held, 0, &self->hold)) {
+        held = 0;
+        self->hold.count = 0;
+    }
+    self->contacts = held;
+    for (int f = 0; f < self->system->face_count; f++)
+        if (resting & ~held & 1u << f)
+            self->face[f] = (saltus_face_state){.touch = 2};
+    saltus_contacts_publish(flow, lane);
+}
+
+/* Faces that the state touches: held ones, the one being hit, and others whose gap is zero to rounding. */
+static unsigned touched_faces(const saltus_lane *self, int hit) {
+    unsigned touched = self->contacts | 1u << hit;
+    double size = 0;
+    for (int i = 0; i < self->system->dof; i++)
+        size += fabs(self->state[i]);
+    for (int f = 0; f < self->system->face_count; f++)
+        if (saltus_system_gap(self->system, f, self->state) > -8 * DBL_EPSILON * (size + fabs(self->system->faces[f].d)))
+            touched |= 1u << f;
+    return touched;
+}
+
+/* Newton's law at the touched faces: the smallest set of impulses, among them one at the hit face, that all push and
+ * leave no touched face closing. The map is left in `map`; false when there is none. */
+static bool impact_map(const saltus_lane *self, int hit, unsigned touched, const double *velocity,
+                       saltus_contact_map *map) {
+    const saltus_system *system = self->system;
+    double after[64];
+    int n = system->dof;
+    for (int size = 1; size <= count_bits(touched); size++)
+        for (unsigned subset = 1; subset <= touched; subset++) {
+            if ((subset & touched) != subset || count_bits(subset) != size || !(subset >> hit & 1) ||
+                !saltus_contact_map_build(system, subset, subset & ~self->contacts, map))
+                continue;
+            bool valid = true;
+            for (int k = 0; k < map->count; k++)
+                valid &= dot(map->pull + k * n, velocity, n) >= 0 || map->face[k] == hit;
+            memcpy(after, velocity, (size_t)n * sizeof *after);
+            saltus_contact_map_apply(map, n, after);
+            double tiny = 64 * DBL_EPSILON * sqrt(dot(velocity, velocity, n));
+            for (int f = 0; f < system->face_count; f++)
+                if (touched & ~subset & 1u << f)
+                    valid &= saltus_face_normal(system, f, after) <= tiny;
+            if (valid)
+                return true;
+        }
+    return false;
+}
+
+/* S delta = DP delta + (f+ - DP f-) (n.delta_q) / (n.q'-) for every tangent vector. */
+static void saltate(saltus_flow *flow, saltus_lane *self, int face, double speed, const saltus_contact_map *map) {
+    int n = flow->dof, dimension = flow->dimension;
+    double *jump = self->before;
+    /* DP leaves displacements alone: only the acceleration part of f- is mapped. */
+    saltus_contact_map_apply(map, n, jump + n);
+    for (int i = 0; i < dimension; i++)
+        jump[i] = self->after[i] - self->before[i];
+    for (int c = 0; c < flow->options.columns; c++) {
+        double *delta = self->tangents + c * dimension;
+        double delay = saltus_face_normal(self->system, face, delta) / speed;
+        saltus_contact_map_apply(map, n, delta + n);
+        for (int i = 0; i < dimension; i++)
+            delta[i] = fma(delay, jump[i], delta[i]);
+    }
+}
+
+/* Remaining time of a chatter that may be cut short here; negative if it may not. `self->trial` receives the state
+ * with the normal velocity removed. */
+static double chatter_remainder(saltus_flow *flow, int lane, int face, double rebound, double acceleration) {
+    saltus_lane *self = &flow->lane[lane];
+    const saltus_system *system = self->system;
+    double r = system->faces[face].r, size = 0;
+    memcpy(self->trial, self->state, (size_t)flow->dimension * sizeof(double));
+    if (!saltus_contact_map_build(system, self->contacts | 1u << face, 0, &flow->scratch))
+        return -1;
+    saltus_contact_map_apply(&flow->scratch, flow->dof, self->trial + flow->dof);
+    saltus_work *probe = probe_at(flow, lane, self->trial, self->now.phase, &self->hold, 3);
+    double a = 2 * gap_coefficient(system, probe, face, 2), jerk = 6 * gap_coefficient(system, probe, face, 3);
+    for (int i = 0; i < flow->dof; i++)
+        size = fmax(size, fmax(fabs(self->state[i]), fabs(self->state[flow->dof + i]) / flow->work.omega_unit));
+    double tolerance = 0.1 * (flow->options.atol + flow->options.rtol * size);
+    if (!(a > 0) || (r == 1 && rebound > 0) || (rebound > 0 && rebound * rebound > tolerance * a * (1 - r)))
+        return -1;
+    double remainder = rebound > 0 ? 2 * rebound / (a * (1 - r)) : 0;
+    bool steady = fabs(jerk) * remainder <= 0.1 * a && fabs(acceleration - a) <= 0.1 * a;
+    return rebound == 0 || steady ? remainder : -1;
+}
+
+/* Faces of `touched` that rest after the impact: no normal velocity out of rounding. */
+static unsigned resting_faces(const saltus_lane *self, unsigned touched, double tiny) {
+    unsigned resting = 0;
+    for (int f = 0; f < self->system->face_count; f++)
+        if (touched >> f & 1 && fabs(saltus_face_normal(self->system, f, self->state + self->system->dof)) <= tiny)
+            resting |= 1u << f;
+    return resting;
+}
+
+/* Bring the state exactly onto the stops that hold. */
+static void settle_on_stops(const saltus_system *system, const saltus_contact_map *hold, double *state) {
+    for (int k = 0; k < hold->count; k++) {
+        double gap = saltus_system_gap(system, hold->face[k], state);
+        for (int i = 0; i < system->dof; i++)
+            state[i] = fma(-gap, hold->push[k * system->dof + i], state[i]);
+    }
+    saltus_contact_map_apply(hold, system->dof, state + system->dof);
+}
+
+saltus_status saltus_contacts_impact(saltus_flow *flow, int lane, int face, saltus_event *event) {
+    saltus_lane *self = &flow->lane[lane];
+    const saltus_system *system = self->system;
+    int n = flow->dof;
+    double speed = saltus_face_normal(system, face, self->state + n);
+    if (speed <= 0)
+        speed = 0;
+    unsigned touched = touched_faces(self, face);
+    saltus_contact_map *map = &flow->scratch;
+    if (!impact_map(self, face, touched, self->state + n, map))
+        return SALTUS_STALLED;
+    if (flow->options.columns)
+        saltus_field_at(flow, lane, self->state, self->now.phase, &self->hold, self->before);
+    double size = sqrt(dot(self->state + n, self->state + n, n)), tiny = 64 * DBL_EPSILON * size;
+    saltus_contact_map_apply(map, n, self->state + n);
+    unsigned impulses = 0;
+    for (int k = 0; k < map->count; k++)
+        impulses |= 1u << map->face[k];
+
+    int side = system->faces[face].side;
+    double rebound = system->faces[face].r * speed;
+    *event = (saltus_event){.kind = SALTUS_IMPACT,
+                            .face = face,
+                            .time = self->now,
+                            .velocity_before = side * speed,
+                            .velocity_after = -side * rebound,
+                            .displacement = side * system->faces[face].d};
+    if (speed > 0) {
+        self->info.impacts++;
+        self->info.log_volume += 2 * log(system->faces[face].r);
+    }
+
+    /* Does the sequence end here? Then the impact is taken without rebound and the contact rests. */
+    saltus_work *probe = probe_at(flow, lane, self->state, self->now.phase, &self->hold, 2);
+    double acceleration = 2 * gap_coefficient(system, probe, face, 2);
+    double remainder = chatter_remainder(flow, lane, face, rebound, acceleration);
+    unsigned elastic = impulses & ~self->contacts;
+    if (remainder >= 0) {
+        memcpy(self->state, self->trial, (size_t)flow->dimension * sizeof(double));
+        elastic &= ~(1u << face);
+        tiny = fmax(tiny, 1e3 * DBL_EPSILON * size);
+    }
+    unsigned resting = resting_faces(self, touched, tiny);
+    if (remainder >= 0)
+        resting |= 1u << face;
+    for (int f = 0; f < system->face_count; f++)
+        if (touched >> f & 1)
+            self->face[f] = (saltus_face_state){.touch = 1};
+    unsigned held_before = self->contacts;
+    saltus_contacts_rest(flow, lane, resting);
+    settle_on_stops(system, &self->hold, self->state);
+
+    if (flow->options.columns && speed > 0) {
+        if (!saltus_contact_map_build(system, impulses | (remainder >= 0 ? held_before : 0), elastic, map))
+            return SALTUS_STALLED;
+        saltus_field_at(flow, lane, self->state, self->now.phase, &self->hold, self->after);
+        saltate(flow, self, face, speed, map);
+    }
+    if (self->contacts & ~held_before) {
+        self->info.sticks++;
+        event->kind = SALTUS_STICK;
+        event->time = saltus_time_after(self->now, remainder > 0 ? remainder / system->period : 0);
+    }
+    return SALTUS_OK;
+}
+
+void saltus_contacts_release(saltus_flow *flow, int lane, int face) {
+    saltus_lane *self = &flow->lane[lane];
+    unsigned rest = self->contacts & ~(1u << face);
+    self->info.releases++;
+    self->face[face] = (saltus_face_state){.touch = 3};
+    if (!saltus_contact_map_build(self->system, rest, 0, &self->hold))
+        self->hold.count = 0;
+    self->contacts = rest;
+    saltus_contacts_publish(flow, lane);
+}

@@ -1,0 +1,77 @@
+/* Which kernel serves a model on this processor.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "flow/kernel.h"
+#include "flow/kernel_list.h"
+
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define DECLARE(model, isa, width) extern const saltus_kernel saltus_kernel_##model##_##isa##_##width;
+SALTUS_KERNELS(DECLARE)
+
+typedef enum { isa_base, isa_v3, isa_v4 } isa_level;
+
+#define ENTRY(model, isa, width) {isa_##isa, &saltus_kernel_##model##_##isa##_##width},
+static const struct {
+    isa_level isa;
+    const saltus_kernel *kernel;
+} kernels[] = {SALTUS_KERNELS(ENTRY)};
+
+static isa_level processor_level(void) {
+#if defined(__x86_64__)
+    __builtin_cpu_init();
+    bool v3 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
+    bool v4 = v3 && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
+              __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512bw") &&
+              __builtin_cpu_supports("avx512cd");
+    return v4 ? isa_v4 : v3 ? isa_v3 : isa_base;
+#else
+    return isa_base;
+#endif
+}
+
+static isa_level allowed_level(void) {
+    isa_level level = processor_level();
+    const char *forced = getenv("SALTUS_ISA");
+    isa_level cap = !forced                               ? level
+                    : strcmp(forced, "x86-64-v4") == 0 ? isa_v4
+                    : strcmp(forced, "x86-64-v3") == 0 ? isa_v3
+                                                       : isa_base;
+    return cap < level ? cap : level;
+}
+
+const saltus_kernel *saltus_kernel_find(const char *model, int lanes) {
+    isa_level level = allowed_level();
+    const saltus_kernel *best = NULL;
+    isa_level best_isa = isa_base;
+    for (size_t k = 0; k < sizeof kernels / sizeof kernels[0]; k++) {
+        const saltus_kernel *kernel = kernels[k].kernel;
+        bool fits = strcmp(kernel->model, model) == 0 && (lanes == 1) == (kernel->lanes == 1);
+        if (fits && kernels[k].isa <= level && (!best || kernels[k].isa >= best_isa)) {
+            best = kernel;
+            best_isa = kernels[k].isa;
+        }
+    }
+    return best;
+}
+
+saltus_status saltus_work_open(saltus_work *work, const saltus_kernel *kernel, const saltus_system *system, int order,
+                               int columns) {
+    *work = (saltus_work){.dof = system->dof,
+                          .extra = system->extra,
+                          .order = order,
+                          .columns = columns,
+                          .stops = system->spec.stop_count ? system->spec.stop_count : 1,
+                          .contacts = system->face_count,
+                          .omega_unit = system->scale[system->dof] / system->scale[0]};
+    kernel->reserve(work);
+    if (!saltus_arena_open(&work->arena))
+        return SALTUS_NO_MEMORY;
+    kernel->reserve(work);
+    work->contacts = 0;
+    work->stops = system->spec.stop_count;
+    return SALTUS_OK;
+}
+
+void saltus_work_close(saltus_work *work) { saltus_arena_close(&work->arena); }

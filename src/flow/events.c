@@ -1,0 +1,149 @@
+/* Events on the step's polynomial. The contract is at the head of flow.c.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "flow/flow.h"
+
+#include <float.h>
+#include <math.h>
+
+static int degree_of(const saltus_flow *flow) {
+    return flow->integrator == SALTUS_RADAU ? SALTUS_RADAU_DEGREE : flow->work.order;
+}
+
+/* Series of a lane: `coefficients` with the lanes side by side. c_k = factor * series_k step^k. */
+static void scaled_series(const saltus_flow *flow, int lane, const double *series, double factor, int degree,
+                          double step, double *c) {
+    for (int k = 0; k <= degree; k++) {
+        c[k] = factor * series[k * flow->lanes + lane];
+        factor *= step;
+    }
+}
+
+/* The gap of a face over the step, in the variable s = t / step. Known zeros at the start are exact. */
+static void gap_polynomial(const saltus_flow *flow, int lane, int face, double step, double *c) {
+    const saltus_lane *self = &flow->lane[lane];
+    saltus_face f = self->system->faces[face];
+    const saltus_face_state *known = &self->face[face];
+    const double *series = flow->work.gap + (size_t)f.stop * (size_t)(flow->work.order + 2) * (size_t)flow->lanes;
+    scaled_series(flow, lane, series, f.side, degree_of(flow), step, c);
+    c[0] -= f.d;
+    if (known->shadow) {
+        c[0] = known->gap;
+        c[1] = known->rate * step;
+    }
+    for (int k = 0; k < known->touch; k++)
+        c[k] = 0;
+}
+
+/* Whether sum of c is surely negative on [0, 1]: the start plus all that can lift it. */
+static bool surely_negative(const double *c, int degree) {
+    double bound = c[0];
+    for (int k = 1; k <= degree; k++)
+        bound += c[k] > 0 ? c[k] : 0;
+    return bound < -1e-14 * fabs(c[0]);
+}
+
+/* First rise of c through zero on (0, 1], the first `touch` coefficients being zeros at the start and not counted. A
+ * start at zero or above it by rounding counts as a zero when c falls from there, and as a rise at once otherwise. */
+static bool first_rise(const double *c, int degree, int touch, double *root) {
+    while (touch < degree && c[touch] == 0)
+        touch++;
+    if (c[touch] > 0 && touch + 1 <= degree && c[touch + 1] < 0)
+        touch++;
+    else if (c[touch] > 0) {
+        *root = 0;
+        return true;
+    }
+    if (surely_negative(c + touch, degree - touch))
+        return false;
+    return saltus_isolate_rise(c + touch, degree - touch, root);
+}
+
+static void propose(saltus_lane *self, saltus_event_kind kind, int face, double time, double *first) {
+    if (time > *first || (time == *first && self->pending.kind != SALTUS_STEP))
+        return;
+    *first = time;
+    self->pending.kind = kind;
+    self->pending.face = face;
+}
+
+static void search_gaps(saltus_flow *flow, int lane, double step, double *first) {
+    saltus_lane *self = &flow->lane[lane];
+    int degree = degree_of(flow);
+    double c[SALTUS_DEGREE_MAX + 1], root;
+    for (int f = 0; f < self->system->face_count; f++) {
+        if (self->contacts >> f & 1)
+            continue;
+        gap_polynomial(flow, lane, f, step, c);
+        if (self->face[f].touch == 0 && surely_negative(c, degree))
+            continue;
+        if (first_rise(c, degree, self->face[f].touch, &root))
+            propose(self, SALTUS_IMPACT, f, root * step, first);
+    }
+}
+
+static void search_forces(saltus_flow *flow, int lane, double step, double *first) {
+    saltus_lane *self = &flow->lane[lane];
+    int degree = degree_of(flow) - 2;
+    double c[SALTUS_DEGREE_MAX + 1], root;
+    for (int k = 0; k < self->hold.count; k++) {
+        const double *series = flow->work.force + (size_t)k * (size_t)(flow->work.order + 2) * (size_t)flow->lanes;
+        scaled_series(flow, lane, series, -1, degree, step, c);
+        if (first_rise(c, degree, 0, &root))
+            propose(self, SALTUS_RELEASE, self->hold.face[k], root * step, first);
+    }
+}
+
+/* The observed displacement is the first row of the gap series; its velocity's zeros of either direction count. */
+static void search_turning(saltus_flow *flow, int lane, double step, double *first) {
+    saltus_lane *self = &flow->lane[lane];
+    int degree = degree_of(flow) - 1, touch = self->turned ? 1 : 0;
+    double c[SALTUS_DEGREE_MAX + 1], root;
+    scaled_series(flow, lane, flow->work.gap + flow->lanes, 1, degree, step, c);
+    for (int k = 0; k <= degree; k++)
+        c[k] *= k + 1;
+    for (int k = 0; k < touch; k++)
+        c[k] = 0;
+    double sign = c[touch] > 0 ? -1 : 1;
+    for (int k = 0; k <= degree; k++)
+        c[k] *= sign;
+    if (c[touch] != 0 && first_rise(c, degree, touch, &root))
+        propose(self, SALTUS_TURNING, -1, root * step, first);
+}
+
+double saltus_events_first(saltus_flow *flow, int lane, double step) {
+    saltus_lane *self = &flow->lane[lane];
+    double first = step;
+    self->pending = (saltus_event){.kind = SALTUS_STEP, .face = -1};
+    search_gaps(flow, lane, step, &first);
+    if (self->contacts)
+        search_forces(flow, lane, step, &first);
+    if (self->watch & SALTUS_WATCH_TURNING)
+        search_turning(flow, lane, step, &first);
+    return first;
+}
+
+bool saltus_events_carry(saltus_flow *flow, int lane, double step, int event_face, double *gap) {
+    saltus_lane *self = &flow->lane[lane];
+    int degree = degree_of(flow);
+    double c[SALTUS_DEGREE_MAX + 1];
+    for (int f = 0; f < self->system->face_count; f++) {
+        saltus_face_state *known = &self->face[f];
+        if (f == event_face || self->contacts >> f & 1)
+            continue;
+        if (known->touch == 0 && !known->shadow)
+            continue;
+        gap_polynomial(flow, lane, f, step, c);
+        double value = 0, rate = 0, near = 1e-6 * (fabs(self->system->faces[f].d) + self->system->scale[0]);
+        for (int k = degree; k >= 0; k--)
+            value += c[k];
+        for (int k = degree; k >= 1; k--)
+            rate += k * c[k];
+        *gap = value;
+        if (value > near)
+            return false;
+        if (step > 0)
+            *known = (saltus_face_state){
+                .shadow = value > -near, .gap = value < 0 ? value : -DBL_MIN, .rate = rate / step};
+    }
+    return true;
+}

@@ -1,0 +1,178 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "flow/isolate.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+enum { depth_max = 60 };
+
+/* A piece of the polynomial on [lo, hi]: Bernstein coefficients of p, p' and p''. The derivatives are subdivided on
+ * their own, because differences of p's coefficients drown in rounding on short intervals. */
+typedef struct piece {
+    double lo, hi;
+    double p[3][SALTUS_DEGREE_MAX + 1];
+} piece;
+
+double saltus_compensated(const double *c, int degree, double s) {
+    double sum = c[degree], error = 0;
+    for (int k = degree - 1; k >= 0; k--) {
+        double product = sum * s, product_error = fma(sum, s, -product);
+        double next = product + c[k], part = next - product;
+        double sum_error = (product - (next - part)) + (c[k] - part);
+        sum = next;
+        error = fma(error, s, product_error + sum_error);
+    }
+    return sum + error;
+}
+
+/* p, p' or p'' by Horner's rule on the monomial coefficients. */
+static double horner(const double *c, int degree, int derivative, double s) {
+    double sum = 0;
+    for (int k = degree; k >= derivative; k--) {
+        double factor = derivative == 0 ? 1 : derivative == 1 ? k : (double)k * (k - 1);
+        sum = fma(sum, s, factor * c[k]);
+    }
+    return sum;
+}
+
+/* b_j = sum_k C(j,k) / C(n,k) a_k. */
+static void to_bernstein(const double *a, int n, double *b) {
+    for (int j = 0; j <= n; j++) {
+        double weight = 1;
+        b[j] = a[0];
+        for (int k = 1; k <= j; k++) {
+            weight *= (double)(j - k + 1) / (n - k + 1);
+            b[j] = fma(weight, a[k], b[j]);
+        }
+    }
+}
+
+static void first_piece(const double *c, int degree, piece *whole) {
+    double a[SALTUS_DEGREE_MAX + 1];
+    whole->lo = 0;
+    whole->hi = 1;
+    for (int d = 0; d < 3; d++) {
+        int n = degree - d;
+        for (int k = 0; k <= n; k++)
+            a[k] = c[k + d] * (d == 0 ? 1.0 : d == 1 ? k + 1.0 : (k + 1.0) * (k + 2.0));
+        if (n >= 0)
+            to_bernstein(a, n, whole->p[d]);
+    }
+}
+
+/* de Casteljau at one half; `left` becomes the left half, `right` the right one. */
+static void halve(piece *left, piece *right, int degree) {
+    double middle = 0.5 * (left->lo + left->hi);
+    right->lo = middle;
+    right->hi = left->hi;
+    left->hi = middle;
+    for (int d = 0; d < 3; d++) {
+        int n = degree - d;
+        double *b = left->p[d];
+        for (int j = 0; j <= n; j++) {
+            right->p[d][n - j] = b[n];
+            for (int k = n; k > j; k--)
+                b[k] = 0.5 * (b[k - 1] + b[k]);
+        }
+    }
+}
+
+/* +1 if no coefficient is negative, -1 if none is positive, 0 otherwise. */
+static int common_sign(const double *b, int n) {
+    double low = 0, high = 0;
+    for (int k = 0; k <= n; k++) {
+        low = fmin(low, b[k]);
+        high = fmax(high, b[k]);
+    }
+    return low >= 0 ? 1 : high <= 0 ? -1 : 0;
+}
+
+/* The zero of the `derivative`-th derivative on [lo, hi], where it changes sign once: Newton, kept in the bracket. */
+static double bracketed_zero(const double *c, int degree, int derivative, double lo, double hi) {
+    double rising = horner(c, degree, derivative, hi) >= horner(c, degree, derivative, lo) ? 1 : -1;
+    double s = 0.5 * (lo + hi);
+    for (int k = 0; k < 100 && hi - lo > DBL_EPSILON * fabs(hi); k++) {
+        double value = derivative ? horner(c, degree, derivative, s) : saltus_compensated(c, degree, s);
+        double slope = horner(c, degree, derivative + 1, s);
+        if (value == 0)
+            return s;
+        if (rising * value < 0)
+            lo = s;
+        else
+            hi = s;
+        double next = s - value / slope;
+        bool inside = next > lo && next < hi;
+        double moved = fabs(next - s);
+        s = inside ? next : 0.5 * (lo + hi);
+        if (inside && moved <= 2 * DBL_EPSILON * fabs(s))
+            break;
+    }
+    return s;
+}
+
+/* p rises on the piece: is there a zero in (lo, hi]? */
+static bool rise_between(const double *c, int degree, double lo, double hi, double *root) {
+    if (!(saltus_compensated(c, degree, hi) >= 0) || !(saltus_compensated(c, degree, lo) < 0))
+        return false;
+    *root = saltus_compensated(c, degree, hi) == 0 ? hi : bracketed_zero(c, degree, 0, lo, hi);
+    return *root > 0;
+}
+
+/* p is concave on the piece: a single maximum decides. */
+static bool rise_to_maximum(const double *c, int degree, double lo, double hi, double *root) {
+    double at_lo = horner(c, degree, 1, lo), at_hi = horner(c, degree, 1, hi);
+    double top = at_hi >= 0 ? hi : at_lo <= 0 ? lo : bracketed_zero(c, degree, 1, lo, hi);
+    if (top < hi && !(saltus_compensated(c, degree, top) > 0))
+        return false;
+    return rise_between(c, degree, lo, top, root);
+}
+
+/* 1: a rise was found, -1: there is none on the piece, 0: the piece must be halved. */
+static int decide(const double *c, int degree, const piece *s, double noise, int depth, double *root) {
+    double highest = s->p[0][0];
+    for (int k = 1; k <= degree; k++)
+        highest = fmax(highest, s->p[0][k]);
+    if (highest < -noise)
+        return -1;
+    int slope = degree > 0 ? common_sign(s->p[1], degree - 1) : 1;
+    int curvature = degree > 1 ? common_sign(s->p[2], degree - 2) : 1;
+    if (slope < 0)
+        return -1;
+    if (slope > 0 || curvature > 0 || depth >= depth_max)
+        return rise_between(c, degree, s->lo, s->hi, root) ? 1 : -1;
+    if (curvature < 0)
+        return rise_to_maximum(c, degree, s->lo, s->hi, root) ? 1 : -1;
+    return 0;
+}
+
+bool saltus_isolate_rise(const double *c, int degree, double *root) {
+    double noise = 0, size = 0;
+    for (int k = 0; k <= degree; k++)
+        size += fabs(c[k]);
+    noise = 4 * (degree + 1) * DBL_EPSILON * size;
+    while (degree > 0 && c[degree] == 0)
+        degree--;
+
+    /* Depth first, leftmost piece on top: at most one piece per depth waits. */
+    piece stack[depth_max + 2];
+    int depth[depth_max + 2], top = 0;
+    first_piece(c, degree, &stack[0]);
+    depth[0] = 0;
+    while (top >= 0) {
+        int verdict = decide(c, degree, &stack[top], noise, depth[top], root);
+        if (verdict > 0)
+            return true;
+        if (verdict < 0) {
+            top--;
+            continue;
+        }
+        piece *right = &stack[top], *left = &stack[top + 1];
+        *left = *right;
+        halve(left, right, degree);
+        depth[top]++;
+        depth[top + 1] = depth[top];
+        top++;
+    }
+    return false;
+}

@@ -1,0 +1,29 @@
+/* The stiff integrator: collocation at 16 Radau points.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef SALTUS_FLOW_RADAU_H
+#define SALTUS_FLOW_RADAU_H
+
+#include "flow/kernel.h"
+
+enum {
+    SALTUS_RADAU_NODES = 16,
+    SALTUS_RADAU_DEGREE = SALTUS_RADAU_NODES + 1 /* of the displacements' polynomial */
+};
+
+typedef struct saltus_radau saltus_radau;
+
+/* A stiff integrator for one system and a number of tangent columns. All memory is allocated here. */
+saltus_status saltus_radau_open(saltus_radau **radau, const saltus_system *system, int columns,
+                                const saltus_work *tolerances);
+/* NULL is accepted. */
+void saltus_radau_close(saltus_radau *radau);
+/* Forget the last step: the next one starts small. For starts and after impacts. */
+void saltus_radau_reset(saltus_radau *radau);
+/* Take over the held contacts from the flow's work. */
+void saltus_radau_publish(saltus_radau *radau, const saltus_work *work);
+/* From the state and phase in `work`, make one step of at most `limit`: fills the work's jets (monomials in time, up to
+ * SALTUS_RADAU_DEGREE), gap and force series, and work->step. Field evaluations are added to *evaluations.
+ * Errors: SALTUS_STALLED when no step converges. */
+saltus_status saltus_radau_step(saltus_radau *radau, saltus_work *work, double limit, long long *evaluations);
+
+#endif

@@ -1,0 +1,39 @@
+/* The list of models.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "system/system.h"
+
+#include <string.h>
+
+static const saltus_model *const models[] = {
+    &saltus_pipe,
+    &saltus_oscillator,
+};
+
+int saltus_model_count(void) { return (int)(sizeof models / sizeof models[0]); }
+
+const saltus_model *saltus_model_at(int k) {
+    return k >= 0 && k < saltus_model_count() ? models[k] : NULL;
+}
+
+const saltus_model *saltus_model_find(const char *name) {
+    for (int k = 0; k < saltus_model_count(); k++)
+        if (strcmp(models[k]->name, name) == 0)
+            return models[k];
+    return NULL;
+}
+
+const char *saltus_model_name(const saltus_model *model) { return model->name; }
+
+const char *saltus_model_summary(const saltus_model *model) { return model->summary; }
+
+const saltus_parameter *saltus_model_parameters(const saltus_model *model, int *count) {
+    *count = model->parameter_count;
+    return model->parameters;
+}
+
+int saltus_model_parameter_index(const saltus_model *model, const char *name) {
+    for (int k = 0; k < model->parameter_count; k++)
+        if (strcmp(model->parameters[k].name, name) == 0)
+            return k;
+    return -1;
+}

@@ -1,0 +1,152 @@
+/* Directly forced linear oscillator with one or two masses in a chain (support - mass 1 - mass 2):
+ *
+ *   m x1'' + c x1' + k x1 + c2 (x1' - x2') + k2 (x1 - x2) + z = F cos(omega t) + F0
+ *   m2 x2'' + c2 (x2' - x1') + k2 (x2 - x1)                   = F2 cos(omega t) + F02
+ *   z' = kz x1' - z / tz        (a Maxwell element beside the first spring, when kz > 0: a first-order state)
+ *
+ * The classic impact oscillators are special cases: bouncing ball (k = c = 0, F0 = -g, and in the frame of a vibrating
+ * table F), impact pair (k = c = 0, two-sided stop).
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "system/oscillator.h"
+#include "system/system.h"
+
+#include <gsl/gsl_math.h>
+#include <math.h>
+
+enum { p_N, p_m, p_c, p_k, p_F, p_F0, p_m2, p_c2, p_k2, p_F2, p_F02, p_kz, p_tz, p_omega };
+
+static const saltus_parameter parameters[] = {
+    [p_N] = {"N", true, 1, 1, 2, false, false, "number of masses"},
+    [p_m] = {"m", false, 1, 0, 1e12, true, false, "mass 1"},
+    [p_c] = {"c", false, 0, 0, 1e9, false, false, "damper from the support to mass 1"},
+    [p_k] = {"k", false, 1, 0, 1e12, false, false, "spring from the support to mass 1"},
+    [p_F] = {"F", false, 0, -1e12, 1e12, false, false, "force amplitude on mass 1, F cos(omega t)"},
+    [p_F0] = {"F0", false, 0, -1e12, 1e12, false, false, "constant load on mass 1"},
+    [p_m2] = {"m2", false, 1, 0, 1e12, true, false, "mass 2 (N = 2)"},
+    [p_c2] = {"c2", false, 0, 0, 1e9, false, false, "damper between the masses (N = 2)"},
+    [p_k2] = {"k2", false, 1, 0, 1e12, false, false, "spring between the masses (N = 2)"},
+    [p_F2] = {"F2", false, 0, -1e12, 1e12, false, false, "force amplitude on mass 2 (N = 2)"},
+    [p_F02] = {"F02", false, 0, -1e12, 1e12, false, false, "constant load on mass 2 (N = 2)"},
+    [p_kz] = {"kz", false, 0, 0, 1e12, false, false, "stiffness of the Maxwell element beside spring 1; 0: none"},
+    [p_tz] = {"tz", false, 1, 0, 1e9, true, false, "relaxation time of the Maxwell element"},
+    [p_omega] = {"omega", false, 1, 0, 1e5, true, false, "forcing frequency, T = 2 pi / omega"},
+};
+
+static saltus_status shape(const saltus_spec *spec, int *dof, int *extra, saltus_message *message) {
+    *dof = (int)spec->parameters[p_N];
+    *extra = spec->parameters[p_kz] > 0 ? 1 : 0;
+    if (*dof == 1)
+        for (int s = 0; s < spec->stop_count; s++)
+            if (spec->stops[s].weight[1] != 0)
+                return saltus_fail(message, SALTUS_BAD_INPUT,
+                                   "stop %d: weight names mass 2, but the oscillator has one mass (N = 1)", s + 1);
+    return SALTUS_OK;
+}
+
+static void normal(const saltus_spec *spec, int dof, const saltus_stop *stop, double *n) {
+    (void)spec;
+    for (int i = 0; i < dof; i++)
+        n[i] = stop->weight[i];
+}
+
+static void reserve(saltus_system *system) {
+    saltus_coefficients *c = &system->coefficients;
+    c->rows = oscillator_rows;
+    c->couplings = 0;
+    for (int r = 0; r < c->rows; r++)
+        c->row[r] = saltus_arena_doubles(&system->arena, (size_t)system->dof);
+}
+
+static void build_rows(saltus_system *system) {
+    const double *p = system->spec.parameters;
+    saltus_coefficients *c = &system->coefficients;
+    double inverse[2] = {1 / p[p_m], 1 / p[p_m2]};
+    bool two = system->dof == 2;
+    double k[2][2] = {{p[p_k] + (two ? p[p_k2] : 0), -p[p_k2]}, {-p[p_k2], p[p_k2]}};
+    double d[2][2] = {{p[p_c] + (two ? p[p_c2] : 0), -p[p_c2]}, {-p[p_c2], p[p_c2]}};
+    double force[2] = {p[p_F], p[p_F2]}, load[2] = {p[p_F0], p[p_F02]};
+    for (int i = 0; i < system->dof; i++) {
+        c->row[oscillator_k1][i] = inverse[i] * k[i][0];
+        c->row[oscillator_k2][i] = two ? inverse[i] * k[i][1] : 0;
+        c->row[oscillator_c1][i] = inverse[i] * d[i][0];
+        c->row[oscillator_c2][i] = two ? inverse[i] * d[i][1] : 0;
+        c->row[oscillator_force][i] = inverse[i] * force[i];
+        c->row[oscillator_load][i] = inverse[i] * load[i];
+        c->row[oscillator_maxwell][i] = i == 0 ? inverse[0] : 0;
+        system->damping[i] = inverse[i] * d[i][i];
+        system->stiffness[i] = inverse[i] * k[i][i];
+        system->inverse_mass[i * system->dof + i] = inverse[i];
+        system->observer[i] = system->spec.stop_count ? system->stop_normal[0][i] : i == 0;
+    }
+}
+
+/* A length that the motion is likely to have: the smallest clearance, else the forced response. */
+static double typical_length(const saltus_system *system) {
+    const double *p = system->spec.parameters;
+    double length = 0;
+    for (int s = 0; s < system->spec.stop_count; s++) {
+        double d = fabs(system->spec.stops[s].d);
+        if (d > 0 && (length == 0 || d < length))
+            length = d;
+    }
+    double force = fabs(p[p_F]) + fabs(p[p_F0]);
+    if (length == 0)
+        length = force / (p[p_k] + p[p_m] * gsl_pow_2(p[p_omega]));
+    return length > 0 ? length : 1;
+}
+
+static void build(saltus_system *system) {
+    const double *p = system->spec.parameters;
+    saltus_coefficients *c = &system->coefficients;
+    bool two = system->dof == 2;
+    system->forced = p[p_F] != 0 || (two && p[p_F2] != 0);
+    c->terms = (system->forced ? SALTUS_TERM_FORCED : 0) | (two ? SALTUS_TERM_COUPLED : 0) |
+               (system->extra ? SALTUS_TERM_EXTRA : 0);
+    c->scalar[oscillator_kz] = p[p_kz];
+    c->scalar[oscillator_rate_z] = 1 / p[p_tz];
+    build_rows(system);
+    double stiffness = 0, damping = 0, length = typical_length(system);
+    for (int i = 0; i < system->dof; i++) {
+        stiffness = fmax(stiffness, 2 * system->stiffness[i]);
+        damping = fmax(damping, 2 * system->damping[i]);
+        system->scale[i] = length;
+        system->scale[system->dof + i] = length * fmax(p[p_omega], sqrt(system->stiffness[i]));
+    }
+    if (system->extra)
+        system->scale[2 * system->dof] = length * p[p_kz];
+    system->rate = fmax(fmax(sqrt(stiffness + p[p_kz] / p[p_m]), damping), fmax(p[p_omega], system->extra ? 1 / p[p_tz] : 0));
+    system->stiff = damping > 200 * fmax(p[p_omega], sqrt(stiffness));
+    system->mirror = p[p_F0] == 0 && (!two || p[p_F02] == 0);
+    system->mirror_shift = system->forced;
+}
+
+static double trace(const saltus_system *system, const double *state) {
+    (void)state;
+    double sum = 0;
+    for (int i = 0; i < system->dof; i++)
+        sum -= system->damping[i];
+    if (system->extra)
+        sum -= system->coefficients.scalar[oscillator_rate_z];
+    return sum;
+}
+
+static double deflection(const saltus_system *system, const double *state, double xi) {
+    double place = xi * system->dof;
+    int left = (int)fmin(floor(place), system->dof - 1);
+    double a = left == 0 ? 0 : state[left - 1], b = state[left];
+    return a + (b - a) * (place - left);
+}
+
+const saltus_model saltus_oscillator = {
+    .name = "oscillator",
+    .summary = "directly forced linear oscillator, one or two masses",
+    .parameters = parameters,
+    .parameter_count = sizeof parameters / sizeof parameters[0],
+    .stop_key = "weight",
+    .shape = shape,
+    .normal = normal,
+    .reserve = reserve,
+    .build = build,
+    .trace = trace,
+    .deflection = deflection,
+};

@@ -1,0 +1,18 @@
+/* Names of the oscillator's coefficients, shared by the model and its kernel.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef SALTUS_SYSTEM_OSCILLATOR_H
+#define SALTUS_SYSTEM_OSCILLATOR_H
+
+enum { oscillator_kz, oscillator_rate_z };
+enum {
+    oscillator_k1,   /* first column of M^-1 K, and so on */
+    oscillator_k2,
+    oscillator_c1,
+    oscillator_c2,
+    oscillator_force, /* M^-1 F */
+    oscillator_load,  /* M^-1 F0 */
+    oscillator_maxwell, /* M^-1 times the direction of the Maxwell element's force */
+    oscillator_rows
+};
+
+#endif

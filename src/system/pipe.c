@@ -1,0 +1,124 @@
+/* Pinned pipe conveying pulsating fluid (model.md, section 1): the 2020 paper's model, N Galerkin modes.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "system/pipe.h"
+#include "system/system.h"
+
+#include <gsl/gsl_math.h>
+#include <math.h>
+
+enum { p_N, p_alpha, p_beta, p_kappa, p_u0, p_sigma, p_omega };
+
+static const saltus_parameter parameters[] = {
+    [p_N] = {"N", true, 5, 1, 64, false, false, "number of Galerkin modes"},
+    [p_alpha] = {"alpha", false, 0.005, 0, 10, false, false, "Kelvin-Voigt material damping"},
+    [p_beta] = {"beta", false, 0.64, 0, 1, false, true, "fluid mass over total mass"},
+    [p_kappa] = {"kappa", false, 5000, 0, 1e9, false, false, "axial-stretching stiffness A L^2 / (2 I)"},
+    [p_u0] = {"u0", false, 4.5, -100, 100, false, false, "mean flow velocity"},
+    [p_sigma] = {"sigma", false, 0.2, -10, 10, false, false, "pulsation amplitude over mean velocity"},
+    [p_omega] = {"omega", false, 42, 0, 1e5, true, false, "pulsation frequency, T = 2 pi / omega"},
+};
+
+static saltus_status shape(const saltus_spec *spec, int *dof, int *extra, saltus_message *message) {
+    (void)message;
+    *dof = (int)spec->parameters[p_N];
+    *extra = 0;
+    return SALTUS_OK;
+}
+
+/* sin(i pi xi), exact zeros where i xi is whole. */
+static double mode_shape(int i, double xi) {
+    double turns = fmod(i * xi, 2.0);
+    return turns == 0.0 || turns == 1.0 ? 0.0 : sin(M_PI * turns);
+}
+
+static void normal(const saltus_spec *spec, int dof, const saltus_stop *stop, double *n) {
+    (void)spec;
+    for (int i = 0; i < dof; i++)
+        n[i] = mode_shape(i + 1, stop->xi);
+}
+
+static void reserve(saltus_system *system) {
+    saltus_coefficients *c = &system->coefficients;
+    size_t n = (size_t)system->dof;
+    c->rows = pipe_rows;
+    c->couplings = pipe_couplings;
+    for (int r = 0; r < c->rows; r++)
+        c->row[r] = saltus_arena_doubles(&system->arena, n);
+    for (int m = 0; m < c->couplings; m++)
+        c->coupling[m] = saltus_arena_doubles(&system->arena, n * n);
+}
+
+static void build_couplings(saltus_system *system) {
+    int n = system->dof;
+    double *gyroscopic = system->coefficients.coupling[pipe_gyroscopic];
+    double *gradient = system->coefficients.coupling[pipe_gradient];
+    for (int i = 1; i <= n; i++)
+        for (int j = 1; j <= n; j++) {
+            double difference = (double)i * i - (double)j * j;
+            bool coupled = (i + j) % 2 == 1;
+            gyroscopic[(i - 1) * n + j - 1] = coupled ? 4.0 * i * j / difference : 0.0;
+            gradient[(i - 1) * n + j - 1] = coupled ? -8.0 * i * pow(j, 3) / (difference * difference) : 0.0;
+        }
+}
+
+static void build(saltus_system *system) {
+    const double *p = system->spec.parameters;
+    saltus_coefficients *c = &system->coefficients;
+    double velocity = fabs(p[p_u0]) * (1 + fabs(p[p_sigma]));
+    c->terms = (p[p_sigma] != 0 && p[p_u0] != 0 ? SALTUS_TERM_FORCED : 0) |
+               (p[p_kappa] != 0 ? SALTUS_TERM_CUBIC : 0) |
+               (system->dof > 1 && p[p_beta] != 0 && p[p_u0] != 0 ? SALTUS_TERM_COUPLED : 0);
+    c->scalar[pipe_alpha] = p[p_alpha];
+    c->scalar[pipe_root_beta] = sqrt(p[p_beta]);
+    c->scalar[pipe_kappa] = p[p_kappa];
+    c->scalar[pipe_u0] = p[p_u0];
+    c->scalar[pipe_sigma] = p[p_sigma];
+    for (int i = 0; i < system->dof; i++) {
+        double lambda2 = gsl_pow_2((i + 1) * M_PI), lambda4 = lambda2 * lambda2;
+        c->row[pipe_lambda2][i] = lambda2;
+        c->row[pipe_damping][i] = system->damping[i] = p[p_alpha] * lambda4;
+        c->row[pipe_stiffness][i] = system->stiffness[i] = lambda4;
+        system->observer[i] = system->spec.stop_count ? system->stop_normal[0][i] : mode_shape(i + 1, 0.5);
+        system->inverse_mass[i * system->dof + i] = 1.0;
+        system->scale[i] = 0.03 / gsl_pow_2(i + 1);
+        system->scale[system->dof + i] = 0.3 / (i + 1);
+    }
+    if (c->terms & SALTUS_TERM_COUPLED)
+        build_couplings(system);
+    double top = c->row[pipe_stiffness][system->dof - 1], drag = p[p_alpha] * top;
+    system->rate = fmax(sqrt(top), drag) + 2 * c->scalar[pipe_root_beta] * velocity * system->dof;
+    system->stiff = drag > 1500;
+    system->forced = c->terms & SALTUS_TERM_FORCED;
+    system->mirror = true;
+    system->mirror_shift = false;
+}
+
+/* Along the orbit the cubic damping term depends on the displacements: -alpha kappa sum lambda^4 q^2. */
+static double trace(const saltus_system *system, const double *state) {
+    const saltus_coefficients *c = &system->coefficients;
+    double sum = 0;
+    for (int i = 0; i < system->dof; i++)
+        sum -= c->row[pipe_damping][i] * (1 + c->scalar[pipe_kappa] * state[i] * state[i]);
+    return sum;
+}
+
+static double deflection(const saltus_system *system, const double *state, double xi) {
+    double sum = 0;
+    for (int i = 0; i < system->dof; i++)
+        sum += mode_shape(i + 1, xi) * state[i];
+    return sum;
+}
+
+const saltus_model saltus_pipe = {
+    .name = "pipe",
+    .summary = "pinned pipe conveying pulsating fluid, N Galerkin modes",
+    .parameters = parameters,
+    .parameter_count = sizeof parameters / sizeof parameters[0],
+    .stop_key = "xi",
+    .shape = shape,
+    .normal = normal,
+    .reserve = reserve,
+    .build = build,
+    .trace = trace,
+    .deflection = deflection,
+};

@@ -1,0 +1,336 @@
+/* Building and checking systems: what all models have in common.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "system/system.h"
+
+#include <gsl/gsl_math.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const saltus_parameter stop_parameters[] = {
+    {"xi", false, 0.5, 0, 1, true, true, "position of the stop along the pipe"},
+    {"d", false, 1, -1e9, 1e9, false, false, "clearance; negative is a pre-load"},
+    {"r", false, 0.9, 0, 1, false, false, "coefficient of restitution"},
+};
+
+const saltus_parameter *saltus_stop_parameters(int *count) {
+    *count = (int)(sizeof stop_parameters / sizeof stop_parameters[0]);
+    return stop_parameters;
+}
+
+saltus_stop saltus_stop_defaults(void) {
+    return (saltus_stop){.xi = 0.5, .weight = {1, 0}, .d = 1, .r = 0.9, .sides = SALTUS_UPPER};
+}
+
+saltus_spec saltus_spec_defaults(const saltus_model *model) {
+    saltus_spec spec = {.model = model};
+    for (int k = 0; k < model->parameter_count; k++)
+        spec.parameters[k] = model->parameters[k].fallback;
+    return spec;
+}
+
+double saltus_spec_get(const saltus_spec *spec, const char *name) {
+    int k = saltus_model_parameter_index(spec->model, name);
+    return k < 0 ? NAN : spec->parameters[k];
+}
+
+static saltus_status check_range(const saltus_parameter *p, const char *owner, double value, saltus_message *message) {
+    bool low = p->open_min ? !(value > p->min) : !(value >= p->min);
+    bool high = p->open_max ? !(value < p->max) : !(value <= p->max);
+    if (p->integer && value != floor(value))
+        return saltus_fail(message, SALTUS_BAD_INPUT, "%s%s = %g: must be a whole number (%s)", owner, p->name, value,
+                           p->meaning);
+    if (low || high)
+        return saltus_fail(message, SALTUS_BAD_INPUT, "%s%s = %g: must be %s %g and %s %g (%s)", owner, p->name, value,
+                           p->open_min ? "greater than" : "at least", p->min, p->open_max ? "less than" : "at most",
+                           p->max, p->meaning);
+    return SALTUS_OK;
+}
+
+static saltus_status check_stop(const saltus_spec *spec, int s, saltus_message *message) {
+    const saltus_stop *stop = &spec->stops[s];
+    const double values[] = {stop->xi, stop->d, stop->r};
+    char owner[32] = "";
+    if (spec->stop_count > 1) {
+        memcpy(owner, "stop k: ", 9);
+        owner[5] = (char)('1' + s);
+    }
+    bool placed_by_xi = strcmp(spec->model->stop_key, "xi") == 0;
+    for (int k = placed_by_xi ? 0 : 1; k < 3; k++) {
+        saltus_status status = check_range(&stop_parameters[k], owner, values[k], message);
+        if (status != SALTUS_OK)
+            return status;
+    }
+    if (!placed_by_xi && !(isfinite(stop->weight[0]) && isfinite(stop->weight[1])))
+        return saltus_fail(message, SALTUS_BAD_INPUT, "%sweight: must be finite numbers", owner);
+    if (!placed_by_xi && stop->weight[0] == 0 && stop->weight[1] == 0)
+        return saltus_fail(message, SALTUS_BAD_INPUT, "%sweight = [0, 0]: a stop must limit at least one mass", owner);
+    if (stop->sides < SALTUS_UPPER || stop->sides > SALTUS_BOTH)
+        return saltus_fail(message, SALTUS_BAD_INPUT, "%ssides: must be upper, lower or both", owner);
+    if (stop->sides == SALTUS_BOTH && !(stop->d > 0))
+        return saltus_fail(message, SALTUS_BAD_INPUT,
+                           "%sd = %g: must be greater than 0 with sides: both (no room is left between the stops)",
+                           owner, stop->d);
+    return SALTUS_OK;
+}
+
+static saltus_status check_spec(const saltus_spec *spec, saltus_message *message) {
+    if (!spec->model)
+        return saltus_fail(message, SALTUS_BAD_INPUT, "model: missing");
+    if (spec->stop_count < 0 || spec->stop_count > SALTUS_STOPS_MAX)
+        return saltus_fail(message, SALTUS_BAD_INPUT, "stops: %d given, at most %d are possible", spec->stop_count,
+                           SALTUS_STOPS_MAX);
+    saltus_status status = SALTUS_OK;
+    for (int k = 0; k < spec->model->parameter_count && status == SALTUS_OK; k++)
+        status = check_range(&spec->model->parameters[k], "", spec->parameters[k], message);
+    for (int s = 0; s < spec->stop_count && status == SALTUS_OK; s++)
+        status = check_stop(spec, s, message);
+    return status;
+}
+
+static void reserve(saltus_system *system) {
+    saltus_arena *arena = &system->arena;
+    size_t n = (size_t)system->dof;
+    for (int s = 0; s < system->spec.stop_count; s++) {
+        system->stop_normal[s] = saltus_arena_doubles(arena, n);
+        system->stop_impulse[s] = saltus_arena_doubles(arena, n);
+    }
+    system->inverse_mass = saltus_arena_doubles(arena, n * n);
+    system->observer = saltus_arena_doubles(arena, n);
+    system->scale = saltus_arena_doubles(arena, (size_t)system->dimension);
+    system->damping = saltus_arena_doubles(arena, n);
+    system->stiffness = saltus_arena_doubles(arena, n);
+    system->spec.model->reserve(system);
+}
+
+/* b = M^-1 n / (n M^-1 n), the direction of a unit normal impulse. */
+static void build_impulses(saltus_system *system) {
+    int n = system->dof;
+    for (int s = 0; s < system->spec.stop_count; s++) {
+        const double *normal = system->stop_normal[s];
+        double *impulse = system->stop_impulse[s], compliance = 0;
+        for (int i = 0; i < n; i++) {
+            impulse[i] = 0;
+            for (int j = 0; j < n; j++)
+                impulse[i] += system->inverse_mass[i * n + j] * normal[j];
+            compliance += normal[i] * impulse[i];
+        }
+        for (int i = 0; i < n; i++)
+            impulse[i] /= compliance;
+    }
+}
+
+static void build_faces(saltus_system *system) {
+    for (int s = 0; s < system->spec.stop_count; s++) {
+        const saltus_stop *stop = &system->spec.stops[s];
+        for (int side = 1; side >= -1; side -= 2)
+            if (stop->sides & (side > 0 ? SALTUS_UPPER : SALTUS_LOWER))
+                system->faces[system->face_count++] = (saltus_face){s, side, stop->d, stop->r};
+    }
+}
+
+/* The factor f with n_a = f n_b, or 0 when the two normals are not parallel. */
+static double parallel(const double *a, const double *b, int n) {
+    double aa = 0, ab = 0, bb = 0;
+    for (int i = 0; i < n; i++) {
+        aa += a[i] * a[i];
+        ab += a[i] * b[i];
+        bb += b[i] * b[i];
+    }
+    return ab * ab > (1 - 1e-12) * aa * bb ? ab / bb : 0;
+}
+
+/* Faces on the same coordinate must leave room between them, and none may repeat another. */
+static saltus_status check_faces(const saltus_system *system, saltus_message *message) {
+    for (int f = 0; f < system->face_count; f++)
+        for (int g = 0; g < f; g++) {
+            saltus_face a = system->faces[f], b = system->faces[g];
+            double factor = parallel(system->stop_normal[a.stop], system->stop_normal[b.stop], system->dof);
+            if (factor == 0)
+                continue;
+            if (a.side * b.side * factor > 0 && fabs(a.d - fabs(factor) * b.d) <= 1e-9 * fabs(a.d))
+                return saltus_fail(message, SALTUS_BAD_INPUT,
+                                   "stops %d and %d limit the same coordinate on the same side; keep one of them",
+                                   b.stop + 1, a.stop + 1);
+            if (a.side * b.side * factor < 0 && !(a.d / fabs(factor) + b.d > 0))
+                return saltus_fail(message, SALTUS_BAD_INPUT,
+                                   "stops %d and %d: d = %g and d = %g leave no room between them", b.stop + 1,
+                                   a.stop + 1, b.d, a.d);
+        }
+    return SALTUS_OK;
+}
+
+static saltus_status check_normals(const saltus_system *system, saltus_message *message) {
+    for (int s = 0; s < system->spec.stop_count; s++) {
+        double size = 0;
+        for (int i = 0; i < system->dof; i++)
+            size = fmax(size, fabs(system->stop_normal[s][i]));
+        if (size < 1e-6)
+            return saltus_fail(message, SALTUS_BAD_INPUT,
+                               "stop %d: xi = %g: no mode moves there; a stop needs a place that moves", s + 1,
+                               system->spec.stops[s].xi);
+    }
+    return SALTUS_OK;
+}
+
+/* Whether every face has its mirror image among the faces. */
+static bool faces_symmetric(const saltus_system *system) {
+    for (int f = 0; f < system->face_count; f++) {
+        bool found = false;
+        for (int g = 0; g < system->face_count; g++) {
+            saltus_face a = system->faces[f], b = system->faces[g];
+            found |= a.side == -b.side && a.d == b.d && a.r == b.r &&
+                     parallel(system->stop_normal[a.stop], system->stop_normal[b.stop], system->dof) == 1;
+        }
+        if (!found)
+            return false;
+    }
+    return true;
+}
+
+/* Orders of sin(omega t)'s series worth keeping at the largest step that stability allows (z = rate * h <= 6). */
+static int count_forcing_orders(const saltus_system *system) {
+    double term = 1, angle = 6 * system->omega / system->rate;
+    int order = 0;
+    while (order < 40 && term > 1e-19)
+        term *= angle / ++order;
+    return order;
+}
+
+saltus_status saltus_system_new(const saltus_spec *spec, saltus_system **system, saltus_message *message) {
+    *system = NULL;
+    int dof = 0, extra = 0;
+    saltus_status status = check_spec(spec, message);
+    if (status == SALTUS_OK)
+        status = spec->model->shape(spec, &dof, &extra, message);
+    if (status != SALTUS_OK)
+        return status;
+
+    saltus_system *made = calloc(1, sizeof *made);
+    if (!made)
+        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the system");
+    made->spec = *spec;
+    made->dof = dof;
+    made->extra = extra;
+    made->dimension = 2 * dof + extra;
+    made->omega = saltus_spec_get(spec, "omega");
+    made->period = 2 * M_PI / made->omega;
+    reserve(made);
+    if (!saltus_arena_open(&made->arena)) {
+        free(made);
+        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the system");
+    }
+    reserve(made);
+    for (int s = 0; s < spec->stop_count; s++)
+        spec->model->normal(spec, dof, &spec->stops[s], made->stop_normal[s]);
+    status = check_normals(made, message);
+    if (status == SALTUS_OK) {
+        spec->model->build(made);
+        made->coefficients.forcing_orders = count_forcing_orders(made);
+        build_impulses(made);
+        build_faces(made);
+        made->mirror = made->mirror && faces_symmetric(made);
+        status = check_faces(made, message);
+    }
+    if (status != SALTUS_OK) {
+        saltus_system_free(made);
+        made = NULL;
+    }
+    *system = made;
+    return status;
+}
+
+void saltus_system_free(saltus_system *system) {
+    if (!system)
+        return;
+    saltus_arena_close(&system->arena);
+    free(system);
+}
+
+const saltus_spec *saltus_system_spec(const saltus_system *system) { return &system->spec; }
+int saltus_system_dof(const saltus_system *system) { return system->dof; }
+int saltus_system_extra(const saltus_system *system) { return system->extra; }
+int saltus_system_dimension(const saltus_system *system) { return system->dimension; }
+double saltus_system_period(const saltus_system *system) { return system->period; }
+bool saltus_system_forced(const saltus_system *system) { return system->forced; }
+
+bool saltus_system_mirror_symmetric(const saltus_system *system, bool *shift) {
+    *shift = system->mirror_shift;
+    return system->mirror;
+}
+
+int saltus_system_face_count(const saltus_system *system) { return system->face_count; }
+saltus_face saltus_system_face(const saltus_system *system, int face) { return system->faces[face]; }
+const double *saltus_system_stop_normal(const saltus_system *system, int stop) { return system->stop_normal[stop]; }
+const double *saltus_system_scale(const saltus_system *system) { return system->scale; }
+const double *saltus_system_observer(const saltus_system *system) { return system->observer; }
+const char *saltus_system_integrator(const saltus_system *system) { return system->stiff ? "radau" : "taylor"; }
+
+double saltus_system_gap(const saltus_system *system, int face, const double *state) {
+    saltus_face f = system->faces[face];
+    double g = 0;
+    for (int i = 0; i < system->dof; i++)
+        g = fma(system->stop_normal[f.stop][i], state[i], g);
+    return f.side * g - f.d;
+}
+
+double saltus_system_trace(const saltus_system *system, const double *state) {
+    return system->spec.model->trace(system, state);
+}
+
+double saltus_system_shape(const saltus_system *system, const double *state, double xi) {
+    return system->spec.model->deflection(system, state, xi);
+}
+
+/* The face with the largest gap; -1 when there is none or every gap is below the margin. */
+static int most_violated(const saltus_system *system, const double *state, double margin) {
+    int worst = -1;
+    double largest = margin;
+    for (int f = 0; f < system->face_count; f++) {
+        double gap = saltus_system_gap(system, f, state);
+        if (gap > largest) {
+            largest = gap;
+            worst = f;
+        }
+    }
+    return worst;
+}
+
+saltus_status saltus_system_default_state(const saltus_system *system, double *state, saltus_message *message) {
+    enum { corrections = 2000 };
+    memset(state, 0, (size_t)system->dimension * sizeof *state);
+    state[0] = 0.2 * system->scale[0];
+    if (system->dof > 1)
+        state[1] = 0.1 * system->scale[1];
+    double margin = 0.05 * system->scale[0];
+    for (int k = 0; k < corrections; k++) {
+        int f = most_violated(system, state, -margin);
+        if (f < 0)
+            return SALTUS_OK;
+        saltus_face face = system->faces[f];
+        double excess = saltus_system_gap(system, f, state) + 1.5 * margin;
+        for (int i = 0; i < system->dof; i++)
+            state[i] -= face.side * excess * system->stop_impulse[face.stop][i];
+        margin *= 0.99;
+    }
+    return saltus_fail(message, SALTUS_BAD_INPUT,
+                       "the stops contradict each other: no displacement satisfies all clearances; give another d");
+}
+
+saltus_status saltus_system_check_state(const saltus_system *system, const double *state, saltus_message *message) {
+    for (int i = 0; i < system->dimension; i++)
+        if (!isfinite(state[i]))
+            return saltus_fail(message, SALTUS_BAD_INPUT, "initial state: entry %d is not a finite number", i + 1);
+    double size = 0;
+    for (int i = 0; i < system->dof; i++)
+        size += fabs(state[i]);
+    for (int f = 0; f < system->face_count; f++) {
+        saltus_face face = system->faces[f];
+        double gap = saltus_system_gap(system, f, state);
+        if (gap > 4 * GSL_DBL_EPSILON * (size + fabs(face.d)))
+            return saltus_fail(message, SALTUS_BAD_INPUT,
+                               "initial state: the displacement %.6g at stop %d is beyond its %s side (d = %g)",
+                               face.side * (gap + face.d), face.stop + 1, face.side > 0 ? "upper" : "lower", face.d);
+    }
+    return SALTUS_OK;
+}

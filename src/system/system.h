@@ -1,0 +1,67 @@
+/* Private: what a built system holds, and what a model provides.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef SALTUS_SYSTEM_PRIVATE_H
+#define SALTUS_SYSTEM_PRIVATE_H
+
+#include "base/memory.h"
+#include "saltus/system.h"
+
+enum { SALTUS_SCALARS_MAX = 12, SALTUS_ROWS_MAX = 8, SALTUS_COUPLINGS_MAX = 2, SALTUS_SERIES_MAX = 8 };
+
+/* The numbers a model's kernel works with. Scalars and rows may differ between the lanes of one flow; couplings
+ * depend on the number of degrees of freedom alone and are shared. */
+typedef struct saltus_coefficients {
+    double scalar[SALTUS_SCALARS_MAX];
+    double *row[SALTUS_ROWS_MAX];             /* each dof long */
+    double *coupling[SALTUS_COUPLINGS_MAX];   /* each dof x dof, row-major; zero where i + j is even */
+    int rows, couplings;
+    int forcing_orders;   /* orders of the forcing's series that matter at the largest step */
+    unsigned terms;       /* which terms the scene has (saltus_term) */
+} saltus_coefficients;
+
+enum saltus_term { SALTUS_TERM_FORCED = 1, SALTUS_TERM_CUBIC = 2, SALTUS_TERM_COUPLED = 4, SALTUS_TERM_EXTRA = 8 };
+
+struct saltus_system {
+    saltus_arena arena;
+    saltus_spec spec;
+    int dof, extra, dimension;
+    double omega, period;
+    bool forced;
+    bool mirror, mirror_shift;
+    bool stiff;
+    double rate;               /* bound on the modulus of the linear part's eigenvalues */
+    int face_count;
+    saltus_face faces[SALTUS_FACES_MAX];
+    double *stop_normal[SALTUS_STOPS_MAX];  /* n */
+    double *stop_impulse[SALTUS_STOPS_MAX]; /* M^-1 n / (n M^-1 n): normal . impulse = 1 */
+    double *inverse_mass;      /* dof x dof */
+    double *observer;
+    double *scale;
+    double *damping, *stiffness; /* modal part, exact in the stiff integrator: q'' + damping q' + stiffness q */
+    saltus_coefficients coefficients;
+};
+
+/* One model: a const table entry. A new model is one file with such an entry, one line in models.c and one in the
+ * build's list of kernels. */
+struct saltus_model {
+    const char *name;
+    const char *summary;
+    const saltus_parameter *parameters;
+    int parameter_count;
+    const char *stop_key; /* which key places a stop: "xi" or "weight" */
+    /* Checks that no single range can express; the sizes. */
+    saltus_status (*shape)(const saltus_spec *spec, int *dof, int *extra, saltus_message *message);
+    /* Row vector n of a stop. */
+    void (*normal)(const saltus_spec *spec, int dof, const saltus_stop *stop, double *normal);
+    /* Reserve rows and couplings (called for measuring and again for handing out). */
+    void (*reserve)(saltus_system *system);
+    /* Fill coefficients, inverse mass, observer, scale, modal part, rate, symmetry. */
+    void (*build)(saltus_system *system);
+    double (*trace)(const saltus_system *system, const double *state);
+    double (*deflection)(const saltus_system *system, const double *state, double xi);
+};
+
+extern const saltus_model saltus_pipe;
+extern const saltus_model saltus_oscillator;
+
+#endif
