@@ -27,23 +27,24 @@ double saltus_compensated(const double *c, int degree, double s) {
 }
 
 /* p, p' or p'' by Horner's rule on the monomial coefficients. */
-static double horner(const double *c, int degree, int derivative, double s) {
+static inline double horner(const double *c, int degree, int derivative, double s) {
     double sum = 0;
-    for (int k = degree; k >= derivative; k--) {
-        double factor = derivative == 0 ? 1 : derivative == 1 ? k : (double)k * (k - 1);
-        sum = fma(sum, s, factor * c[k]);
-    }
+    for (int k = degree; k >= derivative; k--)
+        sum = sum * s + c[k] * (derivative == 0 ? 1 : derivative == 1 ? k : (double)k * (k - 1));
     return sum;
 }
 
 /* b_j = sum_k C(j,k) / C(n,k) a_k. */
 static void to_bernstein(const double *a, int n, double *b) {
+    double inverse[SALTUS_DEGREE_MAX + 1];
+    for (int k = 1; k <= n; k++)
+        inverse[k] = 1.0 / k;
     for (int j = 0; j <= n; j++) {
         double weight = 1;
         b[j] = a[0];
         for (int k = 1; k <= j; k++) {
-            weight *= (double)(j - k + 1) / (n - k + 1);
-            b[j] = fma(weight, a[k], b[j]);
+            weight *= (j - k + 1) * inverse[n - k + 1];
+            b[j] += weight * a[k];
         }
     }
 }
@@ -88,25 +89,28 @@ static int common_sign(const double *b, int n) {
     return low >= 0 ? 1 : high <= 0 ? -1 : 0;
 }
 
-/* The zero of the `derivative`-th derivative on [lo, hi], where it changes sign once: Newton, kept in the bracket. */
+/* The zero of the `derivative`-th derivative on [lo, hi], where it changes sign once: Newton, kept in the bracket. The
+ * last steps of a zero of p itself use the compensated value. */
 static double bracketed_zero(const double *c, int degree, int derivative, double lo, double hi) {
-    double rising = horner(c, degree, derivative, hi) >= horner(c, degree, derivative, lo) ? 1 : -1;
-    double s = 0.5 * (lo + hi);
+    double at_lo = horner(c, degree, derivative, lo), at_hi = horner(c, degree, derivative, hi);
+    double rising = at_hi >= at_lo ? 1 : -1, s = lo + (hi - lo) * (at_lo / (at_lo - at_hi));
+    if (!(s > lo && s < hi))
+        s = 0.5 * (lo + hi);
+    bool fine = false;
     for (int k = 0; k < 100 && hi - lo > DBL_EPSILON * fabs(hi); k++) {
-        double value = derivative ? horner(c, degree, derivative, s) : saltus_compensated(c, degree, s);
+        double value = fine && derivative == 0 ? saltus_compensated(c, degree, s) : horner(c, degree, derivative, s);
         double slope = horner(c, degree, derivative + 1, s);
-        if (value == 0)
-            return s;
         if (rising * value < 0)
             lo = s;
         else
             hi = s;
         double next = s - value / slope;
-        bool inside = next > lo && next < hi;
+        bool inside = next >= lo && next <= hi;
         double moved = fabs(next - s);
         s = inside ? next : 0.5 * (lo + hi);
-        if (inside && moved <= 2 * DBL_EPSILON * fabs(s))
+        if (inside && fine && moved <= 4 * DBL_EPSILON * fabs(s))
             break;
+        fine = fine || (inside && moved <= 1e-7 * fabs(s));
     }
     return s;
 }
@@ -146,13 +150,60 @@ static int decide(const double *c, int degree, const piece *s, double noise, int
     return 0;
 }
 
+/* Signs of p' and p'' on [0, 1] where the sizes of the coefficients alone settle them. */
+static void plain_signs(const double *c, int degree, int *slope, int *curvature) {
+    double low[2] = {c[1], 2 * c[2]}, high[2] = {c[1], 2 * c[2]};
+    for (int k = 2; k <= degree; k++) {
+        low[0] += c[k] < 0 ? k * c[k] : 0;
+        high[0] += c[k] > 0 ? k * c[k] : 0;
+        if (k == 2)
+            continue;
+        low[1] += c[k] < 0 ? (double)k * (k - 1) * c[k] : 0;
+        high[1] += c[k] > 0 ? (double)k * (k - 1) * c[k] : 0;
+    }
+    *slope = low[0] >= 0 ? 1 : high[0] <= 0 ? -1 : 0;
+    *curvature = low[1] >= 0 ? 1 : high[1] <= 0 ? -1 : 0;
+}
+
+/* The upper bound that Bernstein coefficients of degree 6 give, the rest of the series counted by its positive part. */
+static double upper_bound(const double *c, int degree) {
+    static const double weight[7][7] = {{1},
+                                        {1, 1.0 / 6},
+                                        {1, 1.0 / 3, 1.0 / 15},
+                                        {1, 1.0 / 2, 1.0 / 5, 1.0 / 20},
+                                        {1, 2.0 / 3, 2.0 / 5, 1.0 / 5, 1.0 / 15},
+                                        {1, 5.0 / 6, 2.0 / 3, 1.0 / 2, 1.0 / 3, 1.0 / 6},
+                                        {1, 1, 1, 1, 1, 1, 1}};
+    double rest = 0, highest = c[0];
+    for (int k = 7; k <= degree; k++)
+        rest += c[k] > 0 ? c[k] : 0;
+    for (int j = 1; j <= 6; j++) {
+        double b = 0;
+        for (int k = 0; k <= j && k <= degree; k++)
+            b += weight[j][k] * c[k];
+        highest = b > highest ? b : highest;
+    }
+    return highest + rest;
+}
+
 bool saltus_isolate_rise(const double *c, int degree, double *root) {
     double noise = 0, size = 0;
     for (int k = 0; k <= degree; k++)
         size += fabs(c[k]);
     noise = 4 * (degree + 1) * DBL_EPSILON * size;
+    if (upper_bound(c, degree) < -noise)
+        return false;
     while (degree > 0 && c[degree] == 0)
         degree--;
+    int slope = 0, curvature = 0;
+    if (degree >= 2)
+        plain_signs(c, degree, &slope, &curvature);
+    if (slope < 0)
+        return false;
+    if (slope > 0 || curvature > 0)
+        return rise_between(c, degree, 0, 1, root);
+    if (curvature < 0)
+        return rise_to_maximum(c, degree, 0, 1, root);
 
     /* Depth first, leftmost piece on top: at most one piece per depth waits. */
     piece stack[depth_max + 2];

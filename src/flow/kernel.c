@@ -89,7 +89,7 @@ static void load(saltus_work *w, int lane, const saltus_system *system) {
 }
 
 /* sin and cos of 2 pi phase: reduction to an eighth of a turn is exact, then Taylor polynomials. */
-static inline void turn(double phase, double *sine, double *cosine) {
+KERNEL_INLINE void turn(double phase, double *sine, double *cosine) {
     static const double s[] = {-1.0 / 6,          1.0 / 120,           -1.0 / 5040,           1.0 / 362880,
                                -1.0 / 39916800.0, 1.0 / 6227020800.0, -1.0 / 1307674368000.0, 1.0 / 355687428096000.0};
     static const double c[] = {-0.5,
@@ -115,7 +115,7 @@ static inline void turn(double phase, double *sine, double *cosine) {
     *cosine = (quarter + 1) & 2 ? -second : second;
 }
 
-static inline void forcing(saltus_work *w, shape s, int order) {
+KERNEL_INLINE void forcing(saltus_work *w, shape s, int order) {
     lane_t sine, cosine;
     for (int l = 0; l < LANES; l++)
         turn(w->phase[l], (double *)&sine + l, (double *)&cosine + l);
@@ -123,7 +123,7 @@ static inline void forcing(saltus_work *w, shape s, int order) {
 }
 
 /* Contacts that hold: q'' = f - b (pull . f), the force's series kept for the release. */
-static inline void hold_contacts(saltus_work *w, shape s, int k, int c) {
+KERNEL_INLINE void hold_contacts(saltus_work *w, shape s, int k, int c) {
     saltus_pack *acceleration = JET(w->v, k + 1, c);
     lane_t force[SALTUS_FACES_MAX];
     for (int m = 0; m < w->contacts; m++) {
@@ -142,7 +142,7 @@ static inline void hold_contacts(saltus_work *w, shape s, int k, int c) {
     }
 }
 
-static inline void expand_order(saltus_work *w, shape s, unsigned terms, int k, int c) {
+KERNEL_INLINE void expand_order(saltus_work *w, shape s, unsigned terms, int k, int c) {
     const double inverse = 1.0 / (k + 1);
     const saltus_pack *v = JET(w->v, k, c);
     saltus_pack *q = JET(w->q, k + 1, c), *next = JET(w->v, k + 1, c);
@@ -157,7 +157,7 @@ static inline void expand_order(saltus_work *w, shape s, unsigned terms, int k, 
         EXTRA(k + 1, c)[i] *= inverse;
 }
 
-static inline void gap_series(saltus_work *w, shape s, int order) {
+KERNEL_INLINE void gap_series(saltus_work *w, shape s, int order) {
     for (int stop = 0; stop < w->stops; stop++) {
         const saltus_pack *normal = (const saltus_pack *)(const void *)(w->normal + (size_t)stop * (size_t)w->row);
         lane_t *gap = (lane_t *)(void *)(w->gap + (size_t)stop * (size_t)(w->order + 2) * LANES);
@@ -170,7 +170,7 @@ static inline void gap_series(saltus_work *w, shape s, int order) {
     }
 }
 
-static inline __attribute__((always_inline)) void expand_shape(saltus_work *w, shape s, unsigned terms, int order) {
+KERNEL_INLINE void expand_shape(saltus_work *w, shape s, unsigned terms, int order) {
     forcing(w, s, order);
     for (int k = 0; k < order; k++)
         for (int c = 0; c <= s.columns; c++)
@@ -197,7 +197,7 @@ static void expand(saltus_work *w, int order) {
 }
 
 /* Largest modulus in a row, per lane. */
-static inline void row_norm(const saltus_work *w, const double *row, double *norm) {
+KERNEL_INLINE void row_norm(const saltus_work *w, const double *row, double *norm) {
     for (int i = 0; i < w->dof; i++)
         for (int l = 0; l < LANES; l++) {
             double size = __builtin_fabs(row[i * w->stride + l]);
@@ -206,7 +206,7 @@ static inline void row_norm(const saltus_work *w, const double *row, double *nor
 }
 
 /* x^(1/k) to about one percent, from the exponent and a parabola; x > 0. A step size needs no more. */
-static inline double approximate_root(double x, int k) {
+KERNEL_INLINE double approximate_root(double x, int k) {
     union {
         double value;
         unsigned long long bits;
@@ -221,7 +221,7 @@ static inline double approximate_root(double x, int k) {
 }
 
 /* Norms of a column at one order: max |q_k|, |v_k| / omega_unit, |e_k|, per lane. */
-static inline void column_norm(const saltus_work *w, int k, int c, double *norm) {
+KERNEL_INLINE void column_norm(const saltus_work *w, int k, int c, double *norm) {
     double velocity[LANES] = {0};
     row_norm(w, w->q + saltus_work_jet(w, k, c), norm);
     row_norm(w, w->v + saltus_work_jet(w, k, c), velocity);
@@ -258,7 +258,7 @@ static void measure(saltus_work *w) {
 }
 
 /* Even and odd coefficients in two chains: half the latency of Horner's rule. */
-static inline saltus_pack polynomial(const saltus_pack *newest, size_t order_packs, int order, saltus_pack time) {
+KERNEL_INLINE saltus_pack polynomial(const saltus_pack *newest, size_t order_packs, int order, saltus_pack time) {
     saltus_pack square = time * time, even = {0}, odd = {0};
     const saltus_pack *coefficient = newest;
     for (int k = order; k >= 0; k--, coefficient -= order_packs)

@@ -10,19 +10,22 @@
 
 #include "base/simd.h"
 
+/* Everything in the kernel is inlined, so that the layout's constants reach the inner loops. */
+#define KERNEL_INLINE static inline __attribute__((always_inline))
+
 #if SALTUS_WIDE
 
 #define LANES SALTUS_PACK
 typedef saltus_pack lane_t;
-static inline saltus_pack lane_spread(lane_t s) { return s; }
-static inline lane_t lane_constant(double s) { return saltus_pack_splat(s); }
-static inline lane_t lane_fma(lane_t a, lane_t b, lane_t c) { return saltus_pack_fma(a, b, c); }
-static inline double lane_get(const lane_t *s, int lane) { return (*s)[lane]; }
-static inline lane_t row_element(const saltus_pack *row, int i) { return row[i]; }
-static inline int row_packs(int n) { return n; }
+KERNEL_INLINE saltus_pack lane_spread(lane_t s) { return s; }
+KERNEL_INLINE lane_t lane_constant(double s) { return saltus_pack_splat(s); }
+KERNEL_INLINE lane_t lane_fma(lane_t a, lane_t b, lane_t c) { return saltus_pack_fma(a, b, c); }
+KERNEL_INLINE double lane_get(const lane_t *s, int lane) { return (*s)[lane]; }
+KERNEL_INLINE lane_t row_element(const saltus_pack *row, int i) { return row[i]; }
+KERNEL_INLINE int row_packs(int n) { return n; }
 
 /* Terms i, i + 8, i + 16, ... first, then pairs four, two and one apart. */
-static inline lane_t row_sum(const saltus_pack *row, int n, int packs) {
+KERNEL_INLINE lane_t row_sum(const saltus_pack *row, int n, int packs) {
     (void)packs;
     lane_t t[8];
     for (int i = 0; i < 8; i++)
@@ -36,7 +39,7 @@ static inline lane_t row_sum(const saltus_pack *row, int n, int packs) {
 }
 
 /* out = coupling in; the coupling is plain, row-major, and joins modes of opposite parity only. */
-static inline void row_couple(saltus_pack *out, const double *coupling, const saltus_pack *in, int n, int packs) {
+KERNEL_INLINE void row_couple(saltus_pack *out, const double *coupling, const saltus_pack *in, int n, int packs) {
     (void)packs;
     for (int i = 0; i < n; i++) {
         saltus_pack sum = lane_constant(0);
@@ -50,17 +53,17 @@ static inline void row_couple(saltus_pack *out, const double *coupling, const sa
 
 #define LANES 1
 typedef double lane_t;
-static inline saltus_pack lane_spread(lane_t s) { return saltus_pack_splat(s); }
-static inline lane_t lane_constant(double s) { return s; }
-static inline lane_t lane_fma(lane_t a, lane_t b, lane_t c) { return saltus_scalar_fma(a, b, c); }
-static inline double lane_get(const lane_t *s, int lane) {
+KERNEL_INLINE saltus_pack lane_spread(lane_t s) { return saltus_pack_splat(s); }
+KERNEL_INLINE lane_t lane_constant(double s) { return s; }
+KERNEL_INLINE lane_t lane_fma(lane_t a, lane_t b, lane_t c) { return saltus_scalar_fma(a, b, c); }
+KERNEL_INLINE double lane_get(const lane_t *s, int lane) {
     (void)lane;
     return *s;
 }
-static inline lane_t row_element(const saltus_pack *row, int i) { return ((const double *)row)[i]; }
-static inline int row_packs(int n) { return (n + SALTUS_PACK - 1) / SALTUS_PACK; }
+KERNEL_INLINE lane_t row_element(const saltus_pack *row, int i) { return ((const double *)row)[i]; }
+KERNEL_INLINE int row_packs(int n) { return (n + SALTUS_PACK - 1) / SALTUS_PACK; }
 
-static inline lane_t row_sum(const saltus_pack *row, int n, int packs) {
+KERNEL_INLINE lane_t row_sum(const saltus_pack *row, int n, int packs) {
     (void)n;
 #if SALTUS_PACK == 8
     saltus_pack t = row[0];
@@ -81,25 +84,31 @@ static inline lane_t row_sum(const saltus_pack *row, int n, int packs) {
 #endif
 }
 
-/* out = coupling in; the coupling is stored by columns, each a row of packs. */
-static inline void row_couple(saltus_pack *out, const double *coupling, const saltus_pack *in, int n, int packs) {
+/* out = coupling in; the coupling is stored by columns, each a row of packs. A mode is coupled to one parity only, so one
+ * of the two chains stays zero for it, and the order of its sum is that of the wide kernel. */
+KERNEL_INLINE void row_couple(saltus_pack *out, const double *coupling, const saltus_pack *in, int n, int packs) {
     const saltus_pack *column = (const saltus_pack *)(const void *)coupling;
     for (int p = 0; p < packs; p++) {
-        saltus_pack sum = {0};
-        for (int j = 0; j < n; j++)
-            sum = saltus_pack_fma(column[j * packs + p], saltus_pack_splat(row_element(in, j)), sum);
-        out[p] = sum;
+        saltus_pack even = {0}, odd = {0};
+        int j = 0;
+        for (; j + 1 < n; j += 2) {
+            even = saltus_pack_fma(column[j * packs + p], saltus_pack_splat(row_element(in, j)), even);
+            odd = saltus_pack_fma(column[(j + 1) * packs + p], saltus_pack_splat(row_element(in, j + 1)), odd);
+        }
+        if (j < n)
+            even = saltus_pack_fma(column[j * packs + p], saltus_pack_splat(row_element(in, j)), even);
+        out[p] = even + odd;
     }
 }
 
 #endif
 
-/* sum over m < count of a_m b_{-m}: `a` runs up and `b` down a jet whose orders lie `stride` packs apart. Two chains
- * halve the latency; the newest coefficients come last in neither. */
-static inline saltus_pack jet_product(const saltus_pack *a, const saltus_pack *b, long stride, int count) {
+/* sum of a_m b_{-m} over first <= m < count: `a` runs up and `b` down a jet whose orders lie `stride` packs apart. Two
+ * chains halve the latency; terms with the newest coefficients are left to the caller, so that no chain waits. */
+KERNEL_INLINE saltus_pack jet_product(const saltus_pack *a, const saltus_pack *b, long stride, int first, int count) {
     saltus_pack even = {0}, odd = {0};
-    int m = 0;
-    for (; m + 1 < count; m += 2, a += 2 * stride, b -= 2 * stride) {
+    int m = first;
+    for (a += m * stride, b -= m * stride; m + 1 < count; m += 2, a += 2 * stride, b -= 2 * stride) {
         even = saltus_pack_fma(a[0], b[0], even);
         odd = saltus_pack_fma(a[stride], b[-stride], odd);
     }
@@ -109,10 +118,11 @@ static inline saltus_pack jet_product(const saltus_pack *a, const saltus_pack *b
 }
 
 /* The same with one number per lane and order in place of `a`. */
-static inline saltus_pack series_product(const lane_t *a, long a_stride, const saltus_pack *b, long b_stride, int count) {
+KERNEL_INLINE saltus_pack series_product(const lane_t *a, long a_stride, const saltus_pack *b, long b_stride, int first,
+                                         int count) {
     saltus_pack even = {0}, odd = {0};
-    int m = 0;
-    for (; m + 1 < count; m += 2, a += 2 * a_stride, b -= 2 * b_stride) {
+    int m = first;
+    for (a += m * a_stride, b -= m * b_stride; m + 1 < count; m += 2, a += 2 * a_stride, b -= 2 * b_stride) {
         even = saltus_pack_fma(lane_spread(a[0]), b[0], even);
         odd = saltus_pack_fma(lane_spread(a[a_stride]), b[-b_stride], odd);
     }

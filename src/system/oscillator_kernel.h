@@ -19,7 +19,7 @@ static void model_load(saltus_work *w, int lane, const saltus_system *system) {
     }
 }
 
-static inline void model_forcing(saltus_work *w, shape s, int order, int forcing_order, lane_t sine, lane_t cosine) {
+KERNEL_INLINE void model_forcing(saltus_work *w, shape s, int order, int forcing_order, lane_t sine, lane_t cosine) {
     (void)forcing_order;
     lane_t wave[4] = {cosine, -sine, -cosine, sine};
     for (int k = 0; k <= order; k++)
@@ -27,7 +27,7 @@ static inline void model_forcing(saltus_work *w, shape s, int order, int forcing
 }
 
 /* Coefficient k of q'' and of the Maxwell force's rate, for the trajectory (c = 0) or a tangent vector. */
-static inline void model_order(saltus_work *w, shape s, unsigned terms, int k, int c) {
+KERNEL_INLINE void model_order(saltus_work *w, shape s, unsigned terms, int k, int c) {
     const saltus_pack *q = JET(w->q, k, c), *v = JET(w->v, k, c);
     const saltus_pack *column[] = {ROWS(oscillator_k1), ROWS(oscillator_c1), ROWS(oscillator_k2), ROWS(oscillator_c2)};
     saltus_pack *acceleration = JET(w->v, k + 1, c);

@@ -16,7 +16,7 @@
 /* Forcing: coefficients of sin(omega t + phase) are omega^k / k! times sine, cosine, -sine, -cosine in turn. */
 enum { table_velocity, table_gradient, table_square, table_square2, model_tables };
 enum { series_square, series_tension, series_velocity, series_gradient, model_series };
-enum { product_gyroscopic, product_gradient, model_products };
+enum { product_gyroscopic, product_gradient, product_curvature, model_products };
 
 static void model_load(saltus_work *w, int lane, const saltus_system *system) {
     const double *s = system->coefficients.scalar;
@@ -35,7 +35,7 @@ static void model_load(saltus_work *w, int lane, const saltus_system *system) {
 }
 
 /* Series of the flow velocity: 2 sqrt(beta) u, sqrt(beta) u', and the start of W: -u^2 - sqrt(beta) u' / 2. */
-static inline void model_forcing(saltus_work *w, shape s, int order, int forcing_order, lane_t sine, lane_t cosine) {
+KERNEL_INLINE void model_forcing(saltus_work *w, shape s, int order, int forcing_order, lane_t sine, lane_t cosine) {
     const lane_t *root_beta = SCALAR(pipe_root_beta), *u0 = SCALAR(pipe_u0), *sigma = SCALAR(pipe_sigma);
     lane_t wave[4] = {sine, cosine, -sine, -cosine};
     lane_t sine2 = 2.0 * sine * cosine, cosine2 = 1.0 - 2.0 * sine * sine;
@@ -54,79 +54,73 @@ static inline void model_forcing(saltus_work *w, shape s, int order, int forcing
     *SERIES(series_tension, 0, 0) -= *u0 * *u0 * (1.0 + 0.5 * *sigma * *sigma);
 }
 
-/* Sum over the modes of lambda^2 (q * delta_c)_n, the coefficient n of a product of two jets. */
-static inline lane_t model_product_sum(saltus_work *w, shape s, int column, int n) {
-    const saltus_pack *lambda2 = ROWS(pipe_lambda2);
-    saltus_pack *scratch = (saltus_pack *)w->scratch;
-    for (int p = 0; p < s.packs; p++)
-        scratch[p] = lambda2[p] * jet_product(&JET(w->q, 0, 0)[p], &JET(w->q, n, column)[p], ORDER_STRIDE(s), n + 1);
-    return row_sum(scratch, w->dof, s.packs);
-}
-
-/* The same for the square of the trajectory's own jet, halved: half the products. */
-static inline lane_t model_square_sum(saltus_work *w, shape s, int n) {
-    const saltus_pack *lambda2 = ROWS(pipe_lambda2);
+/* Coefficient n of sum lambda^2 q delta_c over the modes (halved for c = 0, where the two halves of
+ * the products are equal). lambda^2 q is kept as a product row: it serves here and beside W. */
+KERNEL_INLINE lane_t model_square(saltus_work *w, shape s, int c, int n) {
     saltus_pack *scratch = (saltus_pack *)w->scratch;
     for (int p = 0; p < s.packs; p++) {
-        saltus_pack sum = jet_product(&JET(w->q, 0, 0)[p], &JET(w->q, n, 0)[p], ORDER_STRIDE(s), (n + 1) / 2);
-        saltus_pack middle = JET(w->q, n / 2, 0)[p];
-        if (n % 2 == 0)
-            sum = saltus_pack_fma(0.5 * middle, middle, sum);
-        scratch[p] = lambda2[p] * sum;
+        const saltus_pack *curvature = &PRODUCT(product_curvature, 0, 0)[p], *newest = &JET(w->q, n, c)[p];
+        saltus_pack sum = jet_product(curvature, newest, ORDER_STRIDE(s), 1, c ? n + 1 : (n + 1) / 2);
+        if (c == 0 && n % 2 == 0 && n > 0)
+            sum = saltus_pack_fma(0.5 * JET(w->q, n / 2, 0)[p], PRODUCT(product_curvature, n / 2, 0)[p], sum);
+        saltus_pack oldest = curvature[0];
+        if (c == 0 && n == 0)
+            oldest *= 0.5;
+        scratch[p] = saltus_pack_fma(oldest, newest[0], sum);
     }
     return row_sum(scratch, w->dof, s.packs);
 }
 
-/* W_k from S_k and S_{k+1}; the latter is formed here from q_{k+1}. */
-static inline void model_tension(saltus_work *w, shape s, int k) {
+/* W_k = (u part) + kappa (S_k + alpha (k + 1) S_{k+1}); S_{k+1} is formed here from q_{k+1}. */
+KERNEL_INLINE lane_t model_tension(saltus_work *w, shape s, int k, int c) {
     const lane_t *alpha = SCALAR(pipe_alpha), *kappa = SCALAR(pipe_kappa);
     if (k == 0)
-        *SERIES(series_square, 0, 0) = model_square_sum(w, s, 0);
-    lane_t next = model_square_sum(w, s, k + 1);
-    *SERIES(series_square, k + 1, 0) = next;
-    lane_t sum = lane_fma(*alpha * (k + 1.0), next, *SERIES(series_square, k, 0));
-    *SERIES(series_tension, k, 0) = lane_fma(*kappa, sum, *SERIES(series_tension, k, 0));
-}
-
-static inline void model_tension_tangent(saltus_work *w, shape s, int k, int c) {
-    const lane_t *alpha = SCALAR(pipe_alpha), *kappa = SCALAR(pipe_kappa);
-    if (k == 0)
-        *SERIES(series_square, 0, c) = model_product_sum(w, s, c, 0);
-    lane_t next = model_product_sum(w, s, c, k + 1);
+        *SERIES(series_square, 0, c) = model_square(w, s, c, 0);
+    lane_t known = *kappa * *SERIES(series_square, k, c), factor = *kappa * *alpha * (k + 1.0);
+    if (c == 0)
+        known += *SERIES(series_tension, k, 0);
+    lane_t next = model_square(w, s, c, k + 1);
     *SERIES(series_square, k + 1, c) = next;
-    *SERIES(series_tension, k, c) = *kappa * lane_fma(*alpha * (k + 1.0), next, *SERIES(series_square, k, c));
+    return *SERIES(series_tension, k, c) = lane_fma(factor, next, known);
 }
 
-/* Coefficient k of q'' for the trajectory (c = 0) or a tangent vector. */
-static inline void model_order(saltus_work *w, shape s, unsigned terms, int k, int c) {
+/* Coefficient k of q'' for the trajectory (c = 0) or a tangent vector. Sums are ordered so that what depends on the
+ * newest coefficients comes last. */
+KERNEL_INLINE void model_order(saltus_work *w, shape s, unsigned terms, int k, int c) {
     const saltus_pack *lambda2 = ROWS(pipe_lambda2), *damping = ROWS(pipe_damping), *stiffness = ROWS(pipe_stiffness);
     const bool cubic = terms & SALTUS_TERM_CUBIC, forced = terms & SALTUS_TERM_FORCED;
     const bool coupled = terms & SALTUS_TERM_COUPLED;
     const int forcing = forced ? (k < w->forcing_orders ? k : w->forcing_orders) : 0;
     const int tension = cubic ? k : forcing;
-    if (coupled) {
+    for (int order = c || k ? k + !c : 0; order <= k + !c; order++)
+        for (int p = 0; p < s.packs; p++)
+            PRODUCT(product_curvature, order, c)[p] = lambda2[p] * JET(w->q, order, c)[p];
+    if (coupled && forced)
+        row_couple(PRODUCT(product_gradient, k, c), w->coupling[pipe_gradient], JET(w->q, k, c), w->dof, s.packs);
+    if (coupled)
         row_couple(PRODUCT(product_gyroscopic, k, c), w->coupling[pipe_gyroscopic], JET(w->v, k, c), w->dof, s.packs);
-        if (forced)
-            row_couple(PRODUCT(product_gradient, k, c), w->coupling[pipe_gradient], JET(w->q, k, c), w->dof, s.packs);
-    }
-    if (cubic && c == 0)
-        model_tension(w, s, k);
-    else if (cubic)
-        model_tension_tangent(w, s, k, c);
+    saltus_pack newest = lane_spread(cubic ? model_tension(w, s, k, c) : *SERIES(series_tension, 0, 0));
     for (int p = 0; p < s.packs; p++) {
-        saltus_pack w_q = series_product(SERIES(series_tension, 0, 0), SERIES_STRIDE(s), &JET(w->q, k, c)[p],
-                                         ORDER_STRIDE(s), tension + 1);
-        if (cubic && c > 0)
-            w_q += series_product(SERIES(series_tension, 0, c), SERIES_STRIDE(s), &JET(w->q, k, 0)[p], ORDER_STRIDE(s),
-                                  k + 1);
+        const saltus_pack *curvature = &PRODUCT(product_curvature, k, c)[p];
         saltus_pack sum = saltus_pack_fma(stiffness[p], JET(w->q, k, c)[p], damping[p] * JET(w->v, k, c)[p]);
-        sum = saltus_pack_fma(lambda2[p], w_q, sum);
-        if (coupled)
-            sum += series_product(SERIES(series_velocity, 0, 0), SERIES_STRIDE(s), &PRODUCT(product_gyroscopic, k, c)[p],
-                                  ORDER_STRIDE(s), forcing + 1);
         if (coupled && forced)
             sum += series_product(SERIES(series_gradient, 0, 0), SERIES_STRIDE(s), &PRODUCT(product_gradient, k, c)[p],
-                                  ORDER_STRIDE(s), forcing + 1);
+                                  ORDER_STRIDE(s), 0, forcing + 1);
+        if (coupled) {
+            const saltus_pack *gyroscopic = &PRODUCT(product_gyroscopic, k, c)[p];
+            sum += series_product(SERIES(series_velocity, 0, 0), SERIES_STRIDE(s), gyroscopic, ORDER_STRIDE(s), 1,
+                                  forcing + 1);
+            sum = saltus_pack_fma(lane_spread(*SERIES(series_velocity, 0, 0)), gyroscopic[0], sum);
+        }
+        /* W of the trajectory times the column; for a tangent vector also its own W times the trajectory. */
+        bool own = cubic && c == 0;
+        sum += series_product(SERIES(series_tension, 0, 0), SERIES_STRIDE(s), curvature, ORDER_STRIDE(s), 0,
+                              own ? tension : tension + 1);
+        if (cubic && c > 0)
+            sum += series_product(SERIES(series_tension, 0, c), SERIES_STRIDE(s), &PRODUCT(product_curvature, k, 0)[p],
+                                  ORDER_STRIDE(s), 0, k);
+        if (cubic)
+            sum = saltus_pack_fma(newest, PRODUCT(product_curvature, 0, 0)[p], sum);
         JET(w->v, k + 1, c)[p] = -sum;
     }
 }
