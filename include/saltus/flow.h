@@ -103,6 +103,11 @@ void saltus_flow_state(const saltus_flow *flow, int lane, double *state);
 saltus_time saltus_flow_time(const saltus_flow *flow, int lane);
 /* The time derivative of the state now, contacts held; for section derivatives. */
 void saltus_flow_field(saltus_flow *flow, int lane, double *derivative);
+/* How the time of the last impact, stick or turning event answers to each tangent vector: d time / d column (length
+ * columns). With it a tangent vector becomes one of the event's section. */
+void saltus_flow_delays(const saltus_flow *flow, int lane, double *delays);
+/* Contact force per modal mass, (n.f)/(n.n), of each face (length SALTUS_FACES_MAX); zero where nothing holds. */
+void saltus_flow_forces(saltus_flow *flow, int lane, double *forces);
 /* Faces now in lasting contact, as bits. */
 unsigned saltus_flow_contacts(const saltus_flow *flow, int lane);
 saltus_flow_info saltus_flow_information(const saltus_flow *flow, int lane);

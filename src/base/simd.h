@@ -47,7 +47,58 @@ static inline double saltus_scalar_fma(double a, double b, double c) {
 }
 
 static inline saltus_pack saltus_pack_splat(double a) {
+#if defined(__AVX512F__)
+    return (saltus_pack)_mm512_set1_pd(a);
+#else
     return a - (saltus_pack){0};
+#endif
+}
+
+/* Elements of a row in pairs, swapped: 2 pair + 1, 2 pair, 2 pair + 1, ... */
+static inline saltus_pack saltus_pack_swapped_pair(const saltus_pack *row, int pair) {
+#if defined(__AVX512F__)
+    static const long long index[4][8] = {{1, 0, 1, 0, 1, 0, 1, 0},
+                                          {3, 2, 3, 2, 3, 2, 3, 2},
+                                          {5, 4, 5, 4, 5, 4, 5, 4},
+                                          {7, 6, 7, 6, 7, 6, 7, 6}};
+    return (saltus_pack)_mm512_permutexvar_pd(_mm512_loadu_si512(index[pair % 4]), (__m512d)row[pair / 4]);
+#elif defined(__AVX2__) && defined(__FMA__)
+    const __m128d *both = (const __m128d *)(const void *)row + pair;
+    return (saltus_pack)_mm256_permute_pd(_mm256_broadcast_pd(both), 5);
+#else
+    const double *first = (const double *)(const void *)row + 2 * pair;
+    return (saltus_pack){first[1], first[0]};
+#endif
+}
+
+/* The sum of the elements, in every element: those half a pack apart first, neighbours last. */
+static inline saltus_pack saltus_pack_sum(saltus_pack a) {
+#if defined(__AVX512F__)
+    a += (saltus_pack)_mm512_shuffle_f64x2((__m512d)a, (__m512d)a, 0x4e);
+    a += (saltus_pack)_mm512_permutex_pd((__m512d)a, 0x4e);
+    a += (saltus_pack)_mm512_permute_pd((__m512d)a, 0x55);
+#elif defined(__AVX2__) && defined(__FMA__)
+    a += (saltus_pack)_mm256_permute4x64_pd((__m256d)a, 0x4e);
+    a += (saltus_pack)_mm256_permute_pd((__m256d)a, 5);
+#else
+    a += (saltus_pack){a[1], a[0]};
+#endif
+    return a;
+}
+
+/* The larger of a and |b|, element by element. */
+static inline saltus_pack saltus_pack_max_size(saltus_pack a, saltus_pack b) {
+#if defined(__AVX512F__)
+    return (saltus_pack)_mm512_max_pd((__m512d)a, _mm512_abs_pd((__m512d)b));
+#elif defined(__AVX2__) && defined(__FMA__)
+    return (saltus_pack)_mm256_max_pd((__m256d)a, _mm256_andnot_pd(_mm256_set1_pd(-0.0), (__m256d)b));
+#else
+    for (int i = 0; i < SALTUS_PACK; i++) {
+        double size = __builtin_fabs(b[i]);
+        a[i] = size > a[i] ? size : a[i];
+    }
+    return a;
+#endif
 }
 
 #endif

@@ -250,6 +250,7 @@ static void saltate(saltus_flow *flow, saltus_lane *self, int face, double speed
     for (int c = 0; c < flow->options.columns; c++) {
         double *delta = self->tangents + c * dimension;
         double delay = saltus_face_normal(self->system, face, delta) / speed;
+        self->delay[c] = -delay;
         saltus_contact_map_apply(map, n, delta + n);
         for (int i = 0; i < dimension; i++)
             delta[i] = fma(delay, jump[i], delta[i]);
@@ -361,6 +362,23 @@ saltus_status saltus_contacts_impact(saltus_flow *flow, int lane, int face, salt
         event->time = saltus_time_after(self->now, remainder > 0 ? remainder / system->period : 0);
     }
     return SALTUS_OK;
+}
+
+/* The probe's force row is n.f; per modal mass means divided by n M^-1 n of the face. */
+void saltus_flow_forces(saltus_flow *flow, int lane, double *forces) {
+    saltus_lane *self = &flow->lane[lane];
+    memset(forces, 0, SALTUS_FACES_MAX * sizeof *forces);
+    saltus_flow_state(flow, lane, self->state);
+    saltus_work *probe = probe_at(flow, lane, self->state, self->now.phase, &self->hold, 1);
+    for (int k = 0; k < self->hold.count; k++) {
+        int face = self->hold.face[k];
+        const double *normal = self->system->stop_normal[self->system->faces[face].stop];
+        double compliance = 0;
+        for (int i = 0; i < flow->dof; i++)
+            for (int j = 0; j < flow->dof; j++)
+                compliance += normal[i] * self->system->inverse_mass[i * flow->dof + j] * normal[j];
+        forces[face] = probe->force[(size_t)k * (size_t)(probe->order + 2)] / compliance;
+    }
 }
 
 void saltus_contacts_release(saltus_flow *flow, int lane, int face) {

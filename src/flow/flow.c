@@ -87,6 +87,7 @@ static void reserve(saltus_flow *flow) {
         self->before = saltus_arena_doubles(arena, dimension);
         self->after = saltus_arena_doubles(arena, dimension);
         self->trial = saltus_arena_doubles(arena, dimension);
+        self->delay = saltus_arena_doubles(arena, (size_t)flow->options.columns);
     }
 }
 
@@ -246,6 +247,11 @@ void saltus_flow_set_tangents(saltus_flow *flow, int lane, const double *tangent
         scatter(flow, lane, c + 1, tangents + c * flow->dimension);
 }
 
+void saltus_flow_delays(const saltus_flow *flow, int lane, double *delays) {
+    for (int c = 0; c < flow->options.columns; c++)
+        delays[c] = flow->lane[lane].delay[c];
+}
+
 void saltus_flow_field(saltus_flow *flow, int lane, double *derivative) {
     saltus_lane *self = &flow->lane[lane];
     gather(flow, lane, 0, self->state);
@@ -377,6 +383,12 @@ static saltus_status apply_event(saltus_flow *flow, int lane) {
         for (int i = 0; i < flow->dof; i++) {
             event->displacement = fma(observer[i], self->state[i], event->displacement);
             event->velocity_before = fma(observer[i], self->before[flow->dof + i], event->velocity_before);
+        }
+        for (int c = 0; c < flow->options.columns; c++) {
+            const double *delta = self->tangents + c * flow->dimension + flow->dof;
+            self->delay[c] = 0;
+            for (int i = 0; i < flow->dof; i++)
+                self->delay[c] -= observer[i] * delta[i] / event->velocity_before;
         }
         return SALTUS_OK;
     }

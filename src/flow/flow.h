@@ -43,6 +43,7 @@ typedef struct saltus_lane {
     double *state, *tangents;    /* dimension, columns * dimension */
     double *before, *after;      /* fields on the two sides of an event */
     double *trial;               /* a state */
+    double *delay;               /* per column: d (event time) / d column of the last event */
 } saltus_lane;
 
 struct saltus_flow {

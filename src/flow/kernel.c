@@ -10,22 +10,30 @@
 
 #include "flow/lanes.h"
 
-/* What the inner loops need to know of the layout; constants where the common case is compiled on its own. */
-typedef struct shape {
+/* A work's pointers and sizes in local variables: a store through a pack may alias the work itself, which would then be
+ * read anew after each. Sizes become constants where the common case is compiled on its own. */
+typedef struct frame {
+    unsigned terms;
     int packs;   /* per row */
     int columns; /* tangent vectors */
-} shape;
+    int dof, extra, contacts, forcing;
+    long orders, order_span;
+    saltus_pack *q, *v;
+    lane_t *e, *series, *drive, *force;
+    const lane_t *scalar, *table;
+    const saltus_pack *rows, *push, *pull;
+    const double *coupling[SALTUS_COUPLINGS_MAX];
+} frame;
 
-#define SCALAR(n) ((const lane_t *)(const void *)(w->scalar + (size_t)(n)*LANES))
-#define TABLE(t, k) ((const lane_t *)(const void *)(w->table + ((size_t)(t) * (size_t)(w->order + 2) + (size_t)(k)) * LANES))
-#define ROWS(r) ((const saltus_pack *)(const void *)(w->rows + (size_t)(r) * (size_t)w->row))
-#define ORDER_STRIDE(s) ((long)(1 + (s).columns) * (s).packs)
-#define SERIES_STRIDE(s) ((long)(1 + (s).columns))
-#define JET(a, k, c) ((saltus_pack *)(void *)(a) + ((long)(k) * ORDER_STRIDE(s) + (long)(c) * s.packs))
-#define EXTRA(k, c) ((lane_t *)(void *)w->e + ((long)(k) * SERIES_STRIDE(s) + (c)) * w->extra)
-#define PRODUCT(r, k, c) (JET(w->product, k, c) + (long)(r) * (w->order + 2) * ORDER_STRIDE(s))
-#define SERIES(n, k, c)                                                                                                \
-    ((lane_t *)(void *)w->series + ((long)(n) * (w->order + 2) + (long)(k)) * SERIES_STRIDE(s) + (c))
+#define ORDER_STRIDE ((long)(1 + f.columns) * f.packs)
+#define JET(a, k, c) ((a) + (long)(k) * ORDER_STRIDE + (long)(c) * f.packs)
+#define EXTRA(k, c) (f.e + ((long)(k) * (1 + f.columns) + (c)) * f.extra)
+#define SERIES(n, k, c) (f.series + ((n) * f.orders + (k)) * (1 + f.columns) + (c))
+#define DRIVE(n, k) (f.drive + (n) * f.order_span + (k))
+#define DRIVE_PACK(n, k) ((saltus_pack *)(void *)DRIVE(n, k))
+#define TABLE(n, k) ((const saltus_pack *)(const void *)(f.table + (n) * f.order_span + (k)))
+#define SCALAR(n) (f.scalar + (n))
+#define ROW(n) (f.rows + (n) * f.packs)
 
 #include SALTUS_MODEL_KERNEL
 
@@ -35,7 +43,8 @@ static void reserve(saltus_work *w) {
     w->row = SALTUS_WIDE ? w->dof * LANES : row_packs(w->dof) * SALTUS_PACK;
     w->extra_row = w->extra * LANES;
     w->stride = LANES;
-    size_t orders = (size_t)w->order + 2, all = (size_t)w->columns + 1, row = (size_t)w->row;
+    w->order_span = (w->order + 2 + SALTUS_PACK - 1) / SALTUS_PACK * SALTUS_PACK;
+    size_t span = (size_t)w->order_span, orders = (size_t)w->order + 2, all = (size_t)w->columns + 1, row = (size_t)w->row;
     size_t extra = (size_t)w->extra_row, stops = (size_t)w->stops, contacts = (size_t)w->contacts;
     w->q = saltus_arena_doubles(a, orders * all * row);
     w->v = saltus_arena_doubles(a, orders * all * row);
@@ -55,11 +64,10 @@ static void reserve(saltus_work *w) {
     w->scalar = saltus_arena_doubles(a, SALTUS_SCALARS_MAX * LANES);
     w->rows = saltus_arena_doubles(a, SALTUS_ROWS_MAX * row);
     for (int m = 0; m < SALTUS_COUPLINGS_MAX; m++)
-        w->coupling[m] = saltus_arena_doubles(a, (size_t)w->dof * (SALTUS_WIDE ? (size_t)w->dof : row));
-    w->table = saltus_arena_doubles(a, model_tables * orders * LANES);
+        w->coupling[m] = saltus_arena_doubles(a, coupling_size(w->dof));
+    w->table = saltus_arena_doubles(a, model_tables * span * LANES);
+    w->drive = saltus_arena_doubles(a, model_drives * span * LANES);
     w->series = saltus_arena_doubles(a, model_series * orders * all * LANES);
-    w->product = saltus_arena_doubles(a, model_products * orders * all * row);
-    w->scratch = saltus_arena_doubles(a, row);
 }
 
 /* A system's row of numbers into one lane of a row. */
@@ -77,8 +85,8 @@ static void load(saltus_work *w, int lane, const saltus_system *system) {
         load_row(w, w->rows + (size_t)r * (size_t)w->row, lane, c->row[r]);
     for (int m = 0; m < c->couplings; m++)
         for (int i = 0; i < n; i++)
-            for (int j = 0; j < n; j++)
-                w->coupling[m][SALTUS_WIDE ? i * n + j : j * w->row + i] = c->coupling[m][i * n + j];
+            for (int j = 1 - i % 2; j < n; j += 2)
+                w->coupling[m][coupling_place(n, i, j)] = c->coupling[m][i * n + j];
     for (int s = 0; s < w->stops; s++)
         load_row(w, w->normal + (size_t)s * (size_t)w->row, lane, system->stop_normal[s]);
     w->terms |= c->terms;
@@ -115,67 +123,86 @@ KERNEL_INLINE void turn(double phase, double *sine, double *cosine) {
     *cosine = (quarter + 1) & 2 ? -second : second;
 }
 
-KERNEL_INLINE void forcing(saltus_work *w, shape s, int order) {
+KERNEL_INLINE void forcing(frame f, const double *phase, int order) {
     lane_t sine, cosine;
     for (int l = 0; l < LANES; l++)
-        turn(w->phase[l], (double *)&sine + l, (double *)&cosine + l);
-    model_forcing(w, s, order, order < w->forcing_orders ? order : w->forcing_orders, sine, cosine);
+        turn(phase[l], (double *)&sine + l, (double *)&cosine + l);
+    model_forcing(f, order, sine, cosine);
 }
 
 /* Contacts that hold: q'' = f - b (pull . f), the force's series kept for the release. */
-KERNEL_INLINE void hold_contacts(saltus_work *w, shape s, int k, int c) {
-    saltus_pack *acceleration = JET(w->v, k + 1, c);
-    lane_t force[SALTUS_FACES_MAX];
-    for (int m = 0; m < w->contacts; m++) {
-        const saltus_pack *pull = (const saltus_pack *)(const void *)(w->pull + (size_t)m * (size_t)w->row);
-        lane_t sum = lane_constant(0);
-        for (int i = 0; i < w->dof; i++)
-            sum = lane_fma(row_element(pull, i), row_element(acceleration, i), sum);
-        force[m] = sum;
+KERNEL_INLINE void hold_contacts(frame f, int k, int c, saltus_pack *acceleration) {
+    saltus_pack force[SALTUS_FACES_MAX];
+    for (int m = 0; m < f.contacts; m++) {
+        force[m] = row_dot(f.pull + m * f.packs, acceleration, f.dof, f.packs);
         if (c == 0)
-            *(lane_t *)(void *)(w->force + ((size_t)m * (size_t)(w->order + 2) + (size_t)k) * LANES) = sum;
+            f.force[m * f.orders + k] = lane_of(force[m]);
     }
-    for (int m = 0; m < w->contacts; m++) {
-        const saltus_pack *push = (const saltus_pack *)(const void *)(w->push + (size_t)m * (size_t)w->row);
-        for (int p = 0; p < s.packs; p++)
-            acceleration[p] = saltus_pack_fnma(push[p], lane_spread(force[m]), acceleration[p]);
-    }
+    for (int m = 0; m < f.contacts; m++)
+        for (int p = 0; p < f.packs; p++)
+            acceleration[p] = saltus_pack_fnma(f.push[m * f.packs + p], force[m], acceleration[p]);
 }
 
-KERNEL_INLINE void expand_order(saltus_work *w, shape s, unsigned terms, int k, int c) {
+/* v_k -> q_{k+1}, v_{k+1}. */
+KERNEL_INLINE void expand_order(frame f, int k, int c, saltus_pack *velocity) {
     const double inverse = 1.0 / (k + 1);
-    const saltus_pack *v = JET(w->v, k, c);
-    saltus_pack *q = JET(w->q, k + 1, c), *next = JET(w->v, k + 1, c);
-    for (int p = 0; p < s.packs; p++)
-        q[p] = v[p] * inverse;
-    model_order(w, s, terms, k, c);
-    if (w->contacts)
-        hold_contacts(w, s, k, c);
-    for (int p = 0; p < s.packs; p++)
-        next[p] *= inverse;
-    for (int i = 0; i < w->extra; i++)
+    saltus_pack acceleration[ROW_PACKS_MAX];
+    for (int p = 0; p < f.packs; p++)
+        JET(f.q, k + 1, c)[p] = velocity[p] * inverse;
+    model_order(f, k, c, velocity, acceleration);
+    if (f.contacts)
+        hold_contacts(f, k, c, acceleration);
+    for (int p = 0; p < f.packs; p++)
+        JET(f.v, k + 1, c)[p] = velocity[p] = acceleration[p] * inverse;
+    for (int i = 0; i < f.extra; i++)
         EXTRA(k + 1, c)[i] *= inverse;
 }
 
-KERNEL_INLINE void gap_series(saltus_work *w, shape s, int order) {
+KERNEL_INLINE void gap_series(frame f, const saltus_work *w, int order) {
     for (int stop = 0; stop < w->stops; stop++) {
-        const saltus_pack *normal = (const saltus_pack *)(const void *)(w->normal + (size_t)stop * (size_t)w->row);
-        lane_t *gap = (lane_t *)(void *)(w->gap + (size_t)stop * (size_t)(w->order + 2) * LANES);
-        for (int k = 0; k <= order; k++) {
-            lane_t sum = lane_constant(0);
-            for (int i = 0; i < w->dof; i++)
-                sum = lane_fma(row_element(normal, i), row_element(JET(w->q, k, 0), i), sum);
-            gap[k] = sum;
-        }
+        const saltus_pack *normal = (const saltus_pack *)(const void *)w->normal + stop * f.packs;
+        lane_t *gap = (lane_t *)(void *)w->gap + stop * f.orders;
+        for (int k = 0; k <= order; k++)
+            gap[k] = lane_of(row_dot(normal, JET(f.q, k, 0), f.dof, f.packs));
     }
 }
 
-KERNEL_INLINE void expand_shape(saltus_work *w, shape s, unsigned terms, int order) {
-    forcing(w, s, order);
+KERNEL_INLINE frame make_frame(const saltus_work *w, unsigned terms, int packs, int columns, int contacts) {
+    return (frame){.terms = terms,
+                   .packs = packs,
+                   .columns = columns,
+                   .dof = w->dof,
+                   .extra = terms & SALTUS_TERM_EXTRA ? w->extra : 0,
+                   .contacts = contacts,
+                   .forcing = terms & SALTUS_TERM_FORCED ? w->forcing_orders : 0,
+                   .orders = w->order + 2,
+                   .order_span = w->order_span,
+                   .q = (saltus_pack *)(void *)w->q,
+                   .v = (saltus_pack *)(void *)w->v,
+                   .e = (lane_t *)(void *)w->e,
+                   .series = (lane_t *)(void *)w->series,
+                   .drive = (lane_t *)(void *)w->drive,
+                   .force = (lane_t *)(void *)w->force,
+                   .scalar = (const lane_t *)(const void *)w->scalar,
+                   .table = (const lane_t *)(const void *)w->table,
+                   .rows = (const saltus_pack *)(const void *)w->rows,
+                   .push = (const saltus_pack *)(const void *)w->push,
+                   .pull = (const saltus_pack *)(const void *)w->pull,
+                   .coupling = {w->coupling[0], w->coupling[1]}};
+}
+
+KERNEL_INLINE void expand_frame(frame f, const saltus_work *w, int order) {
+    saltus_pack velocity[ROW_PACKS_MAX];
+    forcing(f, w->phase, order);
+    for (int p = 0; p < f.packs; p++)
+        velocity[p] = f.v[p];
     for (int k = 0; k < order; k++)
-        for (int c = 0; c <= s.columns; c++)
-            expand_order(w, s, terms, k, c);
-    gap_series(w, s, order);
+        for (int c = 0; c <= f.columns; c++) {
+            for (int p = 0; p < f.packs && f.columns > 0; p++)
+                velocity[p] = JET(f.v, k, c)[p];
+            expand_order(f, k, c, velocity);
+        }
+    gap_series(f, w, order);
 }
 
 /* The scene's terms and shape are settled here, once per step; the common cases have loops of their own. */
@@ -186,14 +213,14 @@ static void expand(saltus_work *w, int order) {
     memcpy(w->v, w->xv, bytes);
     memcpy(w->e, w->xe, (size_t)(1 + w->columns) * (size_t)w->extra_row * sizeof(double));
     int packs = row_packs(w->dof);
-    if (w->terms == all && packs == 1 && w->columns == 0)
-        expand_shape(w, (shape){1, 0}, all, order);
+    if (w->terms == all && packs == 1 && w->columns == 0 && w->contacts == 0)
+        expand_frame(make_frame(w, all, 1, 0, 0), w, order);
     else if (w->terms == all && packs == 1)
-        expand_shape(w, (shape){1, w->columns}, all, order);
+        expand_frame(make_frame(w, all, 1, w->columns, w->contacts), w, order);
     else if (w->terms == all && w->columns == 0)
-        expand_shape(w, (shape){packs, 0}, all, order);
+        expand_frame(make_frame(w, all, packs, 0, w->contacts), w, order);
     else
-        expand_shape(w, (shape){packs, w->columns}, w->terms, order);
+        expand_frame(make_frame(w, w->terms, packs, w->columns, w->contacts), w, order);
 }
 
 /* Largest modulus in a row, per lane. */
@@ -274,20 +301,20 @@ static void evaluate(saltus_work *w, int order) {
     const saltus_pack spread = lane_spread(time);
     const size_t order_packs = saltus_work_jet(w, 1, 0) / SALTUS_PACK;
     const int packs = row_packs(w->dof);
-    const shape s = {packs, w->columns};
     for (int c = 0; c <= w->columns; c++)
         for (int p = 0; p < packs; p++) {
             size_t place = (size_t)c * (size_t)packs + (size_t)p;
-            ((saltus_pack *)(void *)w->xq)[place] = polynomial(&JET(w->q, order, c)[p], order_packs, order, spread);
-            ((saltus_pack *)(void *)w->xv)[place] = polynomial(&JET(w->v, order, c)[p], order_packs, order, spread);
+            const size_t top = (size_t)order * order_packs + place;
+            ((saltus_pack *)(void *)w->xq)[place] = polynomial((saltus_pack *)(void *)w->q + top, order_packs, order, spread);
+            ((saltus_pack *)(void *)w->xv)[place] = polynomial((saltus_pack *)(void *)w->v + top, order_packs, order, spread);
         }
-    for (int c = 0; c <= w->columns; c++)
-        for (int i = 0; i < w->extra; i++) {
-            lane_t sum = lane_constant(0);
-            for (int k = order; k >= 0; k--)
-                sum = lane_fma(sum, time, EXTRA(k, c)[i]);
-            ((lane_t *)(void *)w->xe)[c * w->extra + i] = sum;
-        }
+    const int extras = (1 + w->columns) * w->extra;
+    for (int i = 0; i < extras; i++) {
+        lane_t sum = lane_constant(0);
+        for (int k = order; k >= 0; k--)
+            sum = lane_fma(sum, time, ((const lane_t *)(const void *)w->e)[k * extras + i]);
+        ((lane_t *)(void *)w->xe)[i] = sum;
+    }
 }
 
 extern const saltus_kernel SALTUS_KERNEL_NAME;

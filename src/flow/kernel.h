@@ -43,10 +43,10 @@ typedef struct saltus_work {
     double *scalar;      /* [scalar][lane] */
     double *rows;        /* [coefficient row][row] */
     double *coupling[SALTUS_COUPLINGS_MAX];
+    int order_span;      /* orders reserved for the two below: a whole number of packs */
     double *table;       /* model's constants per order: [table][order][lane] */
-    double *series;      /* model's scalar series: [series][order][column][lane] */
-    double *product;     /* model's row series: [product][order][column][row] */
-    double *scratch;     /* [row] */
+    double *drive;       /* model's scalar series that all columns share: [drive][order][lane] */
+    double *series;      /* model's other scalar series: [series][order][column][lane] */
 } saltus_work;
 
 struct saltus_kernel {

@@ -7,47 +7,44 @@
 
 #define MODEL_NAME "oscillator"
 
-enum { table_forcing, model_tables };
-enum { series_forcing, model_series };
-enum { model_products = 1 };
+enum { drive_force, model_drives };
+enum { table_force, model_tables };
+enum { model_series };
 
 static void model_load(saltus_work *w, int lane, const saltus_system *system) {
     double coefficient = 1;
-    for (int k = 0; k <= w->order; k++) {
-        w->table[(size_t)k * (size_t)w->lanes + (size_t)lane] = coefficient;
+    for (int k = 0; k < w->order_span; k++) {
+        w->table[(size_t)k * (size_t)w->lanes + (size_t)lane] = (k + 1) & 2 ? -coefficient : coefficient;
         coefficient *= system->omega / (k + 1);
     }
 }
 
-KERNEL_INLINE void model_forcing(saltus_work *w, shape s, int order, int forcing_order, lane_t sine, lane_t cosine) {
-    (void)forcing_order;
-    lane_t wave[4] = {cosine, -sine, -cosine, sine};
-    for (int k = 0; k <= order; k++)
-        *SERIES(series_forcing, k, 0) = *TABLE(table_forcing, k) * wave[k % 4];
+KERNEL_INLINE void model_forcing(frame f, int order, lane_t sine, lane_t cosine) {
+    for (int k = 0; k <= order; k += ORDERS_PER_PACK)
+        *DRIVE_PACK(drive_force, k) = *TABLE(table_force, k) * lane_alternate(cosine, sine, k);
 }
 
 /* Coefficient k of q'' and of the Maxwell force's rate, for the trajectory (c = 0) or a tangent vector. */
-KERNEL_INLINE void model_order(saltus_work *w, shape s, unsigned terms, int k, int c) {
-    const saltus_pack *q = JET(w->q, k, c), *v = JET(w->v, k, c);
-    const saltus_pack *column[] = {ROWS(oscillator_k1), ROWS(oscillator_c1), ROWS(oscillator_k2), ROWS(oscillator_c2)};
-    saltus_pack *acceleration = JET(w->v, k + 1, c);
-    for (int p = 0; p < s.packs; p++) {
+KERNEL_INLINE void model_order(frame f, int k, int c, const saltus_pack *velocity, saltus_pack *acceleration) {
+    const saltus_pack *q = JET(f.q, k, c);
+    const saltus_pack *column[] = {ROW(oscillator_k1), ROW(oscillator_c1), ROW(oscillator_k2), ROW(oscillator_c2)};
+    for (int p = 0; p < f.packs; p++) {
         saltus_pack sum = {0};
-        for (int j = 0; j < w->dof; j++) {
+        for (int j = 0; j < f.dof; j++) {
             sum = saltus_pack_fma(column[2 * j][p], lane_spread(row_element(q, j)), sum);
-            sum = saltus_pack_fma(column[2 * j + 1][p], lane_spread(row_element(v, j)), sum);
+            sum = saltus_pack_fma(column[2 * j + 1][p], lane_spread(row_element(velocity, j)), sum);
         }
-        if (terms & SALTUS_TERM_EXTRA)
-            sum = saltus_pack_fma(ROWS(oscillator_maxwell)[p], lane_spread(*EXTRA(k, c)), sum);
-        if ((terms & SALTUS_TERM_FORCED) && c == 0)
-            sum = saltus_pack_fnma(ROWS(oscillator_force)[p], lane_spread(*SERIES(series_forcing, k, 0)), sum);
+        if (f.terms & SALTUS_TERM_EXTRA)
+            sum = saltus_pack_fma(ROW(oscillator_maxwell)[p], lane_spread(*EXTRA(k, c)), sum);
+        if ((f.terms & SALTUS_TERM_FORCED) && c == 0)
+            sum = saltus_pack_fnma(ROW(oscillator_force)[p], lane_spread(*DRIVE(drive_force, k)), sum);
         if (k == 0 && c == 0)
-            sum -= ROWS(oscillator_load)[p];
+            sum -= ROW(oscillator_load)[p];
         acceleration[p] = -sum;
     }
-    if (terms & SALTUS_TERM_EXTRA)
+    if (f.terms & SALTUS_TERM_EXTRA)
         *EXTRA(k + 1, c) =
-            lane_fma(*SCALAR(oscillator_kz), row_element(v, 0), -*SCALAR(oscillator_rate_z) * *EXTRA(k, c));
+            lane_fma(*SCALAR(oscillator_kz), row_element(velocity, 0), -*SCALAR(oscillator_rate_z) * *EXTRA(k, c));
 }
 
 #endif

@@ -3,8 +3,9 @@
  * With P = S + alpha S' (S' = 2 S1) all terms that multiply q_i itself share one scalar series,
  *   W = kappa P - u^2 - sqrt(beta) u' / 2,
  * and the field is
- *   q_i'' = - alpha lambda_i^4 v_i - lambda_i^4 q_i - lambda_i^2 W q_i - 2 sqrt(beta) u (G v)_i - sqrt(beta) u' (B q)_i
- * with B's diagonal gone into W. The cubic term costs one series product per mode and order.
+ *   q_i'' = - alpha lambda_i^4 v_i - lambda_i^4 q_i - lambda_i^2 W q_i - (G 2 sqrt(beta) u v)_i - (B sqrt(beta) u' q)_i
+ * with B's diagonal gone into W. The three products of a scalar series and a row are formed side by side, before G, B and
+ * lambda^2 act on them; the cubic term then costs one product per order, and half a one for S.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_SYSTEM_PIPE_KERNEL_H
 #define SALTUS_SYSTEM_PIPE_KERNEL_H
@@ -13,116 +14,154 @@
 
 #define MODEL_NAME "pipe"
 
-/* Forcing: coefficients of sin(omega t + phase) are omega^k / k! times sine, cosine, -sine, -cosine in turn. */
-enum { table_velocity, table_gradient, table_square, table_square2, model_tables };
-enum { series_square, series_tension, series_velocity, series_gradient, model_series };
-enum { product_gyroscopic, product_gradient, product_curvature, model_products };
+/* 2 sqrt(beta) u, sqrt(beta) u', the part -u^2 - sqrt(beta) u' / 2 of W, and all of the trajectory's W. */
+enum { drive_velocity, drive_gradient, drive_tension, drive_all_tension, model_drives };
+enum { table_velocity, table_gradient, table_tension, table_tension_gradient, table_tension2, model_tables };
+enum { series_square, series_tension, model_series };
 
+/* Orders of sin(omega t + phase) are omega^k / k! times sine, cosine, -sine, -cosine in turn; the signs go into the
+ * tables. Beyond the orders that matter all is zero. */
 static void model_load(saltus_work *w, int lane, const saltus_system *system) {
-    const double *s = system->coefficients.scalar;
-    double u0 = s[pipe_u0], sigma = s[pipe_sigma], omega = system->omega;
+    const saltus_coefficients *c = &system->coefficients;
+    double root_beta = c->scalar[pipe_root_beta], u0 = c->scalar[pipe_u0], sigma = c->scalar[pipe_sigma];
     double single = 1, twice = 1;
-    for (int k = 0; k <= w->order; k++) {
+    for (int k = 0; k < w->order_span; k++) {
         double *t = w->table + (size_t)k * (size_t)w->lanes + lane;
-        size_t stride = (size_t)(w->order + 2) * (size_t)w->lanes;
-        t[table_velocity * stride] = 2 * s[pipe_root_beta] * u0 * sigma * single;
-        t[table_gradient * stride] = s[pipe_root_beta] * u0 * sigma * omega * single;
-        t[table_square * stride] = 2 * u0 * u0 * sigma * single;
-        t[table_square2 * stride] = -0.5 * u0 * u0 * sigma * sigma * twice;
-        single *= omega / (k + 1);
-        twice *= 2 * omega / (k + 1);
+        size_t stride = (size_t)w->order_span * (size_t)w->lanes;
+        double matters = c->terms & SALTUS_TERM_FORCED && k <= c->forcing_orders;
+        double sine = k & 2 ? -matters : matters, cosine = (k + 1) & 2 ? -matters : matters;
+        t[table_velocity * stride] = 2 * root_beta * u0 * sigma * single * sine;
+        t[table_gradient * stride] = root_beta * u0 * sigma * system->omega * single * cosine;
+        t[table_tension * stride] = -2 * u0 * u0 * sigma * single * sine;
+        t[table_tension_gradient * stride] = -0.5 * t[table_gradient * stride];
+        t[table_tension2 * stride] = 0.5 * u0 * u0 * sigma * sigma * twice * cosine;
+        single *= system->omega / (k + 1);
+        twice *= 2 * system->omega / (k + 1);
     }
 }
 
-/* Series of the flow velocity: 2 sqrt(beta) u, sqrt(beta) u', and the start of W: -u^2 - sqrt(beta) u' / 2. */
-KERNEL_INLINE void model_forcing(saltus_work *w, shape s, int order, int forcing_order, lane_t sine, lane_t cosine) {
+KERNEL_INLINE void model_forcing(frame f, int order, lane_t sine, lane_t cosine) {
     const lane_t *root_beta = SCALAR(pipe_root_beta), *u0 = SCALAR(pipe_u0), *sigma = SCALAR(pipe_sigma);
-    lane_t wave[4] = {sine, cosine, -sine, -cosine};
-    lane_t sine2 = 2.0 * sine * cosine, cosine2 = 1.0 - 2.0 * sine * sine;
-    lane_t wave2[4] = {cosine2, -sine2, -cosine2, sine2};
-    int last = (w->terms & SALTUS_TERM_FORCED) ? forcing_order : 0;
-    for (int k = last + 1; k <= order; k++)
-        *SERIES(series_tension, k, 0) = lane_constant(0);
-    for (int k = 0; k <= last; k++) {
-        lane_t gradient = *TABLE(table_gradient, k) * wave[(k + 1) % 4];
-        lane_t square = lane_fma(*TABLE(table_square, k), wave[k % 4], *TABLE(table_square2, k) * wave2[k % 4]);
-        *SERIES(series_velocity, k, 0) = *TABLE(table_velocity, k) * wave[k % 4];
-        *SERIES(series_gradient, k, 0) = gradient;
-        *SERIES(series_tension, k, 0) = -square - 0.5 * gradient;
+    const lane_t sine2 = 2.0 * sine * cosine, cosine2 = 1.0 - 2.0 * sine * sine;
+    const int last = order < f.forcing ? order : f.forcing;
+    for (int k = 0; k <= last; k += ORDERS_PER_PACK) {
+        const saltus_pack s = lane_alternate(sine, cosine, k), c = lane_alternate(cosine, sine, k);
+        saltus_pack tension = *TABLE(table_tension2, k) * lane_alternate(cosine2, sine2, k);
+        tension = saltus_pack_fma(*TABLE(table_tension_gradient, k), c, tension);
+        *DRIVE_PACK(drive_tension, k) = saltus_pack_fma(*TABLE(table_tension, k), s, tension);
+        *DRIVE_PACK(drive_velocity, k) = *TABLE(table_velocity, k) * s;
+        *DRIVE_PACK(drive_gradient, k) = *TABLE(table_gradient, k) * c;
     }
-    *SERIES(series_velocity, 0, 0) += 2.0 * *root_beta * *u0;
-    *SERIES(series_tension, 0, 0) -= *u0 * *u0 * (1.0 + 0.5 * *sigma * *sigma);
+    *DRIVE(drive_velocity, 0) += 2.0 * *root_beta * *u0;
+    *DRIVE(drive_tension, 0) -= *u0 * *u0 * (1.0 + 0.5 * *sigma * *sigma);
 }
 
-/* Coefficient n of sum lambda^2 q delta_c over the modes (halved for c = 0, where the two halves of
- * the products are equal). lambda^2 q is kept as a product row: it serves here and beside W. */
-KERNEL_INLINE lane_t model_square(saltus_work *w, shape s, int c, int n) {
-    saltus_pack *scratch = (saltus_pack *)w->scratch;
-    for (int p = 0; p < s.packs; p++) {
-        const saltus_pack *curvature = &PRODUCT(product_curvature, 0, 0)[p], *newest = &JET(w->q, n, c)[p];
-        saltus_pack sum = jet_product(curvature, newest, ORDER_STRIDE(s), 1, c ? n + 1 : (n + 1) / 2);
-        if (c == 0 && n % 2 == 0 && n > 0)
-            sum = saltus_pack_fma(0.5 * JET(w->q, n / 2, 0)[p], PRODUCT(product_curvature, n / 2, 0)[p], sum);
-        saltus_pack oldest = curvature[0];
-        if (c == 0 && n == 0)
-            oldest *= 0.5;
-        scratch[p] = saltus_pack_fma(oldest, newest[0], sum);
-    }
-    return row_sum(scratch, w->dof, s.packs);
+/* Coefficient 0 of S, or of its derivative along a tangent vector. */
+KERNEL_INLINE void model_square_start(frame f, int c) {
+    saltus_pack product[ROW_PACKS_MAX];
+    for (int p = 0; p < f.packs; p++)
+        product[p] = ROW(pipe_lambda2)[p] * JET(f.q, 0, 0)[p] * JET(f.q, 0, c)[p];
+    saltus_pack sum = row_sum(product, f.dof, f.packs) * (c ? 1.0 : 0.5);
+    *SERIES(series_square, 0, c) = lane_of(sum);
 }
 
-/* W_k = (u part) + kappa (S_k + alpha (k + 1) S_{k+1}); S_{k+1} is formed here from q_{k+1}. */
-KERNEL_INLINE lane_t model_tension(saltus_work *w, shape s, int k, int c) {
-    const lane_t *alpha = SCALAR(pipe_alpha), *kappa = SCALAR(pipe_kappa);
+/* Products of inner coefficients, m from 1 to k, of the k + 1st coefficient of sum q delta_c; the trajectory's own are
+ * halved, as its products come in equal pairs. */
+KERNEL_INLINE saltus_pack model_square_inner(frame f, int k, int c, int p) {
+    const saltus_pack *first = &JET(f.q, 0, 0)[p], *newest = &JET(f.q, k + 1, c)[p];
+    if (c > 0)
+        return jet_product(first, newest, ORDER_STRIDE, 1, k + 1);
+    saltus_pack sum = jet_product(first, newest, ORDER_STRIDE, 1, (k + 2) / 2);
+    const saltus_pack middle = JET(f.q, (k + 1) / 2, 0)[p];
+    if (k % 2)
+        sum = saltus_pack_fma(0.5 * middle, middle, sum);
+    return sum;
+}
+
+/* W_k = (u part) + kappa (S_k + alpha (k + 1) S_{k+1}), spread. (k + 1) S_{k+1} is formed here, from v_k = (k + 1) q_{k+1}
+ * where the newest coefficient takes part. */
+KERNEL_INLINE saltus_pack model_tension(frame f, int k, int c, const saltus_pack *velocity) {
+    const saltus_pack kappa = lane_spread(*SCALAR(pipe_kappa)), alpha = lane_spread(*SCALAR(pipe_alpha));
+    saltus_pack rate[ROW_PACKS_MAX];
     if (k == 0)
-        *SERIES(series_square, 0, c) = model_square(w, s, c, 0);
-    lane_t known = *kappa * *SERIES(series_square, k, c), factor = *kappa * *alpha * (k + 1.0);
+        model_square_start(f, c);
+    for (int p = 0; p < f.packs; p++) {
+        const saltus_pack lambda2 = ROW(pipe_lambda2)[p];
+        saltus_pack sum = model_square_inner(f, k, c, p) * (lambda2 * (k + 1.0));
+        if (c > 0)
+            sum = saltus_pack_fma(lambda2 * JET(f.v, k, 0)[p], JET(f.q, 0, c)[p], sum);
+        rate[p] = saltus_pack_fma(lambda2 * JET(f.q, 0, 0)[p], velocity[p], sum);
+    }
+    saltus_pack known = kappa * lane_spread(*SERIES(series_square, k, c));
     if (c == 0)
-        known += *SERIES(series_tension, k, 0);
-    lane_t next = model_square(w, s, c, k + 1);
-    *SERIES(series_square, k + 1, c) = next;
-    return *SERIES(series_tension, k, c) = lane_fma(factor, next, known);
+        known += lane_spread(*DRIVE(drive_tension, k));
+    saltus_pack next = row_sum(rate, f.dof, f.packs), tension = saltus_pack_fma(kappa * alpha, next, known);
+    *SERIES(series_square, k + 1, c) = lane_of(next * (1.0 / (k + 1)));
+    *(c ? SERIES(series_tension, k, c) : DRIVE(drive_all_tension, k)) = lane_of(tension);
+    return tension;
 }
 
-/* Coefficient k of q'' for the trajectory (c = 0) or a tangent vector. Sums are ordered so that what depends on the
- * newest coefficients comes last. */
-KERNEL_INLINE void model_order(saltus_work *w, shape s, unsigned terms, int k, int c) {
-    const saltus_pack *lambda2 = ROWS(pipe_lambda2), *damping = ROWS(pipe_damping), *stiffness = ROWS(pipe_stiffness);
-    const bool cubic = terms & SALTUS_TERM_CUBIC, forced = terms & SALTUS_TERM_FORCED;
-    const bool coupled = terms & SALTUS_TERM_COUPLED;
-    const int forcing = forced ? (k < w->forcing_orders ? k : w->forcing_orders) : 0;
-    const int tension = cubic ? k : forcing;
-    for (int order = c || k ? k + !c : 0; order <= k + !c; order++)
-        for (int p = 0; p < s.packs; p++)
-            PRODUCT(product_curvature, order, c)[p] = lambda2[p] * JET(w->q, order, c)[p];
-    if (coupled && forced)
-        row_couple(PRODUCT(product_gradient, k, c), w->coupling[pipe_gradient], JET(w->q, k, c), w->dof, s.packs);
-    if (coupled)
-        row_couple(PRODUCT(product_gyroscopic, k, c), w->coupling[pipe_gyroscopic], JET(w->v, k, c), w->dof, s.packs);
-    saltus_pack newest = lane_spread(cubic ? model_tension(w, s, k, c) : *SERIES(series_tension, 0, 0));
-    for (int p = 0; p < s.packs; p++) {
-        const saltus_pack *curvature = &PRODUCT(product_curvature, k, c)[p];
-        saltus_pack sum = saltus_pack_fma(stiffness[p], JET(w->q, k, c)[p], damping[p] * JET(w->v, k, c)[p]);
-        if (coupled && forced)
-            sum += series_product(SERIES(series_gradient, 0, 0), SERIES_STRIDE(s), &PRODUCT(product_gradient, k, c)[p],
-                                  ORDER_STRIDE(s), 0, forcing + 1);
+/* The three products of a scalar series and a row at order k, but for the terms with the newest W and v. */
+typedef struct model_products {
+    saltus_pack tension, gradient, velocity;
+} model_products;
+
+KERNEL_INLINE model_products model_convolve(frame f, int k, int c, int p) {
+    const bool cubic = f.terms & SALTUS_TERM_CUBIC, coupled = f.terms & SALTUS_TERM_COUPLED;
+    const lane_t *tension = DRIVE(cubic ? drive_all_tension : drive_tension, 0);
+    const lane_t *gradient = DRIVE(drive_gradient, 0), *velocity = DRIVE(drive_velocity, 1);
+    const saltus_pack *q = &JET(f.q, k, c)[p], *v = &JET(f.v, k - 1, c)[p];
+    const int forced = k < f.forcing ? k : f.forcing;
+    model_products sum = {{0}, {0}, {0}};
+    int m = 0;
+    for (; m < forced; m++, q -= ORDER_STRIDE, v -= ORDER_STRIDE) {
+        sum.tension = saltus_pack_fma(lane_spread(tension[m]), *q, sum.tension);
         if (coupled) {
-            const saltus_pack *gyroscopic = &PRODUCT(product_gyroscopic, k, c)[p];
-            sum += series_product(SERIES(series_velocity, 0, 0), SERIES_STRIDE(s), gyroscopic, ORDER_STRIDE(s), 1,
-                                  forcing + 1);
-            sum = saltus_pack_fma(lane_spread(*SERIES(series_velocity, 0, 0)), gyroscopic[0], sum);
+            sum.gradient = saltus_pack_fma(lane_spread(gradient[m]), *q, sum.gradient);
+            sum.velocity = saltus_pack_fma(lane_spread(velocity[m]), *v, sum.velocity);
         }
-        /* W of the trajectory times the column; for a tangent vector also its own W times the trajectory. */
-        bool own = cubic && c == 0;
-        sum += series_product(SERIES(series_tension, 0, 0), SERIES_STRIDE(s), curvature, ORDER_STRIDE(s), 0,
-                              own ? tension : tension + 1);
-        if (cubic && c > 0)
-            sum += series_product(SERIES(series_tension, 0, c), SERIES_STRIDE(s), &PRODUCT(product_curvature, k, 0)[p],
-                                  ORDER_STRIDE(s), 0, k);
-        if (cubic)
-            sum = saltus_pack_fma(newest, PRODUCT(product_curvature, 0, 0)[p], sum);
-        JET(w->v, k + 1, c)[p] = -sum;
     }
+    for (; m < (cubic ? k : 0); m++, q -= ORDER_STRIDE)
+        sum.tension = saltus_pack_fma(lane_spread(tension[m]), *q, sum.tension);
+    if (coupled)
+        sum.gradient = saltus_pack_fma(lane_spread(gradient[k]), JET(f.q, 0, c)[p], sum.gradient);
+    return sum;
+}
+
+/* What only a tangent vector has: the trajectory's newest W, and its own W times the trajectory. */
+KERNEL_INLINE saltus_pack model_tangent(frame f, int k, int c, int p, saltus_pack sum) {
+    for (int m = 0; m < k; m++)
+        sum = saltus_pack_fma(lane_spread(*SERIES(series_tension, m, c)), JET(f.q, k - m, 0)[p], sum);
+    return saltus_pack_fma(lane_spread(*DRIVE(drive_all_tension, k)), JET(f.q, 0, c)[p], sum);
+}
+
+/* Coefficient k of q'' for the trajectory (c = 0) or a tangent vector; `velocity` is v_k. Sums are ordered so that what
+ * depends on the newest coefficients comes last. */
+KERNEL_INLINE void model_order(frame f, int k, int c, const saltus_pack *velocity, saltus_pack *acceleration) {
+    const bool cubic = f.terms & SALTUS_TERM_CUBIC, coupled = f.terms & SALTUS_TERM_COUPLED;
+    const bool forced = f.terms & SALTUS_TERM_FORCED;
+    saltus_pack moving[ROW_PACKS_MAX], resting[ROW_PACKS_MAX];
+    for (int p = 0; p < f.packs; p++) {
+        const saltus_pack lambda2 = ROW(pipe_lambda2)[p];
+        model_products sum = model_convolve(f, k, c, p);
+        if (cubic && c > 0)
+            sum.tension = model_tangent(f, k, c, p, sum.tension);
+        if (!cubic)
+            sum.tension = saltus_pack_fma(lane_spread(*DRIVE(drive_tension, k)), JET(f.q, 0, c)[p], sum.tension);
+        saltus_pack still = saltus_pack_fma(ROW(pipe_stiffness)[p], JET(f.q, k, c)[p], lambda2 * sum.tension);
+        acceleration[p] = -saltus_pack_fma(ROW(pipe_damping)[p], velocity[p], still);
+        resting[p] = sum.gradient;
+        moving[p] = saltus_pack_fma(lane_spread(*DRIVE(drive_velocity, 0)), velocity[p], sum.velocity);
+    }
+    if (coupled && forced)
+        row_couple(acceleration, f.coupling[pipe_gradient], resting, f.dof, f.packs);
+    if (coupled)
+        row_couple(acceleration, f.coupling[pipe_gyroscopic], moving, f.dof, f.packs);
+    if (!cubic)
+        return;
+    const saltus_pack newest = model_tension(f, k, c, velocity);
+    for (int p = 0; p < f.packs; p++)
+        acceleration[p] = saltus_pack_fnma(newest, ROW(pipe_lambda2)[p] * JET(f.q, 0, 0)[p], acceleration[p]);
 }
 
 #endif

@@ -1,0 +1,15 @@
+/* All of Saltus' public headers.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef SALTUS_SALTUS_H
+#define SALTUS_SALTUS_H
+
+#include "saltus/flow.h"
+#include "saltus/io.h"
+#include "saltus/map.h"
+#include "saltus/motion.h"
+#include "saltus/orbit.h"
+#include "saltus/scene.h"
+#include "saltus/status.h"
+#include "saltus/system.h"
+
+#endif

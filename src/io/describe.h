@@ -1,0 +1,38 @@
+/* Words and numbers that the writers share.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef SALTUS_IO_DESCRIBE_H
+#define SALTUS_IO_DESCRIBE_H
+
+#include "saltus/motion.h"
+
+#include <stdbool.h>
+#include <stdio.h>
+
+enum { SALTUS_NUMBER_MAX = 32 };
+
+/* A number that reads back as the same one, with a '.' whatever the locale; `text` holds SALTUS_NUMBER_MAX bytes. */
+const char *saltus_number(double value, char *text);
+void saltus_put_number(FILE *file, double value);
+
+const char *saltus_event_word(saltus_event_kind kind); /* "impact", "stick", "release", ... */
+const char *saltus_side_word(int side);                /* +1 upper, -1 lower */
+const char *saltus_sides_word(saltus_sides sides);     /* "upper", "lower", "both" */
+const char *saltus_integrator_word(saltus_integrator integrator);
+const char *saltus_kind_word(saltus_motion_kind kind);
+/* Velocity after an event: none once a contact holds. */
+double saltus_event_after(const saltus_event *event);
+
+/* The label with the word stable or unstable where that is known; fits 64 bytes. */
+void saltus_verdict(const saltus_motion *motion, char text[64]);
+bool saltus_is_pipe(const saltus_system *system);
+/* Impacts per response cycle: the principal parametric response of a pipe takes 2 T. NaN where n or p is unknown. */
+double saltus_impacts_per_response(const saltus_system *system, const saltus_motion *motion);
+/* Whether a parameter has an effect worth a caption: not a zero that is the default, nothing of a mass not there. */
+bool saltus_parameter_shown(const saltus_spec *spec, int k);
+/* Parameters and stops as `key = value` phrases, all of them and exactly, for file headers. */
+void saltus_put_parameters(FILE *file, const saltus_spec *spec);
+void saltus_put_stop(FILE *file, const saltus_spec *spec, int stop);
+/* Whether the multiplier k is the first of a complex conjugate pair. */
+bool saltus_multiplier_pair(const saltus_motion *motion, int k);
+
+#endif

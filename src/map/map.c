@@ -1,0 +1,168 @@
+/* Poincare maps on the flow.
+ *
+ * With Phi the tangent vectors carried to the section and f+ the field there, a section whose time answers to
+ * perturbations by dt = (delay . delta) maps tangent vectors by Phi + f+ delay^T. A shift of the start time by dt0 acts
+ * like the start perturbation -f0 dt0.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "saltus/map.h"
+
+#include "base/memory.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct saltus_map {
+    saltus_arena arena;
+    const saltus_system *system;
+    saltus_section section;
+    saltus_flow *flow;
+    bool derivative;
+    int n;            /* state dimension */
+    int dimension;
+    double *state;
+    double *start;    /* field at the step's start */
+    double *finish;   /* field at the section */
+    double *tangents; /* n columns of length n */
+    double *identity;
+    double *delays;
+};
+
+saltus_section saltus_section_defaults(void) {
+    return (saltus_section){.kind = SALTUS_SECTION_STROBOSCOPIC, .phase = 0, .iterate = 1, .patience = 1000};
+}
+
+static void reserve(saltus_map *map) {
+    size_t n = (size_t)map->n, columns = map->derivative ? n : 0;
+    map->state = saltus_arena_doubles(&map->arena, n);
+    map->start = saltus_arena_doubles(&map->arena, n);
+    map->finish = saltus_arena_doubles(&map->arena, n);
+    map->tangents = saltus_arena_doubles(&map->arena, columns * n);
+    map->identity = saltus_arena_doubles(&map->arena, columns * n);
+    map->delays = saltus_arena_doubles(&map->arena, columns);
+}
+
+static saltus_status check_section(const saltus_section *section, saltus_message *message) {
+    if (section->kind < SALTUS_SECTION_STROBOSCOPIC || section->kind > SALTUS_SECTION_TURNING)
+        return saltus_fail(message, SALTUS_BAD_INPUT, "section: must be stroboscopic, impact or turning");
+    if (!(section->phase >= 0 && section->phase < 1))
+        return saltus_fail(message, SALTUS_BAD_INPUT, "section phase = %g: must be at least 0 and less than 1",
+                           section->phase);
+    if (section->iterate < 1)
+        return saltus_fail(message, SALTUS_BAD_INPUT, "iterate = %d: must be at least 1", section->iterate);
+    if (!(section->patience > 0))
+        return saltus_fail(message, SALTUS_BAD_INPUT, "patience = %g: must be greater than 0", section->patience);
+    return SALTUS_OK;
+}
+
+saltus_status saltus_map_new(const saltus_system *system, const saltus_section *section,
+                             const saltus_flow_options *options, bool derivative, saltus_map **map,
+                             saltus_message *message) {
+    *map = NULL;
+    saltus_status status = check_section(section, message);
+    if (status != SALTUS_OK)
+        return status;
+    saltus_map *made = calloc(1, sizeof *made);
+    if (!made)
+        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the map");
+    made->system = system;
+    made->section = *section;
+    made->derivative = derivative;
+    made->n = saltus_system_dimension(system);
+    made->dimension = made->n + (section->kind != SALTUS_SECTION_STROBOSCOPIC);
+    saltus_flow_options own = *options;
+    own.columns = derivative ? made->n : 0;
+    status = saltus_flow_new(&system, 1, &own, &made->flow, message);
+    reserve(made);
+    if (status == SALTUS_OK && !saltus_arena_open(&made->arena))
+        status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the map");
+    if (status != SALTUS_OK) {
+        saltus_map_free(made);
+        return status;
+    }
+    reserve(made);
+    for (int i = 0; derivative && i < made->n; i++)
+        made->identity[i * made->n + i] = 1;
+    *map = made;
+    return SALTUS_OK;
+}
+
+void saltus_map_free(saltus_map *map) {
+    if (!map)
+        return;
+    saltus_flow_free(map->flow);
+    saltus_arena_close(&map->arena);
+    free(map);
+}
+
+int saltus_map_dimension(const saltus_map *map) { return map->dimension; }
+const saltus_system *saltus_map_system(const saltus_map *map) { return map->system; }
+const saltus_flow *saltus_map_flow(const saltus_map *map) { return map->flow; }
+
+saltus_status saltus_map_reset(saltus_map *map, const double *point, saltus_message *message) {
+    double phase = map->section.phase;
+    if (map->dimension > map->n)
+        phase = point[map->n] / saltus_system_period(map->system);
+    return saltus_flow_start(map->flow, 0, (saltus_time){0, phase}, point, message);
+}
+
+/* To the next section point. */
+static saltus_status pass(saltus_map *map, saltus_event *event, saltus_message *message) {
+    saltus_time now = saltus_flow_time(map->flow, 0), until = now;
+    unsigned watch = 0;
+    if (map->section.kind == SALTUS_SECTION_STROBOSCOPIC) {
+        until.cycle += now.phase >= map->section.phase;
+        until.phase = map->section.phase;
+    } else {
+        until.cycle += (long long)ceil(map->section.patience);
+        watch = SALTUS_WATCH_IMPACT | SALTUS_WATCH_STICK;
+        if (map->section.kind == SALTUS_SECTION_TURNING)
+            watch |= SALTUS_WATCH_TURNING;
+    }
+    saltus_status status = saltus_flow_advance(map->flow, until, watch, event, message);
+    if (status == SALTUS_OK && map->section.kind != SALTUS_SECTION_STROBOSCOPIC && event->kind == SALTUS_REACHED)
+        status = saltus_fail(message, SALTUS_NO_CONVERGENCE, "no section point within %g periods",
+                             map->section.patience);
+    return status;
+}
+
+saltus_status saltus_map_step(saltus_map *map, double *point, saltus_event *event, saltus_message *message) {
+    saltus_event last = {.kind = SALTUS_REACHED, .face = -1};
+    saltus_status status = SALTUS_OK;
+    if (map->derivative) {
+        saltus_flow_set_tangents(map->flow, 0, map->identity);
+        saltus_flow_field(map->flow, 0, map->start);
+    }
+    for (int k = 0; k < map->section.iterate && status == SALTUS_OK; k++)
+        status = pass(map, &last, message);
+    if (event)
+        *event = last;
+    if (status != SALTUS_OK || !point)
+        return status;
+    saltus_flow_state(map->flow, 0, point);
+    if (map->dimension > map->n)
+        point[map->n] = saltus_flow_time(map->flow, 0).phase * saltus_system_period(map->system);
+    return status;
+}
+
+void saltus_map_derivative(const saltus_map *map, double *derivative) {
+    int n = map->n, m = map->dimension;
+    saltus_flow_tangents(map->flow, 0, map->tangents);
+    if (m == n) {
+        for (int i = 0; i < n; i++)
+            for (int j = 0; j < n; j++)
+                derivative[i * n + j] = map->tangents[j * n + i];
+        return;
+    }
+    saltus_flow_delays(map->flow, 0, map->delays);
+    saltus_flow_field(map->flow, 0, map->finish);
+    for (int i = 0; i < m; i++)
+        derivative[i * m + n] = 0;
+    for (int j = 0; j < n; j++) {
+        for (int i = 0; i < n; i++)
+            derivative[i * m + j] = map->tangents[j * n + i] + map->finish[i] * map->delays[j];
+        derivative[n * m + j] = map->delays[j];
+        for (int i = 0; i < m; i++)
+            derivative[i * m + n] -= derivative[i * m + j] * map->start[j];
+    }
+}

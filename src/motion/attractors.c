@@ -1,0 +1,105 @@
+/* Distinct attractors from random initial states.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "saltus/motion.h"
+
+#include "motion/motion.h"
+
+#include <gsl/gsl_randist.h>
+#include <gsl/gsl_rng.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Section points of the same orbit agree to Newton's accuracy; distinct orbits do not. */
+static const double same_point = 1e-6;
+
+static saltus_status random_state(const saltus_system *system, gsl_rng *rng, double *state, saltus_message *message) {
+    enum { tries_max = 10000 };
+    const double *scale = saltus_system_scale(system);
+    for (int k = 0; k < tries_max; k++) {
+        for (int i = 0; i < saltus_system_dimension(system); i++)
+            state[i] = gsl_ran_gaussian(rng, scale[i]);
+        if (saltus_system_check_state(system, state, NULL) == SALTUS_OK)
+            return SALTUS_OK;
+    }
+    /* Clearances far below the scales: start from the admissible default, disturbed. */
+    saltus_status status = saltus_system_default_state(system, state, message);
+    for (int i = saltus_system_dof(system); i < 2 * saltus_system_dof(system) && status == SALTUS_OK; i++)
+        state[i] = gsl_ran_gaussian(rng, scale[i]);
+    return status;
+}
+
+static bool same_attractor(const saltus_system *system, const saltus_motion *a, const saltus_motion *b) {
+    if (a->kind != b->kind || a->periods != b->periods)
+        return false;
+    if (a->kind == SALTUS_UNDECIDED)
+        return true;
+    for (int k = 0; k < a->periods; k++)
+        if (saltus_section_distance(system, a->section_states + (size_t)k * (size_t)a->dimension, b->state) < same_point)
+            return true;
+    return a->periods == 0 && saltus_section_distance(system, a->state, b->state) < same_point;
+}
+
+/* Count a motion with its attractor, or take it over as a new one. */
+static void sort_in(const saltus_system *system, saltus_attractors *found, saltus_motion *motion) {
+    for (int k = 0; k < found->count; k++)
+        if (same_attractor(system, &found->motions[k], motion)) {
+            found->shares[k]++;
+            saltus_motion_clear(motion);
+            return;
+        }
+    found->motions[found->count] = *motion;
+    found->shares[found->count++] = 1;
+}
+
+/* Most frequent first; among equals the order of discovery. */
+static void order_by_share(saltus_attractors *found) {
+    for (int i = 1; i < found->count; i++)
+        for (int j = i; j > 0 && found->shares[j] > found->shares[j - 1]; j--) {
+            saltus_motion motion = found->motions[j];
+            int share = found->shares[j];
+            found->motions[j] = found->motions[j - 1];
+            found->shares[j] = found->shares[j - 1];
+            found->motions[j - 1] = motion;
+            found->shares[j - 1] = share;
+        }
+}
+
+saltus_status saltus_attractors_find(const saltus_system *system, int seeds, unsigned long seed,
+                                     const saltus_classify_options *options, saltus_attractors *attractors,
+                                     saltus_message *message) {
+    *attractors = (saltus_attractors){.seeds = seeds};
+    if (seeds < 1 || seeds > 1000000)
+        return saltus_fail(message, SALTUS_BAD_INPUT, "seeds = %d: must be from 1 to 1000000", seeds);
+    double state[SALTUS_STATE_MAX];
+    gsl_rng *rng = gsl_rng_alloc(gsl_rng_mt19937);
+    attractors->motions = calloc((size_t)seeds, sizeof *attractors->motions);
+    attractors->shares = calloc((size_t)seeds, sizeof *attractors->shares);
+    saltus_status status = SALTUS_OK;
+    if (!rng || !attractors->motions || !attractors->shares)
+        status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for %d seeds", seeds);
+    else
+        gsl_rng_set(rng, seed);
+    for (int k = 0; k < seeds && status == SALTUS_OK; k++) {
+        saltus_motion motion = {0};
+        status = random_state(system, rng, state, message);
+        if (status == SALTUS_OK)
+            status = saltus_classify(system, state, options, &motion, message);
+        if (status == SALTUS_OK)
+            sort_in(system, attractors, &motion);
+    }
+    if (rng)
+        gsl_rng_free(rng);
+    if (status == SALTUS_OK)
+        order_by_share(attractors);
+    else
+        saltus_attractors_clear(attractors);
+    return status;
+}
+
+void saltus_attractors_clear(saltus_attractors *attractors) {
+    for (int k = 0; k < attractors->count; k++)
+        saltus_motion_clear(&attractors->motions[k]);
+    free(attractors->motions);
+    free(attractors->shares);
+    *attractors = (saltus_attractors){0};
+}

@@ -1,0 +1,450 @@
+/* Classification of what a trajectory settles on (model.md, section 4).
+ *
+ * The stroboscopic map is iterated in blocks. After each block the least p is sought for which the last points recur
+ * after p periods; a candidate is polished by Newton's method on the p-th iterate, and accepted if the orbit found is
+ * stable, lies where the trajectory is, has no shorter period, and the trajectory keeps closing in on it. Everything
+ * reported is then measured on the polished orbit, not on the transient.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "saltus/motion.h"
+
+#include "base/memory.h"
+#include "motion/motion.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { first_block = 64 };
+
+/* Distances in the stroboscopic section are relative to the system's scales. */
+static const double recurrence = 1e-3; /* a candidate period: worth a Newton iteration */
+static const double nearby = 3e-3;     /* the polished orbit must be this close to the trajectory, in recurrences */
+static const double same_orbit = 1e-8; /* section points that agree: a shorter period */
+static const double at_rest = 1e-9;    /* an equilibrium: no motion over a period beyond this */
+
+/* The last points of the trajectory in a ring. */
+typedef struct history {
+    saltus_arena arena;
+    int n, size;
+    long long count;
+    double *points, *excursion;
+    bool *contact_event; /* an event occurred in the period before the point */
+    unsigned *contacts;
+} history;
+
+saltus_classify_options saltus_classify_defaults(void) {
+    return (saltus_classify_options){.flow = saltus_flow_defaults(), .transient = 20000, .longest = 64};
+}
+
+double saltus_section_distance(const saltus_system *system, const double *a, const double *b) {
+    const double *scale = saltus_system_scale(system);
+    double largest = 0;
+    for (int i = 0; i < saltus_system_dimension(system); i++)
+        largest = fmax(largest, fabs(a[i] - b[i]) / scale[i]);
+    return largest;
+}
+
+static double *point_at(const history *h, long long k) { return h->points + (size_t)(k % h->size) * (size_t)h->n; }
+
+static bool open_history(history *h, int n, int size) {
+    *h = (history){.n = n, .size = size};
+    for (int pass = 0; pass < 2; pass++) {
+        h->points = saltus_arena_doubles(&h->arena, (size_t)n * (size_t)size);
+        h->excursion = saltus_arena_doubles(&h->arena, (size_t)size);
+        if (pass == 0 && !saltus_arena_open(&h->arena))
+            return false;
+    }
+    h->contact_event = calloc((size_t)size, sizeof *h->contact_event);
+    h->contacts = calloc((size_t)size, sizeof *h->contacts);
+    return h->contact_event && h->contacts;
+}
+
+static void close_history(history *h) {
+    saltus_arena_close(&h->arena);
+    free(h->contact_event);
+    free(h->contacts);
+}
+
+/* One more period of the trajectory. */
+static saltus_status advance_period(const saltus_system *system, saltus_flow *flow, history *h, saltus_message *message) {
+    saltus_flow_info before = saltus_flow_information(flow, 0);
+    saltus_time now = saltus_flow_time(flow, 0);
+    saltus_event event;
+    saltus_status status = saltus_flow_advance(flow, (saltus_time){now.cycle + 1, 0}, 0, &event, message);
+    if (status != SALTUS_OK)
+        return status;
+    saltus_flow_info after = saltus_flow_information(flow, 0);
+    int slot = (int)(h->count % h->size);
+    saltus_flow_state(flow, 0, point_at(h, h->count));
+    h->excursion[slot] = h->count ? saltus_section_distance(system, point_at(h, h->count), point_at(h, h->count - 1)) : 1;
+    h->contact_event[slot] = after.impacts != before.impacts || after.releases != before.releases;
+    h->contacts[slot] = saltus_flow_contacts(flow, 0);
+    h->count++;
+    return SALTUS_OK;
+}
+
+/* Largest distance between points p apart over the last `window` points. */
+static double recurrence_distance(const saltus_system *system, const history *h, int p, int window) {
+    double largest = 0;
+    for (int k = 0; k < window; k++)
+        largest = fmax(largest, saltus_section_distance(system, point_at(h, h->count - 1 - k),
+                                                        point_at(h, h->count - 1 - k - p)));
+    return largest;
+}
+
+/* The least period whose recurrences stay below a threshold; 0 if none. The smallest distance seen goes to *closest. */
+static int candidate_period(const saltus_system *system, const history *h, int longest, double threshold,
+                            double *closest) {
+    *closest = INFINITY;
+    for (int p = 1; p <= longest && 3 * p + 2 < h->size && 3 * p + 2 < h->count; p++) {
+        double distance = recurrence_distance(system, h, p, p + 2);
+        *closest = fmin(*closest, distance);
+        if (distance < threshold)
+            return p;
+    }
+    return 0;
+}
+
+/* Whether the system is at rest: forced only trivially, no event and no motion over the last periods. */
+static bool is_resting(const saltus_system *system, saltus_flow *flow, const history *h, double *field) {
+    if (saltus_system_forced(system) || h->count < 4)
+        return false;
+    const double *scale = saltus_system_scale(system);
+    double speed = 0;
+    saltus_flow_field(flow, 0, field);
+    for (int i = 0; i < h->n; i++)
+        speed = fmax(speed, fabs(field[i]) / scale[i] * saltus_system_period(system));
+    for (int k = 0; k < 3; k++)
+        if (h->contact_event[(h->count - 1 - k) % h->size] || h->excursion[(h->count - 1 - k) % h->size] > at_rest)
+            return false;
+    /* The field of a fast mode magnifies rounding; what counts is that nothing moved and no displacement drifts. */
+    double drift = 0;
+    for (int i = 0; i < saltus_system_dof(system); i++)
+        drift = fmax(drift, fabs(field[i]) / scale[i] * saltus_system_period(system));
+    return drift < 1e3 * at_rest && speed < INFINITY;
+}
+
+static bool orbit_is_stable(const saltus_orbit *orbit) {
+    for (int i = 0; i < orbit->dimension; i++)
+        if (!(orbit->multipliers[i].log_modulus < 0))
+            return false;
+    return true;
+}
+
+/* The least divisor of the orbit's period after which it already closes: a slowly settling trajectory recurs first
+ * after a multiple of its least period. */
+static int least_period(const saltus_system *system, const saltus_flow_options *options, const saltus_orbit *orbit,
+                        saltus_message *message) {
+    double point[SALTUS_STATE_MAX];
+    saltus_section section = saltus_section_defaults();
+    saltus_map *map = NULL;
+    int least = orbit->periods;
+    saltus_status status = saltus_map_new(system, &section, options, false, &map, message);
+    if (status == SALTUS_OK)
+        status = saltus_map_reset(map, orbit->state, message);
+    for (int p = 1; p <= orbit->periods / 2 && status == SALTUS_OK && least == orbit->periods; p++) {
+        status = saltus_map_step(map, point, NULL, message);
+        if (status == SALTUS_OK && orbit->periods % p == 0 &&
+            saltus_section_distance(system, point, orbit->state) < same_orbit)
+            least = p;
+    }
+    saltus_map_free(map);
+    return least;
+}
+
+/* Newton from the trajectory's last point; accepted if the orbit is where the trajectory is, and stable. */
+static bool polish(const saltus_system *system, const saltus_classify_options *options, const history *h, int p,
+                   double distance, saltus_orbit *orbit, saltus_message *message) {
+    saltus_orbit_options shooting = saltus_orbit_defaults();
+    shooting.flow = options->flow;
+    shooting.tolerance = fmax(1e-12, 100 * options->flow.rtol);
+    const double *last = point_at(h, h->count - 1);
+    if (saltus_orbit_find(system, p, last, &shooting, orbit, message) != SALTUS_OK)
+        return false;
+    int least = least_period(system, &options->flow, orbit, message);
+    if (least < p) {
+        saltus_orbit whole = *orbit;
+        saltus_status status = saltus_orbit_find(system, least, whole.state, &shooting, orbit, message);
+        saltus_orbit_clear(&whole);
+        if (status != SALTUS_OK)
+            return false;
+    }
+    double moved = saltus_section_distance(system, orbit->state, last);
+    if (orbit_is_stable(orbit) && moved <= fmax(nearby, 30 * distance))
+        return true;
+    saltus_orbit_clear(orbit);
+    return false;
+}
+
+/* The trajectory must go on closing in on the orbit: its distance after some more cycles is smaller, or nothing. */
+static saltus_status confirm(const saltus_system *system, saltus_flow *flow, history *h, const saltus_orbit *orbit,
+                             bool *confirmed, saltus_message *message) {
+    enum { cycles_max = 60 };
+    double start = saltus_section_distance(system, point_at(h, h->count - 1), orbit->state);
+    *confirmed = false;
+    for (int c = 0; c < cycles_max && !*confirmed; c++) {
+        for (int k = 0; k < orbit->periods; k++) {
+            saltus_status status = advance_period(system, flow, h, message);
+            if (status != SALTUS_OK)
+                return status;
+        }
+        double now = saltus_section_distance(system, point_at(h, h->count - 1), orbit->state);
+        *confirmed = now < 1e-9 || (c > 2 && now < 0.2 * start);
+        if (now > 10 * start + 1e-9)
+            break;
+    }
+    return SALTUS_OK;
+}
+
+static saltus_status settle(const saltus_system *system, saltus_flow *flow, history *h,
+                            const saltus_classify_options *options, saltus_motion *motion, saltus_orbit *orbit,
+                            bool *found, saltus_message *message) {
+    double *field = calloc((size_t)h->n, sizeof *field), closest = INFINITY;
+    long long block = first_block;
+    saltus_status status = field ? SALTUS_OK : saltus_fail(message, SALTUS_NO_MEMORY, "no memory to classify");
+    bool stopped = false;
+    *found = false;
+    while (status == SALTUS_OK && !*found && !stopped && h->count < options->transient) {
+        long long until = h->count + block < options->transient ? h->count + block : options->transient;
+        while (status == SALTUS_OK && h->count < until)
+            status = advance_period(system, flow, h, message);
+        if (status != SALTUS_OK)
+            break;
+        stopped = options->progress && !options->progress(options->context, h->count, options->transient);
+        if (is_resting(system, flow, h, field)) {
+            motion->kind = saltus_flow_contacts(flow, 0) ? SALTUS_HELD : SALTUS_EQUILIBRIUM;
+            break;
+        }
+        int p = saltus_system_forced(system)
+                    ? candidate_period(system, h, options->longest, recurrence, &closest) : 0;
+        if (p && polish(system, options, h, p, closest, orbit, message)) {
+            status = confirm(system, flow, h, orbit, found, message);
+            if (status != SALTUS_OK || !*found)
+                saltus_orbit_clear(orbit);
+        }
+        block = block < 1024 ? block + block / 2 : 1024;
+    }
+    if (status == SALTUS_OK && !*found && motion->kind == SALTUS_UNDECIDED)
+        snprintf(motion->reason, sizeof motion->reason,
+                 "no stable orbit of period up to %d T after %lld periods%s; closest recurrence %.2g of the state's "
+                 "scale; a longer --transient or a Lyapunov exponent would decide",
+                 options->longest, h->count, stopped ? " (stopped)" : "", closest);
+    free(field);
+    return status;
+}
+
+/* Room for one event more. */
+static bool append_event(saltus_motion *motion, const saltus_event *event) {
+    if ((motion->event_count & (motion->event_count - 1)) == 0) {
+        size_t room = motion->event_count ? 2 * (size_t)motion->event_count : 1;
+        saltus_event *grown = realloc(motion->events, room * sizeof *grown);
+        if (!grown)
+            return false;
+        motion->events = grown;
+    }
+    motion->events[motion->event_count++] = *event;
+    return true;
+}
+
+static void count_event(const saltus_system *system, const saltus_event *event, saltus_motion *motion, bool *chatter) {
+    bool impact = event->velocity_before != 0 && event->kind != SALTUS_RELEASE;
+    if (event->kind == SALTUS_STICK) {
+        motion->sticking_intervals++;
+        *chatter |= saltus_system_face(system, event->face).r > 0 && motion->event_count > 1;
+    }
+    if (impact && event->kind != SALTUS_TURNING) {
+        motion->impacts++;
+        motion->impacts_by_face[event->face]++;
+    }
+}
+
+static void see_displacement(const saltus_system *system, const double *state, saltus_motion *motion) {
+    const double *observer = saltus_system_observer(system);
+    double g = 0;
+    for (int i = 0; i < saltus_system_dof(system); i++)
+        g = fma(observer[i], state[i], g);
+    motion->largest = fmax(motion->largest, g);
+    motion->smallest = fmin(motion->smallest, g);
+}
+
+/* Once around the orbit from its section point: events, section points, extremes. */
+static saltus_status walk_orbit(const saltus_system *system, saltus_flow *flow, saltus_motion *motion, bool *chatter,
+                                saltus_message *message) {
+    size_t n = (size_t)motion->dimension;
+    saltus_status status = saltus_flow_start(flow, 0, (saltus_time){0, 0}, motion->state, message);
+    motion->largest = -INFINITY;
+    motion->smallest = INFINITY;
+    see_displacement(system, motion->state, motion);
+    for (int k = 0; k < motion->periods && status == SALTUS_OK;) {
+        saltus_event event;
+        status = saltus_flow_advance(flow, (saltus_time){k + 1, 0}, SALTUS_WATCH_CONTACT | SALTUS_WATCH_TURNING, &event,
+                                     message);
+        if (status != SALTUS_OK)
+            break;
+        double *point = motion->section_states + (size_t)((k + 1) % motion->periods) * n;
+        if (event.kind == SALTUS_REACHED) {
+            if (++k < motion->periods)
+                saltus_flow_state(flow, 0, point);
+        } else if (event.kind == SALTUS_TURNING) {
+            motion->largest = fmax(motion->largest, event.displacement);
+            motion->smallest = fmin(motion->smallest, event.displacement);
+        } else {
+            double g = event.displacement;
+            if (saltus_system_face(system, event.face).stop == 0) {
+                motion->largest = fmax(motion->largest, g);
+                motion->smallest = fmin(motion->smallest, g);
+            }
+            if (!append_event(motion, &event))
+                return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the events");
+            count_event(system, &event, motion, chatter);
+        }
+    }
+    return status;
+}
+
+/* q(t + pT/2) = -q(t), where half the orbit is an allowed shift: p even for a pulsation, odd for a direct force. */
+static saltus_status find_mirror(const saltus_system *system, saltus_flow *flow, saltus_motion *motion,
+                                 saltus_message *message) {
+    bool shift, symmetric = saltus_system_mirror_symmetric(system, &shift);
+    motion->mirror = symmetric ? SALTUS_MIRROR_PAIR : SALTUS_MIRROR_NONE;
+    if (!symmetric || (motion->periods % 2 == 1) != shift)
+        return SALTUS_OK;
+    int n = motion->dimension;
+    double image[SALTUS_STATE_MAX];
+    saltus_event event;
+    saltus_status status = saltus_flow_start(flow, 0, (saltus_time){0, 0}, motion->state, message);
+    if (status == SALTUS_OK)
+        status = saltus_flow_advance(flow, (saltus_time){motion->periods / 2, shift ? 0.5 : 0}, 0, &event, message);
+    if (status != SALTUS_OK)
+        return status;
+    saltus_flow_state(flow, 0, image);
+    for (int i = 0; i < n; i++)
+        image[i] = -image[i];
+    if (saltus_section_distance(system, image, motion->state) < 1e-7)
+        motion->mirror = SALTUS_MIRROR_SELF;
+    return SALTUS_OK;
+}
+
+static void write_label(saltus_motion *motion, bool chatter) {
+    size_t room = sizeof motion->label;
+    if (motion->kind == SALTUS_EQUILIBRIUM)
+        snprintf(motion->label, room, "equilibrium");
+    else if (motion->kind == SALTUS_HELD)
+        snprintf(motion->label, room, "held");
+    else if (motion->kind == SALTUS_UNDECIDED)
+        snprintf(motion->label, room, "undecided");
+    else if (chatter) {
+        snprintf(motion->label, room, "chatter/%d", motion->periods);
+        motion->impacts = -1;
+    } else
+        snprintf(motion->label, room, "%lld/%d", motion->impacts, motion->periods);
+}
+
+/* Force per modal mass of the contacts that hold at the motion's state. */
+static saltus_status measure_forces(const saltus_system *system, const saltus_classify_options *options,
+                                    saltus_motion *motion, saltus_message *message) {
+    saltus_flow *flow = NULL;
+    saltus_status status = saltus_flow_new(&system, 1, &options->flow, &flow, message);
+    if (status == SALTUS_OK)
+        status = saltus_flow_start(flow, 0, (saltus_time){0, 0}, motion->state, message);
+    if (status == SALTUS_OK)
+        saltus_flow_forces(flow, 0, motion->contact_force);
+    saltus_flow_free(flow);
+    return status;
+}
+
+/* Hand the orbit's arrays over to the motion and measure the orbit. */
+static saltus_status describe_orbit(const saltus_system *system, saltus_flow *flow, saltus_orbit *orbit,
+                                    const saltus_classify_options *options, saltus_motion *motion,
+                                    saltus_message *message) {
+    bool chatter = false;
+    size_t n = (size_t)motion->dimension;
+    motion->kind = SALTUS_PERIODIC;
+    motion->periods = orbit->periods;
+    motion->residual = orbit->residual;
+    motion->iterations = orbit->iterations;
+    motion->sticks = orbit->sticks;
+    motion->log_volume = orbit->log_volume;
+    motion->sum_rule = orbit->sum_rule;
+    motion->stable = orbit_is_stable(orbit);
+    motion->multipliers = orbit->multipliers;
+    motion->multiplier_count = orbit->dimension;
+    orbit->multipliers = NULL;
+    memcpy(motion->state, orbit->state, n * sizeof *motion->state);
+    motion->section_states = calloc(n * (size_t)motion->periods, sizeof *motion->section_states);
+    if (!motion->section_states)
+        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the orbit");
+    memcpy(motion->section_states, motion->state, n * sizeof *motion->state);
+    saltus_status status = walk_orbit(system, flow, motion, &chatter, message);
+    if (status == SALTUS_OK && motion->event_count == 0 && saltus_flow_contacts(flow, 0)) {
+        motion->kind = SALTUS_HELD;
+        status = measure_forces(system, options, motion, message);
+    }
+    if (status == SALTUS_OK)
+        status = find_mirror(system, flow, motion, message);
+    write_label(motion, chatter);
+    return status;
+}
+
+static saltus_status describe_rest(const saltus_system *system, saltus_flow *flow,
+                                   const saltus_classify_options *options, saltus_motion *motion,
+                                   saltus_message *message) {
+    bool shift;
+    saltus_status status = SALTUS_OK;
+    saltus_flow_state(flow, 0, motion->state);
+    motion->largest = -INFINITY;
+    motion->smallest = INFINITY;
+    see_displacement(system, motion->state, motion);
+    if (motion->kind != SALTUS_UNDECIDED) {
+        motion->stable = true;
+        motion->mirror = saltus_system_mirror_symmetric(system, &shift) ? SALTUS_MIRROR_PAIR : SALTUS_MIRROR_NONE;
+        if (motion->largest == 0 && motion->smallest == 0 && motion->mirror == SALTUS_MIRROR_PAIR)
+            motion->mirror = SALTUS_MIRROR_SELF;
+    }
+    if (motion->kind == SALTUS_HELD)
+        status = measure_forces(system, options, motion, message);
+    write_label(motion, false);
+    return status;
+}
+
+saltus_status saltus_classify(const saltus_system *system, const double *state, const saltus_classify_options *options,
+                              saltus_motion *motion, saltus_message *message) {
+    *motion = (saltus_motion){.kind = SALTUS_UNDECIDED,
+                              .dimension = saltus_system_dimension(system),
+                              .face_count = saltus_system_face_count(system)};
+    if (options->transient < 1 || options->longest < 1 || options->longest > 1024)
+        return saltus_fail(message, SALTUS_BAD_INPUT, "transient must be at least 1, the longest period from 1 to 1024");
+    saltus_flow_options flow_options = options->flow;
+    flow_options.columns = 0;
+    saltus_flow *flow = NULL;
+    saltus_orbit orbit = {0};
+    history h = {0};
+    bool found = false;
+    saltus_status status = saltus_flow_new(&system, 1, &flow_options, &flow, message);
+    motion->state = calloc((size_t)motion->dimension, sizeof *motion->state);
+    if (status == SALTUS_OK && !(motion->state && open_history(&h, motion->dimension, 4 * options->longest + 8)))
+        status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory to classify");
+    if (status == SALTUS_OK)
+        status = saltus_flow_start(flow, 0, (saltus_time){0, 0}, state, message);
+    if (status == SALTUS_OK)
+        status = settle(system, flow, &h, options, motion, &orbit, &found, message);
+    motion->transient = h.count;
+    if (status == SALTUS_OK)
+        status = found ? describe_orbit(system, flow, &orbit, options, motion, message)
+                       : describe_rest(system, flow, options, motion, message);
+    saltus_orbit_clear(&orbit);
+    close_history(&h);
+    saltus_flow_free(flow);
+    if (status != SALTUS_OK)
+        saltus_motion_clear(motion);
+    return status;
+}
+
+void saltus_motion_clear(saltus_motion *motion) {
+    free(motion->state);
+    free(motion->section_states);
+    free(motion->events);
+    free(motion->multipliers);
+    *motion = (saltus_motion){0};
+}
