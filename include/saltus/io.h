@@ -19,6 +19,11 @@ void saltus_write_motion_json(FILE *file, const saltus_scene *scene, const saltu
 void saltus_write_motion_text(FILE *file, const saltus_scene *scene, const saltus_system *system,
                               const saltus_motion *motion);
 
+/* The attractors found from random initial states: shares and verdicts, as text or as one JSON object with the keys
+ * `seeds` and `attractors` (a list of objects with `share` and `motion`). */
+void saltus_write_attractors(FILE *file, const saltus_scene *scene, const saltus_system *system,
+                             const saltus_attractors *attractors, bool json);
+
 /* A sampled trajectory with its events and stroboscopic points. Arrays are owned by the record. */
 typedef struct saltus_record {
     int dimension;

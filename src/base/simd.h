@@ -1,5 +1,5 @@
-/* Packs: short vectors of doubles, one definition per instruction set. A pack holds either consecutive modes of one
- * trajectory or one mode of several trajectories; the arithmetic is the same, so the bits are too.
+/* Packs: short vectors of doubles, one definition per instruction set. A pack holds either consecutive modes
+ * of one trajectory or one mode of several trajectories; the arithmetic is the same, so the bits are too.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_BASE_SIMD_H
 #define SALTUS_BASE_SIMD_H
@@ -54,20 +54,20 @@ static inline saltus_pack saltus_pack_splat(double a) {
 #endif
 }
 
-/* Elements of a row in pairs, swapped: 2 pair + 1, 2 pair, 2 pair + 1, ... */
-static inline saltus_pack saltus_pack_swapped_pair(const saltus_pack *row, int pair) {
+/* A pair of neighbours, swapped and repeated: elements 2 pair + 1, 2 pair, 2 pair + 1, ... */
+static inline saltus_pack saltus_pack_swapped_pair(saltus_pack a, int pair) {
 #if defined(__AVX512F__)
     static const long long index[4][8] = {{1, 0, 1, 0, 1, 0, 1, 0},
                                           {3, 2, 3, 2, 3, 2, 3, 2},
                                           {5, 4, 5, 4, 5, 4, 5, 4},
                                           {7, 6, 7, 6, 7, 6, 7, 6}};
-    return (saltus_pack)_mm512_permutexvar_pd(_mm512_loadu_si512(index[pair % 4]), (__m512d)row[pair / 4]);
+    return (saltus_pack)_mm512_permutexvar_pd(_mm512_loadu_si512(index[pair]), (__m512d)a);
 #elif defined(__AVX2__) && defined(__FMA__)
-    const __m128d *both = (const __m128d *)(const void *)row + pair;
-    return (saltus_pack)_mm256_permute_pd(_mm256_broadcast_pd(both), 5);
+    __m256d low = _mm256_permute4x64_pd((__m256d)a, 0x11), high = _mm256_permute4x64_pd((__m256d)a, 0xbb);
+    return (saltus_pack)(pair ? high : low);
 #else
-    const double *first = (const double *)(const void *)row + 2 * pair;
-    return (saltus_pack){first[1], first[0]};
+    (void)pair;
+    return (saltus_pack){a[1], a[0]};
 #endif
 }
 
@@ -86,7 +86,7 @@ static inline saltus_pack saltus_pack_sum(saltus_pack a) {
     return a;
 }
 
-/* The larger of a and |b|, element by element. */
+/* The larger of a and |b|, element by element; a is not negative. */
 static inline saltus_pack saltus_pack_max_size(saltus_pack a, saltus_pack b) {
 #if defined(__AVX512F__)
     return (saltus_pack)_mm512_max_pd((__m512d)a, _mm512_abs_pd((__m512d)b));
@@ -98,6 +98,18 @@ static inline saltus_pack saltus_pack_max_size(saltus_pack a, saltus_pack b) {
         a[i] = size > a[i] ? size : a[i];
     }
     return a;
+#endif
+}
+
+/* The largest element. */
+static inline double saltus_pack_largest(saltus_pack a) {
+#if defined(__AVX512F__)
+    return _mm512_reduce_max_pd((__m512d)a);
+#else
+    double largest = a[0];
+    for (int i = 1; i < SALTUS_PACK; i++)
+        largest = a[i] > largest ? a[i] : largest;
+    return largest;
 #endif
 }
 

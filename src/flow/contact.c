@@ -33,20 +33,20 @@ double saltus_face_normal(const saltus_system *system, int face, const double *v
 }
 
 /* pull_k = sum_j (N B)^-1_kj (1 + r_j) n_j, with r_j = 0 for faces that do not rebound. */
-static void fill_pull(const saltus_system *system, saltus_contact_map *map, const double *inverse, unsigned elastic) {
+static void fill_pull(const saltus_system *system, saltus_contact_map *map, unsigned elastic) {
     int n = system->dof, m = map->count;
     memset(map->pull, 0, (size_t)(m * n) * sizeof *map->pull);
     for (int k = 0; k < m; k++)
         for (int j = 0; j < m; j++) {
             saltus_face f = system->faces[map->face[j]];
-            double factor = inverse[k * m + j] * f.side * (elastic >> map->face[j] & 1 ? 1 + f.r : 1);
+            double factor = map->inverse[k * m + j] * f.side * (elastic >> map->face[j] & 1 ? 1 + f.r : 1);
             for (int i = 0; i < n; i++)
                 map->pull[k * n + i] += factor * system->stop_normal[f.stop][i];
         }
 }
 
 bool saltus_contact_map_build(const saltus_system *system, unsigned faces, unsigned elastic, saltus_contact_map *map) {
-    double gram[SALTUS_FACES_MAX * SALTUS_FACES_MAX], inverse[SALTUS_FACES_MAX * SALTUS_FACES_MAX];
+    double gram[SALTUS_FACES_MAX * SALTUS_FACES_MAX];
     int n = system->dof, m = 0;
     for (int f = 0; f < system->face_count; f++)
         if (faces >> f & 1)
@@ -62,9 +62,9 @@ bool saltus_contact_map_build(const saltus_system *system, unsigned faces, unsig
     for (int k = 0; k < m; k++)
         for (int j = 0; j < m; j++)
             gram[k * m + j] = saltus_face_normal(system, map->face[k], map->push + j * n);
-    if (!saltus_dense_inverse(gram, m, inverse))
+    if (!saltus_dense_inverse(gram, m, map->inverse))
         return false;
-    fill_pull(system, map, inverse, elastic);
+    fill_pull(system, map, elastic);
     return true;
 }
 
@@ -82,6 +82,20 @@ void saltus_contact_map_apply(const saltus_contact_map *map, int dof, double *ve
     for (int k = 0; k < map->count; k++)
         for (int i = 0; i < dof; i++)
             velocity[i] = fma(-size[k], map->push[k * dof + i], velocity[i]);
+}
+
+void saltus_contact_map_settle(const saltus_system *system, const saltus_contact_map *map, double *state) {
+    double gap[SALTUS_FACES_MAX];
+    for (int k = 0; k < map->count; k++)
+        gap[k] = saltus_system_gap(system, map->face[k], state);
+    for (int k = 0; k < map->count; k++) {
+        double share = 0;
+        for (int j = 0; j < map->count; j++)
+            share = fma(map->inverse[k * map->count + j], gap[j], share);
+        for (int i = 0; i < system->dof; i++)
+            state[i] = fma(-share, map->push[k * system->dof + i], state[i]);
+    }
+    saltus_contact_map_apply(map, system->dof, state + system->dof);
 }
 
 static void publish_row(double *rows, int row, int stride, int lane, int slot, const double *values, int n) {
@@ -288,16 +302,6 @@ static unsigned resting_faces(const saltus_lane *self, unsigned touched, double 
     return resting;
 }
 
-/* Bring the state exactly onto the stops that hold. */
-static void settle_on_stops(const saltus_system *system, const saltus_contact_map *hold, double *state) {
-    for (int k = 0; k < hold->count; k++) {
-        double gap = saltus_system_gap(system, hold->face[k], state);
-        for (int i = 0; i < system->dof; i++)
-            state[i] = fma(-gap, hold->push[k * system->dof + i], state[i]);
-    }
-    saltus_contact_map_apply(hold, system->dof, state + system->dof);
-}
-
 saltus_status saltus_contacts_impact(saltus_flow *flow, int lane, int face, saltus_event *event) {
     saltus_lane *self = &flow->lane[lane];
     const saltus_system *system = self->system;
@@ -348,7 +352,7 @@ saltus_status saltus_contacts_impact(saltus_flow *flow, int lane, int face, salt
             self->face[f] = (saltus_face_state){.touch = 1};
     unsigned held_before = self->contacts;
     saltus_contacts_rest(flow, lane, resting);
-    settle_on_stops(system, &self->hold, self->state);
+    saltus_contact_map_settle(system, &self->hold, self->state);
 
     if (flow->options.columns && speed > 0) {
         if (!saltus_contact_map_build(system, impulses | (remainder >= 0 ? held_before : 0), elastic, map))

@@ -23,7 +23,8 @@ static void gap_polynomial(const saltus_flow *flow, int lane, int face, double s
     const saltus_lane *self = &flow->lane[lane];
     saltus_face f = self->system->faces[face];
     const saltus_face_state *known = &self->face[face];
-    const double *series = flow->work.gap + (size_t)f.stop * (size_t)(flow->work.order + 2) * (size_t)flow->lanes;
+    const double *series =
+        flow->work.gap + (size_t)f.stop * (size_t)(flow->work.order + 2) * (size_t)flow->lanes;
     scaled_series(flow, lane, series, f.side, degree_of(flow), step, c);
     c[0] -= f.d;
     if (known->shadow) {
@@ -42,8 +43,9 @@ static bool surely_negative(const double *c, int degree) {
     return bound < -1e-14 * fabs(c[0]);
 }
 
-/* First rise of c through zero on (0, 1], the first `touch` coefficients being zeros at the start and not counted. A
- * start at zero or above it by rounding counts as a zero when c falls from there, and as a rise at once otherwise. */
+/* First rise of c through zero on (0, 1], the first `touch` coefficients being zeros at the start and not
+ * counted. A start at zero or above it by rounding counts as a zero when c falls from there, and as a rise at
+ * once otherwise. */
 static bool first_rise(const double *c, int degree, int touch, double *root) {
     while (touch < degree && c[touch] == 0)
         touch++;
@@ -66,12 +68,32 @@ static void propose(saltus_lane *self, saltus_event_kind kind, int face, double 
     self->pending.face = face;
 }
 
+/* The same without forming the polynomial, for a face of which nothing is known beyond its gap's series: the
+ * bound in two chains of Horner's rule. Most faces of most steps end here. */
+static bool surely_open(const saltus_flow *flow, int lane, int face, double step) {
+    saltus_face f = flow->lane[lane].system->faces[face];
+    const saltus_face_state *known = &flow->lane[lane].face[face];
+    const double *series =
+        flow->work.gap + (size_t)f.stop * (size_t)(flow->work.order + 2) * (size_t)flow->lanes + lane;
+    if (known->touch || known->shadow)
+        return false;
+    const double square = step * step, start = f.side * series[0] - f.d;
+    const int stride = flow->lanes, degree = degree_of(flow);
+    double odd = 0, even = degree % 2 ? 0 : fmax(0, f.side * series[degree * stride]);
+    for (int k = (degree - 1) / 2 * 2 + 1; k >= 1; k -= 2) {
+        double lift = f.side * series[k * stride], before = k > 1 ? f.side * series[(k - 1) * stride] : 0;
+        odd = odd * square + (lift > 0 ? lift : 0);
+        even = even * square + (before > 0 ? before : 0);
+    }
+    return start + odd * step + even < -1e-14 * fabs(start);
+}
+
 static void search_gaps(saltus_flow *flow, int lane, double step, double *first) {
     saltus_lane *self = &flow->lane[lane];
     int degree = degree_of(flow);
     double c[SALTUS_DEGREE_MAX + 1], root;
     for (int f = 0; f < self->system->face_count; f++) {
-        if (self->contacts >> f & 1)
+        if (self->contacts >> f & 1 || surely_open(flow, lane, f, step))
             continue;
         gap_polynomial(flow, lane, f, step, c);
         if (self->face[f].touch == 0 && surely_negative(c, degree))
@@ -86,18 +108,20 @@ static void search_forces(saltus_flow *flow, int lane, double step, double *firs
     int degree = degree_of(flow) - 2;
     double c[SALTUS_DEGREE_MAX + 1], root;
     for (int k = 0; k < self->hold.count; k++) {
-        const double *series = flow->work.force + (size_t)k * (size_t)(flow->work.order + 2) * (size_t)flow->lanes;
+        const double *series =
+            flow->work.force + (size_t)k * (size_t)(flow->work.order + 2) * (size_t)flow->lanes;
         scaled_series(flow, lane, series, -1, degree, step, c);
         if (first_rise(c, degree, 0, &root))
             propose(self, SALTUS_RELEASE, self->hold.face[k], root * step, first);
     }
 }
 
-/* The observed displacement is the first row of the gap series; its velocity's zeros of either direction count. */
+/* The observed displacement is the first row of the gap series; its velocity's zeros of either direction
+ * count. */
 static void search_turning(saltus_flow *flow, int lane, double step, double *first) {
     saltus_lane *self = &flow->lane[lane];
     int degree = degree_of(flow) - 1, touch = self->turned ? 1 : 0;
-    double c[SALTUS_DEGREE_MAX + 1], root;
+    double c[SALTUS_DEGREE_MAX + 1] = {0}, root;
     scaled_series(flow, lane, flow->work.gap + flow->lanes, 1, degree, step, c);
     for (int k = 0; k <= degree; k++)
         c[k] *= k + 1;

@@ -38,9 +38,10 @@ saltus_flow_options saltus_flow_defaults(void) {
     return (saltus_flow_options){.rtol = 1e-13, .atol = 1e-16, .integrator = SALTUS_AUTOMATIC};
 }
 
+/* Fastest by measurement on impacting pipes: the step grows with the order until stability caps it. */
 static int automatic_order(double rtol) {
-    int order = (int)lround(4 - 0.85 * log(rtol));
-    return order < 8 ? 8 : order > 32 ? 32 : order;
+    int order = 2 * (int)lround(-log10(rtol) - 1);
+    return order < 10 ? 10 : order > 32 ? 32 : order;
 }
 
 static saltus_status check_options(const saltus_flow_options *o, saltus_message *message) {
@@ -408,12 +409,7 @@ static saltus_status apply_event(saltus_flow *flow, int lane) {
 static void keep_contacts(saltus_flow *flow, int lane) {
     saltus_lane *self = &flow->lane[lane];
     int n = flow->dof;
-    for (int k = 0; k < self->hold.count; k++) {
-        double gap = saltus_system_gap(self->system, self->hold.face[k], self->state);
-        for (int i = 0; i < n; i++)
-            self->state[i] = fma(-gap, self->hold.push[k * n + i], self->state[i]);
-    }
-    saltus_contact_map_apply(&self->hold, n, self->state + n);
+    saltus_contact_map_settle(self->system, &self->hold, self->state);
     for (int c = 0; c < flow->options.columns; c++) {
         saltus_contact_map_apply(&self->hold, n, self->tangents + c * flow->dimension);
         saltus_contact_map_apply(&self->hold, n, self->tangents + c * flow->dimension + n);

@@ -15,6 +15,7 @@ typedef struct saltus_contact_map {
     int count;
     int face[SALTUS_FACES_MAX];
     double *push, *pull; /* [count][dof], storage for SALTUS_FACES_MAX of them */
+    double inverse[SALTUS_FACES_MAX * SALTUS_FACES_MAX]; /* of n_k . push_j: shares gaps out among the directions */
 } saltus_contact_map;
 
 /* What is known of a face's gap at the start of a step, more exactly than n.q - d tells near contact: the first `touch`
@@ -66,6 +67,8 @@ saltus_time saltus_time_after(saltus_time time, double periods);
 /* The map of a set of faces; false if their normals are dependent. Faces in `elastic` rebound with their restitution. */
 bool saltus_contact_map_build(const saltus_system *system, unsigned faces, unsigned elastic, saltus_contact_map *map);
 void saltus_contact_map_apply(const saltus_contact_map *map, int dof, double *velocity);
+/* Bring a state exactly onto the faces of a map without restitution: gaps and normal velocities zero. */
+void saltus_contact_map_settle(const saltus_system *system, const saltus_contact_map *map, double *state);
 /* Normal velocity or acceleration towards a face. */
 double saltus_face_normal(const saltus_system *system, int face, const double *vector);
 /* Decide, for faces touched with zero normal velocity (resting), which of them hold; set contacts, hold and touch. */

@@ -7,21 +7,29 @@
 
 enum { depth_max = 60 };
 
-/* A piece of the polynomial on [lo, hi]: Bernstein coefficients of p, p' and p''. The derivatives are subdivided on
- * their own, because differences of p's coefficients drown in rounding on short intervals. */
+/* A piece of the polynomial on [lo, hi]: Bernstein coefficients of p, p' and p''. The derivatives are
+ * subdivided on their own, because differences of p's coefficients drown in rounding on short intervals. */
 typedef struct piece {
     double lo, hi;
     double p[3][SALTUS_DEGREE_MAX + 1];
 } piece;
 
+/* The high half of a double's digits, so that products of halves are exact (Veltkamp). */
+static inline double high_half(double a) {
+    double shifted = 134217729.0 * a;
+    return shifted - (shifted - a);
+}
+
+/* Products' errors by Dekker's formula: a call of fma would cost more where the instruction set lacks it. */
 double saltus_compensated(const double *c, int degree, double s) {
-    double sum = c[degree], error = 0;
+    double sum = c[degree], error = 0, s_high = high_half(s), s_low = s - s_high;
     for (int k = degree - 1; k >= 0; k--) {
-        double product = sum * s, product_error = fma(sum, s, -product);
+        double high = high_half(sum), low = sum - high, product = sum * s;
+        double product_error = ((high * s_high - product) + high * s_low + low * s_high) + low * s_low;
         double next = product + c[k], part = next - product;
         double sum_error = (product - (next - part)) + (c[k] - part);
         sum = next;
-        error = fma(error, s, product_error + sum_error);
+        error = error * s + (product_error + sum_error);
     }
     return sum + error;
 }
@@ -89,8 +97,8 @@ static int common_sign(const double *b, int n) {
     return low >= 0 ? 1 : high <= 0 ? -1 : 0;
 }
 
-/* The zero of the `derivative`-th derivative on [lo, hi], where it changes sign once: Newton, kept in the bracket. The
- * last steps of a zero of p itself use the compensated value. */
+/* The zero of the `derivative`-th derivative on [lo, hi], where it changes sign once: Newton, kept in the
+ * bracket. The last steps of a zero of p itself use the compensated value. */
 static double bracketed_zero(const double *c, int degree, int derivative, double lo, double hi) {
     double at_lo = horner(c, degree, derivative, lo), at_hi = horner(c, degree, derivative, hi);
     double rising = at_hi >= at_lo ? 1 : -1, s = lo + (hi - lo) * (at_lo / (at_lo - at_hi));
@@ -98,7 +106,8 @@ static double bracketed_zero(const double *c, int degree, int derivative, double
         s = 0.5 * (lo + hi);
     bool fine = false;
     for (int k = 0; k < 100 && hi - lo > DBL_EPSILON * fabs(hi); k++) {
-        double value = fine && derivative == 0 ? saltus_compensated(c, degree, s) : horner(c, degree, derivative, s);
+        double value =
+            fine && derivative == 0 ? saltus_compensated(c, degree, s) : horner(c, degree, derivative, s);
         double slope = horner(c, degree, derivative + 1, s);
         if (rising * value < 0)
             lo = s;
@@ -115,12 +124,37 @@ static double bracketed_zero(const double *c, int degree, int derivative, double
     return s;
 }
 
-/* p rises on the piece: is there a zero in (lo, hi]? */
+/* Whether p is positive just after a zero: the first Taylor coefficient there that stands out of rounding is. */
+static bool positive_after(const double *c, int degree, double s) {
+    double shifted[SALTUS_DEGREE_MAX + 1], size = 0;
+    memcpy(shifted, c, (size_t)(degree + 1) * sizeof *c);
+    for (int k = 0; k <= degree; k++)
+        size += fabs(c[k]);
+    for (int d = 0; d <= degree; d++) {
+        for (int k = degree - 1; k >= d; k--)
+            shifted[k] += s * shifted[k + 1];
+        if (d > 0 && fabs(shifted[d]) > 1e-14 * (d + 1) * size)
+            return shifted[d] > 0;
+    }
+    return false;
+}
+
+/* p does not fall on the piece: is there a zero in (lo, hi] at which it rises? */
 static bool rise_between(const double *c, int degree, double lo, double hi, double *root) {
-    if (!(saltus_compensated(c, degree, hi) >= 0) || !(saltus_compensated(c, degree, lo) < 0))
+    double at_lo = lo > 0 ? saltus_compensated(c, degree, lo) : c[0];
+    double at_hi = saltus_compensated(c, degree, hi);
+    if (!(at_lo < 0) || !(at_hi >= 0) || (at_hi == 0 && !positive_after(c, degree, hi)))
         return false;
-    *root = saltus_compensated(c, degree, hi) == 0 ? hi : bracketed_zero(c, degree, 0, lo, hi);
+    *root = at_hi == 0 ? hi : bracketed_zero(c, degree, 0, lo, hi);
     return *root > 0;
+}
+
+/* p is convex on the piece: from below, or from above through a minimum below zero. */
+static bool rise_from_minimum(const double *c, int degree, double lo, double hi, double *root) {
+    double at_lo = horner(c, degree, 1, lo), at_hi = horner(c, degree, 1, hi);
+    if (at_lo < 0 && at_hi > 0 && !((lo > 0 ? saltus_compensated(c, degree, lo) : c[0]) < 0))
+        lo = bracketed_zero(c, degree, 1, lo, hi);
+    return rise_between(c, degree, lo, hi, root);
 }
 
 /* p is concave on the piece: a single maximum decides. */
@@ -143,8 +177,10 @@ static int decide(const double *c, int degree, const piece *s, double noise, int
     int curvature = degree > 1 ? common_sign(s->p[2], degree - 2) : 1;
     if (slope < 0)
         return -1;
-    if (slope > 0 || curvature > 0 || depth >= depth_max)
+    if (slope > 0 || depth >= depth_max)
         return rise_between(c, degree, s->lo, s->hi, root) ? 1 : -1;
+    if (curvature > 0)
+        return rise_from_minimum(c, degree, s->lo, s->hi, root) ? 1 : -1;
     if (curvature < 0)
         return rise_to_maximum(c, degree, s->lo, s->hi, root) ? 1 : -1;
     return 0;
@@ -165,7 +201,8 @@ static void plain_signs(const double *c, int degree, int *slope, int *curvature)
     *curvature = low[1] >= 0 ? 1 : high[1] <= 0 ? -1 : 0;
 }
 
-/* The upper bound that Bernstein coefficients of degree 6 give, the rest of the series counted by its positive part. */
+/* The upper bound that Bernstein coefficients of degree 6 give, the rest of the series counted by its
+ * positive part. */
 static double upper_bound(const double *c, int degree) {
     static const double weight[7][7] = {{1},
                                         {1, 1.0 / 6},
@@ -200,8 +237,10 @@ bool saltus_isolate_rise(const double *c, int degree, double *root) {
         plain_signs(c, degree, &slope, &curvature);
     if (slope < 0)
         return false;
-    if (slope > 0 || curvature > 0)
+    if (slope > 0)
         return rise_between(c, degree, 0, 1, root);
+    if (curvature > 0)
+        return rise_from_minimum(c, degree, 0, 1, root);
     if (curvature < 0)
         return rise_to_maximum(c, degree, 0, 1, root);
 

@@ -10,15 +10,15 @@
 
 #include "flow/lanes.h"
 
-/* A work's pointers and sizes in local variables: a store through a pack may alias the work itself, which would then be
- * read anew after each. Sizes become constants where the common case is compiled on its own. */
+/* A work's pointers and sizes in local variables: a store through a pack may alias the work itself, which
+ * would then be read anew after each. Sizes become constants where the common case is compiled on its own. */
 typedef struct frame {
     unsigned terms;
     int packs;   /* per row */
     int columns; /* tangent vectors */
     int dof, extra, contacts, forcing;
     long orders, order_span;
-    saltus_pack *q, *v;
+    saltus_pack *q, *v, *ahead;
     lane_t *e, *series, *drive, *force;
     const lane_t *scalar, *table;
     const saltus_pack *rows, *push, *pull;
@@ -26,14 +26,15 @@ typedef struct frame {
 } frame;
 
 #define ORDER_STRIDE ((long)(1 + f.columns) * f.packs)
-#define JET(a, k, c) ((a) + (long)(k) * ORDER_STRIDE + (long)(c) * f.packs)
+#define JET(a, k, c) ((a) + (long)(k)*ORDER_STRIDE + (long)(c)*f.packs)
 #define EXTRA(k, c) (f.e + ((long)(k) * (1 + f.columns) + (c)) * f.extra)
-#define SERIES(n, k, c) (f.series + ((n) * f.orders + (k)) * (1 + f.columns) + (c))
-#define DRIVE(n, k) (f.drive + (n) * f.order_span + (k))
+#define SERIES(n, k, c) (f.series + ((n)*f.orders + (k)) * (1 + f.columns) + (c))
+#define DRIVE(n, k) (f.drive + (n)*f.order_span + (k))
 #define DRIVE_PACK(n, k) ((saltus_pack *)(void *)DRIVE(n, k))
-#define TABLE(n, k) ((const saltus_pack *)(const void *)(f.table + (n) * f.order_span + (k)))
+#define TABLE(n, k) ((const saltus_pack *)(const void *)(f.table + (n)*f.order_span + (k)))
+#define AHEAD(n, c) JET(f.ahead, n, c)
 #define SCALAR(n) (f.scalar + (n))
-#define ROW(n) (f.rows + (n) * f.packs)
+#define ROW(n) (f.rows + (n)*f.packs)
 
 #include SALTUS_MODEL_KERNEL
 
@@ -44,7 +45,8 @@ static void reserve(saltus_work *w) {
     w->extra_row = w->extra * LANES;
     w->stride = LANES;
     w->order_span = (w->order + 2 + SALTUS_PACK - 1) / SALTUS_PACK * SALTUS_PACK;
-    size_t span = (size_t)w->order_span, orders = (size_t)w->order + 2, all = (size_t)w->columns + 1, row = (size_t)w->row;
+    size_t span = (size_t)w->order_span, orders = (size_t)w->order + 2, all = (size_t)w->columns + 1,
+           row = (size_t)w->row;
     size_t extra = (size_t)w->extra_row, stops = (size_t)w->stops, contacts = (size_t)w->contacts;
     w->q = saltus_arena_doubles(a, orders * all * row);
     w->v = saltus_arena_doubles(a, orders * all * row);
@@ -66,6 +68,7 @@ static void reserve(saltus_work *w) {
     for (int m = 0; m < SALTUS_COUPLINGS_MAX; m++)
         w->coupling[m] = saltus_arena_doubles(a, coupling_size(w->dof));
     w->table = saltus_arena_doubles(a, model_tables * span * LANES);
+    w->ahead = saltus_arena_doubles(a, model_rows_ahead * all * row);
     w->drive = saltus_arena_doubles(a, model_drives * span * LANES);
     w->series = saltus_arena_doubles(a, model_series * orders * all * LANES);
 }
@@ -98,8 +101,14 @@ static void load(saltus_work *w, int lane, const saltus_system *system) {
 
 /* sin and cos of 2 pi phase: reduction to an eighth of a turn is exact, then Taylor polynomials. */
 KERNEL_INLINE void turn(double phase, double *sine, double *cosine) {
-    static const double s[] = {-1.0 / 6,          1.0 / 120,           -1.0 / 5040,           1.0 / 362880,
-                               -1.0 / 39916800.0, 1.0 / 6227020800.0, -1.0 / 1307674368000.0, 1.0 / 355687428096000.0};
+    static const double s[] = {-1.0 / 6,
+                               1.0 / 120,
+                               -1.0 / 5040,
+                               1.0 / 362880,
+                               -1.0 / 39916800.0,
+                               1.0 / 6227020800.0,
+                               -1.0 / 1307674368000.0,
+                               1.0 / 355687428096000.0};
     static const double c[] = {-0.5,
                                1.0 / 24,
                                -1.0 / 720,
@@ -130,32 +139,31 @@ KERNEL_INLINE void forcing(frame f, const double *phase, int order) {
     model_forcing(f, order, sine, cosine);
 }
 
-/* Contacts that hold: q'' = f - b (pull . f), the force's series kept for the release. */
-KERNEL_INLINE void hold_contacts(frame f, int k, int c, saltus_pack *acceleration) {
+/* Contacts that hold: q'' = f - b (pull . f), the force's series kept for the release. `velocity` is the
+ * coefficient k + 1 of q', that is q'' / (k + 1). */
+KERNEL_INLINE void hold_contacts(frame f, int k, int c, saltus_pack *velocity) {
     saltus_pack force[SALTUS_FACES_MAX];
     for (int m = 0; m < f.contacts; m++) {
-        force[m] = row_dot(f.pull + m * f.packs, acceleration, f.dof, f.packs);
+        force[m] = row_dot(f.pull + m * f.packs, velocity, f.dof, f.packs);
         if (c == 0)
-            f.force[m * f.orders + k] = lane_of(force[m]);
+            f.force[m * f.orders + k] = lane_of(force[m] * (k + 1.0));
     }
     for (int m = 0; m < f.contacts; m++)
         for (int p = 0; p < f.packs; p++)
-            acceleration[p] = saltus_pack_fnma(f.push[m * f.packs + p], force[m], acceleration[p]);
+            velocity[p] = saltus_pack_fnma(f.push[m * f.packs + p], force[m], velocity[p]);
 }
 
 /* v_k -> q_{k+1}, v_{k+1}. */
 KERNEL_INLINE void expand_order(frame f, int k, int c, saltus_pack *velocity) {
     const double inverse = 1.0 / (k + 1);
-    saltus_pack acceleration[ROW_PACKS_MAX];
+    saltus_pack next[ROW_PACKS_MAX];
     for (int p = 0; p < f.packs; p++)
         JET(f.q, k + 1, c)[p] = velocity[p] * inverse;
-    model_order(f, k, c, velocity, acceleration);
+    model_order(f, k, c, inverse, velocity, next);
     if (f.contacts)
-        hold_contacts(f, k, c, acceleration);
+        hold_contacts(f, k, c, next);
     for (int p = 0; p < f.packs; p++)
-        JET(f.v, k + 1, c)[p] = velocity[p] = acceleration[p] * inverse;
-    for (int i = 0; i < f.extra; i++)
-        EXTRA(k + 1, c)[i] *= inverse;
+        JET(f.v, k + 1, c)[p] = velocity[p] = next[p];
 }
 
 KERNEL_INLINE void gap_series(frame f, const saltus_work *w, int order) {
@@ -179,6 +187,7 @@ KERNEL_INLINE frame make_frame(const saltus_work *w, unsigned terms, int packs, 
                    .order_span = w->order_span,
                    .q = (saltus_pack *)(void *)w->q,
                    .v = (saltus_pack *)(void *)w->v,
+                   .ahead = (saltus_pack *)(void *)w->ahead,
                    .e = (lane_t *)(void *)w->e,
                    .series = (lane_t *)(void *)w->series,
                    .drive = (lane_t *)(void *)w->drive,
@@ -223,15 +232,6 @@ static void expand(saltus_work *w, int order) {
         expand_frame(make_frame(w, w->terms, packs, w->columns, w->contacts), w, order);
 }
 
-/* Largest modulus in a row, per lane. */
-KERNEL_INLINE void row_norm(const saltus_work *w, const double *row, double *norm) {
-    for (int i = 0; i < w->dof; i++)
-        for (int l = 0; l < LANES; l++) {
-            double size = __builtin_fabs(row[i * w->stride + l]);
-            norm[l] = size > norm[l] ? size : norm[l];
-        }
-}
-
 /* x^(1/k) to about one percent, from the exponent and a parabola; x > 0. A step size needs no more. */
 KERNEL_INLINE double approximate_root(double x, int k) {
     union {
@@ -247,45 +247,51 @@ KERNEL_INLINE double approximate_root(double x, int k) {
     return split.value * (1 + fraction * (0.6565 + 0.3435 * fraction));
 }
 
-/* Norms of a column at one order: max |q_k|, |v_k| / omega_unit, |e_k|, per lane. */
-KERNEL_INLINE void column_norm(const saltus_work *w, int k, int c, double *norm) {
-    double velocity[LANES] = {0};
-    row_norm(w, w->q + saltus_work_jet(w, k, c), norm);
-    row_norm(w, w->v + saltus_work_jet(w, k, c), velocity);
-    for (int l = 0; l < LANES; l++) {
-        double scaled = velocity[l] / w->omega_unit;
-        norm[l] = scaled > norm[l] ? scaled : norm[l];
-        for (int i = 0; i < w->extra; i++) {
-            double size = __builtin_fabs(w->e[saltus_work_extra_jet(w, k, c) + (size_t)(i * LANES + l)]);
-            norm[l] = size > norm[l] ? size : norm[l];
-        }
+/* Norm of a column at one order: max of |q_k|, |v_k| / omega_unit, |e_k|. */
+KERNEL_INLINE lane_t column_norm(const saltus_work *w, int k, int c) {
+    const saltus_pack *q = (const saltus_pack *)(const void *)(w->q + saltus_work_jet(w, k, c));
+    const saltus_pack *v = (const saltus_pack *)(const void *)(w->v + saltus_work_jet(w, k, c));
+    const lane_t *e = (const lane_t *)(const void *)(w->e + saltus_work_extra_jet(w, k, c));
+    const int packs = row_packs(w->dof);
+    saltus_pack displacement = {0}, velocity = {0};
+    for (int p = 0; p < packs; p++) {
+        displacement = saltus_pack_max_size(displacement, q[p]);
+        velocity = saltus_pack_max_size(velocity, v[p]);
     }
+    for (int i = 0; i < w->extra; i++)
+        displacement = saltus_pack_max_size(displacement, lane_spread(e[i]));
+    return lane_largest(saltus_pack_max_size(displacement, velocity * (1.0 / w->omega_unit)));
 }
 
-/* The step at which the last two coefficients of every column fall below the tolerance (Jorba & Zou, section 3). */
+/* The step at which the coefficient of order k falls below the tolerance. */
+KERNEL_INLINE double coefficient_step(double norm, double tolerance, int k, double limit) {
+    bool tells = norm > tolerance * 1e-200 && tolerance > 1e-280;
+    return tells ? 0.97 * approximate_root(tolerance / norm, k) : limit;
+}
+
+/* The step at which the last two coefficients of every column fall below the tolerance (Jorba & Zou, section
+ * 3). */
 static void measure(saltus_work *w) {
+    const int last = w->order;
     for (int l = 0; l < LANES; l++)
         w->step[l] = w->limit[l];
     for (int c = 0; c <= w->columns; c++) {
-        double size[LANES] = {0};
-        column_norm(w, 0, c, size);
-        for (int k = w->order - 1; k <= w->order; k++) {
-            double norm[LANES] = {0};
-            column_norm(w, k, c, norm);
-            for (int l = 0; l < LANES; l++) {
-                double tolerance = c ? w->tolerance_tangent * size[l]
-                                     : w->tolerance_absolute + w->tolerance_relative * size[l];
-                double step = norm[l] > tolerance * 1e-200 && tolerance > 1e-280
-                                  ? 0.97 * approximate_root(tolerance / norm[l], k)
-                                  : w->limit[l];
-                w->step[l] = step < w->step[l] ? step : w->step[l];
-            }
+        const lane_t size = column_norm(w, 0, c), before = column_norm(w, last - 1, c),
+                     end = column_norm(w, last, c);
+        for (int l = 0; l < LANES; l++) {
+            double tolerance = c ? w->tolerance_tangent * lane_get(&size, l)
+                                 : w->tolerance_absolute + w->tolerance_relative * lane_get(&size, l);
+            double step = coefficient_step(lane_get(&before, l), tolerance, last - 1, w->limit[l]);
+            double other = coefficient_step(lane_get(&end, l), tolerance, last, w->limit[l]);
+            step = other < step ? other : step;
+            w->step[l] = step < w->step[l] ? step : w->step[l];
         }
     }
 }
 
 /* Even and odd coefficients in two chains: half the latency of Horner's rule. */
-KERNEL_INLINE saltus_pack polynomial(const saltus_pack *newest, size_t order_packs, int order, saltus_pack time) {
+KERNEL_INLINE saltus_pack polynomial(const saltus_pack *newest, size_t order_packs, int order,
+                                     saltus_pack time) {
     saltus_pack square = time * time, even = {0}, odd = {0};
     const saltus_pack *coefficient = newest;
     for (int k = order; k >= 0; k--, coefficient -= order_packs)
@@ -305,8 +311,10 @@ static void evaluate(saltus_work *w, int order) {
         for (int p = 0; p < packs; p++) {
             size_t place = (size_t)c * (size_t)packs + (size_t)p;
             const size_t top = (size_t)order * order_packs + place;
-            ((saltus_pack *)(void *)w->xq)[place] = polynomial((saltus_pack *)(void *)w->q + top, order_packs, order, spread);
-            ((saltus_pack *)(void *)w->xv)[place] = polynomial((saltus_pack *)(void *)w->v + top, order_packs, order, spread);
+            ((saltus_pack *)(void *)w->xq)[place] =
+                polynomial((saltus_pack *)(void *)w->q + top, order_packs, order, spread);
+            ((saltus_pack *)(void *)w->xv)[place] =
+                polynomial((saltus_pack *)(void *)w->v + top, order_packs, order, spread);
         }
     const int extras = (1 + w->columns) * w->extra;
     for (int i = 0; i < extras; i++) {

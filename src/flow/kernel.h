@@ -1,14 +1,15 @@
 /* The stepping kernel: Taylor jets of one or several trajectories side by side.
  *
- * A jet holds the Taylor coefficients, in time, of displacements q, velocities v and extra states e of one trajectory
- * and of its tangent vectors (columns). The coefficients follow from the vector field order by order (automatic
- * differentiation; Jorba & Zou, Experimental Mathematics 14 (2005) 99-117), so the step's polynomial is its dense
- * output at the step's own accuracy, and events are located on it without another evaluation of the field.
+ * A jet holds the Taylor coefficients, in time, of displacements q, velocities v and extra states e of one
+ * trajectory and of its tangent vectors (columns). The coefficients follow from the vector field order by
+ * order (automatic differentiation; Jorba & Zou, Experimental Mathematics 14 (2005) 99-117), so the step's
+ * polynomial is its dense output at the step's own accuracy, and events are located on it without another
+ * evaluation of the field.
  *
- * The kernel is compiled once per model, instruction set and width. Width 1 puts the modes of one trajectory into
- * packs; the wide kernel puts one trajectory into each element of a pack. Every operation on an element is the same
- * in both, in the same order, so the results are equal bit for bit.
- * SPDX-License-Identifier: GPL-3.0-or-later */
+ * The kernel is compiled once per model, instruction set and width. Width 1 puts the modes of one trajectory
+ * into packs; the wide kernel puts one trajectory into each element of a pack. Every operation on an element
+ * is the same in both, in the same order, so the results are equal bit for bit. SPDX-License-Identifier:
+ * GPL-3.0-or-later */
 #ifndef SALTUS_FLOW_KERNEL_H
 #define SALTUS_FLOW_KERNEL_H
 
@@ -19,34 +20,35 @@ enum { SALTUS_ORDER_MAX = 40, SALTUS_ORDER_MIN = 4 };
 
 typedef struct saltus_kernel saltus_kernel;
 
-/* Arrays of one kernel instance. `row` doubles hold one value per mode and lane: element i of lane l stands at
- * i * stride + l. Jets are [order][column][row], column 0 being the trajectory itself. */
+/* Arrays of one kernel instance. `row` doubles hold one value per mode and lane: element i of lane l stands
+ * at i * stride + l. Jets are [order][column][row], column 0 being the trajectory itself. */
 typedef struct saltus_work {
     saltus_arena arena;
     int dof, extra, lanes, order, columns, stops, contacts;
     int row, extra_row, stride;
     unsigned terms;
     int forcing_orders;
-    double omega_unit;   /* frequency that makes velocities comparable with displacements */
+    double omega_unit; /* frequency that makes velocities comparable with displacements */
     double tolerance_relative, tolerance_absolute, tolerance_tangent;
-    double *q, *v, *e;   /* jets */
-    double *xq, *xv, *xe;/* states at the step's start (in) and at `advance` (out): [column][row] */
-    double *phase;       /* in [0,1), per lane */
-    double *limit;       /* largest step of each lane */
-    double *step;        /* step that keeps the tolerance, per lane */
-    double *advance;     /* where to evaluate, per lane */
-    double *normal;      /* [stop][row] */
-    double *gap;         /* series of normal . q: [stop][order][lane] */
-    double *push;        /* directions of contact impulses: [contact][row] */
-    double *pull;        /* rows that give contact accelerations: [contact][row] */
-    double *force;       /* series of contact accelerations: [contact][order][lane] */
-    double *scalar;      /* [scalar][lane] */
-    double *rows;        /* [coefficient row][row] */
+    double *q, *v, *e;    /* jets */
+    double *xq, *xv, *xe; /* states at the step's start (in) and at `advance` (out): [column][row] */
+    double *phase;        /* in [0,1), per lane */
+    double *limit;        /* largest step of each lane */
+    double *step;         /* step that keeps the tolerance, per lane */
+    double *advance;      /* where to evaluate, per lane */
+    double *normal;       /* [stop][row] */
+    double *gap;          /* series of normal . q: [stop][order][lane] */
+    double *push;         /* directions of contact impulses: [contact][row] */
+    double *pull;         /* rows that give contact accelerations: [contact][row] */
+    double *force;        /* series of contact accelerations: [contact][order][lane] */
+    double *scalar;       /* [scalar][lane] */
+    double *rows;         /* [coefficient row][row] */
     double *coupling[SALTUS_COUPLINGS_MAX];
-    int order_span;      /* orders reserved for the two below: a whole number of packs */
-    double *table;       /* model's constants per order: [table][order][lane] */
-    double *drive;       /* model's scalar series that all columns share: [drive][order][lane] */
-    double *series;      /* model's other scalar series: [series][order][column][lane] */
+    int order_span; /* orders reserved for table and drive: a whole number of packs */
+    double *table;  /* model's constants per order: [table][order][lane] */
+    double *drive;  /* model's scalar series that all columns share: [drive][order][lane] */
+    double *ahead;  /* model's rows begun for the next order: [ahead][column][row] */
+    double *series; /* model's other scalar series: [series][order][column][lane] */
 } saltus_work;
 
 struct saltus_kernel {
@@ -65,14 +67,14 @@ struct saltus_kernel {
     void (*evaluate)(saltus_work *work, int order);
 };
 
-/* The kernel for a model at width 1 or at this machine's SIMD width (0), chosen from the instruction sets built in
- * and the processor at hand. The environment variable SALTUS_ISA (x86-64, x86-64-v3, x86-64-v4) can force a lower
- * one. NULL when there is none. */
+/* The kernel for a model at width 1 or at this machine's SIMD width (0), chosen from the instruction sets
+ * built in and the processor at hand. The environment variable SALTUS_ISA (x86-64, x86-64-v3, x86-64-v4) can
+ * force a lower one. NULL when there is none. */
 const saltus_kernel *saltus_kernel_find(const char *model, int lanes);
 
 /* Allocate a work for a kernel. Sizes come from the systems' common shape. */
-saltus_status saltus_work_open(saltus_work *work, const saltus_kernel *kernel, const saltus_system *system, int order,
-                               int columns);
+saltus_status saltus_work_open(saltus_work *work, const saltus_kernel *kernel, const saltus_system *system,
+                               int order, int columns);
 void saltus_work_close(saltus_work *work);
 
 static inline size_t saltus_work_jet(const saltus_work *work, int order, int column) {

@@ -5,6 +5,7 @@
  *   lane_of(s)       the number per lane of a pack that holds it spread
  *   row_sum          sum over the modes in a fixed tree, the same at every width, spread
  *   row_couple       product with a coupling matrix
+ *   lane_largest     the largest of a row's modes, from the largest of each pack element
  *   lane_alternate   numbers for consecutive orders, as many as a pack holds
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_FLOW_LANES_H
@@ -22,15 +23,39 @@ enum { MODES_MAX = 64 };
 #define LANES SALTUS_PACK
 enum { ROW_PACKS_MAX = MODES_MAX, ORDERS_PER_PACK = 1 };
 typedef saltus_pack lane_t;
-KERNEL_INLINE saltus_pack lane_spread(lane_t s) { return s; }
-KERNEL_INLINE lane_t lane_of(saltus_pack spread) { return spread; }
-KERNEL_INLINE lane_t lane_constant(double s) { return saltus_pack_splat(s); }
-KERNEL_INLINE lane_t lane_fma(lane_t a, lane_t b, lane_t c) { return saltus_pack_fma(a, b, c); }
-KERNEL_INLINE saltus_pack lane_alternate(lane_t even, lane_t odd, int order) { return order % 2 ? odd : even; }
-KERNEL_INLINE int row_packs(int n) { return n; }
-KERNEL_INLINE size_t coupling_size(int n) { return (size_t)n * (size_t)n; }
-KERNEL_INLINE size_t coupling_place(int n, int i, int j) { return (size_t)i * (size_t)n + (size_t)j; }
-KERNEL_INLINE lane_t row_element(const saltus_pack *row, int i) { return row[i]; }
+KERNEL_INLINE saltus_pack lane_spread(lane_t s) {
+    return s;
+}
+KERNEL_INLINE lane_t lane_of(saltus_pack spread) {
+    return spread;
+}
+KERNEL_INLINE lane_t lane_constant(double s) {
+    return saltus_pack_splat(s);
+}
+KERNEL_INLINE lane_t lane_largest(saltus_pack a) {
+    return a;
+}
+KERNEL_INLINE double lane_get(const lane_t *s, int lane) {
+    return (*s)[lane];
+}
+KERNEL_INLINE lane_t lane_fma(lane_t a, lane_t b, lane_t c) {
+    return saltus_pack_fma(a, b, c);
+}
+KERNEL_INLINE saltus_pack lane_alternate(lane_t even, lane_t odd, int order) {
+    return order % 2 ? odd : even;
+}
+KERNEL_INLINE int row_packs(int n) {
+    return n;
+}
+KERNEL_INLINE size_t coupling_size(int n) {
+    return (size_t)n * (size_t)n;
+}
+KERNEL_INLINE size_t coupling_place(int n, int i, int j) {
+    return (size_t)i * (size_t)n + (size_t)j;
+}
+KERNEL_INLINE lane_t row_element(const saltus_pack *row, int i) {
+    return row[i];
+}
 
 /* Terms i, i + 8, i + 16, ... first, then pairs four, two and one apart. */
 KERNEL_INLINE saltus_pack row_sum(const saltus_pack *row, int n, int packs) {
@@ -47,7 +72,8 @@ KERNEL_INLINE saltus_pack row_sum(const saltus_pack *row, int n, int packs) {
 }
 
 /* out -= coupling in; the coupling is plain, row-major, and joins modes of opposite parity only. */
-KERNEL_INLINE void row_couple(saltus_pack *out, const double *coupling, const saltus_pack *in, int n, int packs) {
+KERNEL_INLINE void row_couple(saltus_pack *out, const double *coupling, const saltus_pack *in, int n,
+                              int packs) {
     (void)packs;
     for (int i = 0; i < n; i++)
         for (int j = 1 - i % 2; j < n; j += 2)
@@ -59,15 +85,39 @@ KERNEL_INLINE void row_couple(saltus_pack *out, const double *coupling, const sa
 #define LANES 1
 enum { ROW_PACKS_MAX = MODES_MAX / SALTUS_PACK, ORDERS_PER_PACK = SALTUS_PACK };
 typedef double lane_t;
-KERNEL_INLINE saltus_pack lane_spread(lane_t s) { return saltus_pack_splat(s); }
-KERNEL_INLINE lane_t lane_of(saltus_pack spread) { return spread[0]; }
-KERNEL_INLINE lane_t lane_constant(double s) { return s; }
-KERNEL_INLINE lane_t lane_fma(lane_t a, lane_t b, lane_t c) { return saltus_scalar_fma(a, b, c); }
-KERNEL_INLINE int row_packs(int n) { return (n + SALTUS_PACK - 1) / SALTUS_PACK; }
-KERNEL_INLINE size_t row_length(int n) { return (size_t)(row_packs(n) * SALTUS_PACK); }
-KERNEL_INLINE size_t coupling_size(int n) { return (size_t)(n + 1) / 2 * row_length(n); }
-KERNEL_INLINE size_t coupling_place(int n, int i, int j) { return (size_t)(j / 2) * row_length(n) + (size_t)i; }
-KERNEL_INLINE lane_t row_element(const saltus_pack *row, int i) { return ((const double *)row)[i]; }
+KERNEL_INLINE saltus_pack lane_spread(lane_t s) {
+    return saltus_pack_splat(s);
+}
+KERNEL_INLINE lane_t lane_of(saltus_pack spread) {
+    return spread[0];
+}
+KERNEL_INLINE lane_t lane_constant(double s) {
+    return s;
+}
+KERNEL_INLINE lane_t lane_largest(saltus_pack a) {
+    return saltus_pack_largest(a);
+}
+KERNEL_INLINE double lane_get(const lane_t *s, int lane) {
+    return s[lane];
+}
+KERNEL_INLINE lane_t lane_fma(lane_t a, lane_t b, lane_t c) {
+    return saltus_scalar_fma(a, b, c);
+}
+KERNEL_INLINE int row_packs(int n) {
+    return (n + SALTUS_PACK - 1) / SALTUS_PACK;
+}
+KERNEL_INLINE size_t row_length(int n) {
+    return (size_t)(row_packs(n) * SALTUS_PACK);
+}
+KERNEL_INLINE size_t coupling_size(int n) {
+    return (size_t)(n + 1) / 2 * row_length(n);
+}
+KERNEL_INLINE size_t coupling_place(int n, int i, int j) {
+    return (size_t)(j / 2) * row_length(n) + (size_t)i;
+}
+KERNEL_INLINE lane_t row_element(const saltus_pack *row, int i) {
+    return ((const double *)row)[i];
+}
 
 /* Packs begin at even orders. */
 KERNEL_INLINE saltus_pack lane_alternate(lane_t even, lane_t odd, int order) {
@@ -92,15 +142,18 @@ KERNEL_INLINE saltus_pack row_sum(const saltus_pack *row, int n, int packs) {
     return saltus_pack_sum(t[0]);
 }
 
-/* out -= coupling in. Columns 2 j and 2 j + 1 of the coupling share a row of packs, because each mode is coupled to one
- * parity only; the order of each mode's sum is that of the wide kernel. */
-KERNEL_INLINE void row_couple(saltus_pack *out, const double *coupling, const saltus_pack *in, int n, int packs) {
+/* out -= coupling in. Columns 2 j and 2 j + 1 of the coupling share a row of packs, because each mode is
+ * coupled to one parity only; the order of each mode's sum is that of the wide kernel. */
+KERNEL_INLINE void row_couple(saltus_pack *out, const double *coupling, const saltus_pack *in, int n,
+                              int packs) {
     const saltus_pack *column = (const saltus_pack *)(const void *)coupling;
-    for (int pair = 0; pair < (n + 1) / 2; pair++, column += packs) {
-        const saltus_pack both = saltus_pack_swapped_pair(in, pair);
-        for (int p = 0; p < packs; p++)
-            out[p] = saltus_pack_fnma(column[p], both, out[p]);
-    }
+    for (int block = 0; block < packs; block++)
+        for (int pair = 0; pair < SALTUS_PACK / 2 && block * SALTUS_PACK + 2 * pair < n;
+             pair++, column += packs) {
+            const saltus_pack both = saltus_pack_swapped_pair(in[block], pair);
+            for (int p = 0; p < packs; p++)
+                out[p] = saltus_pack_fnma(column[p], both, out[p]);
+        }
 }
 
 #endif
@@ -113,9 +166,10 @@ KERNEL_INLINE saltus_pack row_dot(const saltus_pack *a, const saltus_pack *b, in
     return row_sum(product, n, packs);
 }
 
-/* sum of a_m b_{-m} over first <= m < count: `a` runs up and `b` down a jet whose orders lie `stride` packs apart. Two
- * chains halve the latency. */
-KERNEL_INLINE saltus_pack jet_product(const saltus_pack *a, const saltus_pack *b, long stride, int first, int count) {
+/* sum of a_m b_{-m} over first <= m < count: `a` runs up and `b` down a jet whose orders lie `stride` packs
+ * apart. Two chains halve the latency. */
+KERNEL_INLINE saltus_pack jet_product(const saltus_pack *a, const saltus_pack *b, long stride, int first,
+                                      int count) {
     saltus_pack even = {0}, odd = {0};
     int m = first;
     for (a += m * stride, b -= m * stride; m + 1 < count; m += 2, a += 2 * stride, b -= 2 * stride) {

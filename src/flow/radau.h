@@ -3,12 +3,10 @@
 #ifndef SALTUS_FLOW_RADAU_H
 #define SALTUS_FLOW_RADAU_H
 
+#include "flow/collocation.h"
 #include "flow/kernel.h"
 
-enum {
-    SALTUS_RADAU_NODES = 16,
-    SALTUS_RADAU_DEGREE = SALTUS_RADAU_NODES + 1 /* of the displacements' polynomial */
-};
+enum { SALTUS_RADAU_DEGREE = SALTUS_RADAU_NODES + 1 }; /* of the displacements' polynomial */
 
 typedef struct saltus_radau saltus_radau;
 
@@ -17,13 +15,16 @@ saltus_status saltus_radau_open(saltus_radau **radau, const saltus_system *syste
                                 const saltus_work *tolerances);
 /* NULL is accepted. */
 void saltus_radau_close(saltus_radau *radau);
-/* Forget the last step: the next one starts small. For starts and after impacts. */
+/* Forget everything: for starts. */
 void saltus_radau_reset(saltus_radau *radau);
+/* The state or the contacts have changed along the same trajectory: the next step starts small. */
+void saltus_radau_impact(saltus_radau *radau);
 /* Take over the held contacts from the flow's work. */
 void saltus_radau_publish(saltus_radau *radau, const saltus_work *work);
-/* From the state and phase in `work`, make one step of at most `limit`: fills the work's jets (monomials in time, up to
- * SALTUS_RADAU_DEGREE), gap and force series, and work->step. Field evaluations are added to *evaluations.
- * Errors: SALTUS_STALLED when no step converges. */
+/* From the state and phase in `work`, make one step; it may reach beyond `limit`, the target, where
+ * the flow cuts it. Fills the work's jets (monomials in
+ * time, up to SALTUS_RADAU_DEGREE), gap and force series, and work->step. Field evaluations are added to
+ * *evaluations. Errors: SALTUS_STALLED when no step converges. */
 saltus_status saltus_radau_step(saltus_radau *radau, saltus_work *work, double limit, long long *evaluations);
 
 #endif

@@ -17,16 +17,18 @@ static void put_header(const saltus_source *source, FILE *file) {
         fprintf(file, "\n# stop %d: ", s + 1);
         saltus_put_stop(file, spec, s);
     }
-    fprintf(file, "\n# options: rtol = %s, atol = %s, integrator = %s (%s), order = %d\n", saltus_number(o->rtol, a),
-            saltus_number(o->atol, b), saltus_integrator_word(o->integrator), saltus_system_integrator(system),
-            o->order);
+    fprintf(file, "\n# options: rtol = %s, atol = %s, integrator = %s (%s), order = %d\n",
+            saltus_number(o->rtol, a), saltus_number(o->atol, b), saltus_integrator_word(o->integrator),
+            saltus_system_integrator(system), o->order);
     fprintf(file, "# time_over_T: time from the start of the recording in forcing periods T = %s\n",
             saltus_number(saltus_system_period(system), a));
-    fputs("# displacement, velocity: observed coordinate and its rate (contact coordinate of the first stop; without "
+    fputs("# displacement, velocity: observed coordinate and its rate (contact coordinate of the first stop; "
+          "without "
           "a stop the pipe's midpoint or mass 1)\n"
           "# q1.., v1..: displacements of the modes or masses and their rates; z1..: further states\n"
-          "# event: impact, stick or release with stop and side, on the row just before it; the row just after an "
-          "impact or a stick follows with the same time\n",
+          "# stop, side, event: an impact, stick or release, on the row just before it; the row just after "
+          "an impact or "
+          "a stick follows with the same time\n",
           file);
 }
 
@@ -38,7 +40,7 @@ static void put_columns(const saltus_system *system, FILE *file) {
         fprintf(file, ",v%d", i);
     for (int i = 1; i <= saltus_system_extra(system); i++)
         fprintf(file, ",z%d", i);
-    fputs(",event,stop,side\n", file);
+    fputs(",stop,side,event\n", file);
 }
 
 void saltus_record_csv(const saltus_source *source, FILE *file) {
@@ -55,8 +57,8 @@ void saltus_record_csv(const saltus_source *source, FILE *file) {
         }
         if (event < r->event_count && r->event_rows[event] == row) {
             saltus_face face = saltus_system_face(source->system, r->events[event].face);
-            fprintf(file, ",%s,%d,%s\n", saltus_event_word(r->events[event].kind), face.stop + 1,
-                    saltus_side_word(face.side));
+            fprintf(file, ",%d,%s,%s\n", face.stop + 1, saltus_side_word(face.side),
+                    saltus_event_word(r->events[event].kind));
             event++;
         } else
             fputs(",,,\n", file);

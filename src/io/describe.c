@@ -36,7 +36,9 @@ const char *saltus_event_word(saltus_event_kind kind) {
     return "unknown";
 }
 
-const char *saltus_side_word(int side) { return side > 0 ? "upper" : "lower"; }
+const char *saltus_side_word(int side) {
+    return side > 0 ? "upper" : "lower";
+}
 
 const char *saltus_sides_word(saltus_sides sides) {
     return sides == SALTUS_BOTH ? "both" : saltus_side_word(sides == SALTUS_UPPER ? 1 : -1);

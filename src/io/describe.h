@@ -10,7 +10,8 @@
 
 enum { SALTUS_NUMBER_MAX = 32 };
 
-/* A number that reads back as the same one, with a '.' whatever the locale; `text` holds SALTUS_NUMBER_MAX bytes. */
+/* A number that reads back as the same one, with a '.' whatever the locale; `text` holds SALTUS_NUMBER_MAX
+ * bytes. */
 const char *saltus_number(double value, char *text);
 void saltus_put_number(FILE *file, double value);
 
@@ -25,9 +26,11 @@ double saltus_event_after(const saltus_event *event);
 /* The label with the word stable or unstable where that is known; fits 64 bytes. */
 void saltus_verdict(const saltus_motion *motion, char text[64]);
 bool saltus_is_pipe(const saltus_system *system);
-/* Impacts per response cycle: the principal parametric response of a pipe takes 2 T. NaN where n or p is unknown. */
+/* Impacts per response cycle: the principal parametric response of a pipe takes 2 T. NaN where n or p is
+ * unknown. */
 double saltus_impacts_per_response(const saltus_system *system, const saltus_motion *motion);
-/* Whether a parameter has an effect worth a caption: not a zero that is the default, nothing of a mass not there. */
+/* Whether a parameter has an effect worth a caption: not a zero that is the default, nothing of a mass not
+ * there. */
 bool saltus_parameter_shown(const saltus_spec *spec, int k);
 /* Parameters and stops as `key = value` phrases, all of them and exactly, for file headers. */
 void saltus_put_parameters(FILE *file, const saltus_spec *spec);

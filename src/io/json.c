@@ -28,7 +28,9 @@ static void put_string(FILE *file, const char *text) {
 }
 
 /* Members after the first begin with a comma. */
-static void put_key(FILE *file, const char *key) { fprintf(file, ", \"%s\": ", key); }
+static void put_key(FILE *file, const char *key) {
+    fprintf(file, ", \"%s\": ", key);
+}
 
 static void put_member(FILE *file, const char *key, double value) {
     put_key(file, key);
@@ -77,8 +79,8 @@ static void put_impact_counts(FILE *file, const saltus_system *system, const sal
     put_key(file, "impacts_by_stop");
     fputc('[', file);
     for (int s = 0; s < stops; s++)
-        fprintf(file, "%s{\"stop\": %d, \"upper\": %lld, \"lower\": %lld}", s ? ", " : "", s + 1, by_stop[s][0],
-                by_stop[s][1]);
+        fprintf(file, "%s{\"stop\": %d, \"upper\": %lld, \"lower\": %lld}", s ? ", " : "", s + 1,
+                by_stop[s][0], by_stop[s][1]);
     fputc(']', file);
 }
 
@@ -89,8 +91,8 @@ static void put_events(FILE *file, const saltus_system *system, const saltus_mot
         const saltus_event *event = &motion->events[k];
         const char *word = saltus_event_word(event->kind);
         saltus_face face = saltus_system_face(system, event->face);
-        fprintf(file, "%s{\"event\": \"%s\", \"type\": \"%s\", \"side\": \"%s\", \"stop\": %d", k ? ", " : "", word,
-                word, saltus_side_word(face.side), face.stop + 1);
+        fprintf(file, "%s{\"event\": \"%s\", \"type\": \"%s\", \"side\": \"%s\", \"stop\": %d", k ? ", " : "",
+                word, word, saltus_side_word(face.side), face.stop + 1);
         put_member(file, "time_over_T", saltus_time_periods(event->time));
         put_member(file, "phase", event->time.phase);
         put_member(file, "normal_velocity_before", event->velocity_before);
@@ -138,7 +140,8 @@ static void put_contact_force(FILE *file, const saltus_system *system, const sal
     fputc('[', file);
     for (int f = 0; f < saltus_system_face_count(system); f++) {
         saltus_face face = saltus_system_face(system, f);
-        fprintf(file, "%s{\"stop\": %d, \"side\": \"%s\"", f ? ", " : "", face.stop + 1, saltus_side_word(face.side));
+        fprintf(file, "%s{\"stop\": %d, \"side\": \"%s\"", f ? ", " : "", face.stop + 1,
+                saltus_side_word(face.side));
         put_member(file, "force", motion->contact_force[f]);
         fputc('}', file);
     }
@@ -192,13 +195,15 @@ void saltus_write_motion_json(FILE *file, const saltus_scene *scene, const saltu
     put_text(file, "kind", saltus_kind_word(motion->kind));
     bool counted = motion->impacts >= 0 && motion->kind != SALTUS_UNDECIDED;
     put_member(file, "impacts", counted ? (double)motion->impacts : NAN);
-    fprintf(file, ", \"periods\": %d, \"sticking_intervals\": %d", motion->periods, motion->sticking_intervals);
+    fprintf(file, ", \"periods\": %d, \"sticking_intervals\": %d", motion->periods,
+            motion->sticking_intervals);
     put_impact_counts(file, system, motion);
     put_member(file, "impacts_per_response", saltus_impacts_per_response(system, motion));
     put_states(file, motion);
     put_events(file, system, motion);
     put_multipliers(file, motion);
-    fprintf(file, ", \"stable\": %s, \"mirror\": \"%s\"", motion->stable ? "true" : "false", mirror[motion->mirror]);
+    fprintf(file, ", \"stable\": %s, \"mirror\": \"%s\"", motion->stable ? "true" : "false",
+            mirror[motion->mirror]);
     put_member(file, "residual", motion->residual);
     put_sum_rule(file, motion);
     put_contact_force(file, system, motion);

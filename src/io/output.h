@@ -8,8 +8,8 @@
 #include <stdbool.h>
 #include <stdio.h>
 
-/* A file under way: written beside its target under a temporary name, renamed when complete. A target that is no
- * regular file (a device, a pipe) is written directly. */
+/* A file under way: written beside its target under a temporary name, renamed when complete. A target that is
+ * no regular file (a device, a pipe) is written directly. */
 typedef struct saltus_output {
     FILE *file;
     char *path, *temporary; /* temporary is NULL when written directly */
@@ -17,8 +17,8 @@ typedef struct saltus_output {
 
 /* Errors: SALTUS_IO, SALTUS_NO_MEMORY; nothing is left behind. */
 saltus_status saltus_output_open(saltus_output *output, const char *path, saltus_message *message);
-/* Complete the file, or with status other than SALTUS_OK remove it and return that status. Errors: SALTUS_IO when
- * something could not be written; nothing is left behind. */
+/* Complete the file, or with status other than SALTUS_OK remove it and return that status. Errors: SALTUS_IO
+ * when something could not be written; nothing is left behind. */
 saltus_status saltus_output_close(saltus_output *output, saltus_status status, saltus_message *message);
 
 /* Whether a path ends in `ending` (such as ".csv") and has something before it. */

@@ -54,7 +54,8 @@ static bool reserve_rows(recorder *self, long long room) {
 
 static bool reserve_events(recorder *self, long long room) {
     saltus_record *r = self->record;
-    bool done = grow(&r->events, room, sizeof *r->events) && grow(&r->event_rows, room, sizeof *r->event_rows);
+    bool done =
+        grow(&r->events, room, sizeof *r->events) && grow(&r->event_rows, room, sizeof *r->event_rows);
     self->events_room = done ? room : self->events_room;
     return done;
 }
@@ -96,7 +97,8 @@ static int compare(saltus_time a, saltus_time b) {
     return a.phase < b.phase ? -1 : a.phase > b.phase;
 }
 
-/* The samples that fall into the flow's last step. The end of the step is included unless an event waits there. */
+/* The samples that fall into the flow's last step. The end of the step is included unless an event waits
+ * there. */
 static bool take_samples(recorder *self, bool event) {
     saltus_time begin = saltus_flow_step_begin(self->flow, 0), now = saltus_flow_time(self->flow, 0);
     double period = saltus_system_period(self->system), length = saltus_flow_step_length(self->flow, 0);
@@ -117,7 +119,8 @@ static bool take_samples(recorder *self, bool event) {
     return true;
 }
 
-/* An event: the row before it, the row after it, and the event itself. A sample of the same time is the row before. */
+/* An event: the row before it, the row after it, and the event itself. A sample of the same time is the row
+ * before. */
 static bool take_event(recorder *self, const saltus_event *event) {
     saltus_record *r = self->record;
     saltus_time now = saltus_flow_time(self->flow, 0);
@@ -179,18 +182,21 @@ static saltus_status open_record(recorder *self, long long periods) {
     return done ? SALTUS_OK : SALTUS_NO_MEMORY;
 }
 
-saltus_status saltus_record_run(const saltus_system *system, const double *state, const saltus_flow_options *options,
-                                long long transient, long long periods, int per_period, saltus_record *record,
-                                saltus_message *message) {
+saltus_status saltus_record_run(const saltus_system *system, const double *state,
+                                const saltus_flow_options *options, long long transient, long long periods,
+                                int per_period, saltus_record *record, saltus_message *message) {
     enum { most = 1000000000 };
     *record = (saltus_record){0};
     if (transient < 0 || transient > LLONG_MAX / 2)
-        return saltus_fail(message, SALTUS_BAD_INPUT, "transient = %lld: must be at least 0 periods", transient);
+        return saltus_fail(message, SALTUS_BAD_INPUT, "transient = %lld: must be at least 0 periods",
+                           transient);
     if (periods < 1 || periods > most)
         return saltus_fail(message, SALTUS_BAD_INPUT, "periods = %lld: must be from 1 to %d", periods, most);
     if (per_period < 1 || per_period > 1000000)
-        return saltus_fail(message, SALTUS_BAD_INPUT, "samples per period = %d: must be from 1 to 1000000", per_period);
-    recorder self = {.record = record, .system = system, .per_period = per_period, .last = periods * per_period};
+        return saltus_fail(message, SALTUS_BAD_INPUT, "samples per period = %d: must be from 1 to 1000000",
+                           per_period);
+    recorder self = {
+        .record = record, .system = system, .per_period = per_period, .last = periods * per_period};
     saltus_flow_options plain = *options;
     plain.columns = 0;
     saltus_status status = saltus_flow_new(&system, 1, &plain, &self.flow, message);
@@ -205,8 +211,9 @@ saltus_status saltus_record_run(const saltus_system *system, const double *state
     return status;
 }
 
-saltus_status saltus_record_write(const saltus_record *record, const saltus_scene *scene, const saltus_system *system,
-                                  const saltus_flow_options *options, const char *path, saltus_message *message) {
+saltus_status saltus_record_write(const saltus_record *record, const saltus_scene *scene,
+                                  const saltus_system *system, const saltus_flow_options *options,
+                                  const char *path, saltus_message *message) {
     bool csv = saltus_path_ends(path, ".csv"), hdf5 = saltus_path_ends(path, ".h5");
     if (!csv && !hdf5)
         return saltus_fail(message, SALTUS_BAD_INPUT, "%s: the ending must be .csv or .h5", path);

@@ -9,7 +9,9 @@
 
 enum { event_lines = 12, leading = 4 };
 
-static void put_head(FILE *file, const char *word) { fprintf(file, "  %-13s", word); }
+static void put_head(FILE *file, const char *word) {
+    fprintf(file, "  %-13s", word);
+}
 
 static void put_scene(FILE *file, const saltus_scene *scene, const saltus_system *system) {
     const saltus_spec *spec = saltus_system_spec(system);
@@ -33,11 +35,15 @@ static void put_scene(FILE *file, const saltus_scene *scene, const saltus_system
         else
             fprintf(file, "weight = [%.10g, %.10g]", stop->weight[0], stop->weight[1]);
         fprintf(file, ", d = %.10g, r = %.10g, %s\n", stop->d, stop->r,
-                stop->sides == SALTUS_BOTH ? "both sides" : stop->sides == SALTUS_UPPER ? "upper side" : "lower side");
+                stop->sides == SALTUS_BOTH    ? "both sides"
+                : stop->sides == SALTUS_UPPER ? "upper side"
+                                              : "lower side");
     }
 }
 
-static const char *plural(long long count) { return count == 1 ? "" : "s"; }
+static const char *plural(long long count) {
+    return count == 1 ? "" : "s";
+}
 
 static void put_motion(FILE *file, const saltus_system *system, const saltus_motion *motion) {
     put_head(file, "motion");
@@ -59,7 +65,7 @@ static void put_motion(FILE *file, const saltus_system *system, const saltus_mot
 
 static void put_faces(FILE *file, const saltus_system *system, const saltus_motion *motion) {
     int faces = saltus_system_face_count(system);
-    if (faces == 0 || motion->kind == SALTUS_EQUILIBRIUM)
+    if (faces == 0 || motion->kind == SALTUS_EQUILIBRIUM || motion->kind == SALTUS_UNDECIDED)
         return;
     bool held = motion->kind == SALTUS_HELD;
     put_head(file, held ? "contact force" : "impacts");
@@ -71,13 +77,16 @@ static void put_faces(FILE *file, const saltus_system *system, const saltus_moti
         else
             fprintf(file, "%lld", motion->impacts_by_face[f]);
     }
-    fputs(held ? " (per modal mass)\n" : motion->impacts < 0 ? " (before the chatter completes)\n" : "\n", file);
+    fputs(held                  ? " (per modal mass)\n"
+          : motion->impacts < 0 ? " (before the chatter completes)\n"
+                                : "\n",
+          file);
 }
 
 static void put_event(FILE *file, const saltus_system *system, const saltus_event *event) {
     saltus_face face = saltus_system_face(system, event->face);
-    fprintf(file, "    %-8s stop %d %s  tau/T = %10.7f  phase %.7f", saltus_event_word(event->kind), face.stop + 1,
-            saltus_side_word(face.side), saltus_time_periods(event->time), event->time.phase);
+    fprintf(file, "    %-8s stop %d %s  tau/T = %10.7f  phase %.7f", saltus_event_word(event->kind),
+            face.stop + 1, saltus_side_word(face.side), saltus_time_periods(event->time), event->time.phase);
     if (event->kind == SALTUS_IMPACT)
         fprintf(file, "  velocity %.7g -> %.7g", event->velocity_before, event->velocity_after);
     fputc('\n', file);
@@ -92,7 +101,8 @@ static int run_length(const saltus_motion *motion, int k) {
     return length;
 }
 
-/* A long run of impacts on one face (a chatter) takes three lines: two impacts and what became of the others. */
+/* A long run of impacts on one face (a chatter) takes three lines: two impacts and what became of the others.
+ */
 static void put_events(FILE *file, const saltus_system *system, const saltus_motion *motion) {
     int lines = 0, k = 0;
     bool brief = motion->event_count > event_lines;
@@ -106,13 +116,14 @@ static void put_events(FILE *file, const saltus_system *system, const saltus_mot
         put_event(file, system, &motion->events[k]);
         put_event(file, system, &motion->events[k + 1]);
         const saltus_event *first = &motion->events[k + 2], *last = &motion->events[k + run - 1];
-        fprintf(file, "    ... %d more impacts until tau/T = %.7f, velocity before impact %.4g to %.4g\n", run - 2,
-                saltus_time_periods(last->time), first->velocity_before, last->velocity_before);
+        fprintf(file, "    ... %d more impacts until tau/T = %.7f, velocity before impact %.4g to %.4g\n",
+                run - 2, saltus_time_periods(last->time), first->velocity_before, last->velocity_before);
         k += run;
         lines += 3;
     }
     if (k < motion->event_count)
-        fprintf(file, "    ... and %d more event%s\n", motion->event_count - k, plural(motion->event_count - k));
+        fprintf(file, "    ... and %d more event%s\n", motion->event_count - k,
+                plural(motion->event_count - k));
 }
 
 static void put_multipliers(FILE *file, const saltus_motion *motion) {
@@ -124,8 +135,11 @@ static void put_multipliers(FILE *file, const saltus_motion *motion) {
         bool pair = saltus_multiplier_pair(motion, k);
         fprintf(file, "%s%.6g", k ? ", " : "", m->re);
         if (m->im != 0)
-            fprintf(file, " %s %.6gi (modulus %.6g)", pair ? "+-" : m->im < 0 ? "-" : "+", fabs(m->im),
-                    exp(m->log_modulus));
+            fprintf(file, " %s %.6gi (modulus %.6g)",
+                    pair        ? "+-"
+                    : m->im < 0 ? "-"
+                                : "+",
+                    fabs(m->im), exp(m->log_modulus));
         k += pair;
     }
     fprintf(file, "%s\n", motion->multiplier_count > leading ? ", ..." : "");
@@ -139,7 +153,8 @@ static void put_multipliers(FILE *file, const saltus_motion *motion) {
 
 void saltus_write_motion_text(FILE *file, const saltus_scene *scene, const saltus_system *system,
                               const saltus_motion *motion) {
-    static const char *const mirror[] = {"the scene has no mirror symmetry", "the orbit is its own mirror image",
+    static const char *const mirror[] = {"the scene has no mirror symmetry",
+                                         "the orbit is its own mirror image",
                                          "the orbit is one of a mirror pair"};
     char verdict[64];
     saltus_verdict(motion, verdict);

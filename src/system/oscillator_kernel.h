@@ -9,7 +9,7 @@
 
 enum { drive_force, model_drives };
 enum { table_force, model_tables };
-enum { model_series };
+enum { model_series, model_rows_ahead = 0 };
 
 static void model_load(saltus_work *w, int lane, const saltus_system *system) {
     double coefficient = 1;
@@ -24,10 +24,12 @@ KERNEL_INLINE void model_forcing(frame f, int order, lane_t sine, lane_t cosine)
         *DRIVE_PACK(drive_force, k) = *TABLE(table_force, k) * lane_alternate(cosine, sine, k);
 }
 
-/* Coefficient k of q'' and of the Maxwell force's rate, for the trajectory (c = 0) or a tangent vector. */
-KERNEL_INLINE void model_order(frame f, int k, int c, const saltus_pack *velocity, saltus_pack *acceleration) {
+/* Coefficient k + 1 of q' and of the Maxwell force, for the trajectory (c = 0) or a tangent vector. */
+KERNEL_INLINE void model_order(frame f, int k, int c, double inverse, const saltus_pack *velocity,
+                               saltus_pack *next) {
     const saltus_pack *q = JET(f.q, k, c);
-    const saltus_pack *column[] = {ROW(oscillator_k1), ROW(oscillator_c1), ROW(oscillator_k2), ROW(oscillator_c2)};
+    const saltus_pack *column[] = {ROW(oscillator_k1), ROW(oscillator_c1), ROW(oscillator_k2),
+                                   ROW(oscillator_c2)};
     for (int p = 0; p < f.packs; p++) {
         saltus_pack sum = {0};
         for (int j = 0; j < f.dof; j++) {
@@ -40,11 +42,11 @@ KERNEL_INLINE void model_order(frame f, int k, int c, const saltus_pack *velocit
             sum = saltus_pack_fnma(ROW(oscillator_force)[p], lane_spread(*DRIVE(drive_force, k)), sum);
         if (k == 0 && c == 0)
             sum -= ROW(oscillator_load)[p];
-        acceleration[p] = -sum;
+        next[p] = sum * -inverse;
     }
     if (f.terms & SALTUS_TERM_EXTRA)
-        *EXTRA(k + 1, c) =
-            lane_fma(*SCALAR(oscillator_kz), row_element(velocity, 0), -*SCALAR(oscillator_rate_z) * *EXTRA(k, c));
+        *EXTRA(k + 1, c) = inverse * lane_fma(*SCALAR(oscillator_kz), row_element(velocity, 0),
+                                              -*SCALAR(oscillator_rate_z) * *EXTRA(k, c));
 }
 
 #endif

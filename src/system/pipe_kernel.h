@@ -3,10 +3,10 @@
  * With P = S + alpha S' (S' = 2 S1) all terms that multiply q_i itself share one scalar series,
  *   W = kappa P - u^2 - sqrt(beta) u' / 2,
  * and the field is
- *   q_i'' = - alpha lambda_i^4 v_i - lambda_i^4 q_i - lambda_i^2 W q_i - (G 2 sqrt(beta) u v)_i - (B sqrt(beta) u' q)_i
- * with B's diagonal gone into W. The three products of a scalar series and a row are formed side by side, before G, B and
- * lambda^2 act on them; the cubic term then costs one product per order, and half a one for S.
- * SPDX-License-Identifier: GPL-3.0-or-later */
+ *   q_i'' = - alpha lambda_i^4 v_i - lambda_i^4 q_i - lambda_i^2 W q_i - (G 2 sqrt(beta) u v)_i - (B
+ * sqrt(beta) u' q)_i with B's diagonal gone into W. The three products of a scalar series and a row are
+ * formed side by side, before G, B and lambda^2 act on them; the cubic term then costs one product per order,
+ * and half a one for S. SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_SYSTEM_PIPE_KERNEL_H
 #define SALTUS_SYSTEM_PIPE_KERNEL_H
 
@@ -18,9 +18,10 @@
 enum { drive_velocity, drive_gradient, drive_tension, drive_all_tension, model_drives };
 enum { table_velocity, table_gradient, table_tension, table_tension_gradient, table_tension2, model_tables };
 enum { series_square, series_tension, model_series };
+enum { ahead_tension, ahead_gradient, ahead_velocity, ahead_square, model_rows_ahead };
 
-/* Orders of sin(omega t + phase) are omega^k / k! times sine, cosine, -sine, -cosine in turn; the signs go into the
- * tables. Beyond the orders that matter all is zero. */
+/* Orders of sin(omega t + phase) are omega^k / k! times sine, cosine, -sine, -cosine in turn; the signs go
+ * into the tables. Beyond the orders that matter all is zero. */
 static void model_load(saltus_work *w, int lane, const saltus_system *system) {
     const saltus_coefficients *c = &system->coefficients;
     double root_beta = c->scalar[pipe_root_beta], u0 = c->scalar[pipe_u0], sigma = c->scalar[pipe_sigma];
@@ -52,6 +53,8 @@ KERNEL_INLINE void model_forcing(frame f, int order, lane_t sine, lane_t cosine)
         *DRIVE_PACK(drive_velocity, k) = *TABLE(table_velocity, k) * s;
         *DRIVE_PACK(drive_gradient, k) = *TABLE(table_gradient, k) * c;
     }
+    for (int k = 0; k < f.order_span; k += ORDERS_PER_PACK)
+        *DRIVE_PACK(drive_all_tension, k) = (saltus_pack){0};
     *DRIVE(drive_velocity, 0) += 2.0 * *root_beta * *u0;
     *DRIVE(drive_tension, 0) -= *u0 * *u0 * (1.0 + 0.5 * *sigma * *sigma);
 }
@@ -65,22 +68,27 @@ KERNEL_INLINE void model_square_start(frame f, int c) {
     *SERIES(series_square, 0, c) = lane_of(sum);
 }
 
-/* Products of inner coefficients, m from 1 to k, of the k + 1st coefficient of sum q delta_c; the trajectory's own are
- * halved, as its products come in equal pairs. */
+/* Sums over the inner coefficients m = 1 .. k of q_m delta_{k+1-m}; the trajectory's own are halved, as its
+ * products come in equal pairs, and are formed for two orders at a time. */
 KERNEL_INLINE saltus_pack model_square_inner(frame f, int k, int c, int p) {
-    const saltus_pack *first = &JET(f.q, 0, 0)[p], *newest = &JET(f.q, k + 1, c)[p];
     if (c > 0)
-        return jet_product(first, newest, ORDER_STRIDE, 1, k + 1);
-    saltus_pack sum = jet_product(first, newest, ORDER_STRIDE, 1, (k + 2) / 2);
-    const saltus_pack middle = JET(f.q, (k + 1) / 2, 0)[p];
+        return jet_product(&JET(f.q, 0, 0)[p], &JET(f.q, k + 1, c)[p], ORDER_STRIDE, 1, k + 1);
     if (k % 2)
-        sum = saltus_pack_fma(0.5 * middle, middle, sum);
+        return AHEAD(ahead_square, 0)[p];
+    const int half = k / 2;
+    const saltus_pack middle = JET(f.q, half + 1, 0)[p];
+    saltus_pack sum = {0}, next = {0};
+    for (int m = 1; m <= half; m++) {
+        sum = saltus_pack_fma(JET(f.q, m, 0)[p], JET(f.q, k + 1 - m, 0)[p], sum);
+        next = saltus_pack_fma(JET(f.q, m, 0)[p], JET(f.q, k + 2 - m, 0)[p], next);
+    }
+    AHEAD(ahead_square, 0)[p] = saltus_pack_fma(0.5 * middle, middle, next);
     return sum;
 }
 
-/* W_k = (u part) + kappa (S_k + alpha (k + 1) S_{k+1}), spread. (k + 1) S_{k+1} is formed here, from v_k = (k + 1) q_{k+1}
- * where the newest coefficient takes part. */
-KERNEL_INLINE saltus_pack model_tension(frame f, int k, int c, const saltus_pack *velocity) {
+/* W_k = (u part) + kappa (S_k + alpha (k + 1) S_{k+1}), spread. (k + 1) S_{k+1} is formed here, from v_k = (k
+ * + 1) q_{k+1} where the newest coefficient takes part. */
+KERNEL_INLINE saltus_pack model_tension(frame f, int k, int c, double inverse, const saltus_pack *velocity) {
     const saltus_pack kappa = lane_spread(*SCALAR(pipe_kappa)), alpha = lane_spread(*SCALAR(pipe_alpha));
     saltus_pack rate[ROW_PACKS_MAX];
     if (k == 0)
@@ -96,72 +104,103 @@ KERNEL_INLINE saltus_pack model_tension(frame f, int k, int c, const saltus_pack
     if (c == 0)
         known += lane_spread(*DRIVE(drive_tension, k));
     saltus_pack next = row_sum(rate, f.dof, f.packs), tension = saltus_pack_fma(kappa * alpha, next, known);
-    *SERIES(series_square, k + 1, c) = lane_of(next * (1.0 / (k + 1)));
+    *SERIES(series_square, k + 1, c) = lane_of(next * inverse);
     *(c ? SERIES(series_tension, k, c) : DRIVE(drive_all_tension, k)) = lane_of(tension);
     return tension;
 }
 
-/* The three products of a scalar series and a row at order k, but for the terms with the newest W and v. */
+/* The three products of a scalar series and a row at one order, but for the terms with the newest W and v. */
 typedef struct model_products {
     saltus_pack tension, gradient, velocity;
 } model_products;
 
-KERNEL_INLINE model_products model_convolve(frame f, int k, int c, int p) {
-    const bool cubic = f.terms & SALTUS_TERM_CUBIC, coupled = f.terms & SALTUS_TERM_COUPLED;
+/* The products of order k, and on the way what is known of those of order k + 1: one loop over the older
+ * coefficients serves two orders. The trajectory's W_k is yet to come and zero until then. */
+KERNEL_INLINE model_products model_convolve_two(frame f, int k, int c, int p) {
+    const bool cubic = f.terms & SALTUS_TERM_CUBIC;
     const lane_t *tension = DRIVE(cubic ? drive_all_tension : drive_tension, 0);
     const lane_t *gradient = DRIVE(drive_gradient, 0), *velocity = DRIVE(drive_velocity, 1);
-    const saltus_pack *q = &JET(f.q, k, c)[p], *v = &JET(f.v, k - 1, c)[p];
-    const int forced = k < f.forcing ? k : f.forcing;
-    model_products sum = {{0}, {0}, {0}};
+    const saltus_pack *q = &JET(f.q, k, c)[p], *v = &JET(f.v, k, c)[p], start = JET(f.q, 0, c)[p];
+    const int forced = k <= f.forcing ? k : f.forcing + 1;
+    model_products sum = {{0}, {0}, {0}}, next = {{0}, {0}, {0}};
     int m = 0;
-    for (; m < forced; m++, q -= ORDER_STRIDE, v -= ORDER_STRIDE) {
+    for (; m < forced; m++, q -= ORDER_STRIDE) {
+        v -= ORDER_STRIDE;
         sum.tension = saltus_pack_fma(lane_spread(tension[m]), *q, sum.tension);
-        if (coupled) {
-            sum.gradient = saltus_pack_fma(lane_spread(gradient[m]), *q, sum.gradient);
-            sum.velocity = saltus_pack_fma(lane_spread(velocity[m]), *v, sum.velocity);
-        }
+        next.tension = saltus_pack_fma(lane_spread(tension[m + 1]), *q, next.tension);
+        sum.gradient = saltus_pack_fma(lane_spread(gradient[m]), *q, sum.gradient);
+        next.gradient = saltus_pack_fma(lane_spread(gradient[m + 1]), *q, next.gradient);
+        sum.velocity = saltus_pack_fma(lane_spread(velocity[m]), *v, sum.velocity);
+        next.velocity = saltus_pack_fma(lane_spread(velocity[m + 1]), *v, next.velocity);
     }
-    for (; m < (cubic ? k : 0); m++, q -= ORDER_STRIDE)
+    for (; m < (cubic ? k : 0); m++, q -= ORDER_STRIDE) {
         sum.tension = saltus_pack_fma(lane_spread(tension[m]), *q, sum.tension);
-    if (coupled)
-        sum.gradient = saltus_pack_fma(lane_spread(gradient[k]), JET(f.q, 0, c)[p], sum.gradient);
+        next.tension = saltus_pack_fma(lane_spread(tension[m + 1]), *q, next.tension);
+    }
+    sum.gradient = saltus_pack_fma(lane_spread(gradient[k]), start, sum.gradient);
+    if (!cubic || c > 0)
+        sum.tension = saltus_pack_fma(lane_spread(tension[k]), start, sum.tension);
+    AHEAD(ahead_tension, c)[p] = next.tension;
+    AHEAD(ahead_gradient, c)[p] = saltus_pack_fma(lane_spread(gradient[k + 1]), start, next.gradient);
+    AHEAD(ahead_velocity, c)[p] = next.velocity;
     return sum;
 }
 
-/* What only a tangent vector has: the trajectory's newest W, and its own W times the trajectory. */
+/* The products of an odd order k, begun at order k - 1. */
+KERNEL_INLINE model_products model_convolve_rest(frame f, int k, int c, int p) {
+    const bool cubic = f.terms & SALTUS_TERM_CUBIC;
+    const lane_t *tension = DRIVE(cubic ? drive_all_tension : drive_tension, 0);
+    const saltus_pack q = JET(f.q, k, c)[p], v = JET(f.v, k - 1, c)[p];
+    model_products sum = {AHEAD(ahead_tension, c)[p], AHEAD(ahead_gradient, c)[p],
+                          AHEAD(ahead_velocity, c)[p]};
+    sum.tension = saltus_pack_fma(lane_spread(tension[0]), q, sum.tension);
+    sum.gradient = saltus_pack_fma(lane_spread(*DRIVE(drive_gradient, 0)), q, sum.gradient);
+    sum.velocity = saltus_pack_fma(lane_spread(*DRIVE(drive_velocity, 1)), v, sum.velocity);
+    if (!cubic || c > 0)
+        sum.tension = saltus_pack_fma(lane_spread(tension[k]), JET(f.q, 0, c)[p], sum.tension);
+    else if (k > 1)
+        sum.tension = saltus_pack_fma(lane_spread(tension[k - 1]), JET(f.q, 1, c)[p], sum.tension);
+    return sum;
+}
+
+/* What only a tangent vector has: its own W times the trajectory. */
 KERNEL_INLINE saltus_pack model_tangent(frame f, int k, int c, int p, saltus_pack sum) {
     for (int m = 0; m < k; m++)
         sum = saltus_pack_fma(lane_spread(*SERIES(series_tension, m, c)), JET(f.q, k - m, 0)[p], sum);
-    return saltus_pack_fma(lane_spread(*DRIVE(drive_all_tension, k)), JET(f.q, 0, c)[p], sum);
+    return sum;
 }
 
-/* Coefficient k of q'' for the trajectory (c = 0) or a tangent vector; `velocity` is v_k. Sums are ordered so that what
- * depends on the newest coefficients comes last. */
-KERNEL_INLINE void model_order(frame f, int k, int c, const saltus_pack *velocity, saltus_pack *acceleration) {
+/* v_{k+1} = (coefficient k of q'') / (k + 1) for the trajectory (c = 0) or a tangent vector; `velocity` is
+ * v_k. Sums are ordered so that what depends on the newest coefficients comes last. */
+KERNEL_INLINE void model_order(frame f, int k, int c, double inverse, const saltus_pack *velocity,
+                               saltus_pack *next) {
     const bool cubic = f.terms & SALTUS_TERM_CUBIC, coupled = f.terms & SALTUS_TERM_COUPLED;
     const bool forced = f.terms & SALTUS_TERM_FORCED;
-    saltus_pack moving[ROW_PACKS_MAX], resting[ROW_PACKS_MAX];
+    saltus_pack tension[ROW_PACKS_MAX], resting[ROW_PACKS_MAX], moving[ROW_PACKS_MAX];
     for (int p = 0; p < f.packs; p++) {
-        const saltus_pack lambda2 = ROW(pipe_lambda2)[p];
-        model_products sum = model_convolve(f, k, c, p);
+        model_products sum = k % 2 ? model_convolve_rest(f, k, c, p) : model_convolve_two(f, k, c, p);
         if (cubic && c > 0)
             sum.tension = model_tangent(f, k, c, p, sum.tension);
-        if (!cubic)
-            sum.tension = saltus_pack_fma(lane_spread(*DRIVE(drive_tension, k)), JET(f.q, 0, c)[p], sum.tension);
-        saltus_pack still = saltus_pack_fma(ROW(pipe_stiffness)[p], JET(f.q, k, c)[p], lambda2 * sum.tension);
-        acceleration[p] = -saltus_pack_fma(ROW(pipe_damping)[p], velocity[p], still);
+        tension[p] = sum.tension;
         resting[p] = sum.gradient;
         moving[p] = saltus_pack_fma(lane_spread(*DRIVE(drive_velocity, 0)), velocity[p], sum.velocity);
+        next[p] = -ROW(pipe_stiffness)[p] * JET(f.q, k, c)[p];
     }
     if (coupled && forced)
-        row_couple(acceleration, f.coupling[pipe_gradient], resting, f.dof, f.packs);
+        row_couple(next, f.coupling[pipe_gradient], resting, f.dof, f.packs);
+    for (int p = 0; p < f.packs; p++) {
+        saltus_pack sum = saltus_pack_fnma(ROW(pipe_lambda2)[p], tension[p], next[p]);
+        next[p] = saltus_pack_fnma(ROW(pipe_damping)[p], velocity[p], sum);
+    }
     if (coupled)
-        row_couple(acceleration, f.coupling[pipe_gyroscopic], moving, f.dof, f.packs);
+        row_couple(next, f.coupling[pipe_gyroscopic], moving, f.dof, f.packs);
+    for (int p = 0; p < f.packs; p++)
+        next[p] *= inverse;
     if (!cubic)
         return;
-    const saltus_pack newest = model_tension(f, k, c, velocity);
+    const saltus_pack newest = model_tension(f, k, c, inverse, velocity);
     for (int p = 0; p < f.packs; p++)
-        acceleration[p] = saltus_pack_fnma(newest, ROW(pipe_lambda2)[p] * JET(f.q, 0, 0)[p], acceleration[p]);
+        next[p] = saltus_pack_fnma(newest, JET(f.q, 0, 0)[p] * (ROW(pipe_lambda2)[p] * inverse), next[p]);
 }
 
 #endif

@@ -1,0 +1,178 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "flow/collocation.h"
+
+#include "base/dense.h"
+#include "saltus/system.h"
+
+#include <gsl/gsl_math.h>
+#include <lapacke.h>
+#include <math.h>
+#include <stdint.h>
+#include <string.h>
+
+#if defined(__x86_64__)
+#include <immintrin.h>
+#elif defined(__aarch64__)
+#include <arm_neon.h>
+#endif
+
+#if defined(__x86_64__)
+
+#define PACK 8
+#define TARGET __attribute__((target("avx512f,avx512dq,avx512vl,avx512bw,avx512cd,avx2,fma")))
+#define NAME(x) x##_v4
+#define FMA(a, b, c) ((pack)_mm512_fmadd_pd((__m512d)(a), (__m512d)(b), (__m512d)(c)))
+#include "flow/collocation_kernel.h"
+#undef PACK
+#undef TARGET
+#undef NAME
+#undef FMA
+
+#define PACK 4
+#define TARGET __attribute__((target("avx2,fma")))
+#define NAME(x) x##_v3
+#define FMA(a, b, c) ((pack)_mm256_fmadd_pd((__m256d)(a), (__m256d)(b), (__m256d)(c)))
+#include "flow/collocation_kernel.h"
+#undef PACK
+#undef TARGET
+#undef NAME
+#undef FMA
+
+#endif
+
+#define PACK 2
+#define TARGET
+#define NAME(x) x##_base
+#if defined(__aarch64__)
+#define FMA(a, b, c) ((pack)vfmaq_f64((float64x2_t)(c), (float64x2_t)(a), (float64x2_t)(b)))
+#else
+#define FMA(a, b, c) ((a) * (b) + (c))
+#endif
+#include "flow/collocation_kernel.h"
+
+const saltus_collocation_kernel *saltus_collocation_find(int pack) {
+#if defined(__x86_64__)
+    if (pack == 8)
+        return &kernel_v4;
+    if (pack == 4)
+        return &kernel_v3;
+#endif
+    (void)pack;
+    return &kernel_base;
+}
+
+enum { n = SALTUS_RADAU_NODES };
+
+void saltus_legendre_values(double s, int count, double *values) {
+    double x = 2 * s - 1, before = 0, value = 1;
+    for (int k = 0; k < count; k++) {
+        values[k] = value;
+        double next = ((2 * k + 1) * x * value - k * before) / (k + 1);
+        before = value;
+        value = next;
+    }
+}
+
+/* P_n - P_{n-1}, whose zeros are the right Radau points. */
+static double radau_polynomial(double s) {
+    double p[n + 1];
+    saltus_legendre_values(s, n + 1, p);
+    return p[n] - p[n - 1];
+}
+
+/* By bisection between the sign changes on a grid that is fine where the points are dense. */
+static bool find_nodes(double *node) {
+    enum { grid = 4000 };
+    int found = 0;
+    double low = 0;
+    for (int k = 1; k < grid && found < n - 1; k++) {
+        double high = gsl_pow_2(sin(0.5 * M_PI * k / grid));
+        bool sign = radau_polynomial(low) > 0;
+        if ((radau_polynomial(high) > 0) != sign) {
+            double a = low, b = high, middle = 0.5 * (a + b);
+            while (middle > a && middle < b) {
+                *((radau_polynomial(middle) > 0) == sign ? &a : &b) = middle;
+                middle = 0.5 * (a + b);
+            }
+            node[found++] = middle;
+        }
+        low = high;
+    }
+    node[n - 1] = 1;
+    return found == n - 1;
+}
+
+/* The integral of P_k from 0, (P_{k+1} - P_{k-1}) / (4 k + 2), at a point. */
+static void integral_values(double s, double *values) {
+    double p[n + 1];
+    saltus_legendre_values(s, n + 1, p);
+    values[0] = s;
+    for (int k = 1; k < n; k++)
+        values[k] = (p[k + 1] - p[k - 1]) / (4 * k + 2);
+}
+
+static void multiply(saltus_node_matrix a, saltus_node_matrix b, saltus_node_matrix product) {
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++) {
+            double sum = 0;
+            for (int k = 0; k < n; k++)
+                sum = fma(a[i][k], b[k][j], sum);
+            product[i][j] = sum;
+        }
+}
+
+/* Eigenvectors of the integration matrix as it acts on columns: real and imaginary parts span the basis. */
+static bool find_pairs(saltus_collocation *method) {
+    double a[n * n], vectors[n * n], re[n], im[n], basis[n][n];
+    /* The rows of `integral` are the columns of S, so in LAPACK's order it is S itself. */
+    memcpy(a, method->integral, sizeof a);
+    if (LAPACKE_dgeev(LAPACK_COL_MAJOR, 'N', 'V', n, a, n, re, im, NULL, n, vectors, n) != 0)
+        return false;
+    int pairs = 0;
+    for (int k = 0; k + 1 < n; k++)
+        if (im[k] > 0) {
+            method->pair[pairs] = re[k];
+            method->pair[SALTUS_RADAU_PAIRS + pairs] = im[k];
+            for (int i = 0; i < n; i++) {
+                basis[pairs][i] = vectors[k * n + i];
+                basis[SALTUS_RADAU_PAIRS + pairs][i] = -vectors[(k + 1) * n + i];
+            }
+            pairs++;
+        }
+    memcpy(method->to_nodes, basis, sizeof basis);
+    return pairs == SALTUS_RADAU_PAIRS &&
+           saltus_dense_inverse(&method->to_nodes[0][0], n, &method->to_pairs[0][0]);
+}
+
+/* P_k(2 s - 1) = sum_j (-1)^(k + j) binomial(k, j) binomial(k + j, j) s^j. */
+static void fill_monomials(saltus_node_matrix m) {
+    memset(m, 0, sizeof(saltus_node_matrix));
+    for (int k = 0; k < n; k++) {
+        double term = k % 2 ? -1 : 1;
+        for (int j = 0; j <= k; j++) {
+            m[k][j] = term;
+            term *= -(double)(k - j) * (k + j + 1) / ((double)(j + 1) * (j + 1));
+        }
+    }
+}
+
+bool saltus_collocation_build(saltus_collocation *method) {
+    saltus_node_matrix values, integrals;
+    if (!find_nodes(method->node))
+        return false;
+    for (int i = 0; i < n; i++) {
+        double p[n], s[n];
+        saltus_legendre_values(method->node[i], n, p);
+        integral_values(method->node[i], s);
+        for (int k = 0; k < n; k++) {
+            values[k][i] = p[k];
+            integrals[k][i] = s[k];
+        }
+    }
+    if (!saltus_dense_inverse(&values[0][0], n, &method->legendre[0][0]))
+        return false;
+    multiply(method->legendre, integrals, method->integral);
+    multiply(method->integral, method->integral, method->integral2);
+    fill_monomials(method->monomial);
+    return find_pairs(method);
+}

@@ -1,0 +1,19 @@
+/* Running gnuplot.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef SALTUS_IO_GNUPLOT_H
+#define SALTUS_IO_GNUPLOT_H
+
+#include "saltus/status.h"
+
+#include <stdio.h>
+
+/* The terminal that draws files with the ending of `path` (.png, .pdf, .svg), as the operand of `set
+ * terminal`; NULL for another ending. */
+const char *saltus_gnuplot_terminal(const char *path);
+
+/* Run gnuplot on a script (read from its beginning) that draws to standard output, and write what it draws to
+ * `path`, completely or not at all. The user's own start-up files are not read. Errors: SALTUS_IO with
+ * gnuplot's complaint. */
+saltus_status saltus_gnuplot_draw(FILE *script, const char *path, saltus_message *message);
+
+#endif

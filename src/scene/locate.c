@@ -1,0 +1,182 @@
+/* Finding keys in a scene's text, for messages.
+ *
+ * libcyaml hands out strings without their places. This scanner follows just enough of YAML (comments,
+ * quotes, flow brackets, list dashes, columns) to know below which top-level key and in which list entry a
+ * key stands. On text that defeats it a message lacks its line; nothing else depends on it.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "scene/scene.h"
+
+#include <string.h>
+
+enum { top_size = 64 };
+
+typedef struct scanner {
+    const char *at, *end, *line_start;
+    int line;
+    int flow;                 /* depth of brackets */
+    int top_flow, top_column; /* of the top-level keys; column < 0: none was seen yet */
+    char top[top_size];       /* the last top-level key */
+    int entry;                /* list item below it; -1 before the first */
+    bool fresh;               /* a dash opened the entry, and nothing followed yet */
+} scanner;
+
+/* A key or a value: its text without quotes. */
+typedef struct word {
+    const char *text;
+    size_t length;
+    int line, column;
+    bool key;
+} word;
+
+static bool is_blank(char c) {
+    return c == ' ' || c == '\t' || c == '\r' || c == '\n';
+}
+
+static bool blank_at(const scanner *s, const char *p) {
+    return p >= s->end || is_blank(*p);
+}
+
+static bool ends_plain(const scanner *s, const char *p) {
+    if (*p == '\n' || (*p == '#' && is_blank(p[-1])))
+        return true;
+    if (s->flow > 0 && strchr(",[]{}", *p) && *p)
+        return true;
+    return *p == ':' && (blank_at(s, p + 1) || (s->flow > 0 && strchr(",[]{}", p[1]) && p[1]));
+}
+
+static const char *skip_quoted(scanner *s) {
+    char quote = *s->at++;
+    while (s->at < s->end && *s->at != quote) {
+        if (*s->at == '\n')
+            s->line++;
+        s->at += *s->at == '\\' && quote == '"' && s->at + 1 < s->end ? 2 : 1;
+    }
+    const char *close = s->at;
+    if (s->at < s->end)
+        s->at++;
+    return close;
+}
+
+static word read_word(scanner *s) {
+    word w = {.text = s->at, .line = s->line, .column = (int)(s->at - s->line_start)};
+    const char *close;
+    if (*s->at == '"' || *s->at == '\'') {
+        w.text++;
+        close = skip_quoted(s);
+        while (s->at < s->end && *s->at == ' ')
+            s->at++;
+        w.key = s->at < s->end && *s->at == ':';
+    } else {
+        s->at++;
+        while (s->at < s->end && !ends_plain(s, s->at))
+            s->at++;
+        close = s->at;
+        while (close > w.text && is_blank(close[-1]))
+            close--;
+        w.key = s->at < s->end && *s->at == ':';
+    }
+    w.length = (size_t)(close - w.text);
+    if (w.key)
+        s->at++;
+    return w;
+}
+
+static void open_entry(scanner *s, char c) {
+    if (c == '-' || (s->flow > s->top_flow && !s->fresh))
+        s->entry++;
+    s->fresh = c == '-';
+}
+
+/* Pass blanks, comments and indicators up to the next word; false at the end. */
+static bool next_word(scanner *s, word *w) {
+    while (s->at < s->end) {
+        char c = *s->at;
+        bool line_begins = s->at == s->line_start || is_blank(s->at[-1]);
+        if (c == '#' && line_begins) {
+            while (s->at < s->end && *s->at != '\n')
+                s->at++;
+        } else if (c == '\n') {
+            s->line++;
+            s->line_start = ++s->at;
+        } else if (c == '{' || c == '[') {
+            if (c == '{' && s->top_column >= 0)
+                open_entry(s, c);
+            s->flow++;
+            s->at++;
+        } else if (c == '}' || c == ']') {
+            s->flow--;
+            s->at++;
+        } else if (c == '-' && blank_at(s, s->at + 1)) {
+            open_entry(s, c);
+            s->at++;
+        } else if (is_blank(c) || c == ',' || c == ':' || c == '?') {
+            s->at++;
+        } else {
+            *w = read_word(s);
+            return true;
+        }
+    }
+    return false;
+}
+
+static bool same(const word *w, const char *name) {
+    return strlen(name) == w->length && memcmp(w->text, name, w->length) == 0;
+}
+
+/* Note a top-level key; false when the key stands deeper. */
+static bool enter_top(scanner *s, const word *w) {
+    if (s->top_column < 0) {
+        s->top_column = w->column;
+        s->top_flow = s->flow;
+    }
+    if (s->flow != s->top_flow || (s->flow == 0 && w->column != s->top_column))
+        return false;
+    size_t length = w->length < top_size - 1 ? w->length : top_size - 1;
+    memcpy(s->top, w->text, length);
+    s->top[length] = '\0';
+    s->entry = -1;
+    return true;
+}
+
+static scanner begin(const saltus_source *source) {
+    scanner s = {.at = source->text, .end = source->text + source->length, .line = 1};
+    s.top_column = s.entry = -1;
+    if (source->length >= 3 && memcmp(s.at, "\xef\xbb\xbf", 3) == 0)
+        s.at += 3;
+    s.line_start = s.at;
+    return s;
+}
+
+/* Go to the next key at this place; its line, or 0 at the end. */
+static int next_key_at(scanner *s, saltus_place place) {
+    word w;
+    while (next_word(s, &w)) {
+        s->fresh = false;
+        if (!w.key)
+            continue;
+        bool top = enter_top(s, &w);
+        int entry = s->entry < 0 ? 0 : s->entry;
+        bool here = top ? !place.top : place.top && strcmp(s->top, place.top) == 0 && entry == place.entry;
+        if (here && same(&w, place.key))
+            return w.line;
+    }
+    return 0;
+}
+
+int saltus_place_line(const saltus_source *source, saltus_place place, bool last) {
+    scanner s = begin(source);
+    int found = next_key_at(&s, place);
+    for (int line = found; last && line; line = next_key_at(&s, place))
+        found = line;
+    return found;
+}
+
+bool saltus_place_value(const saltus_source *source, saltus_place place, char *value, size_t size) {
+    scanner s = begin(source);
+    word w;
+    if (!next_key_at(&s, place) || !next_word(&s, &w) || w.key || w.length >= size)
+        return false;
+    memcpy(value, w.text, w.length);
+    value[w.length] = '\0';
+    return true;
+}

@@ -1,0 +1,166 @@
+/* Scenes from files, from text and from the built-in table.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "scene/scene.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+enum { largest_file = 1 << 20 };
+
+/* Bytes of the UTF-8 character at `p`, or 0 when it is none (overlong forms and surrogates included). */
+static size_t utf8_length(const unsigned char *p, size_t left) {
+    size_t length = p[0] < 0x80                   ? 1
+                    : p[0] >= 0xc2 && p[0] < 0xe0 ? 2
+                    : p[0] >= 0xe0 && p[0] < 0xf0 ? 3
+                    : p[0] >= 0xf0 && p[0] < 0xf5 ? 4
+                                                  : 0;
+    if (length == 0 || length > left)
+        return 0;
+    for (size_t k = 1; k < length; k++)
+        if ((p[k] & 0xc0) != 0x80)
+            return 0;
+    bool overlong = (p[0] == 0xe0 && p[1] < 0xa0) || (p[0] == 0xf0 && p[1] < 0x90);
+    bool outside = (p[0] == 0xed && p[1] > 0x9f) || (p[0] == 0xf4 && p[1] > 0x8f);
+    return overlong || outside ? 0 : length;
+}
+
+static saltus_status check_text(const saltus_source *source) {
+    const unsigned char *p = (const unsigned char *)source->text;
+    int line = 1;
+    if (source->length > largest_file)
+        return saltus_source_fail(source, 0, SALTUS_BAD_INPUT, "too large for a scene (more than 1 MiB)");
+    for (size_t k = 0; k < source->length;) {
+        size_t step = utf8_length(p + k, source->length - k);
+        bool control = p[k] < 0x20 && p[k] != '\t' && p[k] != '\n' && p[k] != '\r';
+        if (control || p[k] == 0x7f)
+            return saltus_source_fail(source, line, SALTUS_BAD_INPUT,
+                                      "not a text file (it holds the byte 0x%02x)", p[k]);
+        if (step == 0)
+            return saltus_source_fail(source, line, SALTUS_BAD_INPUT,
+                                      "not a text file in UTF-8 (byte 0x%02x)", p[k]);
+        line += p[k] == '\n';
+        k += step;
+    }
+    return SALTUS_OK;
+}
+
+/* The file's name without folder and ending. */
+static void set_name(saltus_scene *scene, const char *origin) {
+    const char *slash = strrchr(origin, '/'), *base = slash ? slash + 1 : origin, *dot = strrchr(base, '.');
+    size_t length = dot && dot != base ? (size_t)(dot - base) : strlen(base);
+    if (length >= sizeof scene->name)
+        length = sizeof scene->name - 1;
+    memcpy(scene->name, base, length);
+    scene->name[length] = '\0';
+}
+
+saltus_status saltus_scene_parse(const char *text, size_t length, const char *origin, saltus_scene *scene,
+                                 saltus_message *message) {
+    saltus_source source = {text ? text : "", text ? length : 0, origin ? origin : "scene", message};
+    saltus_reading reading;
+    saltus_scene made = {.initial_count = 0};
+    saltus_status status = check_text(&source);
+    if (status == SALTUS_OK)
+        status = saltus_reading_open(&source, &reading);
+    if (status != SALTUS_OK)
+        return status;
+    set_name(&made, source.origin);
+    status = saltus_scene_fill(&source, &reading, &made);
+    saltus_reading_close(&reading);
+    if (status == SALTUS_OK)
+        *scene = made;
+    return status;
+}
+
+static saltus_status parse_file(const char *path, FILE *file, saltus_scene *scene, saltus_message *message) {
+    saltus_source source = {NULL, 0, path, message};
+    /* One byte more than allowed tells a file that is too large, also where its size is not known beforehand.
+     */
+    char *text = malloc(largest_file + 1);
+    if (!text)
+        return saltus_source_fail(&source, 0, SALTUS_NO_MEMORY, "no memory for reading the scene");
+    size_t length = fread(text, 1, largest_file + 1, file);
+    saltus_status status;
+    if (ferror(file))
+        status = saltus_source_fail(&source, 0, SALTUS_IO, "cannot be read (%s)", strerror(errno));
+    else
+        status = saltus_scene_parse(text, length, path, scene, message);
+    free(text);
+    return status;
+}
+
+static const saltus_builtin *find_builtin(const char *name) {
+    for (int k = 0; k < saltus_builtin_count; k++)
+        if (strcmp(saltus_builtins[k].name, name) == 0)
+            return &saltus_builtins[k];
+    return NULL;
+}
+
+/* The built-in scenes that may have been meant: those that contain the word or are contained in it, and the
+ * nearest; all of them when nothing is near. */
+static saltus_words suggest(const char *name) {
+    saltus_words words = {""};
+    const char *names[64];
+    int count = 0;
+    for (; count < saltus_builtin_count && count < 64; count++)
+        names[count] = saltus_builtins[count].name;
+    const char *nearest = saltus_nearest_word(name, names, count);
+    for (int k = 0; k < count; k++)
+        if (names[k] == nearest || (strlen(name) > 2 && (strstr(names[k], name) || strstr(name, names[k]))))
+            saltus_words_add(&words, names[k]);
+    bool none = !words.text[0];
+    for (int k = 0; k < count && none; k++)
+        saltus_words_add(&words, names[k]);
+    return words;
+}
+
+static saltus_status fail_to_open(const char *source, int error, saltus_message *message) {
+    saltus_source place = {NULL, 0, source, message};
+    bool path = strpbrk(source, "/.") != NULL;
+    if (error == EISDIR)
+        return saltus_source_fail(&place, 0, SALTUS_IO, "is a directory, not a scene file");
+    if (error != ENOENT && error != ENAMETOOLONG)
+        return saltus_source_fail(&place, 0, SALTUS_IO, "cannot be opened (%s)", strerror(error));
+    if (path)
+        return saltus_source_fail(&place, 0, SALTUS_IO, "no such file");
+    saltus_quoted name = saltus_quote(source);
+    saltus_words words = suggest(source);
+    return saltus_fail(message, SALTUS_BAD_INPUT,
+                       "%s: neither a file nor a built-in scene; built-in scenes: %s", name.text, words.text);
+}
+
+saltus_status saltus_scene_load(const char *source, saltus_scene *scene, saltus_message *message) {
+    struct stat info;
+    if (!source || !source[0])
+        return saltus_fail(message, SALTUS_BAD_INPUT,
+                           "no scene given: name a scene file or a built-in scene");
+    const saltus_builtin *builtin = find_builtin(source);
+    bool path = strpbrk(source, "/.") != NULL;
+    if (builtin && (!path || stat(source, &info) != 0))
+        return saltus_scene_parse(builtin->text, builtin->length, builtin->name, scene, message);
+    if (stat(source, &info) != 0)
+        return fail_to_open(source, errno, message);
+    if (S_ISDIR(info.st_mode))
+        return fail_to_open(source, EISDIR, message);
+    FILE *file = fopen(source, "rb");
+    if (!file)
+        return fail_to_open(source, errno, message);
+    saltus_status status = parse_file(source, file, scene, message);
+    fclose(file);
+    return status;
+}
+
+int saltus_scene_builtin_count(void) {
+    return saltus_builtin_count;
+}
+
+const char *saltus_scene_builtin_name(int k) {
+    return k >= 0 && k < saltus_builtin_count ? saltus_builtins[k].name : NULL;
+}
+
+const char *saltus_scene_builtin_text(int k) {
+    return k >= 0 && k < saltus_builtin_count ? saltus_builtins[k].text : NULL;
+}

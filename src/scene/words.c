@@ -1,0 +1,158 @@
+/* Words, numbers and near misses: what reading a scene and setting its keys share.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "scene/scene.h"
+#include "system/system.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+const char *const saltus_stop_keys[stop_keys] = {"xi", "d", "r", "sides", "weight"};
+const char *const saltus_initial_keys[initial_lists] = {"q", "v", "z"};
+
+const char *saltus_model_stop_key(const saltus_model *model) {
+    return model->stop_key;
+}
+
+int saltus_top_keys(const saltus_model *model, const char **keys) {
+    int count = 0;
+    keys[count++] = "model";
+    keys[count++] = "title";
+    for (int k = 0; model && k < model->parameter_count; k++)
+        keys[count++] = model->parameters[k].name;
+    keys[count++] = "stop";
+    keys[count++] = "stops";
+    keys[count++] = "initial";
+    return count;
+}
+
+int saltus_model_stop_keys(const saltus_model *model, const char **keys) {
+    int count = 0;
+    keys[count++] = model->stop_key;
+    for (int k = 0; k < stop_keys; k++)
+        if (k != stop_xi && k != stop_weight)
+            keys[count++] = saltus_stop_keys[k];
+    return count;
+}
+
+saltus_status saltus_source_fail(const saltus_source *source, int line, saltus_status status,
+                                 const char *format, ...) {
+    enum { origin_shown = 160 };
+    saltus_message sentence;
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(sentence.text, sizeof sentence.text, format, arguments);
+    va_end(arguments);
+    if (!source->origin)
+        return saltus_fail(source->message, status, "%s", sentence.text);
+    size_t length = strlen(source->origin);
+    const char *origin = length > origin_shown ? source->origin + length - origin_shown : source->origin;
+    const char *dots = origin == source->origin ? "" : "...";
+    if (line > 0)
+        return saltus_fail(source->message, status, "%s%s:%d: %s", dots, origin, line, sentence.text);
+    return saltus_fail(source->message, status, "%s%s: %s", dots, origin, sentence.text);
+}
+
+const char *saltus_read_number(const char *text, double *value) {
+    /* Only decimal numbers: this keeps out nan, inf and hexadecimal, which strtod would take. */
+    char *end = NULL;
+    *value = NAN;
+    if (!*text || text[strspn(text, "0123456789+-.eE")] != '\0')
+        return strpbrk(text, "nN") || strchr(text, 'f') ? "must be a finite number" : "must be a number";
+    double read = strtod(text, &end);
+    if (end == text || *end)
+        return "must be a number";
+    if (!isfinite(read))
+        return "must be a finite number; this one is too large";
+    *value = read;
+    return NULL;
+}
+
+const char *saltus_read_sides(const char *text, saltus_sides *sides) {
+    static const struct {
+        const char *name;
+        saltus_sides sides;
+    } known[] = {{"upper", SALTUS_UPPER}, {"lower", SALTUS_LOWER}, {"both", SALTUS_BOTH}};
+    for (size_t k = 0; k < sizeof known / sizeof known[0]; k++)
+        if (strcmp(text, known[k].name) == 0) {
+            *sides = known[k].sides;
+            return NULL;
+        }
+    return "must be upper, lower or both";
+}
+
+saltus_quoted saltus_quote(const char *text) {
+    enum { shown = 40 };
+    saltus_quoted quoted;
+    size_t length = strlen(text), kept = length < shown ? length : shown;
+    /* Cut before the first byte of a character, not within one. */
+    while (kept > 0 && kept < length && ((unsigned char)text[kept] & 0xc0) == 0x80)
+        kept--;
+    char *out = quoted.text;
+    *out++ = '"';
+    for (size_t k = 0; k < kept; k++)
+        *out++ = (unsigned char)text[k] < 0x20 || text[k] == 0x7f ? ' ' : text[k];
+    strcpy(out, kept < length ? "...\"" : "\"");
+    return quoted;
+}
+
+void saltus_words_add(saltus_words *words, const char *word) {
+    size_t used = strlen(words->text);
+    snprintf(words->text + used, sizeof words->text - used, "%s%s", used ? ", " : "", word);
+}
+
+/* How many letters must be changed, added or dropped to get from one word to the other; large for long words.
+ */
+static int distance_between(const char *a, const char *b) {
+    enum { longest = 32, far = 1000 };
+    int row[longest + 1] = {0};
+    int m = (int)strlen(a), n = (int)strlen(b);
+    if (m > longest || n > longest)
+        return far;
+    for (int j = 0; j <= n; j++)
+        row[j] = j;
+    for (int i = 1; i <= m; i++) {
+        int diagonal = row[0];
+        row[0] = i;
+        for (int j = 1; j <= n; j++) {
+            int best = diagonal + (a[i - 1] != b[j - 1]);
+            best = best < row[j] + 1 ? best : row[j] + 1;
+            best = best < row[j - 1] + 1 ? best : row[j - 1] + 1;
+            diagonal = row[j];
+            row[j] = best;
+        }
+    }
+    return row[n];
+}
+
+const char *saltus_nearest_word(const char *word, const char *const *words, int count) {
+    const char *nearest = NULL;
+    size_t length = strlen(word);
+    int least = length > 8 ? 3 : 1 + (int)length / 4;
+    if (length < 3)
+        return NULL;
+    for (int k = 0; k < count; k++) {
+        int distance = distance_between(word, words[k]);
+        if (strlen(words[k]) > 2 && distance < least + (nearest == NULL)) {
+            nearest = words[k];
+            least = distance;
+        }
+    }
+    return nearest;
+}
+
+saltus_status saltus_unknown_key(const saltus_source *source, int line, const char *key,
+                                 const char *const *keys, int count) {
+    saltus_quoted name = saltus_quote(key);
+    saltus_words list = {""};
+    const char *nearest = saltus_nearest_word(key, keys, count);
+    if (nearest)
+        return saltus_source_fail(source, line, SALTUS_BAD_INPUT, "%s: unknown key; did you mean %s?",
+                                  name.text, nearest);
+    for (int k = 0; k < count; k++)
+        saltus_words_add(&list, keys[k]);
+    return saltus_source_fail(source, line, SALTUS_BAD_INPUT, "%s: unknown key; the keys here are %s",
+                              name.text, list.text);
+}

@@ -1,0 +1,22 @@
+#!/bin/sh
+# The library holds no mutable file-scope state, and exports nothing that does not begin with saltus_.
+# Argument: the static library.
+# SPDX-License-Identifier: GPL-3.0-or-later
+set -eu
+symbols=$(nm "$1" | awk 'NF == 3 {print $2, $3}' | grep -v -E ' (__asan|__ubsan|__odr_asan|\.L|_GLOBAL__|asan\.|DW\.ref|\.str|_sub_[ID])' || true)
+# B/b: zeroed data, D: data, C: common. Constant tables with pointers live in .data.rel.ro (nm: d), which is read-only
+# after loading; they are told apart by their section below.
+mutable=$(printf '%s\n' "$symbols" | awk '$1 == "B" || $1 == "b" || $1 == "C" {print $2}')
+data=$(objdump -t "$1" 2>/dev/null | awk '$NF !~ /^\./ && ($0 ~ / \.data[ \t]/ || $0 ~ / \.bss[ \t]/ || $0 ~ / \.tdata[ \t]/) {print $NF}' |
+    grep -v -E '^(__asan|__ubsan|__odr_asan|_GLOBAL__|\*\.L|\.L|\*)' || true)
+foreign=$(printf '%s\n' "$symbols" | awk '$1 ~ /^[TDBRC]$/ && $2 !~ /^saltus_/ {print $2}')
+if [ -n "$mutable$foreign" ]; then
+    echo "mutable: $mutable"
+    echo "exported without the prefix: $foreign"
+    exit 1
+fi
+if [ -n "$data" ] && [ "${SALTUS_SANITIZED:-0}" = 0 ]; then
+    echo "writable data: $data"
+    exit 1
+fi
+echo "no mutable file-scope state"

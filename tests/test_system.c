@@ -1,0 +1,186 @@
+/* Building systems: what is refused and how, and what the built system says.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "check.h"
+
+static void expect_refusal(const saltus_spec *spec, const char *word) {
+    saltus_message message = {""};
+    saltus_system *system = (saltus_system *)1;
+    assert_int_equal(saltus_system_new(spec, &system, &message), SALTUS_BAD_INPUT);
+    assert_null(system);
+    if (!strstr(message.text, word))
+        fail_msg("\"%s\" does not name \"%s\"", message.text, word);
+}
+
+static void refused_parameters(void **unused) {
+    (void)unused;
+    static const struct {
+        const char *name;
+        double value;
+    } rows[] = {{"N", 0},     {"N", 2.5},    {"N", 65},      {"alpha", -1},  {"beta", 1},      {"beta", -0.1},
+                {"omega", 0}, {"omega", -3}, {"omega", NAN}, {"kappa", -1}, {"u0", INFINITY}, {"sigma", NAN}};
+    for (size_t k = 0; k < sizeof rows / sizeof rows[0]; k++) {
+        saltus_spec spec = pipe_spec(3, 20);
+        set_parameter(&spec, rows[k].name, rows[k].value);
+        expect_refusal(&spec, rows[k].name);
+    }
+}
+
+static void refused_stops(void **unused) {
+    (void)unused;
+    static const struct {
+        double xi, d, r;
+        saltus_sides sides;
+        const char *word;
+    } rows[] = {{0, 0.03, 0.9, SALTUS_UPPER, "xi"},         {1, 0.03, 0.9, SALTUS_UPPER, "xi"},
+                {0.5, 0.03, 1.2, SALTUS_UPPER, "r = 1.2"},  {0.5, 0.03, -0.1, SALTUS_UPPER, "r = -0.1"},
+                {0.5, -0.01, 0.9, SALTUS_BOTH, "d = -0.01"}, {0.5, 0, 0.9, SALTUS_BOTH, "d = 0"},
+                {0.5, NAN, 0.9, SALTUS_UPPER, "d"},         {0.5, 0.03, NAN, SALTUS_UPPER, "r"},
+                {1e-9, 0.03, 0.9, SALTUS_UPPER, "xi"},      {0.5, 0.03, 0.9, (saltus_sides)0, "sides"}};
+    for (size_t k = 0; k < sizeof rows / sizeof rows[0]; k++) {
+        saltus_spec spec = pipe_spec(3, 20);
+        add_stop(&spec, rows[k].d, rows[k].r, rows[k].sides);
+        spec.stops[0].xi = rows[k].xi;
+        expect_refusal(&spec, rows[k].word);
+    }
+    saltus_spec twice = pipe_spec(3, 20);
+    add_stop(&twice, 0.03, 0.9, SALTUS_UPPER);
+    add_stop(&twice, 0.03, 0.5, SALTUS_BOTH);
+    expect_refusal(&twice, "same");
+    saltus_spec crossed = pipe_spec(3, 20);
+    add_stop(&crossed, -0.03, 0.9, SALTUS_UPPER);
+    add_stop(&crossed, 0.02, 0.9, SALTUS_LOWER);
+    expect_refusal(&crossed, "room");
+}
+
+static void refused_oscillators(void **unused) {
+    (void)unused;
+    saltus_spec spec = oscillator_spec(0.1, 1, 1, 1);
+    add_stop(&spec, 1, 0.9, SALTUS_UPPER);
+    spec.stops[0].weight[1] = 1;
+    expect_refusal(&spec, "weight");
+    spec.stops[0].weight[0] = spec.stops[0].weight[1] = 0;
+    expect_refusal(&spec, "weight");
+    spec = oscillator_spec(0.1, 1, 1, 1);
+    set_parameter(&spec, "m", 0);
+    expect_refusal(&spec, "m = 0");
+}
+
+/* The gap is a linear function; normals vanish exactly at the nodes of a mode. */
+static void geometry(void **unused) {
+    (void)unused;
+    saltus_spec spec = pipe_spec(6, 20);
+    add_stop(&spec, 0.03, 0.9, SALTUS_BOTH);
+    saltus_system *system = build(&spec);
+    const double *normal = saltus_system_stop_normal(system, 0);
+    const double expected[6] = {1, 0, -1, 0, 1, 0};
+    double state[12] = {0.01, 0.5, 0.002, -0.4, 0.001, 0.1};
+    for (int i = 0; i < 6; i++)
+        check_near(normal[i], expected[i], 1e-15);
+    assert_int_equal(saltus_system_face_count(system), 2);
+    check_near(saltus_system_gap(system, 0, state), 0.009 - 0.03, 1e-16);
+    check_near(saltus_system_gap(system, 1, state), -0.009 - 0.03, 1e-16);
+    check_near(saltus_system_shape(system, state, 0.5), 0.009, 1e-15);
+    check_near(saltus_system_shape(system, state, 0), 0, 1e-15);
+    check_near(saltus_system_shape(system, state, 1), 0, 1e-15);
+    saltus_system_free(system);
+}
+
+/* The vector field is that of model.md: evaluated term by term here, through the flow there; its tangent action
+ * against central differences, and the trace against the sum of the diagonal. */
+static void field_of(const saltus_spec *spec, const double *x, double phase, double *f) {
+    int n = (int)saltus_spec_get(spec, "N");
+    double alpha = saltus_spec_get(spec, "alpha"), beta = saltus_spec_get(spec, "beta");
+    double kappa = saltus_spec_get(spec, "kappa"), u0 = saltus_spec_get(spec, "u0");
+    double sigma = saltus_spec_get(spec, "sigma"), omega = saltus_spec_get(spec, "omega");
+    double u = u0 * (1 + sigma * sin(2 * M_PI * phase)), rate = u0 * sigma * omega * cos(2 * M_PI * phase);
+    double s = 0, s1 = 0;
+    for (int k = 1; k <= n; k++) {
+        double l2 = k * k * M_PI * M_PI;
+        s += 0.5 * l2 * x[k - 1] * x[k - 1];
+        s1 += 0.5 * l2 * x[k - 1] * x[n + k - 1];
+    }
+    for (int i = 1; i <= n; i++) {
+        double l2 = i * i * M_PI * M_PI, sum = alpha * l2 * l2 * x[n + i - 1] + (l2 * l2 - u * u * l2) * x[i - 1];
+        sum += kappa * l2 * x[i - 1] * (s + 2 * alpha * s1) - sqrt(beta) * rate * l2 / 2 * x[i - 1];
+        for (int j = 1; j <= n; j++)
+            if ((i + j) % 2) {
+                double difference = i * i - j * j;
+                sum += 2 * sqrt(beta) * u * 4 * i * j / difference * x[n + j - 1];
+                sum -= sqrt(beta) * rate * 8 * i * j * j * j / (difference * difference) * x[j - 1];
+            }
+        f[i - 1] = x[n + i - 1];
+        f[n + i - 1] = -sum;
+    }
+}
+
+static void vector_field(void **unused) {
+    (void)unused;
+    static const double rows[][5] = {/* N, sigma, kappa, beta, alpha */
+                                     {5, 0.2, 5000, 0.64, 0.005}, {5, 0, 5000, 0.64, 0.005}, {3, 0.2, 0, 0.3, 0.01},
+                                     {1, 0.2, 5000, 0.64, 0.005}, {4, 0, 0, 0, 0},            {8, 0.3, 100, 0.5, 0.001},
+                                     {12, 0.2, 5000, 0.64, 0.005}};
+    for (size_t k = 0; k < sizeof rows / sizeof rows[0]; k++) {
+        saltus_spec spec = pipe_spec(rows[k][0], 17);
+        set_parameter(&spec, "sigma", rows[k][1]);
+        set_parameter(&spec, "kappa", rows[k][2]);
+        set_parameter(&spec, "beta", rows[k][3]);
+        set_parameter(&spec, "alpha", rows[k][4]);
+        saltus_system *system = build(&spec);
+        saltus_flow_options options = saltus_flow_defaults();
+        int n = saltus_system_dof(system);
+        double x[32], f[32], expected[32], trace = 0;
+        for (int i = 0; i < 2 * n; i++)
+            x[i] = 0.02 * sin(1.0 + 3 * i) * (i < n ? 1.0 / (i + 1) : 10);
+        for (int p = 0; p < 8; p++) {
+            saltus_flow *flow = open_flow(system, &options, 0.125 * p, x);
+            saltus_flow_field(flow, 0, f);
+            field_of(&spec, x, 0.125 * p, expected);
+            for (int i = 0; i < 2 * n; i++)
+                check_near(f[i], expected[i], 1e-13 * (fabs(expected[i]) + 100 * n * n));
+            saltus_flow_free(flow);
+        }
+        for (int i = 0; i < 2 * n; i++) {
+            double h = 1e-5, plus[32], minus[32], kept = x[i];
+            x[i] = kept + h;
+            field_of(&spec, x, 0.3, plus);
+            x[i] = kept - h;
+            field_of(&spec, x, 0.3, minus);
+            x[i] = kept;
+            trace += (plus[i] - minus[i]) / (2 * h);
+        }
+        check_near(saltus_system_trace(system, x), trace, 1e-8 * (1 + fabs(trace)));
+        saltus_system_free(system);
+    }
+}
+
+static void flow_options_are_checked(void **unused) {
+    (void)unused;
+    saltus_spec spec = pipe_spec(2, 20);
+    saltus_system *system = build(&spec);
+    saltus_message message = {""};
+    saltus_flow *flow;
+    const saltus_system *const one[] = {system};
+    saltus_flow_options options = saltus_flow_defaults();
+    options.rtol = 1;
+    assert_int_equal(saltus_flow_new(one, 1, &options, &flow, &message), SALTUS_BAD_INPUT);
+    assert_non_null(strstr(message.text, "rtol"));
+    options = saltus_flow_defaults();
+    options.order = 3;
+    assert_int_equal(saltus_flow_new(one, 1, &options, &flow, &message), SALTUS_BAD_INPUT);
+    options = saltus_flow_defaults();
+    options.atol = NAN;
+    assert_int_equal(saltus_flow_new(one, 1, &options, &flow, &message), SALTUS_BAD_INPUT);
+    options = saltus_flow_defaults();
+    assert_int_equal(saltus_flow_new(one, 0, &options, &flow, &message), SALTUS_BAD_INPUT);
+    assert_int_equal(saltus_flow_new(one, 100, &options, &flow, &message), SALTUS_BAD_INPUT);
+    saltus_system_free(system);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(refused_parameters),  cmocka_unit_test(refused_stops), cmocka_unit_test(refused_oscillators),
+        cmocka_unit_test(geometry),            cmocka_unit_test(vector_field),
+        cmocka_unit_test(flow_options_are_checked),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,246 @@
+/* saltus_bench: error against cost of one trajectory, Saltus' integrators beside those of other libraries.
+ *
+ * Every row is measured in the same run on the same machine against the 128-bit orbits of data/reference: the largest
+ * error of the impact times (in T), of the state after the orbit (velocities count a hundredth), the median CPU time of
+ * repeated runs, and the evaluations of the vector field (for Taylor series: orders). The summary compares times at equal
+ * error by interpolation in the logarithms.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "reference.h"
+#include "rivals.h"
+
+#include <gsl/gsl_sort.h>
+#include <gsl/gsl_statistics.h>
+#include <time.h>
+
+enum { events_max = 512, rows_max = 24, repeats = 15, methods_max = 6 };
+
+/* One measured run. */
+typedef struct row {
+    double rtol, time_error, state_error, seconds, evaluations;
+    bool done;
+} row;
+
+static double cpu_seconds(void) {
+    struct timespec now;
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+static double median(double *values, size_t count) {
+    gsl_sort(values, 1, count);
+    return gsl_stats_median_from_sorted_data(values, 1, count);
+}
+
+/* Errors of impact times in order, as far as the reference lists them; a missing impact is an error of a period. */
+static double impact_error(const reference *r, const double *times, int count) {
+    double worst = 0;
+    int k = 0;
+    for (int e = 0; e < r->event_count; e++)
+        if (r->kind[e] == 'i') {
+            worst = fmax(worst, k < count ? fabs(times[k] - r->time[e]) : 1);
+            k++;
+        }
+    return worst;
+}
+
+static bool run_saltus(const reference *r, const saltus_system *system, saltus_integrator integrator, double rtol,
+                       row *out) {
+    saltus_flow_options options = saltus_flow_defaults();
+    saltus_message message = {""};
+    saltus_flow *flow = NULL;
+    saltus_event event;
+    double times[events_max], state[SALTUS_SCENE_STATE_MAX], seconds[repeats];
+    int count = 0;
+    options.rtol = rtol;
+    options.atol = 1e-3 * rtol;
+    options.integrator = integrator;
+    if (saltus_flow_new(&system, 1, &options, &flow, &message) != SALTUS_OK)
+        return false;
+    for (int k = 0; k < repeats; k++) {
+        enum { batch = 20 };
+        double start = cpu_seconds();
+        for (int b = 0; b < batch; b++) {
+            count = 0;
+            saltus_status status = saltus_flow_start(flow, 0, (saltus_time){0, 0}, r->states[0], &message);
+            do {
+                if (status == SALTUS_OK)
+                    status = saltus_flow_advance(flow, (saltus_time){r->periods, 0}, SALTUS_WATCH_IMPACT, &event, &message);
+                if (status != SALTUS_OK) {
+                    saltus_flow_free(flow);
+                    return false;
+                }
+                if (event.kind == SALTUS_IMPACT && count < events_max)
+                    times[count++] = saltus_time_periods(event.time);
+            } while (event.kind != SALTUS_REACHED);
+        }
+        seconds[k] = (cpu_seconds() - start) / batch;
+    }
+    saltus_flow_state(flow, 0, state);
+    *out = (row){.rtol = rtol,
+                 .time_error = impact_error(r, times, count),
+                 .state_error = reference_distance(r, state, 0),
+                 .seconds = median(seconds, repeats),
+                 .evaluations = (double)saltus_flow_information(flow, 0).field_evaluations,
+                 .done = true};
+    saltus_flow_free(flow);
+    return true;
+}
+
+static bool run_rival(const reference *r, const rival *method, double rtol, row *out) {
+    const double *p = r->spec.parameters;
+    const saltus_stop *stop = &r->spec.stops[0];
+    rival_pipe pipe = {.modes = (int)p[0], .alpha = p[1], .beta = p[2], .kappa = p[3], .u0 = p[4], .sigma = p[5],
+                       .omega = p[6], .xi = stop->xi, .d = stop->d, .r = stop->r};
+    rival_event events[events_max];
+    double times[events_max], state[16], seconds[repeats];
+    rival_result result = {.events = events, .capacity = events_max, .state = state};
+    for (int k = 0; k < repeats; k++) {
+        result.count = 0;
+        if (method->run(&pipe, r->states[0], r->periods, rtol, rtol, &result) != RIVAL_OK)
+            return false;
+        seconds[k] = result.cpu_seconds;
+    }
+    int count = 0;
+    for (int k = 0; k < result.count && k < events_max; k++)
+        if (events[k].kind == RIVAL_IMPACT)
+            times[count++] = events[k].time_over_T;
+    *out = (row){.rtol = rtol,
+                 .time_error = impact_error(r, times, count),
+                 .state_error = reference_distance(r, state, 0),
+                 .seconds = median(seconds, repeats),
+                 .evaluations = (double)result.field_evaluations,
+                 .done = true};
+    return true;
+}
+
+/* Time at which a method reaches an error, interpolated between the two measured rows around it; NaN outside. */
+static double time_at_error(const row *rows, int count, double error) {
+    for (int k = 0; k + 1 < count; k++) {
+        if (!rows[k].done || !rows[k + 1].done || rows[k].time_error < error || rows[k + 1].time_error > error)
+            continue;
+        double a = log(rows[k].time_error), b = log(rows[k + 1].time_error);
+        double w = a == b ? 0 : (log(error) - a) / (b - a);
+        return exp((1 - w) * log(rows[k].seconds) + w * log(rows[k + 1].seconds));
+    }
+    return NAN;
+}
+
+static void print_rows(const char *name, const row *rows, int count) {
+    for (int k = 0; k < count; k++)
+        if (rows[k].done)
+            printf("| %-16s | %.0e | %.1e | %.1e | %7.1f | %.0f |\n", name, rows[k].rtol, rows[k].time_error,
+                   rows[k].state_error, 1e6 * rows[k].seconds, rows[k].evaluations);
+}
+
+static void print_summary(const char *const *names, row (*rows)[rows_max], int methods, int count) {
+    static const double errors[] = {1e-6, 1e-8, 1e-9, 1e-10, 1e-12};
+    printf("\n| time at equal event error |");
+    for (size_t e = 0; e < sizeof errors / sizeof errors[0]; e++)
+        printf(" %.0e T |", errors[e]);
+    printf("\n| --- |");
+    for (size_t e = 0; e < sizeof errors / sizeof errors[0]; e++)
+        printf(" --- |");
+    for (int m = 0; m < methods; m++) {
+        printf("\n| %s |", names[m]);
+        for (size_t e = 0; e < sizeof errors / sizeof errors[0]; e++) {
+            double own = time_at_error(rows[0], count, errors[e]), time = time_at_error(rows[m], count, errors[e]);
+            if (isnan(time))
+                printf(" - |");
+            else
+                printf(" %.1f us (%.1f x) |", 1e6 * time, time / own);
+        }
+    }
+    printf("\n");
+}
+
+static bool compare(const char *folder, const char *name) {
+    static row rows[methods_max][rows_max];
+    const char *names[methods_max] = {"Saltus Taylor", "Saltus Radau"};
+    reference r;
+    saltus_system *system = NULL;
+    saltus_message message = {""};
+    int methods = 2, count = 0;
+    if (!reference_read(folder, name, &r) || saltus_system_new(&r.spec, &system, &message) != SALTUS_OK) {
+        fprintf(stderr, "saltus_bench: %s/%s.json cannot be read as a reference orbit\n", folder, name);
+        return false;
+    }
+    printf("\n### %s (%s, %d T)\n\n| method | rtol | event error / T | state error | CPU us | evaluations |\n"
+           "| --- | --- | --- | --- | --- | --- |\n", name, r.label, r.periods);
+    for (int digits = 4; digits <= 14; digits++, count++) {
+        double rtol = pow(10, -digits);
+        memset(&rows[0][count], 0, sizeof rows[0][count]);
+        memset(&rows[1][count], 0, sizeof rows[1][count]);
+        run_saltus(&r, system, SALTUS_TAYLOR, rtol, &rows[0][count]);
+        run_saltus(&r, system, SALTUS_RADAU, rtol, &rows[1][count]);
+        for (int m = 0; m < saltus_rival_count && m + 2 < methods_max; m++) {
+            names[m + 2] = saltus_rivals[m].name;
+            rows[m + 2][count].done = false;
+            run_rival(&r, &saltus_rivals[m], rtol, &rows[m + 2][count]);
+            methods = m + 3;
+        }
+    }
+    for (int m = 0; m < methods; m++)
+        print_rows(names[m], rows[m], count);
+    print_summary(names, rows, methods, count);
+    saltus_system_free(system);
+    free(r.text);
+    return true;
+}
+
+/* Median CPU time of one forcing period on the attractor, d = 0.035, omega = 42. */
+static double period_cost(int modes, saltus_integrator integrator, saltus_flow_info *per_run) {
+    enum { settle = 100, measured = 40, runs = 5 };
+    saltus_spec spec = saltus_spec_defaults(saltus_model_find("pipe"));
+    saltus_system *system = NULL;
+    saltus_message message = {""};
+    saltus_flow *flow = NULL;
+    saltus_event event;
+    saltus_flow_options options = saltus_flow_defaults();
+    double state[SALTUS_SCENE_STATE_MAX], seconds[runs];
+    options.integrator = integrator;
+    spec.parameters[0] = modes;
+    spec.stops[0] = saltus_stop_defaults();
+    spec.stops[0].d = 0.035;
+    spec.stop_count = 1;
+    bool ready = saltus_system_new(&spec, &system, &message) == SALTUS_OK &&
+                 saltus_system_default_state(system, state, &message) == SALTUS_OK &&
+                 saltus_flow_new((const saltus_system *[]){system}, 1, &options, &flow, &message) == SALTUS_OK &&
+                 saltus_flow_start(flow, 0, (saltus_time){0, 0}, state, &message) == SALTUS_OK &&
+                 saltus_flow_advance(flow, (saltus_time){settle, 0}, 0, &event, &message) == SALTUS_OK;
+    for (int k = 0; k < runs && ready; k++) {
+        double start = cpu_seconds();
+        ready = saltus_flow_advance(flow, (saltus_time){settle + measured * (k + 1), 0}, 0, &event, &message) == SALTUS_OK;
+        seconds[k] = (cpu_seconds() - start) / measured;
+    }
+    if (ready)
+        *per_run = saltus_flow_information(flow, 0);
+    else
+        fprintf(stderr, "saltus_bench: N = %d: %s\n", modes, message.text);
+    saltus_flow_free(flow);
+    saltus_system_free(system);
+    return ready ? median(seconds, runs) : NAN;
+}
+
+static void scale_with_modes(void) {
+    static const int modes[] = {5, 10, 20, 32};
+    double base = 0;
+    printf("\n### Cost per forcing period against the number of modes (omega = 42, d = 0.035, default tolerance)\n\n"
+           "| N | integrator | CPU us per period | relative to N = 5 | (N/5)^2.5 | impacts per period |\n"
+           "| --- | --- | --- | --- | --- | --- |\n");
+    for (size_t k = 0; k < sizeof modes / sizeof modes[0]; k++) {
+        saltus_flow_info info = {0};
+        double seconds = period_cost(modes[k], SALTUS_AUTOMATIC, &info);
+        if (k == 0)
+            base = seconds;
+        printf("| %d | %s | %.1f | %.1f | %.1f | %.2f |\n", modes[k], modes[k] <= 7 ? "taylor" : "radau", 1e6 * seconds,
+               seconds / base, pow(modes[k] / 5.0, 2.5), (double)info.impacts / 300.0);
+    }
+}
+
+int main(int count, char **arguments) {
+    const char *folder = count > 1 ? arguments[1] : "data/reference";
+    if (!compare(folder, "fig7d") || !compare(folder, "chatter25"))
+        return 1;
+    scale_with_modes();
+    return 0;
+}

@@ -1,0 +1,127 @@
+/* Reads the reference orbits of data/reference, for tests and benchmarks: the few keys they need, by name.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef SALTUS_TOOLS_REFERENCE_H
+#define SALTUS_TOOLS_REFERENCE_H
+
+#include "saltus/saltus.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { reference_events = 64 };
+
+typedef struct reference {
+    char *text;
+    saltus_spec spec;
+    char label[32];
+    int periods, sticking, n, event_count;
+    double states[16][16]; /* section_states */
+    char kind[reference_events];
+    double time[reference_events], speed[reference_events];
+    int multiplier_count;
+    double multipliers[16][2];
+    double monodromy[16][16];
+} reference;
+
+/* The place after `"key":`, from `from` on; NULL if there is none. */
+static inline const char *find_key(const char *from, const char *key) {
+    char quoted[64];
+    snprintf(quoted, sizeof quoted, "\"%s\":", key);
+    const char *at = strstr(from, quoted);
+    return at ? at + strlen(quoted) : NULL;
+}
+
+/* The next number, quoted or not; moves the place on. */
+static inline double next_number(const char **at) {
+    *at += strcspn(*at, "+-0123456789");
+    char *end;
+    double value = strtod(*at, &end);
+    *at = end;
+    return value;
+}
+
+static inline double number_at(const char *from, const char *key) {
+    const char *at = find_key(from, key);
+    return at ? next_number(&at) : NAN;
+}
+
+static inline void read_scene(reference *r) {
+    static const char *const names[] = {"N", "sigma", "alpha", "beta", "kappa", "u0", "omega"};
+    r->spec = saltus_spec_defaults(saltus_model_find("pipe"));
+    for (int k = 0; k < 7; k++)
+        r->spec.parameters[saltus_model_parameter_index(r->spec.model, names[k])] = number_at(r->text, names[k]);
+    saltus_stop *stop = &r->spec.stops[r->spec.stop_count++];
+    *stop = saltus_stop_defaults();
+    stop->xi = number_at(r->text, "xi");
+    stop->d = number_at(r->text, "d");
+    stop->r = number_at(r->text, "r");
+    stop->sides = strstr(r->text, "\"sides\": \"both\"") ? SALTUS_BOTH : SALTUS_UPPER;
+    r->n = 2 * (int)number_at(r->text, "N");
+}
+
+static inline void read_events(reference *r) {
+    const char *at = find_key(r->text, "events"), *end = strstr(at, "\n ]");
+    while ((at = find_key(at, "event")) && at < end && r->event_count < reference_events) {
+        at = strchr(at, '"') + 1;
+        r->kind[r->event_count] = *at;
+        r->time[r->event_count] = number_at(at, "time_over_T");
+        if (*at == 'i')
+            r->speed[r->event_count] = number_at(at, "normal_velocity_before");
+        r->event_count++;
+    }
+}
+
+static inline void read_multipliers(reference *r) {
+    const char *at = find_key(r->text, "multipliers_dominant"), *end = strstr(at, "\n ]");
+    for (;;) {
+        const char *next = strchr(at, '[');
+        at = next ? next + 1 : end;
+        if (at >= end)
+            break;
+        if (*at == '\n')
+            continue;
+        r->multipliers[r->multiplier_count][0] = next_number(&at);
+        r->multipliers[r->multiplier_count++][1] = next_number(&at);
+    }
+}
+
+/* Read folder/name.json; false if it cannot be read. `text` is to be freed. */
+static inline bool reference_read(const char *folder, const char *name, reference *r) {
+    enum { longest = 1 << 16 };
+    char path[1024];
+    *r = (reference){.text = calloc(1, longest)};
+    snprintf(path, sizeof path, "%s/%s.json", folder, name);
+    FILE *file = fopen(path, "rb");
+    bool read = file && r->text && fread(r->text, 1, longest - 1, file) > 0;
+    if (file)
+        fclose(file);
+    if (!read || !find_key(r->text, "section_states"))
+        return false;
+    read_scene(r);
+    r->periods = (int)number_at(r->text, "periods");
+    r->sticking = (int)number_at(r->text, "sticking_intervals");
+    sscanf(find_key(r->text, "label"), " \"%31[^\"]", r->label);
+    const char *at = find_key(r->text, "section_states");
+    for (int p = 0; p < r->periods; p++)
+        for (int i = 0; i < r->n; i++)
+            r->states[p][i] = next_number(&at);
+    at = find_key(r->text, "monodromy_over_periods");
+    for (int i = 0; i < r->n; i++)
+        for (int j = 0; j < r->n; j++)
+            r->monodromy[i][j] = next_number(&at);
+    read_events(r);
+    read_multipliers(r);
+    return true;
+}
+
+/* Velocities count a hundredth. */
+static inline double reference_distance(const reference *r, const double *state, int point) {
+    double largest = 0;
+    for (int i = 0; i < r->n; i++)
+        largest = fmax(largest, fabs(state[i] - r->states[point][i]) * (i < r->n / 2 ? 1 : 0.01));
+    return largest;
+}
+
+#endif

@@ -1,0 +1,254 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "cli.h"
+
+#include <errno.h>
+#include <limits.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#define PLACE(member) offsetof(cli_request, member)
+
+const cli_option cli_set = {"--set", CLI_SETTINGS, 0, 0, 0, 0, "key=value ...", "change parameters of the scene"};
+const cli_option cli_json = {"--json", CLI_FLAG, PLACE(json), 0, 0, 0, NULL, "one JSON object on stdout"};
+const cli_option cli_quiet = {"--quiet", CLI_FLAG, PLACE(quiet), 0, 0, 0, NULL, "no progress line"};
+const cli_option cli_output = {"-o", CLI_TEXT, PLACE(output), 0, 0, 0, "file", "where the result goes"};
+const cli_option cli_data = {"--data",
+                             CLI_TEXT,
+                             PLACE(data),
+                             0,
+                             0,
+                             0,
+                             "file.h5",
+                             "keep the data there, and gnuplot's script beside it (.gp)"};
+const cli_option cli_integrator = {
+    "--integrator", CLI_TEXT, PLACE(integrator), 0, 0, 0, "name", "automatic, taylor or radau"};
+const cli_option cli_seeds = {
+    "--seeds", CLI_WHOLE, PLACE(seeds), 0, 1, 1e6, "k", "classify from k random initial states, list the attractors"};
+const cli_option cli_seed = {
+    "--seed", CLI_WHOLE, PLACE(seed), 1, 0, 4294967295.0, "s", "seed of the random initial states"};
+const cli_option cli_transient = {
+    "--transient", CLI_WHOLE, PLACE(transient), 20000, 1, 1e12, "n", "periods to wait at most for the motion to settle"};
+const cli_option cli_settle = {
+    "--transient", CLI_WHOLE, PLACE(transient), 0, 0, 1e12, "m", "periods to run before the recording"};
+const cli_option cli_longest = {
+    "--longest", CLI_WHOLE, PLACE(longest), 64, 1, 1024, "p", "longest period tried, in forcing periods"};
+const cli_option cli_periods = {"--periods", CLI_WHOLE, PLACE(periods), 0, 1, 1e6, "n", "forcing periods to record"};
+const cli_option cli_samples = {"--samples", CLI_WHOLE, PLACE(samples), 200, 1, 1e5, "k", "samples per forcing period"};
+const cli_option cli_rtol = {
+    "--rtol", CLI_REAL, PLACE(rtol), 1e-13, 1e-15, 1e-3, "x", "relative tolerance of the flow"};
+const cli_option cli_atol = {
+    "--atol", CLI_REAL, PLACE(atol), 1e-16, 0, 1, "x", "absolute tolerance of the flow, in displacements"};
+
+static bool parse_value(const cli_option *option, const char *text, cli_request *request) {
+    char *place = (char *)request + option->offset, *end = NULL;
+    errno = 0;
+    if (option->kind == CLI_TEXT) {
+        *(const char **)(void *)place = text;
+        return true;
+    }
+    double value = strtod(text, &end);
+    bool number = end != text && *end == '\0' && isfinite(value);
+    bool whole = option->kind != CLI_WHOLE || (number && value == floor(value));
+    if (!number || !whole || value < option->min || value > option->max) {
+        fprintf(stderr, "saltus: %s %s: must be a %snumber from %g to %g\n", option->name, text,
+                option->kind == CLI_WHOLE ? "whole " : "", option->min, option->max);
+        return false;
+    }
+    if (option->kind == CLI_WHOLE)
+        *(long *)(void *)place = (long)value;
+    else
+        *(double *)(void *)place = value;
+    return true;
+}
+
+static void set_defaults(const cli_command *command, cli_request *request) {
+    *request = (cli_request){.rtol = cli_rtol.fallback, .atol = cli_atol.fallback};
+    for (int k = 0; command->options[k]; k++) {
+        const cli_option *option = command->options[k];
+        char *place = (char *)request + option->offset;
+        if (option->kind == CLI_WHOLE)
+            *(long *)(void *)place = (long)option->fallback;
+        if (option->kind == CLI_REAL)
+            *(double *)(void *)place = option->fallback;
+    }
+}
+
+static const cli_option *find_option(const cli_command *command, const char *name) {
+    for (int k = 0; command->options[k]; k++)
+        if (strcmp(command->options[k]->name, name) == 0)
+            return command->options[k];
+    return NULL;
+}
+
+/* Settings run up to the next option. Returns how many there were. */
+static int take_settings(int count, char **arguments, cli_request *request) {
+    int taken = 0;
+    while (taken < count && arguments[taken][0] != '-' && strchr(arguments[taken], '=') &&
+           request->setting_count < CLI_SETTINGS_MAX)
+        request->settings[request->setting_count++] = arguments[taken++];
+    return taken;
+}
+
+/* Take one option and its value; returns the number of arguments used, 0 after a message. */
+static int take_option(const cli_command *command, int count, char **arguments, cli_request *request) {
+    const char *name = arguments[0];
+    if (strcmp(name, "--help") == 0 || strcmp(name, "-h") == 0) {
+        request->help = true;
+        return 1;
+    }
+    const cli_option *option = find_option(command, name);
+    if (!option) {
+        fprintf(stderr, "saltus: %s: unknown option of saltus %s; see saltus %s --help\n", name, command->name,
+                command->name);
+        return 0;
+    }
+    if (option->kind == CLI_FLAG) {
+        *(bool *)((char *)request + option->offset) = true;
+        return 1;
+    }
+    if (option->kind == CLI_SETTINGS) {
+        int taken = take_settings(count - 1, arguments + 1, request);
+        if (taken == 0)
+            fprintf(stderr, "saltus: --set%s%s: must be followed by key=value\n", count > 1 ? " " : "",
+                    count > 1 ? arguments[1] : "");
+        return taken ? taken + 1 : 0;
+    }
+    if (count < 2) {
+        fprintf(stderr, "saltus: %s: needs a value (%s)\n", name, option->argument);
+        return 0;
+    }
+    return parse_value(option, arguments[1], request) ? 2 : 0;
+}
+
+bool cli_parse(const cli_command *command, int count, char **arguments, cli_request *request) {
+    set_defaults(command, request);
+    for (int k = 0; k < count;) {
+        if (arguments[k][0] == '-' && arguments[k][1] != '\0') {
+            int used = take_option(command, count - k, arguments + k, request);
+            if (used == 0)
+                return false;
+            k += used;
+        } else if (!request->scene) {
+            request->scene = arguments[k++];
+        } else {
+            fprintf(stderr, "saltus: %s: unexpected; the scene is already %s\n", arguments[k], request->scene);
+            return false;
+        }
+    }
+    if (command->needs_scene && !request->scene && !request->help) {
+        fprintf(stderr, "saltus: %s: needs a scene, a YAML file or one of `saltus scenes`\n", command->name);
+        return false;
+    }
+    return true;
+}
+
+void cli_help(const cli_command *command) {
+    printf("saltus %s %s\n\n%s\n", command->name, command->usage, command->help);
+    if (command->options[0])
+        printf("\noptions\n");
+    for (int k = 0; command->options[k]; k++) {
+        const cli_option *option = command->options[k];
+        char head[64];
+        snprintf(head, sizeof head, "%s %s", option->name, option->argument ? option->argument : "");
+        printf("  %-24s %s", head, option->help);
+        if (option->kind == CLI_WHOLE && option->fallback >= option->min)
+            printf(" (default %.0f)", option->fallback);
+        if (option->kind == CLI_REAL)
+            printf(" (default %g)", option->fallback);
+        printf("\n");
+    }
+}
+
+int cli_report(saltus_status status, const saltus_message *message) {
+    if (status == SALTUS_OK)
+        return CLI_DONE;
+    fprintf(stderr, "saltus: %s\n", message->text[0] ? message->text : saltus_status_name(status));
+    return status == SALTUS_BAD_INPUT ? CLI_BAD_INPUT : CLI_FAILED;
+}
+
+static saltus_status apply_settings(const cli_request *request, saltus_scene *scene, saltus_message *message) {
+    for (int k = 0; k < request->setting_count; k++) {
+        saltus_message reason = {""};
+        saltus_status status = saltus_scene_set(scene, request->settings[k], &reason);
+        if (status != SALTUS_OK)
+            return saltus_fail(message, status, "--set %.100s: %.380s", request->settings[k], reason.text);
+    }
+    return SALTUS_OK;
+}
+
+static saltus_status initial_state(const saltus_scene *scene, const saltus_system *system, double *state,
+                                   saltus_message *message) {
+    int n = saltus_system_dimension(system);
+    if (scene->initial_count == 0)
+        return saltus_system_default_state(system, state, message);
+    if (scene->initial_count != n)
+        return saltus_fail(message, SALTUS_BAD_INPUT, "%s: initial state has %d entries, the system needs %d",
+                           scene->name, scene->initial_count, n);
+    memcpy(state, scene->initial, (size_t)n * sizeof *state);
+    return saltus_system_check_state(system, state, message);
+}
+
+int cli_build(const cli_request *request, saltus_scene *scene, saltus_system **system, double *state) {
+    saltus_message message = {""};
+    *system = NULL;
+    saltus_status status = saltus_scene_load(request->scene, scene, &message);
+    if (status == SALTUS_IO)
+        status = SALTUS_BAD_INPUT;
+    if (status == SALTUS_OK)
+        status = apply_settings(request, scene, &message);
+    if (status == SALTUS_OK)
+        status = saltus_system_new(&scene->spec, system, &message);
+    if (status == SALTUS_OK)
+        status = initial_state(scene, *system, state, &message);
+    if (status == SALTUS_OK && request->integrator && strcmp(request->integrator, "automatic") != 0 &&
+        strcmp(request->integrator, "taylor") != 0 && strcmp(request->integrator, "radau") != 0)
+        status = saltus_fail(&message, SALTUS_BAD_INPUT, "--integrator %.100s: must be automatic, taylor or radau",
+                             request->integrator);
+    if (status != SALTUS_OK) {
+        saltus_system_free(*system);
+        *system = NULL;
+    }
+    return cli_report(status, &message);
+}
+
+saltus_flow_options cli_flow_options(const cli_request *request) {
+    saltus_flow_options options = saltus_flow_defaults();
+    options.rtol = request->rtol;
+    options.atol = request->atol;
+    if (request->integrator && strcmp(request->integrator, "taylor") == 0)
+        options.integrator = SALTUS_TAYLOR;
+    if (request->integrator && strcmp(request->integrator, "radau") == 0)
+        options.integrator = SALTUS_RADAU;
+    return options;
+}
+
+saltus_classify_options cli_classify_options(const cli_request *request) {
+    saltus_classify_options options = saltus_classify_defaults();
+    options.flow = cli_flow_options(request);
+    options.transient = request->transient;
+    options.longest = (int)request->longest;
+    if (!request->quiet && isatty(STDERR_FILENO))
+        options.progress = cli_progress;
+    return options;
+}
+
+bool cli_progress(void *context, long long periods, long long at_most) {
+    (void)context;
+    fprintf(stderr, "\rsettling: %lld of at most %lld periods ", periods, at_most);
+    fflush(stderr);
+    return true;
+}
+
+void cli_progress_end(const cli_request *request) {
+    if (!request->quiet && isatty(STDERR_FILENO))
+        fprintf(stderr, "\r%60s\r", "");
+}
+
+int cli_finish(void) {
+    if (fflush(stdout) == 0 && !ferror(stdout))
+        return CLI_DONE;
+    fprintf(stderr, "saltus: standard output could not be written: %s\n", strerror(errno));
+    return CLI_FAILED;
+}

@@ -1,0 +1,64 @@
+/* Shared by the subcommands: option tables, scenes from the command line, exit codes.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef SALTUS_TOOLS_CLI_H
+#define SALTUS_TOOLS_CLI_H
+
+#include "saltus/saltus.h"
+
+enum { CLI_DONE = 0, CLI_FAILED = 1, CLI_BAD_INPUT = 2, CLI_SETTINGS_MAX = 256 };
+
+/* Everything any subcommand can be told; each accepts a part of it. */
+typedef struct cli_request {
+    const char *scene;
+    const char *settings[CLI_SETTINGS_MAX];
+    int setting_count;
+    bool json, quiet, help;
+    const char *output, *data, *integrator;
+    long seeds, seed, transient, longest, periods, samples;
+    double rtol, atol;
+} cli_request;
+
+typedef enum cli_kind { CLI_FLAG, CLI_TEXT, CLI_WHOLE, CLI_REAL, CLI_SETTINGS } cli_kind;
+
+/* One option: it gives the parser, the range check, the default and a line of --help. */
+typedef struct cli_option {
+    const char *name;     /* "--seeds" */
+    cli_kind kind;
+    size_t offset;        /* into cli_request */
+    double fallback, min, max;
+    const char *argument; /* how the value is called in --help; NULL for a flag */
+    const char *help;
+} cli_option;
+
+/* One subcommand. */
+typedef struct cli_command {
+    const char *name;
+    const char *usage; /* what follows the name */
+    const char *help;
+    bool needs_scene;
+    const cli_option *const *options; /* NULL-terminated */
+    int (*run)(const cli_request *request);
+} cli_command;
+
+extern const cli_command cmd_classify, cmd_diagnose, cmd_simulate, cmd_scenes, cmd_check;
+
+extern const cli_option cli_set, cli_json, cli_quiet, cli_output, cli_data, cli_integrator, cli_seeds, cli_seed,
+    cli_transient, cli_longest, cli_periods, cli_samples, cli_settle, cli_rtol, cli_atol;
+
+/* Fill a request from the arguments after the subcommand; false after a message on stderr. */
+bool cli_parse(const cli_command *command, int count, char **arguments, cli_request *request);
+void cli_help(const cli_command *command);
+/* "saltus: ..." on stderr; returns the exit code that belongs to the status. */
+int cli_report(saltus_status status, const saltus_message *message);
+/* The scene with all --set applied, the system, and its initial state (SALTUS_SCENE_STATE_MAX entries). On success the
+ * system is to be freed; otherwise the message has been printed and the exit code is returned. */
+int cli_build(const cli_request *request, saltus_scene *scene, saltus_system **system, double *state);
+saltus_flow_options cli_flow_options(const cli_request *request);
+saltus_classify_options cli_classify_options(const cli_request *request);
+/* A progress line on stderr where that is a terminal; fits saltus_classify_options.progress. */
+bool cli_progress(void *context, long long periods, long long at_most);
+void cli_progress_end(const cli_request *request);
+/* Flush stdout; CLI_FAILED with a message if it could not be written. */
+int cli_finish(void);
+
+#endif

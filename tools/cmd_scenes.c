@@ -1,0 +1,75 @@
+/* saltus scenes and saltus check: what can be simulated.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "cli.h"
+
+#include <string.h>
+
+static const cli_option *const no_options[] = {NULL};
+static const cli_option *const check_options[] = {&cli_set, NULL};
+
+static int list_scenes(const cli_request *request) {
+    saltus_message message = {""};
+    for (int k = 0; k < saltus_scene_builtin_count(); k++) {
+        const char *name = saltus_scene_builtin_name(k), *text = saltus_scene_builtin_text(k);
+        saltus_scene scene;
+        if (request->scene && strcmp(request->scene, name) == 0) {
+            fputs(text, stdout);
+            return CLI_DONE;
+        }
+        saltus_status status = saltus_scene_parse(text, strlen(text), name, &scene, &message);
+        if (status != SALTUS_OK)
+            return cli_report(status, &message);
+        if (!request->scene)
+            printf("%-18s %s\n", name, scene.title);
+    }
+    if (!request->scene)
+        return CLI_DONE;
+    fprintf(stderr, "saltus: %s: no built-in scene of that name; saltus scenes lists them\n", request->scene);
+    return CLI_BAD_INPUT;
+}
+
+static void print_stop(const saltus_stop *stop, int number, bool by_xi) {
+    static const char *const sides[] = {"", "upper", "lower", "both"};
+    printf("stop %d: %s side%s, d = %g, r = %g, ", number, sides[stop->sides], stop->sides == SALTUS_BOTH ? "s" : "",
+           stop->d, stop->r);
+    if (by_xi)
+        printf("xi = %g\n", stop->xi);
+    else
+        printf("weight = [%g, %g]\n", stop->weight[0], stop->weight[1]);
+}
+
+static int check_scene(const cli_request *request) {
+    saltus_scene scene;
+    saltus_system *system;
+    double state[SALTUS_SCENE_STATE_MAX];
+    int code = cli_build(request, &scene, &system, state), count;
+    if (code != CLI_DONE)
+        return code;
+    const saltus_parameter *table = saltus_model_parameters(scene.spec.model, &count);
+    printf("%s: ok\nmodel: %s (%s)\n", scene.name, saltus_model_name(scene.spec.model),
+           saltus_model_summary(scene.spec.model));
+    for (int k = 0; k < count; k++)
+        printf("  %-6s %-12.9g %s\n", table[k].name, scene.spec.parameters[k], table[k].meaning);
+    for (int s = 0; s < scene.spec.stop_count; s++)
+        print_stop(&scene.spec.stops[s], s + 1, strcmp(saltus_model_name(scene.spec.model), "pipe") == 0);
+    printf("forcing period T = %.15g, integrator %s\n", saltus_system_period(system), saltus_system_integrator(system));
+    saltus_system_free(system);
+    return CLI_DONE;
+}
+
+const cli_command cmd_scenes = {
+    .name = "scenes",
+    .usage = "[NAME]",
+    .help = "List the built-in scenes, or print one as YAML, to start a scene of one's own from.",
+    .options = no_options,
+    .run = list_scenes,
+};
+
+const cli_command cmd_check = {
+    .name = "check",
+    .usage = "SCENE [--set key=value ...]",
+    .help = "Read a scene, check it and show what it means; nothing is simulated.",
+    .needs_scene = true,
+    .options = check_options,
+    .run = check_scene,
+};

@@ -1,0 +1,41 @@
+/* saltus simulate: a trajectory as a file.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "cli.h"
+
+static const cli_option *const options[] = {&cli_set,     &cli_periods, &cli_settle, &cli_samples,    &cli_output,
+                                            &cli_rtol,    &cli_atol,    &cli_integrator, NULL};
+
+static int run(const cli_request *request) {
+    saltus_scene scene;
+    saltus_system *system;
+    saltus_message message = {""};
+    saltus_record record = {0};
+    double state[SALTUS_SCENE_STATE_MAX];
+    if (!request->output || !request->periods) {
+        fprintf(stderr, "saltus: simulate: needs --periods n and -o file.h5 or file.csv\n");
+        return CLI_BAD_INPUT;
+    }
+    int code = cli_build(request, &scene, &system, state);
+    if (code != CLI_DONE)
+        return code;
+    saltus_flow_options flow = cli_flow_options(request);
+    saltus_status status = saltus_record_run(system, state, &flow, request->transient, request->periods,
+                                             (int)request->samples, &record, &message);
+    if (status == SALTUS_OK)
+        status = saltus_record_write(&record, &scene, system, &flow, request->output, &message);
+    if (status == SALTUS_OK)
+        printf("%s: %lld samples, %lld events over %ld periods\n", request->output, record.samples, record.event_count,
+               request->periods);
+    saltus_record_clear(&record);
+    saltus_system_free(system);
+    return cli_report(status, &message);
+}
+
+const cli_command cmd_simulate = {
+    .name = "simulate",
+    .usage = "SCENE [--set key=value ...] --periods n [--transient m] -o run.h5|csv",
+    .help = "Run the flow from the scene's initial state and write states, events and stroboscopic points.",
+    .needs_scene = true,
+    .options = options,
+    .run = run,
+};

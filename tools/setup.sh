@@ -1,0 +1,17 @@
+#!/bin/sh
+# Installs what is missing to build, test and draw on Debian. Sourced by demo.sh and test.sh.
+# SPDX-License-Identifier: GPL-3.0-or-later
+set -eu
+needed="gcc cmake ninja-build pkgconf libgsl-dev liblapacke-dev libcyaml-dev libhdf5-dev gnuplot-nox fonts-dejavu-core"
+missing=""
+for package in $needed ${extra_packages:-}; do
+    dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q "ok installed" || missing="$missing $package"
+done
+if [ -n "$missing" ]; then
+    echo "installing:$missing"
+    as_root=""
+    [ "$(id -u)" -eq 0 ] || as_root=sudo
+    $as_root apt-get update -qq
+    # shellcheck disable=SC2086
+    DEBIAN_FRONTEND=noninteractive $as_root apt-get install -y -qq --no-install-recommends $missing >/dev/null
+fi
