@@ -111,7 +111,7 @@ static void integral_values(double s, double *values) {
         values[k] = (p[k + 1] - p[k - 1]) / (4 * k + 2);
 }
 
-static void multiply(saltus_node_matrix a, saltus_node_matrix b, saltus_node_matrix product) {
+static void multiply(double (*a)[n], double (*b)[n], double (*product)[n]) {
     for (int i = 0; i < n; i++)
         for (int j = 0; j < n; j++) {
             double sum = 0;
@@ -145,7 +145,7 @@ static bool find_pairs(saltus_collocation *method) {
 }
 
 /* P_k(2 s - 1) = sum_j (-1)^(k + j) binomial(k, j) binomial(k + j, j) s^j. */
-static void fill_monomials(saltus_node_matrix m) {
+static void fill_monomials(double (*m)[n]) {
     memset(m, 0, sizeof(saltus_node_matrix));
     for (int k = 0; k < n; k++) {
         double term = k % 2 ? -1 : 1;

@@ -61,7 +61,7 @@ INLINE void NAME(decompose)(double *matrix, int n, int uncoupled, int p) {
             NAME(store)(AT(i, k), p, factor);
             for (int j = first; j < n; j++)
                 NAME(store)
-                (AT(i, j), p, NAME(minus_times)(NAME(load)(AT(i, j), p), factor, NAME(load)(AT(k, j), p)));
+            (AT(i, j), p, NAME(minus_times)(NAME(load)(AT(i, j), p), factor, NAME(load)(AT(k, j), p)));
         }
     }
 }
@@ -144,11 +144,11 @@ TARGET static void NAME(factor_contacts)(saltus_stages *s) {
             double *reply = s->reply + c * n * SALTUS_RADAU_NODES;
             for (int i = 0; i < n; i++)
                 NAME(store)
-                (reply + i * SALTUS_RADAU_NODES, p, (complex_pack){NAME(splat)(s->push[c * n + i]), {0}});
+            (reply + i * SALTUS_RADAU_NODES, p, (complex_pack){NAME(splat)(s->push[c * n + i]), {0}});
             NAME(solve_free)(s, reply, p);
             for (int r = 0; r < m; r++)
                 NAME(store)
-                (s->schur + (r * m + c) * SALTUS_RADAU_NODES, p, NAME(dot)(s->pull + r * n, reply, n, p));
+            (s->schur + (r * m + c) * SALTUS_RADAU_NODES, p, NAME(dot)(s->pull + r * n, reply, n, p));
         }
         NAME(decompose)(s->schur, m, 0, p);
     }

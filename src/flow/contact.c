@@ -12,6 +12,9 @@
  * small excursion; its integral over the sequence is of third order in v (the mean of the normal velocity vanishes
  * between contacts), so the remaining error is v^3 in the state and v^2 in its derivative.
  *
+ * With r = 1 the bounces never end; under pressure only the flow's own damping lowers them, ever more slowly. There the
+ * contact holds once the bounces, v^2 / (2 a) high, are below the tolerance in displacement.
+ *
  * Tangent vectors pass every event by the saltation matrix S = DP + (f+ - DP f-) (n, 0)^T / (n.q'-). The end of a
  * chatter is the same formula with r = 0 and the sticking field as f+; release has no jump in the field, so S = 1.
  * SPDX-License-Identifier: GPL-3.0-or-later */
@@ -286,8 +289,10 @@ static double chatter_remainder(saltus_flow *flow, int lane, int face, double re
     for (int i = 0; i < flow->dof; i++)
         size = fmax(size, fmax(fabs(self->state[i]), fabs(self->state[flow->dof + i]) / flow->work.omega_unit));
     double tolerance = 0.1 * (flow->options.atol + flow->options.rtol * size);
-    if (!(a > 0) || (r == 1 && rebound > 0) || (rebound > 0 && rebound * rebound > tolerance * a * (1 - r)))
+    if (!(a > 0) || rebound * rebound > tolerance * a * (r < 1 ? 1 - r : 2))
         return -1;
+    if (r == 1)
+        return 0;
     double remainder = rebound > 0 ? 2 * rebound / (a * (1 - r)) : 0;
     bool steady = fabs(jerk) * remainder <= 0.1 * a && fabs(acceleration - a) <= 0.1 * a;
     return rebound == 0 || steady ? remainder : -1;

@@ -120,13 +120,19 @@ static void search_forces(saltus_flow *flow, int lane, double step, double *firs
  * count. */
 static void search_turning(saltus_flow *flow, int lane, double step, double *first) {
     saltus_lane *self = &flow->lane[lane];
-    int degree = degree_of(flow) - 1, touch = self->turned ? 1 : 0;
-    double c[SALTUS_DEGREE_MAX + 1] = {0}, root;
+    int degree = degree_of(flow) - 1, touch = 0;
+    double c[SALTUS_DEGREE_MAX + 1] = {0}, size = 0, root;
     scaled_series(flow, lane, flow->work.gap + flow->lanes, 1, degree, step, c);
-    for (int k = 0; k <= degree; k++)
+    for (int k = 0; k <= degree; k++) {
         c[k] *= k + 1;
-    for (int k = 0; k < touch; k++)
-        c[k] = 0;
+        size += fabs(c[k]);
+    }
+    /* Held on the stop the observed point does not move: what is left is rounding. After a turning point, an impact
+     * without rebound or a release the first coefficients are zero, but for rounding. */
+    if (size <= 1e-12 * self->system->scale[self->system->dof])
+        return;
+    while (touch < 3 && (fabs(c[touch]) <= 1e-13 * size || (touch == 0 && self->turned)))
+        c[touch++] = 0;
     double sign = c[touch] > 0 ? -1 : 1;
     for (int k = 0; k <= degree; k++)
         c[k] *= sign;

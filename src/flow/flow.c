@@ -25,7 +25,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { idle_events_max = 100000 };
+enum { idle_events_max = 100000, impacts_per_period_max = 1000000 };
 
 double saltus_time_periods(saltus_time time) { return (double)time.cycle + time.phase; }
 
@@ -300,7 +300,8 @@ saltus_status saltus_flow_start(saltus_flow *flow, int lane, saltus_time time, c
     self->step = 0;
     self->contacts = 0;
     self->hold.count = 0;
-    self->idle_events = 0;
+    self->idle_events = self->cycle_events = 0;
+    self->last_speed = 0;
     self->info = (saltus_flow_info){0};
     memset(self->face, 0, sizeof self->face);
     memcpy(self->state, state, (size_t)flow->dimension * sizeof *state);
@@ -364,6 +365,11 @@ static saltus_status expand_lanes(saltus_flow *flow, saltus_message *message) {
         if (!self->aimed)
             continue;
         double planned = plan_step(self, w->step[l]);
+        bool moves = planned > 0 && self->now.phase + planned / self->system->period != self->now.phase;
+        if (!moves && remaining(self) > 0)
+            return saltus_fail(message, SALTUS_STALLED,
+                               "the step falls to %.3g at %.15g periods: the motion grows without bound", planned,
+                               saltus_time_periods(self->now));
         w->advance[l] = saltus_events_first(flow, l, planned);
         if (self->pending.kind != SALTUS_STEP && w->advance[l] < planned)
             self->land = -1;
@@ -401,7 +407,7 @@ static saltus_status apply_event(saltus_flow *flow, int lane) {
         saltus_contacts_release(flow, lane, event->face);
     }
     if (flow->radau)
-        saltus_radau_reset(flow->radau);
+        saltus_radau_impact(flow->radau);
     return status;
 }
 
@@ -430,17 +436,24 @@ static saltus_status conclude(saltus_flow *flow, int lane, saltus_message *messa
         self->info.field_evaluations += flow->work.order;
     self->turned = self->pending.kind == SALTUS_TURNING;
     self->idle_events = contact_event && self->now.phase == self->begin.phase ? self->idle_events + 1 : 0;
-    saltus_status status = sound && self->idle_events < idle_events_max ? SALTUS_OK : SALTUS_STALLED;
+    self->cycle_events = self->now.cycle == self->begin.cycle ? self->cycle_events + contact_event : 0;
+    bool goes_on = self->idle_events < idle_events_max && self->cycle_events < impacts_per_period_max;
+    saltus_status status = sound && goes_on ? SALTUS_OK : SALTUS_STALLED;
     if (status == SALTUS_OK && (self->contacts || self->pending.kind != SALTUS_STEP)) {
         gather_all(flow, lane);
         keep_contacts(flow, lane);
         if (self->pending.kind != SALTUS_STEP)
             status = apply_event(flow, lane);
+        if (contact_event)
+            self->last_speed = self->pending.velocity_before;
         scatter_all(flow, lane);
     }
     if (status != SALTUS_OK)
-        return saltus_fail(message, status, "the flow stalls at %.15g periods: gap %.3g, speed %.3g",
-                           saltus_time_periods(self->now), gap, self->pending.velocity_before);
+        return saltus_fail(message, status, "the flow stalls at %.15g periods (%s): gap %.3g, speed %.3g",
+                           saltus_time_periods(self->now),
+                           goes_on ? "a gap is passed or an impact has no solution"
+                                   : "bounces without end; a restitution of 1 never comes to rest under pressure",
+                           gap, self->last_speed);
     return SALTUS_OK;
 }
 

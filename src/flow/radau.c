@@ -1,10 +1,10 @@
 /* Step control of the stiff integrator.
  *
  * The unknowns of a step are the accelerations at the nodes. One sweep evaluates the field at all nodes side
- * by side and corrects the accelerations by what the linear part, taken at rest and averaged over a forcing
- * period, makes of the residual (collocation.h). What is left over is the pulsation and the cubic term, mild
- * couplings whose error falls like (h L)^k / k! with the number of sweeps, and ends in the collocation
- * solution whatever the linear part was.
+ * by side and corrects the accelerations by what the linear part, taken at rest and at the phase of the
+ * step's middle, makes of the residual (collocation.h). What is left over is the cubic term and the change of
+ * the pulsation within the step: mild couplings, whose error falls like (h L)^k / k! with the number of
+ * sweeps. The sweeps end in the collocation solution whatever the linear part was.
  *
  * Dense output is the polynomial of degree 15 through the accelerations, integrated twice exactly. Its last
  * Legendre coefficients tell how well it represents the solution inside the step, where events are located on
@@ -49,7 +49,7 @@ struct saltus_radau {
 
 /* The larger; a NaN wins. */
 static inline double larger(double a, double b) {
-    return b <= a ? a : b;
+    return a >= b || isnan(a) ? a : b;
 }
 
 static void reserve(saltus_radau *r, int columns) {
@@ -472,8 +472,7 @@ static double growth(const double *error) {
     return expected > 1e-18 ? fmin(4, pow(goal / expected, 1.0 / nodes)) : 4;
 }
 
-/* Powers of time for one row of node values' polynomials: orders `first` and up receive coefficients k -
- * first, integrated `first` times. */
+/* One column's jets: the accelerations' powers of time, integrated exactly. */
 static void emit_column(const saltus_radau *r, saltus_work *work, int c, const double *scale) {
     const saltus_stages *s = &r->stages;
     for (int i = 0; i < s->dof; i++) {

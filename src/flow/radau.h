@@ -21,10 +21,10 @@ void saltus_radau_reset(saltus_radau *radau);
 void saltus_radau_impact(saltus_radau *radau);
 /* Take over the held contacts from the flow's work. */
 void saltus_radau_publish(saltus_radau *radau, const saltus_work *work);
-/* From the state and phase in `work`, make one step; it may reach beyond `limit`, the target, where
- * the flow cuts it. Fills the work's jets (monomials in
- * time, up to SALTUS_RADAU_DEGREE), gap and force series, and work->step. Field evaluations are added to
- * *evaluations. Errors: SALTUS_STALLED when no step converges. */
+/* From the state and phase in `work`, make one step, which may reach beyond `limit`, the target, where the
+ * flow cuts it. Fills the work's jets (monomials in time, up to SALTUS_RADAU_DEGREE), gap and force series,
+ * and work->step. Field evaluations are added to *evaluations. Errors: SALTUS_STALLED when no step converges.
+ */
 saltus_status saltus_radau_step(saltus_radau *radau, saltus_work *work, double limit, long long *evaluations);
 
 #endif
