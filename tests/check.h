@@ -20,13 +20,15 @@
 #define check_near(value, expected, tolerance) check_near_at(value, expected, tolerance, __FILE__, __LINE__)
 #define check_ok(status, message) check_ok_at(status, message, __FILE__, __LINE__)
 
-static inline void check_near_at(double value, double expected, double tolerance, const char *file, int line) {
+static inline void check_near_at(double value, double expected, double tolerance, const char *file,
+                                 int line) {
     if (!(fabs(value - expected) <= tolerance))
         fail_msg("%s:%d: %.17g should be %.17g, difference %.3g beyond %.3g", file, line, value, expected,
                  value - expected, tolerance);
 }
 
-static inline void check_ok_at(saltus_status status, const saltus_message *message, const char *file, int line) {
+static inline void check_ok_at(saltus_status status, const saltus_message *message, const char *file,
+                               int line) {
     if (status != SALTUS_OK)
         fail_msg("%s:%d: %s: %s", file, line, saltus_status_name(status), message->text);
 }
@@ -69,8 +71,8 @@ static inline saltus_system *build(const saltus_spec *spec) {
 }
 
 /* A flow of one lane, started. */
-static inline saltus_flow *open_flow(const saltus_system *system, const saltus_flow_options *options, double phase,
-                                     const double *state) {
+static inline saltus_flow *open_flow(const saltus_system *system, const saltus_flow_options *options,
+                                     double phase, const double *state) {
     saltus_message message = {""};
     saltus_flow *flow = NULL;
     check_ok(saltus_flow_new(&system, 1, options, &flow, &message), &message);
@@ -82,8 +84,9 @@ static inline saltus_event advance(saltus_flow *flow, double periods, unsigned w
     saltus_message message = {""};
     saltus_event event;
     double whole = floor(periods);
-    check_ok(saltus_flow_advance(flow, (saltus_time){(long long)whole, periods - whole}, watch, &event, &message),
-             &message);
+    check_ok(
+        saltus_flow_advance(flow, (saltus_time){(long long)whole, periods - whole}, watch, &event, &message),
+        &message);
     return event;
 }
 

@@ -1,10 +1,10 @@
-/* Linear oscillators whose motion between impacts is known in closed form (data: literature on impact oscillators, each
- * case named at its test).
- * SPDX-License-Identifier: GPL-3.0-or-later */
+/* Linear oscillators whose motion between impacts is known in closed form (data: literature on impact
+ * oscillators, each case named at its test). SPDX-License-Identifier: GPL-3.0-or-later */
 #include "check.h"
 
 /* x'' + c x' + k x = F cos(omega t): steady part plus decaying part. */
-static void closed_form(double c, double k, double force, double omega, const double *x0, double t, double *x) {
+static void closed_form(double c, double k, double force, double omega, const double *x0, double t,
+                        double *x) {
     double denominator = (k - omega * omega) * (k - omega * omega) + c * c * omega * omega;
     double a = force * (k - omega * omega) / denominator, b = force * c * omega / denominator;
     double decay = c / 2, frequency = sqrt(k - decay * decay);
@@ -12,8 +12,8 @@ static void closed_form(double c, double k, double force, double omega, const do
     double p = y0, q = (v0 + decay * y0) / frequency, e = exp(-decay * t);
     double cosine = cos(frequency * t), sine = sin(frequency * t);
     x[0] = e * (p * cosine + q * sine) + a * cos(omega * t) + b * sin(omega * t);
-    x[1] = e * (-decay * (p * cosine + q * sine) + frequency * (q * cosine - p * sine)) - a * omega * sin(omega * t) +
-           b * omega * cos(omega * t);
+    x[1] = e * (-decay * (p * cosine + q * sine) + frequency * (q * cosine - p * sine)) -
+           a * omega * sin(omega * t) + b * omega * cos(omega * t);
 }
 
 static void free_flight(void **unused) {
@@ -35,8 +35,8 @@ static void free_flight(void **unused) {
     saltus_system_free(system);
 }
 
-/* Two masses without damping and load keep their energy; the Maxwell element adds a first-order state whose linear
- * system is checked against the matrix exponential's defining equation by halving. */
+/* Two masses without damping and load keep their energy; the Maxwell element adds a first-order state whose
+ * linear system is checked against the matrix exponential's defining equation by halving. */
 static void two_masses_keep_energy(void **unused) {
     (void)unused;
     saltus_spec spec = oscillator_spec(0, 2.0, 0, 1.0);
@@ -52,7 +52,8 @@ static void two_masses_keep_energy(void **unused) {
     saltus_system *system = build(&spec);
     saltus_flow_options options = saltus_flow_defaults();
     double x[4] = {0.1, 0.0, 0.3, -1.0};
-    double energy = 0.5 * (x[2] * x[2] + 0.5 * x[3] * x[3]) + x[0] * x[0] + 1.5 * (x[0] - x[1]) * (x[0] - x[1]);
+    double energy =
+        0.5 * (x[2] * x[2] + 0.5 * x[3] * x[3]) + x[0] * x[0] + 1.5 * (x[0] - x[1]) * (x[0] - x[1]);
     double momentum_energy = energy;
     saltus_flow *flow = open_flow(system, &options, 0, x);
     advance(flow, 200, 0);
@@ -113,8 +114,9 @@ static void period_one_orbits(void **unused) {
     }
 }
 
-/* Near grazing: x'' + 0.04 x' + x = F cos(omega t) - 1, x < 0, r = 0.9, one impact in two periods; folds and flips of the
- * impact map located by others. Rows: omega, speed, F, impact time mod T, critical and other multiplier. */
+/* Near grazing: x'' + 0.04 x' + x = F cos(omega t) - 1, x < 0, r = 0.9, one impact in two periods; folds and
+ * flips of the impact map located by others. Rows: omega, speed, F, impact time mod T, critical and other
+ * multiplier. */
 static void near_grazing_orbits(void **unused) {
     (void)unused;
     static const double rows[4][6] = {
@@ -172,8 +174,8 @@ static void impact_sequence(void **unused) {
     saltus_system_free(system);
 }
 
-/* The same oscillator at omega = 4.85 with the stop at 0.01 is chaotic and now and then falls into complete chatter: it
- * must neither stall there nor stay. */
+/* The same oscillator at omega = 4.85 with the stop at 0.01 is chaotic and now and then falls into complete
+ * chatter: it must neither stall there nor stay. */
 static void complete_chatter_goes_on(void **unused) {
     (void)unused;
     saltus_spec spec = oscillator_spec(0, 1, 1, 4.85);
@@ -227,8 +229,9 @@ static saltus_spec table_spec(double gamma) {
     return spec;
 }
 
-/* Ball on a vibrating table, restitution 1/2: the one-impact k-period orbit flips at a known acceleration. The orbit's
- * impact: the relative speed that T k of flight asks for, at the phase where the table gives back what is lost. */
+/* Ball on a vibrating table, restitution 1/2: the one-impact k-period orbit flips at a known acceleration.
+ * The orbit's impact: the relative speed that T k of flight asks for, at the phase where the table gives back
+ * what is lost. */
 static void vibrating_table(void **unused) {
     (void)unused;
     static const double flip[3] = {0, 1.526823700519, 2.370877210267};
@@ -260,8 +263,8 @@ static void vibrating_table(void **unused) {
         }
         check_near(best, 0, 1e-9);
         double trace = d[4] + d[8], determinant = d[4] * d[8] - d[5] * d[7];
-        check_near(1 + trace + determinant, 0, 1e-9);  /* a multiplier -1 */
-        check_near(determinant, 0.25, 1e-10);          /* e^2 */
+        check_near(1 + trace + determinant, 0, 1e-9); /* a multiplier -1 */
+        check_near(determinant, 0.25, 1e-10);         /* e^2 */
         saltus_map_free(map);
         saltus_system_free(system);
     }
@@ -269,10 +272,14 @@ static void vibrating_table(void **unused) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(free_flight),         cmocka_unit_test(two_masses_keep_energy),
-        cmocka_unit_test(maxwell_element),     cmocka_unit_test(period_one_orbits),
-        cmocka_unit_test(near_grazing_orbits), cmocka_unit_test(impact_sequence),
-        cmocka_unit_test(complete_chatter_goes_on), cmocka_unit_test(bouncing_ball),
+        cmocka_unit_test(free_flight),
+        cmocka_unit_test(two_masses_keep_energy),
+        cmocka_unit_test(maxwell_element),
+        cmocka_unit_test(period_one_orbits),
+        cmocka_unit_test(near_grazing_orbits),
+        cmocka_unit_test(impact_sequence),
+        cmocka_unit_test(complete_chatter_goes_on),
+        cmocka_unit_test(bouncing_ball),
         cmocka_unit_test(vibrating_table),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

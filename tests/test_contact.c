@@ -26,11 +26,10 @@ static void watch_run(const saltus_system *system, saltus_flow *flow, double per
 
 static void stops_are_never_passed(void **unused) {
     (void)unused;
-    static const double rows[][4] = {{10, 0.025, 0.9, SALTUS_UPPER}, {10, 0.02, 0.5, SALTUS_UPPER},
-                                     {20, 0.01, 0, SALTUS_UPPER},    {38, 0.03, 0.9, SALTUS_UPPER},
-                                     {42, 0.035, 0.7, SALTUS_BOTH},  {10, 0.02, 0.99, SALTUS_LOWER},
-                                     {14, 0.03, 1, SALTUS_BOTH},     {30, -0.01, 0.8, SALTUS_UPPER},
-                                     {12, 0, 0.6, SALTUS_UPPER}};
+    static const double rows[][4] = {
+        {10, 0.025, 0.9, SALTUS_UPPER}, {10, 0.02, 0.5, SALTUS_UPPER},  {20, 0.01, 0, SALTUS_UPPER},
+        {38, 0.03, 0.9, SALTUS_UPPER},  {42, 0.035, 0.7, SALTUS_BOTH},  {10, 0.02, 0.99, SALTUS_LOWER},
+        {14, 0.03, 1, SALTUS_BOTH},     {30, -0.01, 0.8, SALTUS_UPPER}, {12, 0, 0.6, SALTUS_UPPER}};
     for (size_t k = 0; k < sizeof rows / sizeof rows[0]; k++) {
         saltus_spec spec = pipe_spec(5, rows[k][0]);
         add_stop(&spec, rows[k][1], rows[k][2], (saltus_sides)rows[k][3]);
@@ -117,8 +116,8 @@ static void elastic_impacts_keep_energy(void **unused) {
     saltus_system_free(system);
 }
 
-/* Start on the stop at rest, with every sign of acceleration: pressed holds, pulled leaves, balanced stays or follows its
- * first derivative that stands out. */
+/* Start on the stop at rest, with every sign of acceleration: pressed holds, pulled leaves, balanced stays or
+ * follows its first derivative that stands out. */
 static void starts_on_the_stop(void **unused) {
     (void)unused;
     const double loads[3] = {0.5, -0.5, 0.0};
@@ -181,15 +180,17 @@ static void starts_beyond_are_refused(void **unused) {
     saltus_system_free(system);
 }
 
-/* The chatter's cut-off follows the tolerance, and the state after it hardly depends on it: the error of projecting is
- * of higher order. Looser tolerances against the tightest, over one chatter of the reference scene. */
+/* The chatter's cut-off follows the tolerance, and the state after it hardly depends on it: the error of
+ * projecting is of higher order. Looser tolerances against the tightest, over one chatter of the reference
+ * scene. */
 static void chatter_cut_off(void **unused) {
     (void)unused;
     saltus_spec spec = pipe_spec(5, 10);
     add_stop(&spec, 0.025, 0.9, SALTUS_UPPER);
     saltus_system *system = build(&spec);
-    double start[dimension_max] = {0.0199474617427747, 0.0019470120123940, 5.58697682e-05, 3.15424976e-05, 2.062260e-06,
-                                   -0.0509462082284564, -0.0131770628946764, -0.00212267766, -0.000390840844, 0.000364990620};
+    double start[dimension_max] = {
+        0.0199474617427747,  0.0019470120123940,  5.58697682e-05, 3.15424976e-05,  2.062260e-06,
+        -0.0509462082284564, -0.0131770628946764, -0.00212267766, -0.000390840844, 0.000364990620};
     double exact[dimension_max], state[dimension_max];
     long long impacts = 0;
     for (int digits = 14; digits >= 6; digits--) {
@@ -203,7 +204,8 @@ static void chatter_cut_off(void **unused) {
         saltus_flow_state(flow, 0, digits == 14 ? exact : state);
         if (digits < 14) {
             for (int i = 0; i < 10; i++)
-                check_near(state[i], exact[i], 20 * options.rtol * saltus_system_scale(system)[i < 5 ? 0 : 5] + 1e-15);
+                check_near(state[i], exact[i],
+                           20 * options.rtol * saltus_system_scale(system)[i < 5 ? 0 : 5] + 1e-15);
             assert_true(saltus_flow_information(flow, 0).impacts < impacts);
         }
         impacts = saltus_flow_information(flow, 0).impacts;
@@ -239,7 +241,8 @@ static void mirror_symmetry(void **unused) {
     saltus_system_free(system);
 }
 
-/* A section at an event or in the middle of a step changes nothing beyond the tolerance: chop the run at will. */
+/* A section at an event or in the middle of a step changes nothing beyond the tolerance: chop the run at
+ * will. */
 static void chopping_changes_nothing(void **unused) {
     (void)unused;
     saltus_spec spec = pipe_spec(5, 42);
@@ -254,7 +257,8 @@ static void chopping_changes_nothing(void **unused) {
     saltus_flow_state(flow, 0, whole);
     check_ok(saltus_flow_start(flow, 0, (saltus_time){0, 0}, start, &message), &message);
     for (int k = 1; k <= 6 * 317; k++)
-        advance(flow, k / 317.0, SALTUS_WATCH_CONTACT | SALTUS_WATCH_TURNING).kind != SALTUS_REACHED ? k-- : 0;
+        advance(flow, k / 317.0, SALTUS_WATCH_CONTACT | SALTUS_WATCH_TURNING).kind != SALTUS_REACHED ? k--
+                                                                                                     : 0;
     advance(flow, 6, 0);
     saltus_flow_state(flow, 0, chopped);
     for (int i = 0; i < 10; i++)

@@ -1,5 +1,5 @@
-/* Grazing: a stop a hair beyond the largest displacement of a free orbit is never hit, a hair before it always.
- * SPDX-License-Identifier: GPL-3.0-or-later */
+/* Grazing: a stop a hair beyond the largest displacement of a free orbit is never hit, a hair before it
+ * always. SPDX-License-Identifier: GPL-3.0-or-later */
 #include "check.h"
 
 enum { phases = 1000 };
@@ -24,8 +24,8 @@ static double free_orbit(const saltus_spec *spec, int *periods, double *state) {
 }
 
 /* Impacts over one orbit from each of many starting phases on it. */
-static void count_phases(const saltus_spec *free_spec, double d, int periods, const double *state, double rtol,
-                         long long *with, long long *without) {
+static void count_phases(const saltus_spec *free_spec, double d, int periods, const double *state,
+                         double rtol, long long *with, long long *without) {
     saltus_spec spec = *free_spec;
     add_stop(&spec, d, 0.8, SALTUS_UPPER);
     saltus_system *stopped = build(&spec), *free_system = build(free_spec);
@@ -43,7 +43,8 @@ static void count_phases(const saltus_spec *free_spec, double d, int periods, co
         saltus_flow_state(carrier, 0, point);
         if (!flow)
             flow = open_flow(stopped, &options, 0, point);
-        check_ok(saltus_flow_start(flow, 0, (saltus_time){0, start - floor(start)}, point, &message), &message);
+        check_ok(saltus_flow_start(flow, 0, (saltus_time){0, start - floor(start)}, point, &message),
+                 &message);
         saltus_time now = saltus_flow_time(flow, 0);
         saltus_event event;
         now.cycle += periods;
@@ -57,7 +58,8 @@ static void count_phases(const saltus_spec *free_spec, double d, int periods, co
 }
 
 /* The flow's own error at the maximum: how far the largest displacement moves with the tolerance. */
-static double flow_error(const saltus_spec *spec, double largest, int periods, const double *state, double rtol) {
+static double flow_error(const saltus_spec *spec, double largest, int periods, const double *state,
+                         double rtol) {
     saltus_system *system = build(spec);
     saltus_flow_options options = saltus_flow_defaults();
     options.rtol = rtol;
@@ -93,7 +95,8 @@ static void neither_missed_nor_invented(void **unused) {
     double largest = free_orbit(&spec, &periods, state);
     for (int digits = 6; digits <= 12; digits += 2) {
         double rtol = pow(10, -digits);
-        double offset = digits == 12 ? 1e-10 : fmax(1e-10, 10 * flow_error(&spec, largest, periods, state, rtol));
+        double offset =
+            digits == 12 ? 1e-10 : fmax(1e-10, 10 * flow_error(&spec, largest, periods, state, rtol));
         count_phases(&spec, largest + offset, periods, state, rtol, &with, &without);
         assert_int_equal(with, 0);
         count_phases(&spec, largest - offset, periods, state, rtol, &with, &without);

@@ -31,8 +31,8 @@ static void expect_none(const double *c, int degree) {
     assert_false(saltus_isolate_rise(c, degree, &root));
 }
 
-/* -(s - a)(s - a - 2^-43) rises through zero at a and falls 1.1e-13 later: the excess is 3e-27. The coefficients are
- * exact for a = 1/2 and a = 0 + 2^-10, so the roots are as stated. */
+/* -(s - a)(s - a - 2^-43) rises through zero at a and falls 1.1e-13 later: the excess is 3e-27. The
+ * coefficients are exact for a = 1/2 and a = 0 + 2^-10, so the roots are as stated. */
 static void two_roots_close_together(void **unused) {
     (void)unused;
     const double gap = ldexp(1, -43), places[] = {0.5, 0.25, ldexp(1, -10)};
@@ -45,7 +45,8 @@ static void two_roots_close_together(void **unused) {
     }
 }
 
-/* A maximum that stays below zero by 2^-90 is no root; touching zero is none either; above by as little is one. */
+/* A maximum that stays below zero by 2^-90 is no root; touching zero is none either; above by as little is
+ * one. */
 static void nearly_double_roots(void **unused) {
     (void)unused;
     const double tiny = ldexp(1, -52);
@@ -61,10 +62,10 @@ static void nearly_double_roots(void **unused) {
 
 static void roots_at_the_ends(void **unused) {
     (void)unused;
-    double at_end[3] = {-1, 0.5, 0.5};     /* (s - 1)(s + 2) / 2 */
+    double at_end[3] = {-1, 0.5, 0.5}; /* (s - 1)(s + 2) / 2 */
     double beyond[3] = {-1 - 1e-15, 0.5, 0.5};
-    double leaving[3] = {0, -1, 0.5};      /* zero at the start, falling, back at 2 */
-    double back[3] = {0, -1, 1};           /* zero at the start, back at 1 */
+    double leaving[3] = {0, -1, 0.5}; /* zero at the start, falling, back at 2 */
+    double back[3] = {0, -1, 1};      /* zero at the start, back at 1 */
     expect_root(at_end, 2, 1, 0);
     expect_none(beyond, 2);
     expect_none(leaving, 2);
@@ -103,8 +104,8 @@ static double conditioning(const double *c, int degree, double root) {
     return 1e-15 * (degree + 1) * size / fabs(slope);
 }
 
-/* Random products of real roots inside and outside the interval, up to degree 24: the first rise is the least inner
- * root at which the sign changes from negative to positive. Decided against the sorted roots. */
+/* Random products of real roots inside and outside the interval, up to degree 24: the first rise is the least
+ * inner root at which the sign changes from negative to positive. Decided against the sorted roots. */
 static void random_products(void **unused) {
     (void)unused;
     gsl_rng *rng = gsl_rng_alloc(gsl_rng_mt19937);

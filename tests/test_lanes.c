@@ -14,8 +14,8 @@ typedef struct outcome {
 
 static saltus_system *random_system(gsl_rng *rng, int k) {
     saltus_spec spec = pipe_spec(modes, 8 + 45 * gsl_rng_uniform(rng));
-    add_stop(&spec, k % 4 == 0 ? 0.02 : 0.025 + 0.012 * gsl_rng_uniform(rng), 0.5 + 0.45 * gsl_rng_uniform(rng),
-             SALTUS_UPPER);
+    add_stop(&spec, k % 4 == 0 ? 0.02 : 0.025 + 0.012 * gsl_rng_uniform(rng),
+             0.5 + 0.45 * gsl_rng_uniform(rng), SALTUS_UPPER);
     if (k % 4 == 0)
         set_parameter(&spec, "omega", 9 + 2 * gsl_rng_uniform(rng)); /* chatter and sticking */
     return build(&spec);
@@ -28,7 +28,9 @@ static void random_state(gsl_rng *rng, const saltus_system *system, double *stat
     while (saltus_system_check_state(system, state, NULL) != SALTUS_OK);
 }
 
-static saltus_time target(int k) { return (saltus_time){periods, 0.01 * k}; }
+static saltus_time target(int k) {
+    return (saltus_time){periods, 0.01 * k};
+}
 
 static void finish(const saltus_flow *flow, int lane, outcome *out) {
     saltus_flow_state(flow, lane, out->state);
@@ -36,8 +38,8 @@ static void finish(const saltus_flow *flow, int lane, outcome *out) {
     out->info = saltus_flow_information(flow, lane);
 }
 
-static void run_alone(saltus_system *const *systems, double (*states)[dimension], const saltus_flow_options *options,
-                      outcome *out) {
+static void run_alone(saltus_system *const *systems, double (*states)[dimension],
+                      const saltus_flow_options *options, outcome *out) {
     for (int k = 0; k < trajectories; k++) {
         saltus_flow *flow = open_flow(systems[k], options, 0, states[k]);
         saltus_message message = {""};
@@ -92,7 +94,8 @@ static void same_bits(void **unused) {
     for (int k = 0; k < trajectories; k++) {
         assert_memory_equal(alone[k].state, together[k].state, sizeof alone[k].state);
         assert_memory_equal(alone[k].tangents, together[k].tangents, sizeof alone[k].tangents);
-        assert_true(alone[k].info.steps == together[k].info.steps && alone[k].info.impacts == together[k].info.impacts);
+        assert_true(alone[k].info.steps == together[k].info.steps &&
+                    alone[k].info.impacts == together[k].info.impacts);
         impacts += alone[k].info.impacts;
         sticks += alone[k].info.sticks;
         saltus_system_free(systems[k]);

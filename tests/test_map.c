@@ -24,11 +24,12 @@ static void image_of(saltus_map *map, const double *point, double *image) {
 }
 
 /* Derivative against central differences, in directions that keep to the section. */
-static void compare_derivative(const saltus_system *system, saltus_section_kind kind, double phase, int iterate,
-                               const double *point, int first_free) {
+static void compare_derivative(const saltus_system *system, saltus_section_kind kind, double phase,
+                               int iterate, const double *point, int first_free) {
     saltus_map *map = open_map(system, kind, phase, iterate, true);
     int m = saltus_map_dimension(map), n = saltus_system_dimension(system);
-    double image[dimension_max], derivative[dimension_max * dimension_max], plus[dimension_max], minus[dimension_max];
+    double image[dimension_max], derivative[dimension_max * dimension_max], plus[dimension_max],
+        minus[dimension_max];
     image_of(map, point, image);
     saltus_map_derivative(map, derivative);
     for (int j = first_free; j < m; j++) {
@@ -168,9 +169,12 @@ static void refused_sections(void **unused) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(stroboscopic_derivative), cmocka_unit_test(impact_derivative),
-        cmocka_unit_test(turning_derivative),      cmocka_unit_test(turning_points),
-        cmocka_unit_test(any_phase),               cmocka_unit_test(refused_sections),
+        cmocka_unit_test(stroboscopic_derivative),
+        cmocka_unit_test(impact_derivative),
+        cmocka_unit_test(turning_derivative),
+        cmocka_unit_test(turning_points),
+        cmocka_unit_test(any_phase),
+        cmocka_unit_test(refused_sections),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

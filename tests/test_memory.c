@@ -15,11 +15,19 @@ void *__wrap_aligned_alloc(size_t alignment, size_t size);
 
 static long allocations, failing = -1;
 
-static bool refuse(void) { return ++allocations == failing; }
+static bool refuse(void) {
+    return ++allocations == failing;
+}
 
-void *__wrap_malloc(size_t size) { return refuse() ? NULL : __real_malloc(size); }
-void *__wrap_calloc(size_t count, size_t size) { return refuse() ? NULL : __real_calloc(count, size); }
-void *__wrap_realloc(void *old, size_t size) { return refuse() ? NULL : __real_realloc(old, size); }
+void *__wrap_malloc(size_t size) {
+    return refuse() ? NULL : __real_malloc(size);
+}
+void *__wrap_calloc(size_t count, size_t size) {
+    return refuse() ? NULL : __real_calloc(count, size);
+}
+void *__wrap_realloc(void *old, size_t size) {
+    return refuse() ? NULL : __real_realloc(old, size);
+}
 void *__wrap_aligned_alloc(size_t alignment, size_t size) {
     return refuse() ? NULL : __real_aligned_alloc(alignment, size);
 }
@@ -41,7 +49,8 @@ static void stepping_never_allocates(void **unused) {
         long before = allocations;
         advance(flow, 8, 0);
         assert_int_equal(allocations, before);
-        assert_true(saltus_flow_information(flow, 0).sticks > 0 && saltus_flow_information(flow, 0).releases > 0);
+        assert_true(saltus_flow_information(flow, 0).sticks > 0 &&
+                    saltus_flow_information(flow, 0).releases > 0);
         saltus_flow_free(flow);
         saltus_system_free(system);
     }

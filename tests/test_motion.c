@@ -1,5 +1,5 @@
-/* Classification beyond the reference orbits: rest, contact for good, symmetry, seeds, honesty about the undecided.
- * SPDX-License-Identifier: GPL-3.0-or-later */
+/* Classification beyond the reference orbits: rest, contact for good, symmetry, seeds, honesty about the
+ * undecided. SPDX-License-Identifier: GPL-3.0-or-later */
 #include "check.h"
 
 enum { dimension_max = 20 };
@@ -18,7 +18,8 @@ static saltus_motion classify(const saltus_spec *spec, const double *state, long
     return motion;
 }
 
-/* N = 1, steady flow: buckled at q = sqrt(2 (u0^2 - pi^2) / (kappa pi^2)); held when the stop is nearer than that. */
+/* N = 1, steady flow: buckled at q = sqrt(2 (u0^2 - pi^2) / (kappa pi^2)); held when the stop is nearer than
+ * that. */
 static void buckled_and_held(void **unused) {
     (void)unused;
     double buckled = sqrt(2 * (4.5 * 4.5 - M_PI * M_PI) / (5000 * M_PI * M_PI));
@@ -36,7 +37,8 @@ static void buckled_and_held(void **unused) {
     check_near(motion.state[0], 0.02, 1e-17);
     /* Force per modal mass: -(lambda^4 - u^2 lambda^2) q - kappa lambda^4 q^3 / 2. */
     double l2 = M_PI * M_PI, q = 0.02;
-    check_near(motion.contact_force[0], -(l2 * l2 - 20.25 * l2) * q - 0.5 * 5000 * l2 * l2 * q * q * q, 1e-12);
+    check_near(motion.contact_force[0], -(l2 * l2 - 20.25 * l2) * q - 0.5 * 5000 * l2 * l2 * q * q * q,
+               1e-12);
     saltus_motion_clear(&motion);
 }
 
@@ -82,7 +84,8 @@ static void free_response(void **unused) {
     saltus_motion_clear(&motion);
 }
 
-/* The product rule on assorted stable orbits with impacts: (sum of log moduli) = <trace> + 2 ln r per impact. */
+/* The product rule on assorted stable orbits with impacts: (sum of log moduli) = <trace> + 2 ln r per impact.
+ */
 static void product_rule(void **unused) {
     (void)unused;
     static const double rows[][4] = {{42, 0.035, 0.9, 5}, {43, 0.0295, 0.9, 5}, {16, 0.035, 0.9, 5},
@@ -177,10 +180,10 @@ static void chaos_is_undecided(void **unused) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(buckled_and_held),       cmocka_unit_test(straight_pipe_rests),
-        cmocka_unit_test(held_under_pulsation),   cmocka_unit_test(free_response),
-        cmocka_unit_test(product_rule),           cmocka_unit_test(seeds_are_reproducible),
-        cmocka_unit_test(mirror_pairs_are_two),   cmocka_unit_test(chaos_is_undecided),
+        cmocka_unit_test(buckled_and_held),     cmocka_unit_test(straight_pipe_rests),
+        cmocka_unit_test(held_under_pulsation), cmocka_unit_test(free_response),
+        cmocka_unit_test(product_rule),         cmocka_unit_test(seeds_are_reproducible),
+        cmocka_unit_test(mirror_pairs_are_two), cmocka_unit_test(chaos_is_undecided),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -117,7 +117,8 @@ static void classification_agrees(void **unused) {
     }
 }
 
-/* The tolerance is what it says: the error after one orbit falls with it and stays below a hundred times of it. */
+/* The tolerance is what it says: the error after one orbit falls with it and stays below a hundred times of
+ * it. */
 static void tolerance_is_kept(void **unused) {
     (void)unused;
     for (int f = 0; f < name_count; f++) {
@@ -141,8 +142,8 @@ static void tolerance_is_kept(void **unused) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(flow_closes),           cmocka_unit_test(flow_events),
-        cmocka_unit_test(shooting_converges),    cmocka_unit_test(classification_agrees),
+        cmocka_unit_test(flow_closes),        cmocka_unit_test(flow_events),
+        cmocka_unit_test(shooting_converges), cmocka_unit_test(classification_agrees),
         cmocka_unit_test(tolerance_is_kept),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

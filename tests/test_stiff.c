@@ -33,7 +33,8 @@ static double compare(int modes, double omega, double d, double r, double settle
     }
     int n = 2 * modes;
     for (int i = 0; i < n; i++)
-        worst = fmax(worst, fabs(state[0][i] - state[1][i]) / saltus_system_scale(system)[i < modes ? 0 : modes]);
+        worst =
+            fmax(worst, fabs(state[0][i] - state[1][i]) / saltus_system_scale(system)[i < modes ? 0 : modes]);
     *tangent_difference = 0;
     for (int c = 0; c < columns; c++) {
         double size = 0;

@@ -16,7 +16,7 @@ static void refused_parameters(void **unused) {
     static const struct {
         const char *name;
         double value;
-    } rows[] = {{"N", 0},     {"N", 2.5},    {"N", 65},      {"alpha", -1},  {"beta", 1},      {"beta", -0.1},
+    } rows[] = {{"N", 0},     {"N", 2.5},    {"N", 65},      {"alpha", -1}, {"beta", 1},      {"beta", -0.1},
                 {"omega", 0}, {"omega", -3}, {"omega", NAN}, {"kappa", -1}, {"u0", INFINITY}, {"sigma", NAN}};
     for (size_t k = 0; k < sizeof rows / sizeof rows[0]; k++) {
         saltus_spec spec = pipe_spec(3, 20);
@@ -31,11 +31,11 @@ static void refused_stops(void **unused) {
         double xi, d, r;
         saltus_sides sides;
         const char *word;
-    } rows[] = {{0, 0.03, 0.9, SALTUS_UPPER, "xi"},         {1, 0.03, 0.9, SALTUS_UPPER, "xi"},
-                {0.5, 0.03, 1.2, SALTUS_UPPER, "r = 1.2"},  {0.5, 0.03, -0.1, SALTUS_UPPER, "r = -0.1"},
+    } rows[] = {{0, 0.03, 0.9, SALTUS_UPPER, "xi"},          {1, 0.03, 0.9, SALTUS_UPPER, "xi"},
+                {0.5, 0.03, 1.2, SALTUS_UPPER, "r = 1.2"},   {0.5, 0.03, -0.1, SALTUS_UPPER, "r = -0.1"},
                 {0.5, -0.01, 0.9, SALTUS_BOTH, "d = -0.01"}, {0.5, 0, 0.9, SALTUS_BOTH, "d = 0"},
-                {0.5, NAN, 0.9, SALTUS_UPPER, "d"},         {0.5, 0.03, NAN, SALTUS_UPPER, "r"},
-                {1e-9, 0.03, 0.9, SALTUS_UPPER, "xi"},      {0.5, 0.03, 0.9, (saltus_sides)0, "sides"}};
+                {0.5, NAN, 0.9, SALTUS_UPPER, "d"},          {0.5, 0.03, NAN, SALTUS_UPPER, "r"},
+                {1e-9, 0.03, 0.9, SALTUS_UPPER, "xi"},       {0.5, 0.03, 0.9, (saltus_sides)0, "sides"}};
     for (size_t k = 0; k < sizeof rows / sizeof rows[0]; k++) {
         saltus_spec spec = pipe_spec(3, 20);
         add_stop(&spec, rows[k].d, rows[k].r, rows[k].sides);
@@ -85,8 +85,8 @@ static void geometry(void **unused) {
     saltus_system_free(system);
 }
 
-/* The vector field is that of model.md: evaluated term by term here, through the flow there; its tangent action
- * against central differences, and the trace against the sum of the diagonal. */
+/* The vector field is that of model.md: evaluated term by term here, through the flow there; its tangent
+ * action against central differences, and the trace against the sum of the diagonal. */
 static void field_of(const saltus_spec *spec, const double *x, double phase, double *f) {
     int n = (int)saltus_spec_get(spec, "N");
     double alpha = saltus_spec_get(spec, "alpha"), beta = saltus_spec_get(spec, "beta");
@@ -100,7 +100,8 @@ static void field_of(const saltus_spec *spec, const double *x, double phase, dou
         s1 += 0.5 * l2 * x[k - 1] * x[n + k - 1];
     }
     for (int i = 1; i <= n; i++) {
-        double l2 = i * i * M_PI * M_PI, sum = alpha * l2 * l2 * x[n + i - 1] + (l2 * l2 - u * u * l2) * x[i - 1];
+        double l2 = i * i * M_PI * M_PI,
+               sum = alpha * l2 * l2 * x[n + i - 1] + (l2 * l2 - u * u * l2) * x[i - 1];
         sum += kappa * l2 * x[i - 1] * (s + 2 * alpha * s1) - sqrt(beta) * rate * l2 / 2 * x[i - 1];
         for (int j = 1; j <= n; j++)
             if ((i + j) % 2) {
@@ -115,10 +116,11 @@ static void field_of(const saltus_spec *spec, const double *x, double phase, dou
 
 static void vector_field(void **unused) {
     (void)unused;
-    static const double rows[][5] = {/* N, sigma, kappa, beta, alpha */
-                                     {5, 0.2, 5000, 0.64, 0.005}, {5, 0, 5000, 0.64, 0.005}, {3, 0.2, 0, 0.3, 0.01},
-                                     {1, 0.2, 5000, 0.64, 0.005}, {4, 0, 0, 0, 0},            {8, 0.3, 100, 0.5, 0.001},
-                                     {12, 0.2, 5000, 0.64, 0.005}};
+    static const double rows[][5] = {
+        /* N, sigma, kappa, beta, alpha */
+        {5, 0.2, 5000, 0.64, 0.005}, {5, 0, 5000, 0.64, 0.005}, {3, 0.2, 0, 0.3, 0.01},
+        {1, 0.2, 5000, 0.64, 0.005}, {4, 0, 0, 0, 0},           {8, 0.3, 100, 0.5, 0.001},
+        {12, 0.2, 5000, 0.64, 0.005}};
     for (size_t k = 0; k < sizeof rows / sizeof rows[0]; k++) {
         saltus_spec spec = pipe_spec(rows[k][0], 17);
         set_parameter(&spec, "sigma", rows[k][1]);
@@ -178,9 +180,9 @@ static void flow_options_are_checked(void **unused) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(refused_parameters),  cmocka_unit_test(refused_stops), cmocka_unit_test(refused_oscillators),
-        cmocka_unit_test(geometry),            cmocka_unit_test(vector_field),
-        cmocka_unit_test(flow_options_are_checked),
+        cmocka_unit_test(refused_parameters),  cmocka_unit_test(refused_stops),
+        cmocka_unit_test(refused_oscillators), cmocka_unit_test(geometry),
+        cmocka_unit_test(vector_field),        cmocka_unit_test(flow_options_are_checked),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -10,34 +10,39 @@
 
 #define PLACE(member) offsetof(cli_request, member)
 
-const cli_option cli_set = {"--set", CLI_SETTINGS, 0, 0, 0, 0, "key=value ...", "change parameters of the scene"};
+const cli_option cli_set = {
+    "--set", CLI_SETTINGS, 0, 0, 0, 0, "key=value ...", "change parameters of the scene"};
 const cli_option cli_json = {"--json", CLI_FLAG, PLACE(json), 0, 0, 0, NULL, "one JSON object on stdout"};
 const cli_option cli_quiet = {"--quiet", CLI_FLAG, PLACE(quiet), 0, 0, 0, NULL, "no progress line"};
 const cli_option cli_output = {"-o", CLI_TEXT, PLACE(output), 0, 0, 0, "file", "where the result goes"};
-const cli_option cli_data = {"--data",
-                             CLI_TEXT,
-                             PLACE(data),
-                             0,
-                             0,
-                             0,
-                             "file.h5",
-                             "keep the data there, and gnuplot's script beside it (.gp)"};
+const cli_option cli_data = {
+    "--data", CLI_TEXT, PLACE(data), 0,
+    0,        0,        "file.h5",   "keep the data there, and gnuplot's script beside it (.gp)"};
 const cli_option cli_integrator = {
     "--integrator", CLI_TEXT, PLACE(integrator), 0, 0, 0, "name", "automatic, taylor or radau"};
 const cli_option cli_seeds = {
-    "--seeds", CLI_WHOLE, PLACE(seeds), 0, 1, 1e6, "k", "classify from k random initial states, list the attractors"};
-const cli_option cli_seed = {
-    "--seed", CLI_WHOLE, PLACE(seed), 1, 0, 4294967295.0, "s", "seed of the random initial states"};
-const cli_option cli_transient = {
-    "--transient", CLI_WHOLE, PLACE(transient), 20000, 1, 1e12, "n", "periods to wait at most for the motion to settle"};
+    "--seeds", CLI_WHOLE, PLACE(seeds), 0,
+    1,         1e6,       "k",          "classify from k random initial states, list the attractors"};
+const cli_option cli_seed = {"--seed", CLI_WHOLE,    PLACE(seed), 1,
+                             0,        4294967295.0, "s",         "seed of the random initial states"};
+const cli_option cli_transient = {"--transient",
+                                  CLI_WHOLE,
+                                  PLACE(transient),
+                                  20000,
+                                  1,
+                                  1e12,
+                                  "n",
+                                  "periods to wait at most for the motion to settle"};
 const cli_option cli_settle = {
     "--transient", CLI_WHOLE, PLACE(transient), 0, 0, 1e12, "m", "periods to run before the recording"};
 const cli_option cli_longest = {
     "--longest", CLI_WHOLE, PLACE(longest), 64, 1, 1024, "p", "longest period tried, in forcing periods"};
-const cli_option cli_periods = {"--periods", CLI_WHOLE, PLACE(periods), 0, 1, 1e6, "n", "forcing periods to record"};
-const cli_option cli_samples = {"--samples", CLI_WHOLE, PLACE(samples), 200, 1, 1e5, "k", "samples per forcing period"};
-const cli_option cli_rtol = {
-    "--rtol", CLI_REAL, PLACE(rtol), 1e-13, 1e-15, 1e-3, "x", "relative tolerance of the flow"};
+const cli_option cli_periods = {
+    "--periods", CLI_WHOLE, PLACE(periods), 0, 1, 1e6, "n", "forcing periods to record"};
+const cli_option cli_samples = {
+    "--samples", CLI_WHOLE, PLACE(samples), 200, 1, 1e5, "k", "samples per forcing period"};
+const cli_option cli_rtol = {"--rtol", CLI_REAL, PLACE(rtol), 1e-13,
+                             1e-15,    1e-3,     "x",         "relative tolerance of the flow"};
 const cli_option cli_atol = {
     "--atol", CLI_REAL, PLACE(atol), 1e-16, 0, 1, "x", "absolute tolerance of the flow, in displacements"};
 
@@ -100,8 +105,8 @@ static int take_option(const cli_command *command, int count, char **arguments, 
     }
     const cli_option *option = find_option(command, name);
     if (!option) {
-        fprintf(stderr, "saltus: %s: unknown option of saltus %s; see saltus %s --help\n", name, command->name,
-                command->name);
+        fprintf(stderr, "saltus: %s: unknown option of saltus %s; see saltus %s --help\n", name,
+                command->name, command->name);
         return 0;
     }
     if (option->kind == CLI_FLAG) {
@@ -133,7 +138,8 @@ bool cli_parse(const cli_command *command, int count, char **arguments, cli_requ
         } else if (!request->scene) {
             request->scene = arguments[k++];
         } else {
-            fprintf(stderr, "saltus: %s: unexpected; the scene is already %s\n", arguments[k], request->scene);
+            fprintf(stderr, "saltus: %s: unexpected; the scene is already %s\n", arguments[k],
+                    request->scene);
             return false;
         }
     }
@@ -168,7 +174,8 @@ int cli_report(saltus_status status, const saltus_message *message) {
     return status == SALTUS_BAD_INPUT ? CLI_BAD_INPUT : CLI_FAILED;
 }
 
-static saltus_status apply_settings(const cli_request *request, saltus_scene *scene, saltus_message *message) {
+static saltus_status apply_settings(const cli_request *request, saltus_scene *scene,
+                                    saltus_message *message) {
     for (int k = 0; k < request->setting_count; k++) {
         saltus_message reason = {""};
         saltus_status status = saltus_scene_set(scene, request->settings[k], &reason);
@@ -204,8 +211,8 @@ int cli_build(const cli_request *request, saltus_scene *scene, saltus_system **s
         status = initial_state(scene, *system, state, &message);
     if (status == SALTUS_OK && request->integrator && strcmp(request->integrator, "automatic") != 0 &&
         strcmp(request->integrator, "taylor") != 0 && strcmp(request->integrator, "radau") != 0)
-        status = saltus_fail(&message, SALTUS_BAD_INPUT, "--integrator %.100s: must be automatic, taylor or radau",
-                             request->integrator);
+        status = saltus_fail(&message, SALTUS_BAD_INPUT,
+                             "--integrator %.100s: must be automatic, taylor or radau", request->integrator);
     if (status != SALTUS_OK) {
         saltus_system_free(*system);
         *system = NULL;

@@ -22,9 +22,9 @@ typedef enum cli_kind { CLI_FLAG, CLI_TEXT, CLI_WHOLE, CLI_REAL, CLI_SETTINGS } 
 
 /* One option: it gives the parser, the range check, the default and a line of --help. */
 typedef struct cli_option {
-    const char *name;     /* "--seeds" */
+    const char *name; /* "--seeds" */
     cli_kind kind;
-    size_t offset;        /* into cli_request */
+    size_t offset; /* into cli_request */
     double fallback, min, max;
     const char *argument; /* how the value is called in --help; NULL for a flag */
     const char *help;
@@ -42,16 +42,16 @@ typedef struct cli_command {
 
 extern const cli_command cmd_classify, cmd_diagnose, cmd_simulate, cmd_scenes, cmd_check;
 
-extern const cli_option cli_set, cli_json, cli_quiet, cli_output, cli_data, cli_integrator, cli_seeds, cli_seed,
-    cli_transient, cli_longest, cli_periods, cli_samples, cli_settle, cli_rtol, cli_atol;
+extern const cli_option cli_set, cli_json, cli_quiet, cli_output, cli_data, cli_integrator, cli_seeds,
+    cli_seed, cli_transient, cli_longest, cli_periods, cli_samples, cli_settle, cli_rtol, cli_atol;
 
 /* Fill a request from the arguments after the subcommand; false after a message on stderr. */
 bool cli_parse(const cli_command *command, int count, char **arguments, cli_request *request);
 void cli_help(const cli_command *command);
 /* "saltus: ..." on stderr; returns the exit code that belongs to the status. */
 int cli_report(saltus_status status, const saltus_message *message);
-/* The scene with all --set applied, the system, and its initial state (SALTUS_SCENE_STATE_MAX entries). On success the
- * system is to be freed; otherwise the message has been printed and the exit code is returned. */
+/* The scene with all --set applied, the system, and its initial state (SALTUS_SCENE_STATE_MAX entries). On
+ * success the system is to be freed; otherwise the message has been printed and the exit code is returned. */
 int cli_build(const cli_request *request, saltus_scene *scene, saltus_system **system, double *state);
 saltus_flow_options cli_flow_options(const cli_request *request);
 saltus_classify_options cli_classify_options(const cli_request *request);

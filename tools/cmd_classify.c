@@ -2,11 +2,13 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "cli.h"
 
-static const cli_option *const options[] = {&cli_set,       &cli_json, &cli_seeds, &cli_seed,  &cli_transient,
-                                            &cli_longest,   &cli_rtol, &cli_atol,  &cli_integrator, &cli_quiet, NULL};
+static const cli_option *const options[] = {&cli_set,        &cli_json,    &cli_seeds, &cli_seed,
+                                            &cli_transient,  &cli_longest, &cli_rtol,  &cli_atol,
+                                            &cli_integrator, &cli_quiet,   NULL};
 
-static saltus_status classify_once(const cli_request *request, const saltus_scene *scene, const saltus_system *system,
-                                   const double *state, saltus_message *message) {
+static saltus_status classify_once(const cli_request *request, const saltus_scene *scene,
+                                   const saltus_system *system, const double *state,
+                                   saltus_message *message) {
     saltus_classify_options how = cli_classify_options(request);
     saltus_motion motion;
     saltus_status status = saltus_classify(system, state, &how, &motion, message);
@@ -18,12 +20,12 @@ static saltus_status classify_once(const cli_request *request, const saltus_scen
     return SALTUS_OK;
 }
 
-static saltus_status classify_seeds(const cli_request *request, const saltus_scene *scene, const saltus_system *system,
-                                    saltus_message *message) {
+static saltus_status classify_seeds(const cli_request *request, const saltus_scene *scene,
+                                    const saltus_system *system, saltus_message *message) {
     saltus_classify_options how = cli_classify_options(request);
     saltus_attractors found;
-    saltus_status status =
-        saltus_attractors_find(system, (int)request->seeds, (unsigned long)request->seed, &how, &found, message);
+    saltus_status status = saltus_attractors_find(system, (int)request->seeds, (unsigned long)request->seed,
+                                                  &how, &found, message);
     cli_progress_end(request);
     if (status != SALTUS_OK)
         return status;
@@ -49,7 +51,8 @@ static int run(const cli_request *request) {
 const cli_command cmd_classify = {
     .name = "classify",
     .usage = "SCENE [--set key=value ...] [--json] [--seeds k]",
-    .help = "Settle on the attractor, find its least period, polish the orbit by Newton's method and report n/p, contacts,\n"
+    .help = "Settle on the attractor, find its least period, polish the orbit by Newton's method and report "
+            "n/p, contacts,\n"
             "events, multipliers, stability and symmetry.",
     .needs_scene = true,
     .options = options,

@@ -4,14 +4,16 @@
 
 #include <unistd.h>
 
-static const cli_option *const options[] = {&cli_set,  &cli_output, &cli_data,       &cli_transient, &cli_longest,
-                                            &cli_rtol, &cli_atol,   &cli_integrator, &cli_quiet,     NULL};
+static const cli_option *const options[] = {&cli_set,     &cli_output, &cli_data, &cli_transient,
+                                            &cli_longest, &cli_rtol,   &cli_atol, &cli_integrator,
+                                            &cli_quiet,   NULL};
 
 /* One orbit of a periodic motion; enough of the rest to see what it does. */
 static saltus_status record_motion(const saltus_system *system, const saltus_flow_options *flow,
-                                   const saltus_motion *motion, saltus_record *record, saltus_message *message) {
+                                   const saltus_motion *motion, saltus_record *record,
+                                   saltus_message *message) {
     enum { undecided_periods = 400, resting_periods = 4, samples = 240 };
-    long long periods = motion->periods              ? motion->periods
+    long long periods = motion->periods                    ? motion->periods
                         : motion->kind == SALTUS_UNDECIDED ? undecided_periods
                                                            : resting_periods;
     return saltus_record_run(system, motion->state, flow, 0, periods, samples, record, message);
@@ -37,7 +39,8 @@ static int run(const cli_request *request) {
     if (status == SALTUS_OK)
         status = record_motion(system, &how.flow, &motion, &record, &message);
     if (status == SALTUS_OK)
-        status = saltus_write_sheet(&scene, system, &motion, &record, &how.flow, request->output, request->data, &message);
+        status = saltus_write_sheet(&scene, system, &motion, &record, &how.flow, request->output,
+                                    request->data, &message);
     if (status == SALTUS_OK) {
         saltus_write_motion_text(stdout, &scene, system, &motion);
         printf("figure: %s\n", request->output);
@@ -51,7 +54,8 @@ static int run(const cli_request *request) {
 const cli_command cmd_diagnose = {
     .name = "diagnose",
     .usage = "SCENE [--set key=value ...] -o sheet.png|pdf|svg [--data out.h5]",
-    .help = "Classify the motion and draw it on one page: phase portrait with stroboscopic points and the stop, time\n"
+    .help = "Classify the motion and draw it on one page: phase portrait with stroboscopic points and the "
+            "stop, time\n"
             "history, impact map, shapes of the structure.",
     .needs_scene = true,
     .options = options,

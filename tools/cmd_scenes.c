@@ -30,8 +30,8 @@ static int list_scenes(const cli_request *request) {
 
 static void print_stop(const saltus_stop *stop, int number, bool by_xi) {
     static const char *const sides[] = {"", "upper", "lower", "both"};
-    printf("stop %d: %s side%s, d = %g, r = %g, ", number, sides[stop->sides], stop->sides == SALTUS_BOTH ? "s" : "",
-           stop->d, stop->r);
+    printf("stop %d: %s side%s, d = %g, r = %g, ", number, sides[stop->sides],
+           stop->sides == SALTUS_BOTH ? "s" : "", stop->d, stop->r);
     if (by_xi)
         printf("xi = %g\n", stop->xi);
     else
@@ -52,7 +52,8 @@ static int check_scene(const cli_request *request) {
         printf("  %-6s %-12.9g %s\n", table[k].name, scene.spec.parameters[k], table[k].meaning);
     for (int s = 0; s < scene.spec.stop_count; s++)
         print_stop(&scene.spec.stops[s], s + 1, strcmp(saltus_model_name(scene.spec.model), "pipe") == 0);
-    printf("forcing period T = %.15g, integrator %s\n", saltus_system_period(system), saltus_system_integrator(system));
+    printf("forcing period T = %.15g, integrator %s\n", saltus_system_period(system),
+           saltus_system_integrator(system));
     saltus_system_free(system);
     return CLI_DONE;
 }

@@ -2,8 +2,9 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "cli.h"
 
-static const cli_option *const options[] = {&cli_set,     &cli_periods, &cli_settle, &cli_samples,    &cli_output,
-                                            &cli_rtol,    &cli_atol,    &cli_integrator, NULL};
+static const cli_option *const options[] = {&cli_set,     &cli_periods,    &cli_settle,
+                                            &cli_samples, &cli_output,     &cli_rtol,
+                                            &cli_atol,    &cli_integrator, NULL};
 
 static int run(const cli_request *request) {
     saltus_scene scene;
@@ -24,8 +25,8 @@ static int run(const cli_request *request) {
     if (status == SALTUS_OK)
         status = saltus_record_write(&record, &scene, system, &flow, request->output, &message);
     if (status == SALTUS_OK)
-        printf("%s: %lld samples, %lld events over %ld periods\n", request->output, record.samples, record.event_count,
-               request->periods);
+        printf("%s: %lld samples, %lld events over %ld periods\n", request->output, record.samples,
+               record.event_count, request->periods);
     saltus_record_clear(&record);
     saltus_system_free(system);
     return cli_report(status, &message);

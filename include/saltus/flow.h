@@ -1,9 +1,8 @@
 /* The event-driven flow of a system with rigid stops.
  *
- * A flow advances trajectories through free flight, impacts, complete chatter, sticking and release, to a tolerance,
- * with tangent vectors as extra columns of the same integration. The contract on events stands at the head of
- * src/flow/flow.c.
- * SPDX-License-Identifier: GPL-3.0-or-later */
+ * A flow advances trajectories through free flight, impacts, complete chatter, sticking and release, to a
+ * tolerance, with tangent vectors as extra columns of the same integration. The contract on events stands at
+ * the head of src/flow/flow.c. SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_FLOW_H
 #define SALTUS_FLOW_H
 
@@ -13,8 +12,8 @@
 extern "C" {
 #endif
 
-/* Time, counted in forcing periods: (cycle + phase) T with 0 <= phase < 1. The forcing depends on the phase alone, so
- * a section does not drift however many periods pass. */
+/* Time, counted in forcing periods: (cycle + phase) T with 0 <= phase < 1. The forcing depends on the phase
+ * alone, so a section does not drift however many periods pass. */
 typedef struct saltus_time {
     long long cycle;
     double phase;
@@ -30,11 +29,11 @@ typedef enum saltus_integrator {
 } saltus_integrator;
 
 typedef struct saltus_flow_options {
-    double rtol;  /* local error of a step relative to the state's norm; 1e-15 <= rtol <= 1e-3 */
-    double atol;  /* the same, absolute, in displacements; > 0 or 0 */
+    double rtol; /* local error of a step relative to the state's norm; 1e-15 <= rtol <= 1e-3 */
+    double atol; /* the same, absolute, in displacements; > 0 or 0 */
     saltus_integrator integrator;
-    int order;    /* Taylor order, 8 to 40; 0: chosen from rtol */
-    int columns;  /* tangent vectors carried along, 0 to 256 */
+    int order;   /* Taylor order, 8 to 40; 0: chosen from rtol */
+    int columns; /* tangent vectors carried along, 0 to 256 */
 } saltus_flow_options;
 
 /* rtol 1e-13, atol 1e-16, automatic integrator and order, no tangent vectors. */
@@ -64,7 +63,8 @@ typedef struct saltus_event {
     saltus_event_kind kind;
     int face;               /* contact events: which face; otherwise -1 */
     saltus_time time;       /* for a stick: the accumulation point of the impacts */
-    double velocity_before; /* n.q' just before (signed as n.q': positive towards an upper stop); turning: acceleration */
+    double velocity_before; /* n.q' just before (signed as n.q': positive towards an upper stop); turning:
+                               acceleration */
     double velocity_after;  /* n.q' just after */
     double displacement;    /* of the observer (turning) or of the contact coordinate */
 } saltus_event;
@@ -74,16 +74,17 @@ typedef struct saltus_flow_info {
     long long steps;             /* steps of the integrator */
     long long field_evaluations; /* Taylor: orders expanded; Radau: node evaluations */
     long long impacts, sticks, releases;
-    double log_volume;           /* sum of 2 ln r over the impacts: the impacts' share of the sum rule */
+    double log_volume; /* sum of 2 ln r over the impacts: the impacts' share of the sum rule */
 } saltus_flow_info;
 
 typedef struct saltus_flow saltus_flow;
 
-/* Create a workspace for one trajectory (lanes = 1) or for several side by side. `systems` holds `lanes` systems of
- * one model and size; they must outlive the flow. All memory is allocated here.
- * lanes: 1, or up to saltus_flow_width(). Errors: SALTUS_BAD_INPUT, SALTUS_NO_MEMORY. */
-saltus_status saltus_flow_new(const saltus_system *const *systems, int lanes, const saltus_flow_options *options,
-                              saltus_flow **flow, saltus_message *message);
+/* Create a workspace for one trajectory (lanes = 1) or for several side by side. `systems` holds `lanes`
+ * systems of one model and size; they must outlive the flow. All memory is allocated here. lanes: 1, or up to
+ * saltus_flow_width(). Errors: SALTUS_BAD_INPUT, SALTUS_NO_MEMORY. */
+saltus_status saltus_flow_new(const saltus_system *const *systems, int lanes,
+                              const saltus_flow_options *options, saltus_flow **flow,
+                              saltus_message *message);
 /* NULL is accepted. */
 void saltus_flow_free(saltus_flow *flow);
 /* Number of trajectories that run side by side for a system's model on this processor. */
@@ -91,8 +92,9 @@ int saltus_flow_width(const saltus_system *system);
 const saltus_system *saltus_flow_system(const saltus_flow *flow, int lane);
 int saltus_flow_columns(const saltus_flow *flow);
 
-/* Place a lane at a time and state (length dimension), resting or approaching contacts resolved. The state must be
- * beyond no stop (SALTUS_BAD_INPUT). Tangent vectors become the first columns of the identity matrix. */
+/* Place a lane at a time and state (length dimension), resting or approaching contacts resolved. The state
+ * must be beyond no stop (SALTUS_BAD_INPUT). Tangent vectors become the first columns of the identity matrix.
+ */
 saltus_status saltus_flow_start(saltus_flow *flow, int lane, saltus_time time, const double *state,
                                 saltus_message *message);
 /* Set or read tangent vectors: `columns` vectors of length dimension, one after the other. */
@@ -103,10 +105,11 @@ void saltus_flow_state(const saltus_flow *flow, int lane, double *state);
 saltus_time saltus_flow_time(const saltus_flow *flow, int lane);
 /* The time derivative of the state now, contacts held; for section derivatives. */
 void saltus_flow_field(saltus_flow *flow, int lane, double *derivative);
-/* How the time of the last impact, stick or turning event answers to each tangent vector: d time / d column (length
- * columns). With it a tangent vector becomes one of the event's section. */
+/* How the time of the last impact, stick or turning event answers to each tangent vector: d time / d column
+ * (length columns). With it a tangent vector becomes one of the event's section. */
 void saltus_flow_delays(const saltus_flow *flow, int lane, double *delays);
-/* Contact force per modal mass, (n.f)/(n.n), of each face (length SALTUS_FACES_MAX); zero where nothing holds. */
+/* Contact force per modal mass, (n.f)/(n.n), of each face (length SALTUS_FACES_MAX); zero where nothing
+ * holds. */
 void saltus_flow_forces(saltus_flow *flow, int lane, double *forces);
 /* Faces now in lasting contact, as bits. */
 unsigned saltus_flow_contacts(const saltus_flow *flow, int lane);
@@ -114,15 +117,16 @@ saltus_flow_info saltus_flow_information(const saltus_flow *flow, int lane);
 
 /* Give a lane its next target: advance to time `until` (not before now) or to the first watched event. */
 void saltus_flow_aim(saltus_flow *flow, int lane, saltus_time until, unsigned watch);
-/* Advance all aimed lanes until one of them has reached its target; that lane must be aimed again before it moves.
- * Errors: SALTUS_STALLED with time, gap and speed in the message; the lane named in *lane stays where it is. */
+/* Advance all aimed lanes until one of them has reached its target; that lane must be aimed again before it
+ * moves. Errors: SALTUS_STALLED with time, gap and speed in the message; the lane named in *lane stays where
+ * it is. */
 saltus_status saltus_flow_run(saltus_flow *flow, int *lane, saltus_event *event, saltus_message *message);
 /* aim and run for lane 0. */
 saltus_status saltus_flow_advance(saltus_flow *flow, saltus_time until, unsigned watch, saltus_event *event,
                                   saltus_message *message);
 
-/* Dense output: the last step of a lane covers [begin, now]; the state at a time in it, to the step's own accuracy.
- * `since` is the time since the step's begin, in units of time (not of T). */
+/* Dense output: the last step of a lane covers [begin, now]; the state at a time in it, to the step's own
+ * accuracy. `since` is the time since the step's begin, in units of time (not of T). */
 double saltus_flow_step_length(const saltus_flow *flow, int lane);
 saltus_time saltus_flow_step_begin(const saltus_flow *flow, int lane);
 void saltus_flow_dense(const saltus_flow *flow, int lane, double since, double *state);

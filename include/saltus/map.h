@@ -12,14 +12,14 @@ extern "C" {
 typedef enum saltus_section_kind {
     SALTUS_SECTION_STROBOSCOPIC, /* tau = (phase + k) T */
     SALTUS_SECTION_IMPACT,       /* just after an impact, or where a contact begins to hold */
-    SALTUS_SECTION_TURNING       /* the observed displacement's velocity reverses, by itself or by an impact */
+    SALTUS_SECTION_TURNING /* the observed displacement's velocity reverses, by itself or by an impact */
 } saltus_section_kind;
 
 typedef struct saltus_section {
     saltus_section_kind kind;
-    double phase;   /* stroboscopic: 0 <= phase < 1 */
-    int iterate;    /* the map's power: one step passes this many section points, >= 1 */
-    double patience;/* impact, turning: give up after this many periods without a section point */
+    double phase;    /* stroboscopic: 0 <= phase < 1 */
+    int iterate;     /* the map's power: one step passes this many section points, >= 1 */
+    double patience; /* impact, turning: give up after this many periods without a section point */
 } saltus_section;
 
 /* Stroboscopic at phase 0, first iterate, patience 1000 periods. */
@@ -27,9 +27,10 @@ saltus_section saltus_section_defaults(void);
 
 typedef struct saltus_map saltus_map;
 
-/* Create a map of a system (which must outlive it). With `derivative`, steps carry a full set of tangent vectors.
- * Coordinates: the state vector; for impact and turning maps the time in [0, T) follows as last coordinate, so the
- * dimension is that of the system, plus one. Errors: SALTUS_BAD_INPUT, SALTUS_NO_MEMORY. */
+/* Create a map of a system (which must outlive it). With `derivative`, steps carry a full set of tangent
+ * vectors. Coordinates: the state vector; for impact and turning maps the time in [0, T) follows as last
+ * coordinate, so the dimension is that of the system, plus one. Errors: SALTUS_BAD_INPUT, SALTUS_NO_MEMORY.
+ */
 saltus_status saltus_map_new(const saltus_system *system, const saltus_section *section,
                              const saltus_flow_options *options, bool derivative, saltus_map **map,
                              saltus_message *message);
@@ -42,8 +43,9 @@ const saltus_flow *saltus_map_flow(const saltus_map *map);
 
 /* Place the map at a point (coordinates as above). For a stroboscopic map the time is the section's phase. */
 saltus_status saltus_map_reset(saltus_map *map, const double *point, saltus_message *message);
-/* One step of the map; the new point goes to `point` (may be NULL), the event that marks it to `event` (may be NULL).
- * Errors: those of the flow; SALTUS_NO_CONVERGENCE when no section point came within the patience. */
+/* One step of the map; the new point goes to `point` (may be NULL), the event that marks it to `event` (may
+ * be NULL). Errors: those of the flow; SALTUS_NO_CONVERGENCE when no section point came within the patience.
+ */
 saltus_status saltus_map_step(saltus_map *map, double *point, saltus_event *event, saltus_message *message);
 /* Derivative of the last step: dimension x dimension, row-major, d new_i / d old_j. */
 void saltus_map_derivative(const saltus_map *map, double *derivative);

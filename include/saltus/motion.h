@@ -24,9 +24,10 @@ typedef enum saltus_mirror {
 
 typedef struct saltus_classify_options {
     saltus_flow_options flow;
-    long long transient;  /* periods to wait at most for the motion to settle */
-    int longest;          /* longest period tried, in forcing periods */
-    /* Called now and then with the number of periods simulated; may be NULL. Returning false stops the search. */
+    long long transient; /* periods to wait at most for the motion to settle */
+    int longest;         /* longest period tried, in forcing periods */
+    /* Called now and then with the number of periods simulated; may be NULL. Returning false stops the
+     * search. */
     bool (*progress)(void *context, long long periods, long long at_most);
     void *context;
 } saltus_classify_options;
@@ -37,36 +38,37 @@ saltus_classify_options saltus_classify_defaults(void);
 /* The verdict on one trajectory. Arrays are owned by the motion. */
 typedef struct saltus_motion {
     saltus_motion_kind kind;
-    char label[32];            /* "4/4", "0/1", "chatter/2", "equilibrium", "held", "undecided" */
-    char reason[256];          /* undecided: what was tried and what is lacking */
-    int periods;               /* p, least period in forcing periods; 0 if not periodic */
-    long long impacts;         /* n per orbit; -1 when complete chatter makes it infinite */
-    int sticking_intervals;    /* per orbit */
+    char label[32];         /* "4/4", "0/1", "chatter/2", "equilibrium", "held", "undecided" */
+    char reason[256];       /* undecided: what was tried and what is lacking */
+    int periods;            /* p, least period in forcing periods; 0 if not periodic */
+    long long impacts;      /* n per orbit; -1 when complete chatter makes it infinite */
+    int sticking_intervals; /* per orbit */
     long long impacts_by_face[SALTUS_FACES_MAX]; /* per orbit; with chatter those simulated one by one */
     int face_count;
     int dimension;
-    double *state;             /* at section phase 0: q, q', extra states */
-    double *section_states;    /* periods x dimension: the orbit's stroboscopic points */
-    saltus_event *events;      /* of one orbit, times from its start */
+    double *state;          /* at section phase 0: q, q', extra states */
+    double *section_states; /* periods x dimension: the orbit's stroboscopic points */
+    saltus_event *events;   /* of one orbit, times from its start */
     int event_count;
     saltus_multiplier *multipliers; /* multiplier_count of them, by decreasing modulus */
     int multiplier_count;
     bool stable;
-    double residual;           /* of Newton's iteration, relative to the state's scale */
+    double residual; /* of Newton's iteration, relative to the state's scale */
     int iterations;
     bool sticks;
     double log_volume, sum_rule; /* see saltus_orbit */
     saltus_mirror mirror;
     double contact_force[SALTUS_FACES_MAX]; /* held: force per modal mass at section phase 0 */
-    double largest, smallest;  /* of the observed displacement over the orbit */
-    long long transient;       /* periods simulated before the verdict */
+    double largest, smallest;               /* of the observed displacement over the orbit */
+    long long transient;                    /* periods simulated before the verdict */
 } saltus_motion;
 
-/* Settle from an initial state (length dimension, at phase 0) and classify. On success the motion's arrays are owned
- * by it: saltus_motion_clear. An undecided motion is a success too.
- * Errors: SALTUS_BAD_INPUT (state beyond a stop), those of the flow. */
-saltus_status saltus_classify(const saltus_system *system, const double *state, const saltus_classify_options *options,
-                              saltus_motion *motion, saltus_message *message);
+/* Settle from an initial state (length dimension, at phase 0) and classify. On success the motion's arrays
+ * are owned by it: saltus_motion_clear. An undecided motion is a success too. Errors: SALTUS_BAD_INPUT (state
+ * beyond a stop), those of the flow. */
+saltus_status saltus_classify(const saltus_system *system, const double *state,
+                              const saltus_classify_options *options, saltus_motion *motion,
+                              saltus_message *message);
 /* Free the arrays; a zeroed motion is accepted. */
 void saltus_motion_clear(saltus_motion *motion);
 
@@ -78,8 +80,9 @@ typedef struct saltus_attractors {
     int seeds;
 } saltus_attractors;
 
-/* Classify from `seeds` random admissible initial states: Gaussian with the system's scales (GSL's mt19937 from `seed`,
- * reproducible), states beyond a stop drawn again. Attractors are told apart by their orbits' section points. */
+/* Classify from `seeds` random admissible initial states: Gaussian with the system's scales (GSL's mt19937
+ * from `seed`, reproducible), states beyond a stop drawn again. Attractors are told apart by their orbits'
+ * section points. */
 saltus_status saltus_attractors_find(const saltus_system *system, int seeds, unsigned long seed,
                                      const saltus_classify_options *options, saltus_attractors *attractors,
                                      saltus_message *message);

@@ -27,22 +27,23 @@ saltus_orbit_options saltus_orbit_defaults(void);
 
 typedef struct saltus_orbit {
     int dimension;
-    int periods;       /* p */
-    double *state;     /* at the section; dimension */
-    double *monodromy; /* dimension x dimension, row-major: derivative over p periods */
+    int periods;                    /* p */
+    double *state;                  /* at the section; dimension */
+    double *monodromy;              /* dimension x dimension, row-major: derivative over p periods */
     saltus_multiplier *multipliers; /* dimension, by decreasing modulus */
-    double residual;   /* max |x(pT) - x(0)| / scale after the last iteration */
+    double residual;                /* max |x(pT) - x(0)| / scale after the last iteration */
     int iterations;
-    bool sticks;       /* the orbit has lasting contacts: zero multipliers are exact, the sum rule does not apply */
+    bool sticks; /* the orbit has lasting contacts: zero multipliers are exact, the sum rule does not apply */
     double log_volume; /* sum of the multipliers' log moduli, from the orthogonalised tangent flow */
     double sum_rule;   /* what the trace of the Jacobian and the restitutions make it (model.md, section 1) */
 } saltus_orbit;
 
-/* Polish a guess (length dimension) to a p-periodic orbit, damped Newton with the exact derivative, and compute its
- * multipliers. On success the orbit's arrays are owned by it: saltus_orbit_clear.
- * Errors: SALTUS_NO_CONVERGENCE, SALTUS_SINGULAR, those of the flow; `orbit` is then empty. */
+/* Polish a guess (length dimension) to a p-periodic orbit, damped Newton with the exact derivative, and
+ * compute its multipliers. On success the orbit's arrays are owned by it: saltus_orbit_clear. Errors:
+ * SALTUS_NO_CONVERGENCE, SALTUS_SINGULAR, those of the flow; `orbit` is then empty. */
 saltus_status saltus_orbit_find(const saltus_system *system, int periods, const double *guess,
-                                const saltus_orbit_options *options, saltus_orbit *orbit, saltus_message *message);
+                                const saltus_orbit_options *options, saltus_orbit *orbit,
+                                saltus_message *message);
 /* Free the arrays; a zeroed orbit is accepted. */
 void saltus_orbit_clear(saltus_orbit *orbit);
 

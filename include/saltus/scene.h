@@ -14,23 +14,23 @@ enum { SALTUS_SCENE_STATE_MAX = 160 };
 /* A scene as read: plain values, owned by the caller, to be changed with saltus_scene_set and handed to
  * saltus_system_new as `spec`. */
 typedef struct saltus_scene {
-    char name[128];    /* built-in name or file name without folder and ending */
-    char title[160];   /* one line for figures and listings; may be empty */
+    char name[128];  /* built-in name or file name without folder and ending */
+    char title[160]; /* one line for figures and listings; may be empty */
     saltus_spec spec;
-    int initial_count; /* entries of `initial`; 0: the system's default state */
+    int initial_count;                      /* entries of `initial`; 0: the system's default state */
     double initial[SALTUS_SCENE_STATE_MAX]; /* q then q' then extra states, at section phase 0 */
 } saltus_scene;
 
-/* Read a YAML scene file, or a built-in scene when `source` is the name of one (a file that exists wins when the name
- * contains a '/' or a '.').
- * Errors: SALTUS_BAD_INPUT (message: file, line or key, value, what would be right), SALTUS_IO (cannot be read). */
+/* Read a YAML scene file, or a built-in scene when `source` is the name of one (a file that exists wins when
+ * the name contains a '/' or a '.'). Errors: SALTUS_BAD_INPUT (message: file, line or key, value, what would
+ * be right), SALTUS_IO (cannot be read). */
 saltus_status saltus_scene_load(const char *source, saltus_scene *scene, saltus_message *message);
 /* Read a scene from text; `origin` names it in messages. */
 saltus_status saltus_scene_parse(const char *text, size_t length, const char *origin, saltus_scene *scene,
                                  saltus_message *message);
-/* Apply one `key=value`: a parameter of the model, or d, r, xi, sides, weight of the stop(s). With several stops `d=`
- * sets all of them and `d1=`, `d2=`, ... the first, second, ... one. `q1=`, `v1=`, ... set entries of the initial
- * state. The scene is unchanged on error. */
+/* Apply one `key=value`: a parameter of the model, or d, r, xi, sides, weight of the stop(s). With several
+ * stops `d=` sets all of them and `d1=`, `d2=`, ... the first, second, ... one. `q1=`, `v1=`, ... set entries
+ * of the initial state. The scene is unchanged on error. */
 saltus_status saltus_scene_set(saltus_scene *scene, const char *assignment, saltus_message *message);
 
 /* The built-in scenes, in the order of listing. Static storage; NULL beyond the last. */

@@ -10,7 +10,8 @@ extern "C" {
 #define SALTUS_VERSION "0.1.0"
 
 /* What a call returns: zero, or a negative number that says why the call could not do its work. Why a
- * computation *ended* (time reached, section, impact, ...) is a different question with an answer of its own. */
+ * computation *ended* (time reached, section, impact, ...) is a different question with an answer of its own.
+ */
 typedef enum saltus_status {
     SALTUS_OK = 0,
     SALTUS_BAD_INPUT = -1,      /* an argument, a scene or an option is not acceptable */

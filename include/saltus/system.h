@@ -1,8 +1,8 @@
 /* Systems: the constant description of a structure, its forcing and its stops.
  *
- * A system is built once from a specification (a model, its parameters, its stops), checked, and never written
- * again; any number of flows may share it. Everything is nondimensional unless a model says otherwise.
- * SPDX-License-Identifier: GPL-3.0-or-later */
+ * A system is built once from a specification (a model, its parameters, its stops), checked, and never
+ * written again; any number of flows may share it. Everything is nondimensional unless a model says
+ * otherwise. SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_SYSTEM_H
 #define SALTUS_SYSTEM_H
 
@@ -21,15 +21,16 @@ enum {
     SALTUS_FACES_MAX = 8        /* one-sided contacts: two for each two-sided stop */
 };
 
-/* One entry of an option or parameter table: it gives the default, the check, `--set`, `--help` and file headers. */
+/* One entry of an option or parameter table: it gives the default, the check, `--set`, `--help` and file
+ * headers. */
 typedef struct saltus_parameter {
-    const char *name;   /* the symbol used in scenes, on the command line and in results */
-    bool integer;       /* whole numbers only */
-    double fallback;    /* default */
-    double min, max;    /* admissible range */
-    bool open_min;      /* min itself is not admissible */
-    bool open_max;      /* max itself is not admissible */
-    const char *meaning;/* one phrase, with the unit where there is one */
+    const char *name;    /* the symbol used in scenes, on the command line and in results */
+    bool integer;        /* whole numbers only */
+    double fallback;     /* default */
+    double min, max;     /* admissible range */
+    bool open_min;       /* min itself is not admissible */
+    bool open_max;       /* max itself is not admissible */
+    const char *meaning; /* one phrase, with the unit where there is one */
 } saltus_parameter;
 
 typedef struct saltus_model saltus_model;
@@ -80,10 +81,10 @@ typedef struct saltus_system saltus_system;
 
 /* One one-sided contact as the flow sees it: gap(q) = normal . q - d <= 0. */
 typedef struct saltus_face {
-    int stop;  /* index into the spec's stops */
-    int side;  /* +1 upper, -1 lower */
-    double d;  /* clearance */
-    double r;  /* restitution */
+    int stop; /* index into the spec's stops */
+    int side; /* +1 upper, -1 lower */
+    double d; /* clearance */
+    double r; /* restitution */
 } saltus_face;
 
 /* Check a specification and build a system from it.
@@ -113,20 +114,24 @@ saltus_face saltus_system_face(const saltus_system *system, int face);
 const double *saltus_system_stop_normal(const saltus_system *system, int stop);
 /* Gap normal.q - d of a face for a state; negative inside, positive beyond the stop. */
 double saltus_system_gap(const saltus_system *system, int face, const double *state);
-/* A typical magnitude of each state component (length dimension), for random initial states and scaled distances. */
+/* A typical magnitude of each state component (length dimension), for random initial states and scaled
+ * distances. */
 const double *saltus_system_scale(const saltus_system *system);
-/* The row vector of the displacement that diagrams show: the first stop's contact coordinate; without a stop the
- * pipe's midpoint or the oscillator's first mass. */
+/* The row vector of the displacement that diagrams show: the first stop's contact coordinate; without a stop
+ * the pipe's midpoint or the oscillator's first mass. */
 const double *saltus_system_observer(const saltus_system *system);
-/* A small admissible initial state for scenes that give none. Errors: SALTUS_BAD_INPUT when none could be found
- * (contradicting pre-loads). */
-saltus_status saltus_system_default_state(const saltus_system *system, double *state, saltus_message *message);
+/* A small admissible initial state for scenes that give none. Errors: SALTUS_BAD_INPUT when none could be
+ * found (contradicting pre-loads). */
+saltus_status saltus_system_default_state(const saltus_system *system, double *state,
+                                          saltus_message *message);
 /* Check that a state is finite and beyond no stop. `message` names the stop and the displacement. */
-saltus_status saltus_system_check_state(const saltus_system *system, const double *state, saltus_message *message);
-/* Trace of the Jacobian of the vector field at a state (model.md, section 1), for the sum rule of exponents. */
+saltus_status saltus_system_check_state(const saltus_system *system, const double *state,
+                                        saltus_message *message);
+/* Trace of the Jacobian of the vector field at a state (model.md, section 1), for the sum rule of exponents.
+ */
 double saltus_system_trace(const saltus_system *system, const double *state);
-/* Displacement at position xi along the structure (0..1): eta(xi) of a pipe, the masses of an oscillator joined by
- * straight lines from the support at xi = 0. */
+/* Displacement at position xi along the structure (0..1): eta(xi) of a pipe, the masses of an oscillator
+ * joined by straight lines from the support at xi = 0. */
 double saltus_system_shape(const saltus_system *system, const double *state, double xi);
 /* Name of the integrator chosen when the system was built ("taylor" or "radau"). */
 const char *saltus_system_integrator(const saltus_system *system);

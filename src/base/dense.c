@@ -5,8 +5,8 @@
 #include <math.h>
 #include <string.h>
 
-/* A row-major matrix handed to LAPACK is its transpose; the inverse of the transpose, read back row-major, is the
- * inverse itself. Column-major calls of LAPACKE do not allocate. */
+/* A row-major matrix handed to LAPACK is its transpose; the inverse of the transpose, read back row-major, is
+ * the inverse itself. Column-major calls of LAPACKE do not allocate. */
 bool saltus_dense_inverse(const double *a, int n, double *inverse) {
     double factors[SALTUS_DENSE_INVERSE_MAX * SALTUS_DENSE_INVERSE_MAX];
     lapack_int pivots[SALTUS_DENSE_INVERSE_MAX];

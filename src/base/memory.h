@@ -6,7 +6,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* An arena is used in two passes over the same code: measuring (base == NULL: only `used` grows) and handing out. */
+/* An arena is used in two passes over the same code: measuring (base == NULL: only `used` grows) and handing
+ * out. */
 typedef struct saltus_arena {
     unsigned char *base;
     size_t used;

@@ -1,23 +1,24 @@
 /* Contacts: impact law, complete chatter, sticking, release, and what they do to tangent vectors.
  *
- * Impact: Newton's law for all faces that take part (model.md, section 2). Which faces receive an impulse is the
- * solution of a complementarity problem, found by trying the few subsets in order of size: impulses push, and no
- * face without one is left closing.
+ * Impact: Newton's law for all faces that take part (model.md, section 2). Which faces receive an impulse is
+ * the solution of a complementarity problem, found by trying the few subsets in order of size: impulses push,
+ * and no face without one is left closing.
  *
- * Complete chatter (Nordmark & Piiroinen, Nonlinear Dynamics 58 (2009) 85-106): impacts are simulated one by one until
- * the rest of the sequence is negligible. With outgoing speed v, contact acceleration a > 0 of the state projected on
- * the stop, the sequence lasts 2 v / (a (1 - r)) and rises no further than v^2 / (2 a) from the stop; when
- * v^2 / (a (1 - r)) is below the tolerance in displacement, the velocity is projected on n.q' = 0 and the contact holds
- * from the same instant. The impulses act along one direction, to which the rest of the state is blind but for the
- * small excursion; its integral over the sequence is of third order in v (the mean of the normal velocity vanishes
- * between contacts), so the remaining error is v^3 in the state and v^2 in its derivative.
+ * Complete chatter (Nordmark & Piiroinen, Nonlinear Dynamics 58 (2009) 85-106): impacts are simulated one by
+ * one until the rest of the sequence is negligible. With outgoing speed v, contact acceleration a > 0 of the
+ * state projected on the stop, the sequence lasts 2 v / (a (1 - r)) and rises no further than v^2 / (2 a)
+ * from the stop; when v^2 / (a (1 - r)) is below the tolerance in displacement, the velocity is projected on
+ * n.q' = 0 and the contact holds from the same instant. The impulses act along one direction, to which the
+ * rest of the state is blind but for the small excursion; its integral over the sequence is of third order in
+ * v (the mean of the normal velocity vanishes between contacts), so the remaining error is v^3 in the state
+ * and v^2 in its derivative.
  *
- * With r = 1 the bounces never end; under pressure only the flow's own damping lowers them, ever more slowly. There the
- * contact holds once the bounces, v^2 / (2 a) high, are below the tolerance in displacement.
+ * With r = 1 the bounces never end; under pressure only the flow's own damping lowers them, ever more slowly.
+ * There the contact holds once the bounces, v^2 / (2 a) high, are below the tolerance in displacement.
  *
- * Tangent vectors pass every event by the saltation matrix S = DP + (f+ - DP f-) (n, 0)^T / (n.q'-). The end of a
- * chatter is the same formula with r = 0 and the sticking field as f+; release has no jump in the field, so S = 1.
- * SPDX-License-Identifier: GPL-3.0-or-later */
+ * Tangent vectors pass every event by the saltation matrix S = DP + (f+ - DP f-) (n, 0)^T / (n.q'-). The end
+ * of a chatter is the same formula with r = 0 and the sticking field as f+; release has no jump in the field,
+ * so S = 1. SPDX-License-Identifier: GPL-3.0-or-later */
 #include "flow/flow.h"
 
 #include "base/dense.h"
@@ -48,7 +49,8 @@ static void fill_pull(const saltus_system *system, saltus_contact_map *map, unsi
         }
 }
 
-bool saltus_contact_map_build(const saltus_system *system, unsigned faces, unsigned elastic, saltus_contact_map *map) {
+bool saltus_contact_map_build(const saltus_system *system, unsigned faces, unsigned elastic,
+                              saltus_contact_map *map) {
     double gram[SALTUS_FACES_MAX * SALTUS_FACES_MAX];
     int n = system->dof, m = 0;
     for (int f = 0; f < system->face_count; f++)
@@ -142,11 +144,12 @@ static saltus_work *probe_at(saltus_flow *flow, int lane, const double *state, d
     return probe;
 }
 
-void saltus_field_at(saltus_flow *flow, int lane, const double *state, double phase, const saltus_contact_map *hold,
-                     double *derivative) {
+void saltus_field_at(saltus_flow *flow, int lane, const double *state, double phase,
+                     const saltus_contact_map *hold, double *derivative) {
     saltus_work *probe = probe_at(flow, lane, state, phase, hold, 1);
     memcpy(derivative, state + flow->dof, (size_t)flow->dof * sizeof(double));
-    memcpy(derivative + flow->dof, probe->v + saltus_work_jet(probe, 1, 0), (size_t)flow->dof * sizeof(double));
+    memcpy(derivative + flow->dof, probe->v + saltus_work_jet(probe, 1, 0),
+           (size_t)flow->dof * sizeof(double));
     if (flow->extra)
         memcpy(derivative + 2 * flow->dof, probe->e + saltus_work_extra_jet(probe, 1, 0),
                (size_t)flow->extra * sizeof(double));
@@ -158,13 +161,14 @@ static double gap_coefficient(const saltus_system *system, const saltus_work *pr
     return f.side * probe->gap[(size_t)f.stop * (size_t)(probe->order + 2) + (size_t)k];
 }
 
-/* Whether a face touched with zero velocity is pressed: the sign of the first coefficient of its gap's series, from the
- * second order on, that stands out of rounding. */
+/* Whether a face touched with zero velocity is pressed: the sign of the first coefficient of its gap's
+ * series, from the second order on, that stands out of rounding. */
 static bool pressed(const saltus_system *system, const saltus_work *probe, int face, int order) {
     for (int k = 2; k <= order; k++) {
         double size = 0;
         for (int i = 0; i < system->dof; i++)
-            size += fabs(system->stop_normal[system->faces[face].stop][i] * probe->q[saltus_work_jet(probe, k, 0) + (size_t)i]);
+            size += fabs(system->stop_normal[system->faces[face].stop][i] *
+                         probe->q[saltus_work_jet(probe, k, 0) + (size_t)i]);
         double value = gap_coefficient(system, probe, face, k);
         if (fabs(value) > 1e-12 * size)
             return value > 0;
@@ -179,7 +183,8 @@ static int count_bits(unsigned bits) {
     return count;
 }
 
-/* The subset of `resting` whose contacts hold: all of its contact forces push, no other resting face closes. */
+/* The subset of `resting` whose contacts hold: all of its contact forces push, no other resting face closes.
+ */
 static unsigned holding_subset(saltus_flow *flow, int lane, unsigned resting) {
     enum { order = 5 };
     saltus_lane *self = &flow->lane[lane];
@@ -205,7 +210,9 @@ static unsigned holding_subset(saltus_flow *flow, int lane, unsigned resting) {
 
 void saltus_contacts_rest(saltus_flow *flow, int lane, unsigned resting) {
     saltus_lane *self = &flow->lane[lane];
-    unsigned held = holding_subset(flow, lane, resting);
+    unsigned held = resting ? holding_subset(flow, lane, resting) : 0;
+    if (held == 0 && self->hold.count == 0 && resting == 0)
+        return;
     if (!saltus_contact_map_build(self->system, held, 0, &self->hold)) {
         held = 0;
         self->hold.count = 0;
@@ -224,13 +231,14 @@ static unsigned touched_faces(const saltus_lane *self, int hit) {
     for (int i = 0; i < self->system->dof; i++)
         size += fabs(self->state[i]);
     for (int f = 0; f < self->system->face_count; f++)
-        if (saltus_system_gap(self->system, f, self->state) > -8 * DBL_EPSILON * (size + fabs(self->system->faces[f].d)))
+        if (saltus_system_gap(self->system, f, self->state) >
+            -8 * DBL_EPSILON * (size + fabs(self->system->faces[f].d)))
             touched |= 1u << f;
     return touched;
 }
 
-/* Newton's law at the touched faces: the smallest set of impulses, among them one at the hit face, that all push and
- * leave no touched face closing. The map is left in `map`; false when there is none. */
+/* Newton's law at the touched faces: the smallest set of impulses, among them one at the hit face, that all
+ * push and leave no touched face closing. The map is left in `map`; false when there is none. */
 static bool impact_map(const saltus_lane *self, int hit, unsigned touched, const double *velocity,
                        saltus_contact_map *map) {
     const saltus_system *system = self->system;
@@ -257,7 +265,8 @@ static bool impact_map(const saltus_lane *self, int hit, unsigned touched, const
 }
 
 /* S delta = DP delta + (f+ - DP f-) (n.delta_q) / (n.q'-) for every tangent vector. */
-static void saltate(saltus_flow *flow, saltus_lane *self, int face, double speed, const saltus_contact_map *map) {
+static void saltate(saltus_flow *flow, saltus_lane *self, int face, double speed,
+                    const saltus_contact_map *map) {
     int n = flow->dof, dimension = flow->dimension;
     double *jump = self->before;
     /* DP leaves displacements alone: only the acceleration part of f- is mapped. */
@@ -274,21 +283,39 @@ static void saltate(saltus_flow *flow, saltus_lane *self, int face, double speed
     }
 }
 
-/* Remaining time of a chatter that may be cut short here; negative if it may not. `self->trial` receives the state
- * with the normal velocity removed. */
-static double chatter_remainder(saltus_flow *flow, int lane, int face, double rebound, double acceleration) {
+/* The displacement that counts as nothing beside the state. */
+static double displacement_tolerance(const saltus_flow *flow, const saltus_lane *self, double *size) {
+    *size = 0;
+    for (int i = 0; i < flow->dof; i++)
+        *size =
+            fmax(*size, fmax(fabs(self->state[i]), fabs(self->state[flow->dof + i]) / flow->work.omega_unit));
+    return 0.1 * (flow->options.atol + flow->options.rtol * *size);
+}
+
+/* Whether a rebound is slow enough that its chatter could end here, judged by a bound on accelerations alone:
+ * saves the closer look at every ordinary impact. */
+static bool may_end_chatter(const saltus_flow *flow, const saltus_lane *self, int face, double rebound) {
+    double size, tolerance = displacement_tolerance(flow, self, &size), rate = self->system->rate;
+    double bound = flow->dof * rate * (rate + flow->work.omega_unit) * size, r = self->system->faces[face].r;
+    return rebound * rebound <= tolerance * bound * (r < 1 ? 1 - r : 2);
+}
+
+/* Remaining time of a chatter that may be cut short here; negative if it may not. `self->trial` receives the
+ * state with the normal velocity removed. */
+static double chatter_remainder(saltus_flow *flow, int lane, int face, double rebound) {
     saltus_lane *self = &flow->lane[lane];
     const saltus_system *system = self->system;
-    double r = system->faces[face].r, size = 0;
+    double r = system->faces[face].r, size, tolerance = displacement_tolerance(flow, self, &size);
+    double acceleration =
+        2 *
+        gap_coefficient(system, probe_at(flow, lane, self->state, self->now.phase, &self->hold, 2), face, 2);
     memcpy(self->trial, self->state, (size_t)flow->dimension * sizeof(double));
     if (!saltus_contact_map_build(system, self->contacts | 1u << face, 0, &flow->scratch))
         return -1;
     saltus_contact_map_apply(&flow->scratch, flow->dof, self->trial + flow->dof);
     saltus_work *probe = probe_at(flow, lane, self->trial, self->now.phase, &self->hold, 3);
-    double a = 2 * gap_coefficient(system, probe, face, 2), jerk = 6 * gap_coefficient(system, probe, face, 3);
-    for (int i = 0; i < flow->dof; i++)
-        size = fmax(size, fmax(fabs(self->state[i]), fabs(self->state[flow->dof + i]) / flow->work.omega_unit));
-    double tolerance = 0.1 * (flow->options.atol + flow->options.rtol * size);
+    double a = 2 * gap_coefficient(system, probe, face, 2),
+           jerk = 6 * gap_coefficient(system, probe, face, 3);
     if (!(a > 0) || rebound * rebound > tolerance * a * (r < 1 ? 1 - r : 2))
         return -1;
     if (r == 1)
@@ -302,7 +329,8 @@ static double chatter_remainder(saltus_flow *flow, int lane, int face, double re
 static unsigned resting_faces(const saltus_lane *self, unsigned touched, double tiny) {
     unsigned resting = 0;
     for (int f = 0; f < self->system->face_count; f++)
-        if (touched >> f & 1 && fabs(saltus_face_normal(self->system, f, self->state + self->system->dof)) <= tiny)
+        if (touched >> f & 1 &&
+            fabs(saltus_face_normal(self->system, f, self->state + self->system->dof)) <= tiny)
             resting |= 1u << f;
     return resting;
 }
@@ -340,9 +368,8 @@ saltus_status saltus_contacts_impact(saltus_flow *flow, int lane, int face, salt
     }
 
     /* Does the sequence end here? Then the impact is taken without rebound and the contact rests. */
-    saltus_work *probe = probe_at(flow, lane, self->state, self->now.phase, &self->hold, 2);
-    double acceleration = 2 * gap_coefficient(system, probe, face, 2);
-    double remainder = chatter_remainder(flow, lane, face, rebound, acceleration);
+    bool slow = may_end_chatter(flow, self, face, rebound);
+    double remainder = slow ? chatter_remainder(flow, lane, face, rebound) : -1;
     unsigned elastic = impulses & ~self->contacts;
     if (remainder >= 0) {
         memcpy(self->state, self->trial, (size_t)flow->dimension * sizeof(double));

@@ -34,7 +34,7 @@ static isa_level processor_level(void) {
 static isa_level allowed_level(void) {
     isa_level level = processor_level();
     const char *forced = getenv("SALTUS_ISA");
-    isa_level cap = !forced                               ? level
+    isa_level cap = !forced                            ? level
                     : strcmp(forced, "x86-64-v4") == 0 ? isa_v4
                     : strcmp(forced, "x86-64-v3") == 0 ? isa_v3
                                                        : isa_base;
@@ -56,8 +56,8 @@ const saltus_kernel *saltus_kernel_find(const char *model, int lanes) {
     return best;
 }
 
-saltus_status saltus_work_open(saltus_work *work, const saltus_kernel *kernel, const saltus_system *system, int order,
-                               int columns) {
+saltus_status saltus_work_open(saltus_work *work, const saltus_kernel *kernel, const saltus_system *system,
+                               int order, int columns) {
     *work = (saltus_work){.dof = system->dof,
                           .extra = system->extra,
                           .order = order,
@@ -74,4 +74,6 @@ saltus_status saltus_work_open(saltus_work *work, const saltus_kernel *kernel, c
     return SALTUS_OK;
 }
 
-void saltus_work_close(saltus_work *work) { saltus_arena_close(&work->arena); }
+void saltus_work_close(saltus_work *work) {
+    saltus_arena_close(&work->arena);
+}

@@ -127,8 +127,8 @@ static void search_turning(saltus_flow *flow, int lane, double step, double *fir
         c[k] *= k + 1;
         size += fabs(c[k]);
     }
-    /* Held on the stop the observed point does not move: what is left is rounding. After a turning point, an impact
-     * without rebound or a release the first coefficients are zero, but for rounding. */
+    /* Held on the stop the observed point does not move: what is left is rounding. After a turning point, an
+     * impact without rebound or a release the first coefficients are zero, but for rounding. */
     if (size <= 1e-12 * self->system->scale[self->system->dof])
         return;
     while (touch < 3 && (fabs(c[touch]) <= 1e-13 * size || (touch == 0 && self->turned)))

@@ -2,23 +2,26 @@
  *
  * The event contract
  *
- * - A step covers (begin, begin + h]. Its dense output is a polynomial, and each face's gap, each holding contact's
- *   force and, where asked for, the observer's velocity are polynomials of it. Events are zeros of these.
- * - An impact is the first rise of a gap through zero: two rises or a rise and a fall within one step count, a maximum
- *   that stays below zero or just touches it does not (isolate.h). A root at the step's end belongs to the step.
- * - Just after an impact the gap is zero and opening. That zero is divided out of the polynomial, so the face is watched
- *   again from the same instant, without a dead time: the next rise, however soon, is found. After a release three
- *   zeros are divided out. While a face stays close, gap and rate are carried from the step's polynomial to the next
- *   step, because n.q - d loses all digits there.
- * - The earliest event of a step wins; the state is evaluated there, the event is applied, and the flow goes on. Faces
- *   reached in the same instant (to rounding) share one impact.
- * - Complete chatter, sticking and release: see contact.c. A held face is not searched for impacts, only its force for
- *   the fall through zero.
- * - A start on a stop: approaching faces are hit at once, opening ones leave, resting ones hold if pressed (the first
- *   coefficient of the gap's series that stands out of rounding decides). A start beyond a stop is refused.
- * - Not found: nothing by design. If a gap should end a step beyond its stop, or thousands of events pass while time
- *   stands still, the call fails with time, gap and speed in the message.
- * SPDX-License-Identifier: GPL-3.0-or-later */
+ * - A step covers (begin, begin + h]. Its dense output is a polynomial, and each face's gap, each holding
+ * contact's force and, where asked for, the observer's velocity are polynomials of it. Events are zeros of
+ * these.
+ * - An impact is the first rise of a gap through zero: two rises or a rise and a fall within one step count,
+ * a maximum that stays below zero or just touches it does not (isolate.h). A root at the step's end belongs
+ * to the step.
+ * - Just after an impact the gap is zero and opening. That zero is divided out of the polynomial, so the face
+ * is watched again from the same instant, without a dead time: the next rise, however soon, is found. After a
+ * release three zeros are divided out. While a face stays close, gap and rate are carried from the step's
+ * polynomial to the next step, because n.q - d loses all digits there.
+ * - The earliest event of a step wins; the state is evaluated there, the event is applied, and the flow goes
+ * on. Faces reached in the same instant (to rounding) share one impact.
+ * - Complete chatter, sticking and release: see contact.c. A held face is not searched for impacts, only its
+ * force for the fall through zero.
+ * - A start on a stop: approaching faces are hit at once, opening ones leave, resting ones hold if pressed
+ * (the first coefficient of the gap's series that stands out of rounding decides). A start beyond a stop is
+ * refused.
+ * - Not found: nothing by design. If a gap should end a step beyond its stop, or thousands of events pass
+ * while time stands still, the call fails with time, gap and speed in the message. SPDX-License-Identifier:
+ * GPL-3.0-or-later */
 #include "flow/flow.h"
 
 #include <math.h>
@@ -27,7 +30,9 @@
 
 enum { idle_events_max = 100000, impacts_per_period_max = 1000000 };
 
-double saltus_time_periods(saltus_time time) { return (double)time.cycle + time.phase; }
+double saltus_time_periods(saltus_time time) {
+    return (double)time.cycle + time.phase;
+}
 
 saltus_time saltus_time_after(saltus_time time, double periods) {
     double phase = time.phase + periods, whole = floor(phase);
@@ -46,7 +51,8 @@ static int automatic_order(double rtol) {
 
 static saltus_status check_options(const saltus_flow_options *o, saltus_message *message) {
     if (!(o->rtol >= 1e-15 && o->rtol <= 1e-3))
-        return saltus_fail(message, SALTUS_BAD_INPUT, "rtol = %g: must be at least 1e-15 and at most 1e-3", o->rtol);
+        return saltus_fail(message, SALTUS_BAD_INPUT, "rtol = %g: must be at least 1e-15 and at most 1e-3",
+                           o->rtol);
     if (!(o->atol >= 0 && o->atol <= 1))
         return saltus_fail(message, SALTUS_BAD_INPUT, "atol = %g: must be at least 0 and at most 1", o->atol);
     if (o->order != 0 && (o->order < 8 || o->order > SALTUS_ORDER_MAX))
@@ -67,8 +73,9 @@ static saltus_status check_systems(const saltus_system *const *systems, int lane
         for (int f = 0; same && f < a->face_count; f++)
             same = a->faces[f].stop == b->faces[f].stop && a->faces[f].side == b->faces[f].side;
         if (!same || a->coefficients.terms != b->coefficients.terms)
-            return saltus_fail(message, SALTUS_BAD_INPUT,
-                               "systems side by side must have the same model, size, terms and kind of stops");
+            return saltus_fail(
+                message, SALTUS_BAD_INPUT,
+                "systems side by side must have the same model, size, terms and kind of stops");
     }
     return SALTUS_OK;
 }
@@ -93,7 +100,8 @@ static void reserve(saltus_flow *flow) {
 }
 
 /* The first row of the gap series is the observed displacement, in scenes without a stop too. */
-static void load_system(saltus_work *work, const saltus_kernel *kernel, int lane, const saltus_system *system) {
+static void load_system(saltus_work *work, const saltus_kernel *kernel, int lane,
+                        const saltus_system *system) {
     kernel->load(work, lane, system);
     if (system->spec.stop_count == 0)
         for (int i = 0; i < system->dof; i++)
@@ -103,7 +111,8 @@ static void load_system(saltus_work *work, const saltus_kernel *kernel, int lane
 static saltus_status open_works(saltus_flow *flow, const saltus_system *const *systems) {
     enum { probe_order = 8 };
     const saltus_system *first = systems[0];
-    saltus_status status = saltus_work_open(&flow->work, flow->kernel, first, flow->options.order, flow->options.columns);
+    saltus_status status =
+        saltus_work_open(&flow->work, flow->kernel, first, flow->options.order, flow->options.columns);
     for (int l = 0; l < flow->lanes && status == SALTUS_OK; l++) {
         load_system(&flow->work, flow->kernel, l, systems[l]);
         status = saltus_work_open(&flow->probe[l], flow->narrow, first, probe_order, 0);
@@ -118,8 +127,9 @@ static saltus_status open_works(saltus_flow *flow, const saltus_system *const *s
     return status;
 }
 
-saltus_status saltus_flow_new(const saltus_system *const *systems, int lanes, const saltus_flow_options *options,
-                              saltus_flow **flow, saltus_message *message) {
+saltus_status saltus_flow_new(const saltus_system *const *systems, int lanes,
+                              const saltus_flow_options *options, saltus_flow **flow,
+                              saltus_message *message) {
     *flow = NULL;
     saltus_status status = check_options(options, message);
     if (status != SALTUS_OK)
@@ -127,7 +137,8 @@ saltus_status saltus_flow_new(const saltus_system *const *systems, int lanes, co
     const saltus_system *first = systems[0];
     const saltus_kernel *narrow = saltus_kernel_find(first->spec.model->name, 1);
     const saltus_kernel *wide = lanes == 1 ? narrow : saltus_kernel_find(first->spec.model->name, 0);
-    bool stiff = options->integrator == SALTUS_RADAU || (options->integrator == SALTUS_AUTOMATIC && first->stiff);
+    bool stiff =
+        options->integrator == SALTUS_RADAU || (options->integrator == SALTUS_AUTOMATIC && first->stiff);
     if (lanes < 1 || lanes > wide->lanes || (stiff && lanes > 1))
         return saltus_fail(message, SALTUS_BAD_INPUT, "lanes = %d: %s", lanes,
                            stiff ? "a stiff system runs one trajectory at a time"
@@ -193,13 +204,27 @@ int saltus_flow_width(const saltus_system *system) {
     return saltus_kernel_find(system->spec.model->name, 0)->lanes;
 }
 
-const saltus_system *saltus_flow_system(const saltus_flow *flow, int lane) { return flow->lane[lane].system; }
-int saltus_flow_columns(const saltus_flow *flow) { return flow->options.columns; }
-saltus_time saltus_flow_time(const saltus_flow *flow, int lane) { return flow->lane[lane].now; }
-unsigned saltus_flow_contacts(const saltus_flow *flow, int lane) { return flow->lane[lane].contacts; }
-saltus_flow_info saltus_flow_information(const saltus_flow *flow, int lane) { return flow->lane[lane].info; }
-double saltus_flow_step_length(const saltus_flow *flow, int lane) { return flow->lane[lane].step; }
-saltus_time saltus_flow_step_begin(const saltus_flow *flow, int lane) { return flow->lane[lane].begin; }
+const saltus_system *saltus_flow_system(const saltus_flow *flow, int lane) {
+    return flow->lane[lane].system;
+}
+int saltus_flow_columns(const saltus_flow *flow) {
+    return flow->options.columns;
+}
+saltus_time saltus_flow_time(const saltus_flow *flow, int lane) {
+    return flow->lane[lane].now;
+}
+unsigned saltus_flow_contacts(const saltus_flow *flow, int lane) {
+    return flow->lane[lane].contacts;
+}
+saltus_flow_info saltus_flow_information(const saltus_flow *flow, int lane) {
+    return flow->lane[lane].info;
+}
+double saltus_flow_step_length(const saltus_flow *flow, int lane) {
+    return flow->lane[lane].step;
+}
+saltus_time saltus_flow_step_begin(const saltus_flow *flow, int lane) {
+    return flow->lane[lane].begin;
+}
 
 /* One column of the work's start rows to or from a plain vector. */
 static void gather(const saltus_flow *flow, int lane, int column, double *vector) {
@@ -236,7 +261,9 @@ static void scatter_all(saltus_flow *flow, int lane) {
         scatter(flow, lane, c + 1, self->tangents + c * flow->dimension);
 }
 
-void saltus_flow_state(const saltus_flow *flow, int lane, double *state) { gather(flow, lane, 0, state); }
+void saltus_flow_state(const saltus_flow *flow, int lane, double *state) {
+    gather(flow, lane, 0, state);
+}
 
 void saltus_flow_tangents(const saltus_flow *flow, int lane, double *tangents) {
     for (int c = 0; c < flow->options.columns; c++)
@@ -259,7 +286,8 @@ void saltus_flow_field(saltus_flow *flow, int lane, double *derivative) {
     saltus_field_at(flow, lane, self->state, self->now.phase, &self->hold, derivative);
 }
 
-/* Faces the state touches, sorted by what it does there: hit, leave, rest. Impacts at the start are applied. */
+/* Faces the state touches, sorted by what it does there: hit, leave, rest. Impacts at the start are applied.
+ */
 static saltus_status resolve_start(saltus_flow *flow, int lane) {
     saltus_lane *self = &flow->lane[lane];
     const saltus_system *system = self->system;
@@ -312,7 +340,8 @@ saltus_status saltus_flow_start(saltus_flow *flow, int lane, saltus_time time, c
         saltus_radau_reset(flow->radau);
     status = resolve_start(flow, lane);
     scatter_all(flow, lane);
-    return status == SALTUS_OK ? status : saltus_fail(message, status, "the start on a stop could not be resolved");
+    return status == SALTUS_OK ? status
+                               : saltus_fail(message, status, "the start on a stop could not be resolved");
 }
 
 /* Time left to the target, in periods. */
@@ -332,7 +361,8 @@ void saltus_flow_aim(saltus_flow *flow, int lane, saltus_time until, unsigned wa
         flow->work.stops = turning;
 }
 
-/* The step a lane takes: its own, or what is left to the target, or half of that when a sliver would remain. */
+/* The step a lane takes: its own, or what is left to the target, or half of that when a sliver would remain.
+ */
 static double plan_step(saltus_lane *self, double step) {
     double left = remaining(self) * self->system->period;
     self->land = -1;
@@ -368,8 +398,8 @@ static saltus_status expand_lanes(saltus_flow *flow, saltus_message *message) {
         bool moves = planned > 0 && self->now.phase + planned / self->system->period != self->now.phase;
         if (!moves && remaining(self) > 0)
             return saltus_fail(message, SALTUS_STALLED,
-                               "the step falls to %.3g at %.15g periods: the motion grows without bound", planned,
-                               saltus_time_periods(self->now));
+                               "the step falls to %.3g at %.15g periods: the motion grows without bound",
+                               planned, saltus_time_periods(self->now));
         w->advance[l] = saltus_events_first(flow, l, planned);
         if (self->pending.kind != SALTUS_STEP && w->advance[l] < planned)
             self->land = -1;
@@ -451,8 +481,9 @@ static saltus_status conclude(saltus_flow *flow, int lane, saltus_message *messa
     if (status != SALTUS_OK)
         return saltus_fail(message, status, "the flow stalls at %.15g periods (%s): gap %.3g, speed %.3g",
                            saltus_time_periods(self->now),
-                           goes_on ? "a gap is passed or an impact has no solution"
-                                   : "bounces without end; a restitution of 1 never comes to rest under pressure",
+                           goes_on
+                               ? "a gap is passed or an impact has no solution"
+                               : "bounces without end; a restitution of 1 never comes to rest under pressure",
                            gap, self->last_speed);
     return SALTUS_OK;
 }

@@ -8,18 +8,20 @@
 #include "flow/radau.h"
 #include "saltus/flow.h"
 
-/* A linear map of velocities that acts at a set of faces: v -> v - sum_k push_k (pull_k . v). With the restitution in
- * the pull rows it is the impact law of these faces, without it the projection that a lasting contact applies to
- * accelerations. Directions point towards the stops. */
+/* A linear map of velocities that acts at a set of faces: v -> v - sum_k push_k (pull_k . v). With the
+ * restitution in the pull rows it is the impact law of these faces, without it the projection that a lasting
+ * contact applies to accelerations. Directions point towards the stops. */
 typedef struct saltus_contact_map {
     int count;
     int face[SALTUS_FACES_MAX];
     double *push, *pull; /* [count][dof], storage for SALTUS_FACES_MAX of them */
-    double inverse[SALTUS_FACES_MAX * SALTUS_FACES_MAX]; /* of n_k . push_j: shares gaps out among the directions */
+    double inverse[SALTUS_FACES_MAX *
+                   SALTUS_FACES_MAX]; /* of n_k . push_j: shares gaps out among the directions */
 } saltus_contact_map;
 
-/* What is known of a face's gap at the start of a step, more exactly than n.q - d tells near contact: the first `touch`
- * coefficients of the gap's series vanish; or, with `shadow`, its value and rate carried over from the last step. */
+/* What is known of a face's gap at the start of a step, more exactly than n.q - d tells near contact: the
+ * first `touch` coefficients of the gap's series vanish; or, with `shadow`, its value and rate carried over
+ * from the last step. */
 typedef struct saltus_face_state {
     int touch;
     bool shadow;
@@ -31,22 +33,22 @@ typedef struct saltus_lane {
     const saltus_system *system;
     saltus_time now, begin, until;
     unsigned watch;
-    bool aimed, ended;           /* under way; its event waits to be fetched */
-    bool turned;                 /* the observer's velocity is zero now, by a turning event */
-    double step;                 /* length of the last step, for dense output */
-    double land;                 /* phase at the end of the step under way, if it lands on the target: -1 otherwise */
-    unsigned contacts;           /* faces in lasting contact */
+    bool aimed, ended; /* under way; its event waits to be fetched */
+    bool turned;       /* the observer's velocity is zero now, by a turning event */
+    double step;       /* length of the last step, for dense output */
+    double land;       /* phase at the end of the step under way, if it lands on the target: -1 otherwise */
+    unsigned contacts; /* faces in lasting contact */
     saltus_contact_map hold;
     saltus_face_state face[SALTUS_FACES_MAX];
     saltus_flow_info info;
-    int idle_events;             /* events since time last moved on */
-    int cycle_events;            /* contact events within this period */
-    double last_speed;           /* of the last contact event */
-    saltus_event pending;        /* event found on the step's polynomial; kind SALTUS_STEP when there is none */
-    double *state, *tangents;    /* dimension, columns * dimension */
-    double *before, *after;      /* fields on the two sides of an event */
-    double *trial;               /* a state */
-    double *delay;               /* per column: d (event time) / d column of the last event */
+    int idle_events;          /* events since time last moved on */
+    int cycle_events;         /* contact events within this period */
+    double last_speed;        /* of the last contact event */
+    saltus_event pending;     /* event found on the step's polynomial; kind SALTUS_STEP when there is none */
+    double *state, *tangents; /* dimension, columns * dimension */
+    double *before, *after;   /* fields on the two sides of an event */
+    double *trial;            /* a state */
+    double *delay;            /* per column: d (event time) / d column of the last event */
 } saltus_lane;
 
 struct saltus_flow {
@@ -56,9 +58,9 @@ struct saltus_flow {
     int lanes, dimension, dof, extra;
     saltus_integrator integrator;
     saltus_lane *lane;
-    saltus_work work;       /* all lanes: jets of the step */
-    saltus_work *probe;     /* one narrow work per lane, for single points */
-    saltus_radau *radau;    /* stiff integrator, one per flow (width 1) */
+    saltus_work work;           /* all lanes: jets of the step */
+    saltus_work *probe;         /* one narrow work per lane, for single points */
+    saltus_radau *radau;        /* stiff integrator, one per flow (width 1) */
     saltus_contact_map scratch; /* a map under trial */
 };
 
@@ -66,28 +68,33 @@ struct saltus_flow {
 saltus_time saltus_time_after(saltus_time time, double periods);
 
 /* contact.c */
-/* The map of a set of faces; false if their normals are dependent. Faces in `elastic` rebound with their restitution. */
-bool saltus_contact_map_build(const saltus_system *system, unsigned faces, unsigned elastic, saltus_contact_map *map);
+/* The map of a set of faces; false if their normals are dependent. Faces in `elastic` rebound with their
+ * restitution. */
+bool saltus_contact_map_build(const saltus_system *system, unsigned faces, unsigned elastic,
+                              saltus_contact_map *map);
 void saltus_contact_map_apply(const saltus_contact_map *map, int dof, double *velocity);
 /* Bring a state exactly onto the faces of a map without restitution: gaps and normal velocities zero. */
 void saltus_contact_map_settle(const saltus_system *system, const saltus_contact_map *map, double *state);
 /* Normal velocity or acceleration towards a face. */
 double saltus_face_normal(const saltus_system *system, int face, const double *vector);
-/* Decide, for faces touched with zero normal velocity (resting), which of them hold; set contacts, hold and touch. */
+/* Decide, for faces touched with zero normal velocity (resting), which of them hold; set contacts, hold and
+ * touch. */
 void saltus_contacts_rest(saltus_flow *flow, int lane, unsigned resting);
 /* Impact on the face of the pending event; complete chatter; tangent vectors. */
 saltus_status saltus_contacts_impact(saltus_flow *flow, int lane, int face, saltus_event *event);
 void saltus_contacts_release(saltus_flow *flow, int lane, int face);
 /* Field at a state with given contacts. */
-void saltus_field_at(saltus_flow *flow, int lane, const double *state, double phase, const saltus_contact_map *hold,
-                     double *derivative);
+void saltus_field_at(saltus_flow *flow, int lane, const double *state, double phase,
+                     const saltus_contact_map *hold, double *derivative);
 /* Put a lane's held contacts into the rows of the stepping work. */
 void saltus_contacts_publish(saltus_flow *flow, int lane);
 
 /* events.c */
-/* The first event of a lane on the step just expanded, within `step`; sets lane->pending and returns its time. */
+/* The first event of a lane on the step just expanded, within `step`; sets lane->pending and returns its
+ * time. */
 double saltus_events_first(saltus_flow *flow, int lane, double step);
-/* Carry the faces' gap knowledge to the end of the step; false if a gap has opened beyond its stop (a lost impact). */
+/* Carry the faces' gap knowledge to the end of the step; false if a gap has opened beyond its stop (a lost
+ * impact). */
 bool saltus_events_carry(saltus_flow *flow, int lane, double step, int event_face, double *gap);
 
 #endif

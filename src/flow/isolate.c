@@ -124,7 +124,8 @@ static double bracketed_zero(const double *c, int degree, int derivative, double
     return s;
 }
 
-/* Whether p is positive just after a zero: the first Taylor coefficient there that stands out of rounding is. */
+/* Whether p is positive just after a zero: the first Taylor coefficient there that stands out of rounding is.
+ */
 static bool positive_after(const double *c, int degree, double s) {
     double shifted[SALTUS_DEGREE_MAX + 1], size = 0;
     memcpy(shifted, c, (size_t)(degree + 1) * sizeof *c);

@@ -8,7 +8,8 @@
 
 static void write_json(FILE *file, const saltus_scene *scene, const saltus_system *system,
                        const saltus_attractors *attractors) {
-    fprintf(file, "{\"version\": \"" SALTUS_VERSION "\", \"seeds\": %d, \"attractors\": [", attractors->seeds);
+    fprintf(file, "{\"version\": \"" SALTUS_VERSION "\", \"seeds\": %d, \"attractors\": [",
+            attractors->seeds);
     for (int k = 0; k < attractors->count; k++) {
         fprintf(file, "%s{\"share\": %d, \"motion\": ", k ? ", " : "", attractors->shares[k]);
         saltus_write_motion_json(file, scene, system, &attractors->motions[k]);
@@ -25,7 +26,8 @@ static void write_line(FILE *file, const saltus_motion *motion, int share, int s
     if (motion->multiplier_count)
         fprintf(file, "  largest |mu| %.6f", exp(motion->multipliers[0].log_modulus));
     if (motion->kind != SALTUS_UNDECIDED)
-        fprintf(file, "  displacement %.6g to %.6g  %s", motion->smallest, motion->largest, mirror[motion->mirror]);
+        fprintf(file, "  displacement %.6g to %.6g  %s", motion->smallest, motion->largest,
+                mirror[motion->mirror]);
     fputs("\n", file);
 }
 

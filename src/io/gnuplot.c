@@ -17,7 +17,8 @@ const char *saltus_gnuplot_terminal(const char *path) {
     if (saltus_path_ends(path, ".png"))
         return "pngcairo size 1600,1200 enhanced font 'DejaVu Sans,13' background '#ffffff' rounded";
     if (saltus_path_ends(path, ".pdf"))
-        return "pdfcairo size 11.69in,8.77in enhanced font 'DejaVu Sans,9' fontscale 1 linewidth 1 rounded";
+        return "pdfcairo size 11.69in,8.77in enhanced font 'DejaVu Sans,13' fontscale 0.58 linewidth 0.75 "
+               "pointscale 0.75 rounded";
     if (saltus_path_ends(path, ".svg"))
         return "svg size 1600,1200 dynamic enhanced font 'DejaVu Sans,17' background '#ffffff' rounded";
     return NULL;

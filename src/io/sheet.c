@@ -32,6 +32,7 @@ static void put_style(FILE *file) {
           "set tics out nomirror scale 0.6 tc rgb '#303030'\n"
           "set grid lt 1 lc rgb '#eeeeee' lw 1 back\n"
           "set key off\n"
+          "set minussign\n"
           "set style fill solid 1 noborder\n"
           "set palette defined (0 '#3b2a6b', 0.25 '#33628d', 0.5 '#21908d', 0.75 '#5cb85c', 1 '#d4b020')\n"
           "unset colorbox\n",
@@ -46,7 +47,7 @@ static void open_panel(FILE *file, const double across[2], const double up[2], c
             "screen %g\n",
             across[0], across[1], up[0], up[1]);
     fprintf(file,
-            "set label 1 '{/:Bold (%c)}  %s' at graph 0, graph 1 offset 0,1.1 left front tc rgb '#202020'\n",
+            "set label 99 '{/:Bold (%c)}  %s' at graph 0, graph 1 offset 0,1.1 left front tc rgb '#202020'\n",
             letter, heading);
 }
 
@@ -72,14 +73,15 @@ static void put_stops(const saltus_sheet *sheet, bool vertical) {
             continue;
         if (vertical)
             fprintf(sheet->file,
-                    "set object rectangle from %.9g, graph 0 to %.9g, graph 1 back fc rgb '" STOP "'\n"
+                    "set object rectangle from %.9g, graph 0 to %.9g, graph 1 back fc rgb '" STOP
+                    "' fs solid noborder\n"
                     "set arrow from %.9g, graph 0 to %.9g, graph 1 nohead back lc rgb '" EDGE "' lw 1.5\n",
                     d, end, d, d);
         else
             fprintf(sheet->file,
                     "set object rectangle from graph 0, first %.9g to graph 1, first %.9g back fc rgb '" STOP
-                    "'\nset arrow from graph 0, first %.9g to graph 1, first %.9g nohead back lc rgb '" EDGE
-                    "' lw 1.5\n",
+                    "' fs solid noborder\nset arrow from graph 0, first %.9g to graph 1, first %.9g nohead "
+                    "back lc rgb '" EDGE "' lw 1.5\n",
                     d, end, d, d);
     }
 }
@@ -95,8 +97,8 @@ static void put_portrait(const saltus_sheet *sheet, const double up[2]) {
     put_stops(sheet, true);
     fputs("plot ", sheet->file);
     if (saltus_sheet_impacts(sheet) > 0)
-        fprintf(sheet->file, "$jumps using 1:2 with lines lc rgb '%s' lw 1 dt (6,4), \\\n     ",
-                sheet->orbit ? "#70c44e2a" : "#d8c44e2a");
+        fprintf(sheet->file, "$jumps using 1:2 with lines lc rgb '%s' lw 1.5, \\\n     ",
+                sheet->orbit ? STRIKE : "#d8c44e2a");
     fprintf(sheet->file, "$orbit using 2:3 with lines lc rgb '%s' lw %s, \\\n", sheet->orbit ? TRACE : THIN,
             sheet->orbit ? "2" : "0.7");
     fprintf(sheet->file,
@@ -126,10 +128,10 @@ static void put_history(const saltus_sheet *sheet, const double up[2]) {
     put_stops(sheet, false);
     fprintf(sheet->file, "plot $history using 1:2 with lines lc rgb '" TRACE "' lw %s",
             sheet->orbit ? "2" : "1.3");
-    if (sheet->contacts)
-        fputs(", \\\n     $contacts using 1:2 with lines lc rgb '" HOLD "' lw 7", sheet->file);
     if (saltus_sheet_impacts(sheet) > 0)
         fputs(", \\\n     $impacts using 1:2 with points pt 7 ps 0.75 lc rgb '" STRIKE "'", sheet->file);
+    if (sheet->contacts)
+        fputs(", \\\n     $contacts using 1:2 with lines lc rgb '" HOLD "' lw 8", sheet->file);
     fputc('\n', sheet->file);
     close_panel(sheet->file);
 }
@@ -173,10 +175,11 @@ static void put_impact_map(const saltus_sheet *sheet, const double up[2]) {
         fputs("set logscale y\nset format y '10^{%T}'\n", sheet->file);
     }
     put_axes(sheet->file, "phase {/:Italic τ}/{/:Italic T} (mod 1)", phase,
-             logarithmic ? "impact speed |{/:Bold n·q}′|" : "velocity before impact, {/:Bold n·q}′",
+             logarithmic ? "impact speed |{/:Bold n·q′}|" : "velocity before impact, {/:Bold n·q′}",
              logarithmic ? size : signed_range);
     if (saltus_system_face_count(sheet->system) > 1)
-        fputs("set key at graph 1, graph 1 right bottom horizontal samplen 0.5 textcolor rgb '#303030'\n",
+        fputs("set key at graph 1, graph 1.03 right bottom horizontal samplen 0.5 width -2 font ',11' "
+              "textcolor rgb '#303030'\n",
               sheet->file);
     put_impact_marks(sheet, logarithmic);
     fputs("set key off\n", sheet->file);
@@ -272,7 +275,7 @@ static void put_masses(const saltus_sheet *sheet, const double up[2]) {
                 d * w[0], -w[1] * far * 2, d * w[1], w[0] * far * 2);
     }
     fprintf(sheet->file, "$masses using 1:2 with lines lc rgb '%s' lw %s\nunset parametric\n",
-            sheet->orbit ? TRACE : THIN, sheet->orbit ? "2" : "0.7");
+            sheet->orbit ? TRACE : THIN, sheet->orbit ? "2" : "1");
     close_panel(sheet->file);
 }
 
@@ -290,7 +293,7 @@ static void put_folded(const saltus_sheet *sheet, const double across[2], const 
 
 /* Which panels a motion gets: what it has, and nothing twice. */
 static void put_panels(const saltus_sheet *sheet, double top) {
-    double gap = 0.128, bottom = 0.078, height = (top - 0.055 - bottom - gap) / 2;
+    double gap = 0.128, bottom = 0.078, height = (top - 0.05 - bottom - gap) / 2;
     const double lower[2] = {bottom, bottom + height},
                  upper[2] = {bottom + height + gap, bottom + 2 * height + gap};
     bool struck = saltus_sheet_impacts(sheet) > 0;

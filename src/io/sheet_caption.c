@@ -56,6 +56,20 @@ static void add_symbol(line *l, const char *name) {
         add(l, "_{%s}", name + 1);
 }
 
+/* The coordinate that a stop limits, w1 x1 + w2 x2, without zeros and ones. */
+static void add_weights(line *l, const double weight[2]) {
+    bool first = true;
+    for (int i = 0; i < 2; i++) {
+        if (weight[i] == 0)
+            continue;
+        add(l, "%s", weight[i] < 0 ? (first ? "−" : " − ") : first ? "" : " + ");
+        if (fabs(weight[i]) != 1)
+            add(l, "%.6g ", fabs(weight[i]));
+        add(l, "{/:Italic x}_%d", i + 1);
+        first = false;
+    }
+}
+
 static void add_stop(line *l, const saltus_sheet *sheet, int s) {
     const saltus_spec *spec = saltus_system_spec(sheet->system);
     const saltus_stop *stop = &spec->stops[s];
@@ -65,10 +79,8 @@ static void add_stop(line *l, const saltus_sheet *sheet, int s) {
         add_symbol(l, "xi");
         add(l, " = %.6g, ", stop->xi);
     } else if (saltus_system_dof(sheet->system) > 1) {
-        add(l, "on ");
-        add_number(l, "%.6g", stop->weight[0]);
-        add(l, " {/:Italic x}_1 %s %.6g {/:Italic x}_2, ", stop->weight[1] < 0 ? "−" : "+",
-            fabs(stop->weight[1]));
+        add_weights(l, stop->weight);
+        add(l, ", ");
     }
     add_symbol(l, "d");
     add(l, " = ");
@@ -154,7 +166,7 @@ static void add_stretch(line *l, const saltus_sheet *sheet) {
  * braces. */
 static size_t piece(const char *text) {
     enum { widest = 150 };
-    size_t fits = 0;
+    size_t fits = 0, word = 0;
     int depth = 0, shown = 0;
     for (size_t k = 0; text[k]; k++) {
         if (strncmp(text + k, "{/:Italic ", 10) == 0) {
@@ -163,12 +175,14 @@ static size_t piece(const char *text) {
         } else if (text[k] == '{' || text[k] == '}')
             depth += text[k] == '{' ? 1 : -1;
         else if (text[k] == ' ' && depth == 0) {
-            fits = k;
+            word = k;
+            if (k && shown > widest / 2 && strchr(",;", text[k - 1]))
+                fits = k;
             shown++;
         } else if (text[k] != '_' && text[k] != '\\' && ((unsigned char)text[k] & 0xc0) != 0x80)
             shown++;
-        if (shown > widest && fits)
-            return fits;
+        if (shown > widest && word)
+            return fits ? fits : word;
     }
     return strlen(text);
 }
@@ -199,7 +213,7 @@ double saltus_sheet_caption(const saltus_sheet *sheet) {
     add_motion(&motion, sheet);
     add_multipliers(&motion, sheet->motion);
     add_stretch(&motion, sheet);
-    fprintf(sheet->file, "set label '{/:Bold=20 %s}' at screen 0.03,0.967 left front\n", head.text);
+    fprintf(sheet->file, "set label '{/=20:Bold %s}' at screen 0.03,0.967 left front\n", head.text);
     put_lines(sheet->file, &title, "#606060", &height);
     put_lines(sheet->file, &parameters, "#202020", &height);
     put_lines(sheet->file, &motion, "#202020", &height);

@@ -1,9 +1,8 @@
 /* Poincare maps on the flow.
  *
  * With Phi the tangent vectors carried to the section and f+ the field there, a section whose time answers to
- * perturbations by dt = (delay . delta) maps tangent vectors by Phi + f+ delay^T. A shift of the start time by dt0 acts
- * like the start perturbation -f0 dt0.
- * SPDX-License-Identifier: GPL-3.0-or-later */
+ * perturbations by dt = (delay . delta) maps tangent vectors by Phi + f+ delay^T. A shift of the start time
+ * by dt0 acts like the start perturbation -f0 dt0. SPDX-License-Identifier: GPL-3.0-or-later */
 #include "saltus/map.h"
 
 #include "base/memory.h"
@@ -18,7 +17,7 @@ struct saltus_map {
     saltus_section section;
     saltus_flow *flow;
     bool derivative;
-    int n;            /* state dimension */
+    int n; /* state dimension */
     int dimension;
     double *state;
     double *start;    /* field at the step's start */
@@ -46,12 +45,13 @@ static saltus_status check_section(const saltus_section *section, saltus_message
     if (section->kind < SALTUS_SECTION_STROBOSCOPIC || section->kind > SALTUS_SECTION_TURNING)
         return saltus_fail(message, SALTUS_BAD_INPUT, "section: must be stroboscopic, impact or turning");
     if (!(section->phase >= 0 && section->phase < 1))
-        return saltus_fail(message, SALTUS_BAD_INPUT, "section phase = %g: must be at least 0 and less than 1",
-                           section->phase);
+        return saltus_fail(message, SALTUS_BAD_INPUT,
+                           "section phase = %g: must be at least 0 and less than 1", section->phase);
     if (section->iterate < 1)
         return saltus_fail(message, SALTUS_BAD_INPUT, "iterate = %d: must be at least 1", section->iterate);
     if (!(section->patience > 0))
-        return saltus_fail(message, SALTUS_BAD_INPUT, "patience = %g: must be greater than 0", section->patience);
+        return saltus_fail(message, SALTUS_BAD_INPUT, "patience = %g: must be greater than 0",
+                           section->patience);
     return SALTUS_OK;
 }
 
@@ -95,9 +95,15 @@ void saltus_map_free(saltus_map *map) {
     free(map);
 }
 
-int saltus_map_dimension(const saltus_map *map) { return map->dimension; }
-const saltus_system *saltus_map_system(const saltus_map *map) { return map->system; }
-const saltus_flow *saltus_map_flow(const saltus_map *map) { return map->flow; }
+int saltus_map_dimension(const saltus_map *map) {
+    return map->dimension;
+}
+const saltus_system *saltus_map_system(const saltus_map *map) {
+    return map->system;
+}
+const saltus_flow *saltus_map_flow(const saltus_map *map) {
+    return map->flow;
+}
 
 saltus_status saltus_map_reset(saltus_map *map, const double *point, saltus_message *message) {
     double phase = map->section.phase;
@@ -120,7 +126,8 @@ static saltus_status pass(saltus_map *map, saltus_event *event, saltus_message *
             watch |= SALTUS_WATCH_TURNING;
     }
     saltus_status status = saltus_flow_advance(map->flow, until, watch, event, message);
-    if (status == SALTUS_OK && map->section.kind != SALTUS_SECTION_STROBOSCOPIC && event->kind == SALTUS_REACHED)
+    if (status == SALTUS_OK && map->section.kind != SALTUS_SECTION_STROBOSCOPIC &&
+        event->kind == SALTUS_REACHED)
         status = saltus_fail(message, SALTUS_NO_CONVERGENCE, "no section point within %g periods",
                              map->section.patience);
     return status;

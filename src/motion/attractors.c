@@ -12,7 +12,8 @@
 /* Section points of the same orbit agree to Newton's accuracy; distinct orbits do not. */
 static const double same_point = 1e-6;
 
-static saltus_status random_state(const saltus_system *system, gsl_rng *rng, double *state, saltus_message *message) {
+static saltus_status random_state(const saltus_system *system, gsl_rng *rng, double *state,
+                                  saltus_message *message) {
     enum { tries_max = 10000 };
     const double *scale = saltus_system_scale(system);
     for (int k = 0; k < tries_max; k++) {
@@ -34,7 +35,8 @@ static bool same_attractor(const saltus_system *system, const saltus_motion *a, 
     if (a->kind == SALTUS_UNDECIDED)
         return true;
     for (int k = 0; k < a->periods; k++)
-        if (saltus_section_distance(system, a->section_states + (size_t)k * (size_t)a->dimension, b->state) < same_point)
+        if (saltus_section_distance(system, a->section_states + (size_t)k * (size_t)a->dimension, b->state) <
+            same_point)
             return true;
     return a->periods == 0 && saltus_section_distance(system, a->state, b->state) < same_point;
 }

@@ -1,9 +1,9 @@
 /* Classification of what a trajectory settles on (model.md, section 4).
  *
- * The stroboscopic map is iterated in blocks. After each block the least p is sought for which the last points recur
- * after p periods; a candidate is polished by Newton's method on the p-th iterate, and accepted if the orbit found is
- * stable, lies where the trajectory is, has no shorter period, and the trajectory keeps closing in on it. Everything
- * reported is then measured on the polished orbit, not on the transient.
+ * The stroboscopic map is iterated in blocks. After each block the least p is sought for which the last
+ * points recur after p periods; a candidate is polished by Newton's method on the p-th iterate, and accepted
+ * if the orbit found is stable, lies where the trajectory is, has no shorter period, and the trajectory keeps
+ * closing in on it. Everything reported is then measured on the polished orbit, not on the transient.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "saltus/motion.h"
 
@@ -19,7 +19,8 @@ enum { first_block = 64 };
 
 /* Distances in the stroboscopic section are relative to the system's scales. */
 static const double recurrence = 1e-3; /* a candidate period: worth a Newton iteration */
-static const double nearby = 3e-3;     /* the polished orbit must be this close to the trajectory, in recurrences */
+static const double nearby =
+    3e-3; /* the polished orbit must be this close to the trajectory, in recurrences */
 static const double same_orbit = 1e-8; /* section points that agree: a shorter period */
 static const double at_rest = 1e-9;    /* an equilibrium: no motion over a period beyond this */
 
@@ -45,7 +46,9 @@ double saltus_section_distance(const saltus_system *system, const double *a, con
     return largest;
 }
 
-static double *point_at(const history *h, long long k) { return h->points + (size_t)(k % h->size) * (size_t)h->n; }
+static double *point_at(const history *h, long long k) {
+    return h->points + (size_t)(k % h->size) * (size_t)h->n;
+}
 
 static bool open_history(history *h, int n, int size) {
     *h = (history){.n = n, .size = size};
@@ -67,7 +70,8 @@ static void close_history(history *h) {
 }
 
 /* One more period of the trajectory. */
-static saltus_status advance_period(const saltus_system *system, saltus_flow *flow, history *h, saltus_message *message) {
+static saltus_status advance_period(const saltus_system *system, saltus_flow *flow, history *h,
+                                    saltus_message *message) {
     saltus_flow_info before = saltus_flow_information(flow, 0);
     saltus_time now = saltus_flow_time(flow, 0);
     saltus_event event;
@@ -77,7 +81,8 @@ static saltus_status advance_period(const saltus_system *system, saltus_flow *fl
     saltus_flow_info after = saltus_flow_information(flow, 0);
     int slot = (int)(h->count % h->size);
     saltus_flow_state(flow, 0, point_at(h, h->count));
-    h->excursion[slot] = h->count ? saltus_section_distance(system, point_at(h, h->count), point_at(h, h->count - 1)) : 1;
+    h->excursion[slot] =
+        h->count ? saltus_section_distance(system, point_at(h, h->count), point_at(h, h->count - 1)) : 1;
     h->contact_event[slot] = after.impacts != before.impacts || after.releases != before.releases;
     h->contacts[slot] = saltus_flow_contacts(flow, 0);
     h->count++;
@@ -93,7 +98,8 @@ static double recurrence_distance(const saltus_system *system, const history *h,
     return largest;
 }
 
-/* The least period whose recurrences stay below a threshold; 0 if none. The smallest distance seen goes to *closest. */
+/* The least period whose recurrences stay below a threshold; 0 if none. The smallest distance seen goes to
+ * *closest. */
 static int candidate_period(const saltus_system *system, const history *h, int longest, double threshold,
                             double *closest) {
     *closest = INFINITY;
@@ -116,9 +122,11 @@ static bool is_resting(const saltus_system *system, saltus_flow *flow, const his
     for (int i = 0; i < h->n; i++)
         speed = fmax(speed, fabs(field[i]) / scale[i] * saltus_system_period(system));
     for (int k = 0; k < 3; k++)
-        if (h->contact_event[(h->count - 1 - k) % h->size] || h->excursion[(h->count - 1 - k) % h->size] > at_rest)
+        if (h->contact_event[(h->count - 1 - k) % h->size] ||
+            h->excursion[(h->count - 1 - k) % h->size] > at_rest)
             return false;
-    /* The field of a fast mode magnifies rounding; what counts is that nothing moved and no displacement drifts. */
+    /* The field of a fast mode magnifies rounding; what counts is that nothing moved and no displacement
+     * drifts. */
     double drift = 0;
     for (int i = 0; i < saltus_system_dof(system); i++)
         drift = fmax(drift, fabs(field[i]) / scale[i] * saltus_system_period(system));
@@ -132,10 +140,10 @@ static bool orbit_is_stable(const saltus_orbit *orbit) {
     return true;
 }
 
-/* The least divisor of the orbit's period after which it already closes: a slowly settling trajectory recurs first
- * after a multiple of its least period. */
-static int least_period(const saltus_system *system, const saltus_flow_options *options, const saltus_orbit *orbit,
-                        saltus_message *message) {
+/* The least divisor of the orbit's period after which it already closes: a slowly settling trajectory recurs
+ * first after a multiple of its least period. */
+static int least_period(const saltus_system *system, const saltus_flow_options *options,
+                        const saltus_orbit *orbit, saltus_message *message) {
     double point[SALTUS_STATE_MAX];
     saltus_section section = saltus_section_defaults();
     saltus_map *map = NULL;
@@ -154,8 +162,8 @@ static int least_period(const saltus_system *system, const saltus_flow_options *
 }
 
 /* Newton from the trajectory's last point; accepted if the orbit is where the trajectory is, and stable. */
-static bool polish(const saltus_system *system, const saltus_classify_options *options, const history *h, int p,
-                   double distance, saltus_orbit *orbit, saltus_message *message) {
+static bool polish(const saltus_system *system, const saltus_classify_options *options, const history *h,
+                   int p, double distance, saltus_orbit *orbit, saltus_message *message) {
     saltus_orbit_options shooting = saltus_orbit_defaults();
     shooting.flow = options->flow;
     shooting.tolerance = fmax(1e-12, 100 * options->flow.rtol);
@@ -177,9 +185,10 @@ static bool polish(const saltus_system *system, const saltus_classify_options *o
     return false;
 }
 
-/* The trajectory must go on closing in on the orbit: its distance after some more cycles is smaller, or nothing. */
-static saltus_status confirm(const saltus_system *system, saltus_flow *flow, history *h, const saltus_orbit *orbit,
-                             bool *confirmed, saltus_message *message) {
+/* The trajectory must go on closing in on the orbit: its distance after some more cycles is smaller, or
+ * nothing. */
+static saltus_status confirm(const saltus_system *system, saltus_flow *flow, history *h,
+                             const saltus_orbit *orbit, bool *confirmed, saltus_message *message) {
     enum { cycles_max = 60 };
     double start = saltus_section_distance(system, point_at(h, h->count - 1), orbit->state);
     *confirmed = false;
@@ -198,11 +207,12 @@ static saltus_status confirm(const saltus_system *system, saltus_flow *flow, his
 }
 
 static saltus_status settle(const saltus_system *system, saltus_flow *flow, history *h,
-                            const saltus_classify_options *options, saltus_motion *motion, saltus_orbit *orbit,
-                            bool *found, saltus_message *message) {
+                            const saltus_classify_options *options, saltus_motion *motion,
+                            saltus_orbit *orbit, bool *found, saltus_message *message) {
     double *field = calloc((size_t)h->n, sizeof *field), closest = INFINITY;
     long long block = first_block;
-    saltus_status status = field ? SALTUS_OK : saltus_fail(message, SALTUS_NO_MEMORY, "no memory to classify");
+    saltus_status status =
+        field ? SALTUS_OK : saltus_fail(message, SALTUS_NO_MEMORY, "no memory to classify");
     bool stopped = false;
     *found = false;
     while (status == SALTUS_OK && !*found && !stopped && h->count < options->transient) {
@@ -217,7 +227,8 @@ static saltus_status settle(const saltus_system *system, saltus_flow *flow, hist
             break;
         }
         int p = saltus_system_forced(system)
-                    ? candidate_period(system, h, options->longest, recurrence, &closest) : 0;
+                    ? candidate_period(system, h, options->longest, recurrence, &closest)
+                    : 0;
         if (p && polish(system, options, h, p, closest, orbit, message)) {
             status = confirm(system, flow, h, orbit, found, message);
             if (status != SALTUS_OK || !*found)
@@ -227,7 +238,8 @@ static saltus_status settle(const saltus_system *system, saltus_flow *flow, hist
     }
     if (status == SALTUS_OK && !*found && motion->kind == SALTUS_UNDECIDED)
         snprintf(motion->reason, sizeof motion->reason,
-                 "no stable orbit of period up to %d T after %lld periods%s; closest recurrence %.2g of the state's "
+                 "no stable orbit of period up to %d T after %lld periods%s; closest recurrence %.2g of the "
+                 "state's "
                  "scale; a longer --transient or a Lyapunov exponent would decide",
                  options->longest, h->count, stopped ? " (stopped)" : "", closest);
     free(field);
@@ -247,7 +259,8 @@ static bool append_event(saltus_motion *motion, const saltus_event *event) {
     return true;
 }
 
-static void count_event(const saltus_system *system, const saltus_event *event, saltus_motion *motion, bool *chatter) {
+static void count_event(const saltus_system *system, const saltus_event *event, saltus_motion *motion,
+                        bool *chatter) {
     bool impact = event->velocity_before != 0 && event->kind != SALTUS_RELEASE;
     if (event->kind == SALTUS_STICK) {
         motion->sticking_intervals++;
@@ -269,8 +282,8 @@ static void see_displacement(const saltus_system *system, const double *state, s
 }
 
 /* Once around the orbit from its section point: events, section points, extremes. */
-static saltus_status walk_orbit(const saltus_system *system, saltus_flow *flow, saltus_motion *motion, bool *chatter,
-                                saltus_message *message) {
+static saltus_status walk_orbit(const saltus_system *system, saltus_flow *flow, saltus_motion *motion,
+                                bool *chatter, saltus_message *message) {
     size_t n = (size_t)motion->dimension;
     saltus_status status = saltus_flow_start(flow, 0, (saltus_time){0, 0}, motion->state, message);
     motion->largest = -INFINITY;
@@ -278,8 +291,8 @@ static saltus_status walk_orbit(const saltus_system *system, saltus_flow *flow, 
     see_displacement(system, motion->state, motion);
     for (int k = 0; k < motion->periods && status == SALTUS_OK;) {
         saltus_event event;
-        status = saltus_flow_advance(flow, (saltus_time){k + 1, 0}, SALTUS_WATCH_CONTACT | SALTUS_WATCH_TURNING, &event,
-                                     message);
+        status = saltus_flow_advance(flow, (saltus_time){k + 1, 0},
+                                     SALTUS_WATCH_CONTACT | SALTUS_WATCH_TURNING, &event, message);
         if (status != SALTUS_OK)
             break;
         double *point = motion->section_states + (size_t)((k + 1) % motion->periods) * n;
@@ -303,7 +316,8 @@ static saltus_status walk_orbit(const saltus_system *system, saltus_flow *flow, 
     return status;
 }
 
-/* q(t + pT/2) = -q(t), where half the orbit is an allowed shift: p even for a pulsation, odd for a direct force. */
+/* q(t + pT/2) = -q(t), where half the orbit is an allowed shift: p even for a pulsation, odd for a direct
+ * force. */
 static saltus_status find_mirror(const saltus_system *system, saltus_flow *flow, saltus_motion *motion,
                                  saltus_message *message) {
     bool shift, symmetric = saltus_system_mirror_symmetric(system, &shift);
@@ -315,7 +329,8 @@ static saltus_status find_mirror(const saltus_system *system, saltus_flow *flow,
     saltus_event event;
     saltus_status status = saltus_flow_start(flow, 0, (saltus_time){0, 0}, motion->state, message);
     if (status == SALTUS_OK)
-        status = saltus_flow_advance(flow, (saltus_time){motion->periods / 2, shift ? 0.5 : 0}, 0, &event, message);
+        status = saltus_flow_advance(flow, (saltus_time){motion->periods / 2, shift ? 0.5 : 0}, 0, &event,
+                                     message);
     if (status != SALTUS_OK)
         return status;
     saltus_flow_state(flow, 0, image);
@@ -398,7 +413,8 @@ static saltus_status describe_rest(const saltus_system *system, saltus_flow *flo
     see_displacement(system, motion->state, motion);
     if (motion->kind != SALTUS_UNDECIDED) {
         motion->stable = true;
-        motion->mirror = saltus_system_mirror_symmetric(system, &shift) ? SALTUS_MIRROR_PAIR : SALTUS_MIRROR_NONE;
+        motion->mirror =
+            saltus_system_mirror_symmetric(system, &shift) ? SALTUS_MIRROR_PAIR : SALTUS_MIRROR_NONE;
         if (motion->largest == 0 && motion->smallest == 0 && motion->mirror == SALTUS_MIRROR_PAIR)
             motion->mirror = SALTUS_MIRROR_SELF;
     }
@@ -408,13 +424,15 @@ static saltus_status describe_rest(const saltus_system *system, saltus_flow *flo
     return status;
 }
 
-saltus_status saltus_classify(const saltus_system *system, const double *state, const saltus_classify_options *options,
-                              saltus_motion *motion, saltus_message *message) {
+saltus_status saltus_classify(const saltus_system *system, const double *state,
+                              const saltus_classify_options *options, saltus_motion *motion,
+                              saltus_message *message) {
     *motion = (saltus_motion){.kind = SALTUS_UNDECIDED,
                               .dimension = saltus_system_dimension(system),
                               .face_count = saltus_system_face_count(system)};
     if (options->transient < 1 || options->longest < 1 || options->longest > 1024)
-        return saltus_fail(message, SALTUS_BAD_INPUT, "transient must be at least 1, the longest period from 1 to 1024");
+        return saltus_fail(message, SALTUS_BAD_INPUT,
+                           "transient must be at least 1, the longest period from 1 to 1024");
     saltus_flow_options flow_options = options->flow;
     flow_options.columns = 0;
     saltus_flow *flow = NULL;
@@ -423,7 +441,8 @@ saltus_status saltus_classify(const saltus_system *system, const double *state, 
     bool found = false;
     saltus_status status = saltus_flow_new(&system, 1, &flow_options, &flow, message);
     motion->state = calloc((size_t)motion->dimension, sizeof *motion->state);
-    if (status == SALTUS_OK && !(motion->state && open_history(&h, motion->dimension, 4 * options->longest + 8)))
+    if (status == SALTUS_OK &&
+        !(motion->state && open_history(&h, motion->dimension, 4 * options->longest + 8)))
         status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory to classify");
     if (status == SALTUS_OK)
         status = saltus_flow_start(flow, 0, (saltus_time){0, 0}, state, message);

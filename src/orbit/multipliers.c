@@ -1,13 +1,13 @@
 /* Floquet multipliers, small ones included.
  *
- * The derivative over an orbit is a product of derivatives over short segments, A_m ... A_1. Formed as one matrix it
- * loses every multiplier below rounding times the largest one, and at five modes they reach 1e-100. So the product is
- * never formed for the eigenvalues: orthogonal iteration Q_k R_k = A_k Q_{k-1} around the orbit, cycle after cycle,
- * turns the bases towards the invariant subspaces. When they have settled, one more cycle gives
- *   A_m ... A_1 Q = Q' (R_m ... R_1),
- * and Q^T Q' is block diagonal: a block of size one holds a real multiplier, larger ones hold multipliers of (nearly)
- * equal modulus. The block's R factors are multiplied with their scale kept as a logarithm, so nothing underflows.
- * (The idea behind the periodic QR algorithm; Dieci & Van Vleck, Appl. Numer. Math. 17 (1995) 275-291.)
+ * The derivative over an orbit is a product of derivatives over short segments, A_m ... A_1. Formed as one
+ * matrix it loses every multiplier below rounding times the largest one, and at five modes they reach 1e-100.
+ * So the product is never formed for the eigenvalues: orthogonal iteration Q_k R_k = A_k Q_{k-1} around the
+ * orbit, cycle after cycle, turns the bases towards the invariant subspaces. When they have settled, one more
+ * cycle gives A_m ... A_1 Q = Q' (R_m ... R_1), and Q^T Q' is block diagonal: a block of size one holds a
+ * real multiplier, larger ones hold multipliers of (nearly) equal modulus. The block's R factors are
+ * multiplied with their scale kept as a logarithm, so nothing underflows. (The idea behind the periodic QR
+ * algorithm; Dieci & Van Vleck, Appl. Numer. Math. 17 (1995) 275-291.)
  *
  * An orbit with lasting contacts loses two dimensions per contact; as many multipliers are exact zeros.
  * SPDX-License-Identifier: GPL-3.0-or-later */
@@ -27,11 +27,11 @@ enum { cycles_max = 400, quadrature_points = 12 };
 typedef struct cocycle {
     saltus_arena arena;
     int n, segments, zeros;
-    double *segment;  /* segments of n columns of length n */
-    double *q, *start;/* bases: n columns of length n */
-    double *r;        /* upper triangle of a segment */
-    double *product;  /* R_m ... R_1, each row scaled by its own logarithm */
-    double *scale;    /* natural logarithms of the rows' scales */
+    double *segment;   /* segments of n columns of length n */
+    double *q, *start; /* bases: n columns of length n */
+    double *r;         /* upper triangle of a segment */
+    double *product;   /* R_m ... R_1, each row scaled by its own logarithm */
+    double *scale;     /* natural logarithms of the rows' scales */
     double *tau, *block, *real, *imaginary, *state;
 } cocycle;
 
@@ -86,12 +86,13 @@ static int count_bits(unsigned bits) {
 }
 
 /* Advance to a time step by step: trace integral, and the largest number of lasting contacts. */
-static saltus_status advance_watching(const saltus_system *system, saltus_flow *flow, saltus_time until, cocycle *c,
-                                      const gsl_integration_glfixed_table *table, double *trace,
+static saltus_status advance_watching(const saltus_system *system, saltus_flow *flow, saltus_time until,
+                                      cocycle *c, const gsl_integration_glfixed_table *table, double *trace,
                                       saltus_message *message) {
     saltus_event event;
     do {
-        saltus_status status = saltus_flow_advance(flow, until, SALTUS_WATCH_STEP | SALTUS_WATCH_CONTACT, &event, message);
+        saltus_status status =
+            saltus_flow_advance(flow, until, SALTUS_WATCH_STEP | SALTUS_WATCH_CONTACT, &event, message);
         if (status != SALTUS_OK)
             return status;
         if (saltus_flow_step_length(flow, 0) > 0)
@@ -140,8 +141,9 @@ static void accumulate(cocycle *c) {
         for (int k = i; k < n && reference > -INFINITY; k++)
             if (c->r[i * n + k] != 0)
                 for (int j = k; j < n; j++)
-                    c->block[j] += copysign(exp(c->scale[k] + log(fabs(c->r[i * n + k])) - reference), c->r[i * n + k]) *
-                                   c->product[k * n + j];
+                    c->block[j] +=
+                        copysign(exp(c->scale[k] + log(fabs(c->r[i * n + k])) - reference), c->r[i * n + k]) *
+                        c->product[k * n + j];
         for (int j = 0; j < n; j++)
             size = fmax(size, fabs(c->block[j]));
         for (int j = 0; j < n; j++)
@@ -264,7 +266,8 @@ static void form_monodromy(cocycle *c, double *monodromy) {
             monodromy[i * n + j] = c->q[j * n + i];
 }
 
-/* Segments short enough that no derivative over one contracts volume by much more than e^-12, within reason. */
+/* Segments short enough that no derivative over one contracts volume by much more than e^-12, within reason.
+ */
 static int count_segments(const saltus_system *system, const saltus_orbit *orbit) {
     double decay = -saltus_system_trace(system, orbit->state) * saltus_system_period(system) / 10;
     double wanted = ceil(orbit->periods * fmax(1, decay));
@@ -291,7 +294,8 @@ saltus_status saltus_orbit_multipliers(const saltus_system *system, const saltus
     if (status == SALTUS_OK) {
         form_monodromy(&c, orbit->monodromy);
         if (!settle(&c, orbit))
-            status = saltus_fail(message, SALTUS_NO_CONVERGENCE, "the multipliers' eigenvalue iteration fails");
+            status =
+                saltus_fail(message, SALTUS_NO_CONVERGENCE, "the multipliers' eigenvalue iteration fails");
     }
     saltus_arena_close(&c.arena);
     saltus_flow_free(flow);

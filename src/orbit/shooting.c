@@ -1,7 +1,7 @@
 /* Newton shooting on the p-th iterate of the stroboscopic map.
  *
- * x(pT) - x(0) = 0 is solved with the exact derivative (tangent vectors through all events), unknowns and residuals
- * scaled by the system's typical magnitudes, steps halved while they do not reduce the residual.
+ * x(pT) - x(0) = 0 is solved with the exact derivative (tangent vectors through all events), unknowns and
+ * residuals scaled by the system's typical magnitudes, steps halved while they do not reduce the residual.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "base/dense.h"
 #include "base/memory.h"
@@ -14,7 +14,8 @@
 enum { halvings_max = 8 };
 
 saltus_orbit_options saltus_orbit_defaults(void) {
-    return (saltus_orbit_options){.flow = saltus_flow_defaults(), .phase = 0, .iterations = 20, .tolerance = 1e-12};
+    return (saltus_orbit_options){
+        .flow = saltus_flow_defaults(), .phase = 0, .iterations = 20, .tolerance = 1e-12};
 }
 
 /* One shooting problem: n unknowns. */
@@ -40,7 +41,8 @@ static void reserve(shooting *s) {
 /* Largest scaled component of P^p(x) - x; +infinity where the map is not defined. */
 static double residual_at(shooting *s, const double *x, saltus_message *message) {
     double largest = 0;
-    if (saltus_map_reset(s->map, x, message) != SALTUS_OK || saltus_map_step(s->map, s->image, NULL, message) != SALTUS_OK)
+    if (saltus_map_reset(s->map, x, message) != SALTUS_OK ||
+        saltus_map_step(s->map, s->image, NULL, message) != SALTUS_OK)
         return INFINITY;
     for (int i = 0; i < s->n; i++)
         largest = fmax(largest, fabs(s->image[i] - x[i]) / s->scale[i]);
@@ -63,15 +65,16 @@ static bool newton_step(shooting *s) {
     return true;
 }
 
-/* Iterate until the residual is below the tolerance and no longer falls: quadratic convergence costs one step more and
- * gives all the digits there are. */
+/* Iterate until the residual is below the tolerance and no longer falls: quadratic convergence costs one step
+ * more and gives all the digits there are. */
 static saltus_status iterate(shooting *s, const saltus_orbit_options *options, saltus_orbit *orbit,
                              saltus_message *message) {
     double residual = residual_at(s, s->x, message);
     for (int k = 0; k < options->iterations && isfinite(residual); k++) {
         orbit->iterations = k;
         if (!newton_step(s))
-            return saltus_fail(message, SALTUS_SINGULAR, "Newton's matrix is singular: the orbit is not isolated");
+            return saltus_fail(message, SALTUS_SINGULAR,
+                               "Newton's matrix is singular: the orbit is not isolated");
         double factor = 1, next = INFINITY;
         for (int h = 0; h < halvings_max; h++, factor /= 2) {
             for (int i = 0; i < s->n; i++)
@@ -89,12 +92,14 @@ static saltus_status iterate(shooting *s, const saltus_orbit_options *options, s
     }
     orbit->residual = residual;
     if (!(residual <= options->tolerance))
-        return saltus_fail(message, SALTUS_NO_CONVERGENCE, "Newton's iteration stops at a residual of %.3g", residual);
+        return saltus_fail(message, SALTUS_NO_CONVERGENCE, "Newton's iteration stops at a residual of %.3g",
+                           residual);
     return SALTUS_OK;
 }
 
 saltus_status saltus_orbit_find(const saltus_system *system, int periods, const double *guess,
-                                const saltus_orbit_options *options, saltus_orbit *orbit, saltus_message *message) {
+                                const saltus_orbit_options *options, saltus_orbit *orbit,
+                                saltus_message *message) {
     *orbit = (saltus_orbit){.dimension = saltus_system_dimension(system), .periods = periods};
     shooting s = {.n = orbit->dimension, .scale = saltus_system_scale(system)};
     size_t n = (size_t)s.n;

@@ -9,7 +9,9 @@ static const saltus_model *const models[] = {
     &saltus_oscillator,
 };
 
-int saltus_model_count(void) { return (int)(sizeof models / sizeof models[0]); }
+int saltus_model_count(void) {
+    return (int)(sizeof models / sizeof models[0]);
+}
 
 const saltus_model *saltus_model_at(int k) {
     return k >= 0 && k < saltus_model_count() ? models[k] : NULL;
@@ -22,9 +24,13 @@ const saltus_model *saltus_model_find(const char *name) {
     return NULL;
 }
 
-const char *saltus_model_name(const saltus_model *model) { return model->name; }
+const char *saltus_model_name(const saltus_model *model) {
+    return model->name;
+}
 
-const char *saltus_model_summary(const saltus_model *model) { return model->summary; }
+const char *saltus_model_summary(const saltus_model *model) {
+    return model->summary;
+}
 
 const saltus_parameter *saltus_model_parameters(const saltus_model *model, int *count) {
     *count = model->parameter_count;

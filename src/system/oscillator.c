@@ -4,9 +4,8 @@
  *   m2 x2'' + c2 (x2' - x1') + k2 (x2 - x1)                   = F2 cos(omega t) + F02
  *   z' = kz x1' - z / tz        (a Maxwell element beside the first spring, when kz > 0: a first-order state)
  *
- * The classic impact oscillators are special cases: bouncing ball (k = c = 0, F0 = -g, and in the frame of a vibrating
- * table F), impact pair (k = c = 0, two-sided stop).
- * SPDX-License-Identifier: GPL-3.0-or-later */
+ * The classic impact oscillators are special cases: bouncing ball (k = c = 0, F0 = -g, and in the frame of a
+ * vibrating table F), impact pair (k = c = 0, two-sided stop). SPDX-License-Identifier: GPL-3.0-or-later */
 #include "system/oscillator.h"
 #include "system/system.h"
 
@@ -27,7 +26,8 @@ static const saltus_parameter parameters[] = {
     [p_k2] = {"k2", false, 1, 0, 1e12, false, false, "spring between the masses (N = 2)"},
     [p_F2] = {"F2", false, 0, -1e12, 1e12, false, false, "force amplitude on mass 2 (N = 2)"},
     [p_F02] = {"F02", false, 0, -1e12, 1e12, false, false, "constant load on mass 2 (N = 2)"},
-    [p_kz] = {"kz", false, 0, 0, 1e12, false, false, "stiffness of the Maxwell element beside spring 1; 0: none"},
+    [p_kz] = {"kz", false, 0, 0, 1e12, false, false,
+              "stiffness of the Maxwell element beside spring 1; 0: none"},
     [p_tz] = {"tz", false, 1, 0, 1e9, true, false, "relaxation time of the Maxwell element"},
     [p_omega] = {"omega", false, 1, 0, 1e5, true, false, "forcing frequency, T = 2 pi / omega"},
 };
@@ -39,7 +39,8 @@ static saltus_status shape(const saltus_spec *spec, int *dof, int *extra, saltus
         for (int s = 0; s < spec->stop_count; s++)
             if (spec->stops[s].weight[1] != 0)
                 return saltus_fail(message, SALTUS_BAD_INPUT,
-                                   "stop %d: weight names mass 2, but the oscillator has one mass (N = 1)", s + 1);
+                                   "stop %d: weight names mass 2, but the oscillator has one mass (N = 1)",
+                                   s + 1);
     return SALTUS_OK;
 }
 
@@ -114,7 +115,8 @@ static void build(saltus_system *system) {
     }
     if (system->extra)
         system->scale[2 * system->dof] = length * p[p_kz];
-    system->rate = fmax(fmax(sqrt(stiffness + p[p_kz] / p[p_m]), damping), fmax(p[p_omega], system->extra ? 1 / p[p_tz] : 0));
+    system->rate = fmax(fmax(sqrt(stiffness + p[p_kz] / p[p_m]), damping),
+                        fmax(p[p_omega], system->extra ? 1 / p[p_tz] : 0));
     system->stiff = damping > 200 * fmax(p[p_omega], sqrt(stiffness));
     system->mirror = p[p_F0] == 0 && (!two || p[p_F02] == 0);
     system->mirror_shift = system->forced;

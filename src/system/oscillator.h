@@ -5,12 +5,12 @@
 
 enum { oscillator_kz, oscillator_rate_z };
 enum {
-    oscillator_k1,   /* first column of M^-1 K, and so on */
+    oscillator_k1, /* first column of M^-1 K, and so on */
     oscillator_k2,
     oscillator_c1,
     oscillator_c2,
-    oscillator_force, /* M^-1 F */
-    oscillator_load,  /* M^-1 F0 */
+    oscillator_force,   /* M^-1 F */
+    oscillator_load,    /* M^-1 F0 */
     oscillator_maxwell, /* M^-1 times the direction of the Maxwell element's force */
     oscillator_rows
 };

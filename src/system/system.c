@@ -34,16 +34,17 @@ double saltus_spec_get(const saltus_spec *spec, const char *name) {
     return k < 0 ? NAN : spec->parameters[k];
 }
 
-static saltus_status check_range(const saltus_parameter *p, const char *owner, double value, saltus_message *message) {
+static saltus_status check_range(const saltus_parameter *p, const char *owner, double value,
+                                 saltus_message *message) {
     bool low = p->open_min ? !(value > p->min) : !(value >= p->min);
     bool high = p->open_max ? !(value < p->max) : !(value <= p->max);
     if (p->integer && value != floor(value))
-        return saltus_fail(message, SALTUS_BAD_INPUT, "%s%s = %g: must be a whole number (%s)", owner, p->name, value,
-                           p->meaning);
+        return saltus_fail(message, SALTUS_BAD_INPUT, "%s%s = %g: must be a whole number (%s)", owner,
+                           p->name, value, p->meaning);
     if (low || high)
-        return saltus_fail(message, SALTUS_BAD_INPUT, "%s%s = %g: must be %s %g and %s %g (%s)", owner, p->name, value,
-                           p->open_min ? "greater than" : "at least", p->min, p->open_max ? "less than" : "at most",
-                           p->max, p->meaning);
+        return saltus_fail(message, SALTUS_BAD_INPUT, "%s%s = %g: must be %s %g and %s %g (%s)", owner,
+                           p->name, value, p->open_min ? "greater than" : "at least", p->min,
+                           p->open_max ? "less than" : "at most", p->max, p->meaning);
     return SALTUS_OK;
 }
 
@@ -64,13 +65,15 @@ static saltus_status check_stop(const saltus_spec *spec, int s, saltus_message *
     if (!placed_by_xi && !(isfinite(stop->weight[0]) && isfinite(stop->weight[1])))
         return saltus_fail(message, SALTUS_BAD_INPUT, "%sweight: must be finite numbers", owner);
     if (!placed_by_xi && stop->weight[0] == 0 && stop->weight[1] == 0)
-        return saltus_fail(message, SALTUS_BAD_INPUT, "%sweight = [0, 0]: a stop must limit at least one mass", owner);
+        return saltus_fail(message, SALTUS_BAD_INPUT,
+                           "%sweight = [0, 0]: a stop must limit at least one mass", owner);
     if (stop->sides < SALTUS_UPPER || stop->sides > SALTUS_BOTH)
         return saltus_fail(message, SALTUS_BAD_INPUT, "%ssides: must be upper, lower or both", owner);
     if (stop->sides == SALTUS_BOTH && !(stop->d > 0))
-        return saltus_fail(message, SALTUS_BAD_INPUT,
-                           "%sd = %g: must be greater than 0 with sides: both (no room is left between the stops)",
-                           owner, stop->d);
+        return saltus_fail(
+            message, SALTUS_BAD_INPUT,
+            "%sd = %g: must be greater than 0 with sides: both (no room is left between the stops)", owner,
+            stop->d);
     return SALTUS_OK;
 }
 
@@ -78,8 +81,8 @@ static saltus_status check_spec(const saltus_spec *spec, saltus_message *message
     if (!spec->model)
         return saltus_fail(message, SALTUS_BAD_INPUT, "model: missing");
     if (spec->stop_count < 0 || spec->stop_count > SALTUS_STOPS_MAX)
-        return saltus_fail(message, SALTUS_BAD_INPUT, "stops: %d given, at most %d are possible", spec->stop_count,
-                           SALTUS_STOPS_MAX);
+        return saltus_fail(message, SALTUS_BAD_INPUT, "stops: %d given, at most %d are possible",
+                           spec->stop_count, SALTUS_STOPS_MAX);
     saltus_status status = SALTUS_OK;
     for (int k = 0; k < spec->model->parameter_count && status == SALTUS_OK; k++)
         status = check_range(&spec->model->parameters[k], "", spec->parameters[k], message);
@@ -149,13 +152,14 @@ static saltus_status check_faces(const saltus_system *system, saltus_message *me
             if (factor == 0)
                 continue;
             if (a.side * b.side * factor > 0 && fabs(a.d - fabs(factor) * b.d) <= 1e-9 * fabs(a.d))
-                return saltus_fail(message, SALTUS_BAD_INPUT,
-                                   "stops %d and %d limit the same coordinate on the same side; keep one of them",
-                                   b.stop + 1, a.stop + 1);
+                return saltus_fail(
+                    message, SALTUS_BAD_INPUT,
+                    "stops %d and %d limit the same coordinate on the same side; keep one of them",
+                    b.stop + 1, a.stop + 1);
             if (a.side * b.side * factor < 0 && !(a.d / fabs(factor) + b.d > 0))
                 return saltus_fail(message, SALTUS_BAD_INPUT,
-                                   "stops %d and %d: d = %g and d = %g leave no room between them", b.stop + 1,
-                                   a.stop + 1, b.d, a.d);
+                                   "stops %d and %d: d = %g and d = %g leave no room between them",
+                                   b.stop + 1, a.stop + 1, b.d, a.d);
         }
     return SALTUS_OK;
 }
@@ -167,8 +171,8 @@ static saltus_status check_normals(const saltus_system *system, saltus_message *
             size = fmax(size, fabs(system->stop_normal[s][i]));
         if (size < 1e-6)
             return saltus_fail(message, SALTUS_BAD_INPUT,
-                               "stop %d: xi = %g: no mode moves there; a stop needs a place that moves", s + 1,
-                               system->spec.stops[s].xi);
+                               "stop %d: xi = %g: no mode moves there; a stop needs a place that moves",
+                               s + 1, system->spec.stops[s].xi);
     }
     return SALTUS_OK;
 }
@@ -188,7 +192,8 @@ static bool faces_symmetric(const saltus_system *system) {
     return true;
 }
 
-/* Orders of sin(omega t)'s series worth keeping at the largest step that stability allows (z = rate * h <= 6). */
+/* Orders of sin(omega t)'s series worth keeping at the largest step that stability allows (z = rate * h <=
+ * 6). */
 static int count_forcing_orders(const saltus_system *system) {
     double term = 1, angle = 6 * system->omega / system->rate;
     int order = 0;
@@ -247,24 +252,48 @@ void saltus_system_free(saltus_system *system) {
     free(system);
 }
 
-const saltus_spec *saltus_system_spec(const saltus_system *system) { return &system->spec; }
-int saltus_system_dof(const saltus_system *system) { return system->dof; }
-int saltus_system_extra(const saltus_system *system) { return system->extra; }
-int saltus_system_dimension(const saltus_system *system) { return system->dimension; }
-double saltus_system_period(const saltus_system *system) { return system->period; }
-bool saltus_system_forced(const saltus_system *system) { return system->forced; }
+const saltus_spec *saltus_system_spec(const saltus_system *system) {
+    return &system->spec;
+}
+int saltus_system_dof(const saltus_system *system) {
+    return system->dof;
+}
+int saltus_system_extra(const saltus_system *system) {
+    return system->extra;
+}
+int saltus_system_dimension(const saltus_system *system) {
+    return system->dimension;
+}
+double saltus_system_period(const saltus_system *system) {
+    return system->period;
+}
+bool saltus_system_forced(const saltus_system *system) {
+    return system->forced;
+}
 
 bool saltus_system_mirror_symmetric(const saltus_system *system, bool *shift) {
     *shift = system->mirror_shift;
     return system->mirror;
 }
 
-int saltus_system_face_count(const saltus_system *system) { return system->face_count; }
-saltus_face saltus_system_face(const saltus_system *system, int face) { return system->faces[face]; }
-const double *saltus_system_stop_normal(const saltus_system *system, int stop) { return system->stop_normal[stop]; }
-const double *saltus_system_scale(const saltus_system *system) { return system->scale; }
-const double *saltus_system_observer(const saltus_system *system) { return system->observer; }
-const char *saltus_system_integrator(const saltus_system *system) { return system->stiff ? "radau" : "taylor"; }
+int saltus_system_face_count(const saltus_system *system) {
+    return system->face_count;
+}
+saltus_face saltus_system_face(const saltus_system *system, int face) {
+    return system->faces[face];
+}
+const double *saltus_system_stop_normal(const saltus_system *system, int stop) {
+    return system->stop_normal[stop];
+}
+const double *saltus_system_scale(const saltus_system *system) {
+    return system->scale;
+}
+const double *saltus_system_observer(const saltus_system *system) {
+    return system->observer;
+}
+const char *saltus_system_integrator(const saltus_system *system) {
+    return system->stiff ? "radau" : "taylor";
+}
 
 double saltus_system_gap(const saltus_system *system, int face, const double *state) {
     saltus_face f = system->faces[face];
@@ -296,7 +325,8 @@ static int most_violated(const saltus_system *system, const double *state, doubl
     return worst;
 }
 
-saltus_status saltus_system_default_state(const saltus_system *system, double *state, saltus_message *message) {
+saltus_status saltus_system_default_state(const saltus_system *system, double *state,
+                                          saltus_message *message) {
     enum { corrections = 2000 };
     memset(state, 0, (size_t)system->dimension * sizeof *state);
     state[0] = 0.2 * system->scale[0];
@@ -313,14 +343,17 @@ saltus_status saltus_system_default_state(const saltus_system *system, double *s
             state[i] -= face.side * excess * system->stop_impulse[face.stop][i];
         margin *= 0.99;
     }
-    return saltus_fail(message, SALTUS_BAD_INPUT,
-                       "the stops contradict each other: no displacement satisfies all clearances; give another d");
+    return saltus_fail(
+        message, SALTUS_BAD_INPUT,
+        "the stops contradict each other: no displacement satisfies all clearances; give another d");
 }
 
-saltus_status saltus_system_check_state(const saltus_system *system, const double *state, saltus_message *message) {
+saltus_status saltus_system_check_state(const saltus_system *system, const double *state,
+                                        saltus_message *message) {
     for (int i = 0; i < system->dimension; i++)
         if (!isfinite(state[i]))
-            return saltus_fail(message, SALTUS_BAD_INPUT, "initial state: entry %d is not a finite number", i + 1);
+            return saltus_fail(message, SALTUS_BAD_INPUT, "initial state: entry %d is not a finite number",
+                               i + 1);
     double size = 0;
     for (int i = 0; i < system->dof; i++)
         size += fabs(state[i]);
@@ -328,9 +361,10 @@ saltus_status saltus_system_check_state(const saltus_system *system, const doubl
         saltus_face face = system->faces[f];
         double gap = saltus_system_gap(system, f, state);
         if (gap > 4 * GSL_DBL_EPSILON * (size + fabs(face.d)))
-            return saltus_fail(message, SALTUS_BAD_INPUT,
-                               "initial state: the displacement %.6g at stop %d is beyond its %s side (d = %g)",
-                               face.side * (gap + face.d), face.stop + 1, face.side > 0 ? "upper" : "lower", face.d);
+            return saltus_fail(
+                message, SALTUS_BAD_INPUT,
+                "initial state: the displacement %.6g at stop %d is beyond its %s side (d = %g)",
+                face.side * (gap + face.d), face.stop + 1, face.side > 0 ? "upper" : "lower", face.d);
     }
     return SALTUS_OK;
 }

@@ -8,18 +8,23 @@
 
 enum { SALTUS_SCALARS_MAX = 12, SALTUS_ROWS_MAX = 8, SALTUS_COUPLINGS_MAX = 2, SALTUS_SERIES_MAX = 8 };
 
-/* The numbers a model's kernel works with. Scalars and rows may differ between the lanes of one flow; couplings
- * depend on the number of degrees of freedom alone and are shared. */
+/* The numbers a model's kernel works with. Scalars and rows may differ between the lanes of one flow;
+ * couplings depend on the number of degrees of freedom alone and are shared. */
 typedef struct saltus_coefficients {
     double scalar[SALTUS_SCALARS_MAX];
-    double *row[SALTUS_ROWS_MAX];             /* each dof long */
-    double *coupling[SALTUS_COUPLINGS_MAX];   /* each dof x dof, row-major; zero where i + j is even */
+    double *row[SALTUS_ROWS_MAX];           /* each dof long */
+    double *coupling[SALTUS_COUPLINGS_MAX]; /* each dof x dof, row-major; zero where i + j is even */
     int rows, couplings;
-    int forcing_orders;   /* orders of the forcing's series that matter at the largest step */
-    unsigned terms;       /* which terms the scene has (saltus_term) */
+    int forcing_orders; /* orders of the forcing's series that matter at the largest step */
+    unsigned terms;     /* which terms the scene has (saltus_term) */
 } saltus_coefficients;
 
-enum saltus_term { SALTUS_TERM_FORCED = 1, SALTUS_TERM_CUBIC = 2, SALTUS_TERM_COUPLED = 4, SALTUS_TERM_EXTRA = 8 };
+enum saltus_term {
+    SALTUS_TERM_FORCED = 1,
+    SALTUS_TERM_CUBIC = 2,
+    SALTUS_TERM_COUPLED = 4,
+    SALTUS_TERM_EXTRA = 8
+};
 
 struct saltus_system {
     saltus_arena arena;
@@ -29,20 +34,21 @@ struct saltus_system {
     bool forced;
     bool mirror, mirror_shift;
     bool stiff;
-    double rate;               /* bound on the modulus of the linear part's eigenvalues */
+    double rate; /* bound on the modulus of the linear part's eigenvalues */
     int face_count;
     saltus_face faces[SALTUS_FACES_MAX];
     double *stop_normal[SALTUS_STOPS_MAX];  /* n */
     double *stop_impulse[SALTUS_STOPS_MAX]; /* M^-1 n / (n M^-1 n): normal . impulse = 1 */
-    double *inverse_mass;      /* dof x dof */
+    double *inverse_mass;                   /* dof x dof */
     double *observer;
     double *scale;
-    double *damping, *stiffness; /* modal part, exact in the stiff integrator: q'' + damping q' + stiffness q */
+    double *damping,
+        *stiffness; /* modal part, exact in the stiff integrator: q'' + damping q' + stiffness q */
     saltus_coefficients coefficients;
 };
 
-/* One model: a const table entry. A new model is one file with such an entry, one line in models.c and one in the
- * build's list of kernels. */
+/* One model: a const table entry. A new model is one file with such an entry, one line in models.c and one in
+ * the build's list of kernels. */
 struct saltus_model {
     const char *name;
     const char *summary;

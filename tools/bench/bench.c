@@ -1,10 +1,10 @@
 /* saltus_bench: error against cost of one trajectory, Saltus' integrators beside those of other libraries.
  *
- * Every row is measured in the same run on the same machine against the 128-bit orbits of data/reference: the largest
- * error of the impact times (in T), of the state after the orbit (velocities count a hundredth), the median CPU time of
- * repeated runs, and the evaluations of the vector field (for Taylor series: orders). The summary compares times at equal
- * error by interpolation in the logarithms.
- * SPDX-License-Identifier: GPL-3.0-or-later */
+ * Every row is measured in the same run on the same machine against the 128-bit orbits of data/reference: the
+ * largest error of the impact times (in T), of the state after the orbit (velocities count a hundredth), the
+ * median CPU time of repeated runs, and the evaluations of the vector field (for Taylor series: orders). The
+ * summary compares times at equal error by interpolation in the logarithms. SPDX-License-Identifier:
+ * GPL-3.0-or-later */
 #include "reference.h"
 #include "rivals.h"
 
@@ -31,7 +31,8 @@ static double median(double *values, size_t count) {
     return gsl_stats_median_from_sorted_data(values, 1, count);
 }
 
-/* Errors of impact times in order, as far as the reference lists them; a missing impact is an error of a period. */
+/* Errors of impact times in order, as far as the reference lists them; a missing impact is an error of a
+ * period. */
 static double impact_error(const reference *r, const double *times, int count) {
     double worst = 0;
     int k = 0;
@@ -43,8 +44,8 @@ static double impact_error(const reference *r, const double *times, int count) {
     return worst;
 }
 
-static bool run_saltus(const reference *r, const saltus_system *system, saltus_integrator integrator, double rtol,
-                       row *out) {
+static bool run_saltus(const reference *r, const saltus_system *system, saltus_integrator integrator,
+                       double rtol, row *out) {
     saltus_flow_options options = saltus_flow_defaults();
     saltus_message message = {""};
     saltus_flow *flow = NULL;
@@ -64,7 +65,8 @@ static bool run_saltus(const reference *r, const saltus_system *system, saltus_i
             saltus_status status = saltus_flow_start(flow, 0, (saltus_time){0, 0}, r->states[0], &message);
             do {
                 if (status == SALTUS_OK)
-                    status = saltus_flow_advance(flow, (saltus_time){r->periods, 0}, SALTUS_WATCH_IMPACT, &event, &message);
+                    status = saltus_flow_advance(flow, (saltus_time){r->periods, 0}, SALTUS_WATCH_IMPACT,
+                                                 &event, &message);
                 if (status != SALTUS_OK) {
                     saltus_flow_free(flow);
                     return false;
@@ -89,8 +91,16 @@ static bool run_saltus(const reference *r, const saltus_system *system, saltus_i
 static bool run_rival(const reference *r, const rival *method, double rtol, row *out) {
     const double *p = r->spec.parameters;
     const saltus_stop *stop = &r->spec.stops[0];
-    rival_pipe pipe = {.modes = (int)p[0], .alpha = p[1], .beta = p[2], .kappa = p[3], .u0 = p[4], .sigma = p[5],
-                       .omega = p[6], .xi = stop->xi, .d = stop->d, .r = stop->r};
+    rival_pipe pipe = {.modes = (int)p[0],
+                       .alpha = p[1],
+                       .beta = p[2],
+                       .kappa = p[3],
+                       .u0 = p[4],
+                       .sigma = p[5],
+                       .omega = p[6],
+                       .xi = stop->xi,
+                       .d = stop->d,
+                       .r = stop->r};
     rival_event events[events_max];
     double times[events_max], state[16], seconds[repeats];
     rival_result result = {.events = events, .capacity = events_max, .state = state};
@@ -113,10 +123,12 @@ static bool run_rival(const reference *r, const rival *method, double rtol, row 
     return true;
 }
 
-/* Time at which a method reaches an error, interpolated between the two measured rows around it; NaN outside. */
+/* Time at which a method reaches an error, interpolated between the two measured rows around it; NaN outside.
+ */
 static double time_at_error(const row *rows, int count, double error) {
     for (int k = 0; k + 1 < count; k++) {
-        if (!rows[k].done || !rows[k + 1].done || rows[k].time_error < error || rows[k + 1].time_error > error)
+        if (!rows[k].done || !rows[k + 1].done || rows[k].time_error < error ||
+            rows[k + 1].time_error > error)
             continue;
         double a = log(rows[k].time_error), b = log(rows[k + 1].time_error);
         double w = a == b ? 0 : (log(error) - a) / (b - a);
@@ -143,7 +155,8 @@ static void print_summary(const char *const *names, row (*rows)[rows_max], int m
     for (int m = 0; m < methods; m++) {
         printf("\n| %s |", names[m]);
         for (size_t e = 0; e < sizeof errors / sizeof errors[0]; e++) {
-            double own = time_at_error(rows[0], count, errors[e]), time = time_at_error(rows[m], count, errors[e]);
+            double own = time_at_error(rows[0], count, errors[e]),
+                   time = time_at_error(rows[m], count, errors[e]);
             if (isnan(time))
                 printf(" - |");
             else
@@ -165,7 +178,8 @@ static bool compare(const char *folder, const char *name) {
         return false;
     }
     printf("\n### %s (%s, %d T)\n\n| method | rtol | event error / T | state error | CPU us | evaluations |\n"
-           "| --- | --- | --- | --- | --- | --- |\n", name, r.label, r.periods);
+           "| --- | --- | --- | --- | --- | --- |\n",
+           name, r.label, r.periods);
     for (int digits = 4; digits <= 14; digits++, count++) {
         double rtol = pow(10, -digits);
         memset(&rows[0][count], 0, sizeof rows[0][count]);
@@ -202,14 +216,16 @@ static double period_cost(int modes, saltus_integrator integrator, saltus_flow_i
     spec.stops[0] = saltus_stop_defaults();
     spec.stops[0].d = 0.035;
     spec.stop_count = 1;
-    bool ready = saltus_system_new(&spec, &system, &message) == SALTUS_OK &&
-                 saltus_system_default_state(system, state, &message) == SALTUS_OK &&
-                 saltus_flow_new((const saltus_system *[]){system}, 1, &options, &flow, &message) == SALTUS_OK &&
-                 saltus_flow_start(flow, 0, (saltus_time){0, 0}, state, &message) == SALTUS_OK &&
-                 saltus_flow_advance(flow, (saltus_time){settle, 0}, 0, &event, &message) == SALTUS_OK;
+    bool ready =
+        saltus_system_new(&spec, &system, &message) == SALTUS_OK &&
+        saltus_system_default_state(system, state, &message) == SALTUS_OK &&
+        saltus_flow_new((const saltus_system *[]){system}, 1, &options, &flow, &message) == SALTUS_OK &&
+        saltus_flow_start(flow, 0, (saltus_time){0, 0}, state, &message) == SALTUS_OK &&
+        saltus_flow_advance(flow, (saltus_time){settle, 0}, 0, &event, &message) == SALTUS_OK;
     for (int k = 0; k < runs && ready; k++) {
         double start = cpu_seconds();
-        ready = saltus_flow_advance(flow, (saltus_time){settle + measured * (k + 1), 0}, 0, &event, &message) == SALTUS_OK;
+        ready = saltus_flow_advance(flow, (saltus_time){settle + measured * (k + 1), 0}, 0, &event,
+                                    &message) == SALTUS_OK;
         seconds[k] = (cpu_seconds() - start) / measured;
     }
     if (ready)
@@ -224,7 +240,8 @@ static double period_cost(int modes, saltus_integrator integrator, saltus_flow_i
 static void scale_with_modes(void) {
     static const int modes[] = {5, 10, 20, 32};
     double base = 0;
-    printf("\n### Cost per forcing period against the number of modes (omega = 42, d = 0.035, default tolerance)\n\n"
+    printf("\n### Cost per forcing period against the number of modes (omega = 42, d = 0.035, default "
+           "tolerance)\n\n"
            "| N | integrator | CPU us per period | relative to N = 5 | (N/5)^2.5 | impacts per period |\n"
            "| --- | --- | --- | --- | --- | --- |\n");
     for (size_t k = 0; k < sizeof modes / sizeof modes[0]; k++) {
@@ -232,8 +249,8 @@ static void scale_with_modes(void) {
         double seconds = period_cost(modes[k], SALTUS_AUTOMATIC, &info);
         if (k == 0)
             base = seconds;
-        printf("| %d | %s | %.1f | %.1f | %.1f | %.2f |\n", modes[k], modes[k] <= 7 ? "taylor" : "radau", 1e6 * seconds,
-               seconds / base, pow(modes[k] / 5.0, 2.5), (double)info.impacts / 300.0);
+        printf("| %d | %s | %.1f | %.1f | %.1f | %.2f |\n", modes[k], modes[k] <= 7 ? "taylor" : "radau",
+               1e6 * seconds, seconds / base, pow(modes[k] / 5.0, 2.5), (double)info.impacts / 300.0);
     }
 }
 

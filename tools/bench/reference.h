@@ -51,7 +51,8 @@ static inline void read_scene(reference *r) {
     static const char *const names[] = {"N", "sigma", "alpha", "beta", "kappa", "u0", "omega"};
     r->spec = saltus_spec_defaults(saltus_model_find("pipe"));
     for (int k = 0; k < 7; k++)
-        r->spec.parameters[saltus_model_parameter_index(r->spec.model, names[k])] = number_at(r->text, names[k]);
+        r->spec.parameters[saltus_model_parameter_index(r->spec.model, names[k])] =
+            number_at(r->text, names[k]);
     saltus_stop *stop = &r->spec.stops[r->spec.stop_count++];
     *stop = saltus_stop_defaults();
     stop->xi = number_at(r->text, "xi");
