@@ -88,13 +88,14 @@ saltus_status saltus_output_open(saltus_output *output, const char *path, saltus
 }
 
 saltus_status saltus_output_close(saltus_output *output, saltus_status status, saltus_message *message) {
-    errno = 0;
     bool sound = !ferror(output->file);
+    int earlier = sound ? 0 : errno;
+    errno = 0;
     sound = fflush(output->file) == 0 && sound;
     sound = fclose(output->file) == 0 && sound;
     if (status == SALTUS_OK && sound && output->temporary)
         sound = rename(output->temporary, output->path) == 0;
-    int reason = errno ? errno : EIO;
+    int reason = earlier ? earlier : errno ? errno : EIO;
     if ((status != SALTUS_OK || !sound) && output->temporary)
         unlink(output->temporary);
     if (status == SALTUS_OK && !sound)

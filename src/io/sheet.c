@@ -110,6 +110,8 @@ static void put_portrait(const saltus_sheet *sheet, const double up[2]) {
 
 static const char *history_heading(const saltus_sheet *sheet) {
     bool struck = saltus_sheet_impacts(sheet) > 0;
+    if (sheet->contacts && !struck)
+        return "time history; bars: contact";
     if (sheet->contacts)
         return sheet->orbit ? "one orbit; dots: impacts, bar: contact"
                             : "time history; dots: impacts, bars: contact";

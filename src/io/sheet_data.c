@@ -15,11 +15,11 @@ void saltus_range_add(saltus_range *range, double value) {
 
 void saltus_range_pad(saltus_range *range, double part, double scale) {
     double width = range->high - range->low, middle = 0.5 * (range->low + range->high);
-    double least = fmax(1e-3 * scale, 1e-6 * fabs(middle));
-    if (!(width > least)) {
-        range->low = middle - least;
-        range->high = middle + least;
-        width = 2 * least;
+    double size = fmax(scale, fabs(middle));
+    if (!(width > 1e-6 * size)) {
+        range->low = middle - size;
+        range->high = middle + size;
+        width = 2 * size;
     }
     range->low -= part * width;
     range->high += part * width;

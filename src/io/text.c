@@ -10,7 +10,7 @@
 enum { event_lines = 12, leading = 4 };
 
 static void put_head(FILE *file, const char *word) {
-    fprintf(file, "  %-13s", word);
+    fprintf(file, "  %-14s", word);
 }
 
 static void put_scene(FILE *file, const saltus_scene *scene, const saltus_system *system) {
@@ -29,7 +29,7 @@ static void put_scene(FILE *file, const saltus_scene *scene, const saltus_system
     fputc('\n', file);
     for (int s = 0; s < spec->stop_count; s++) {
         const saltus_stop *stop = &spec->stops[s];
-        fprintf(file, "  stop %-8d", s + 1);
+        fprintf(file, "  stop %-9d", s + 1);
         if (saltus_is_pipe(system))
             fprintf(file, "xi = %.10g", stop->xi);
         else
@@ -170,7 +170,7 @@ void saltus_write_motion_text(FILE *file, const saltus_scene *scene, const saltu
     fprintf(file, "%.7g to %.7g\n", motion->smallest, motion->largest);
     put_head(file, "settled");
     fprintf(file, "%lld period%s simulated", motion->transient, plural(motion->transient));
-    if (motion->kind != SALTUS_UNDECIDED)
+    if (motion->kind == SALTUS_PERIODIC)
         fprintf(file, "; residual %.1e after %d Newton step%s", motion->residual, motion->iterations,
                 plural(motion->iterations));
     fprintf(file, " (%s)\n", saltus_system_integrator(system));

@@ -87,7 +87,7 @@ static void build(saltus_system *system) {
         build_couplings(system);
     double top = c->row[pipe_stiffness][system->dof - 1], drag = p[p_alpha] * top;
     system->rate = fmax(sqrt(top), drag) + 2 * c->scalar[pipe_root_beta] * velocity * system->dof;
-    system->stiff = drag > 1500;
+    system->stiff = drag > 2500;
     system->forced = c->terms & SALTUS_TERM_FORCED;
     system->mirror = true;
     system->mirror_shift = false;

@@ -1,0 +1,454 @@
+/* Results on disk: JSON, text, CSV, HDF5 and figures, and what happens when they cannot be written.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "reference.h"
+
+#include <dirent.h>
+#include <hdf5.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+enum { per_period = 48 };
+
+/* One 4/4 motion with its scene and a record of one orbit, in a folder of its own. */
+typedef struct fixture {
+    char folder[64];
+    saltus_scene scene;
+    saltus_system *system;
+    saltus_motion motion;
+    saltus_record record;
+    saltus_flow_options options;
+    reference reference;
+} fixture;
+
+static int open_fixture(void **state) {
+    saltus_message message = {""};
+    fixture *f = calloc(1, sizeof *f);
+    strcpy(f->folder, "/tmp/saltus-test-XXXXXX");
+    assert_non_null(mkdtemp(f->folder));
+    f->reference = read_reference("fig7d");
+    f->scene.spec = f->reference.spec;
+    strcpy(f->scene.name, "a_b \"quoted\"");
+    strcpy(f->scene.title, "it's ^2 {braces} 100%");
+    f->system = build(&f->scene.spec);
+    f->options = saltus_flow_defaults();
+    saltus_classify_options how = saltus_classify_defaults();
+    check_ok(saltus_classify(f->system, f->reference.states[0], &how, &f->motion, &message), &message);
+    check_ok(saltus_record_run(f->system, f->motion.state, &f->options, 0, f->motion.periods, per_period,
+                               &f->record, &message),
+             &message);
+    *state = f;
+    return 0;
+}
+
+/* Number of files in the fixture's folder; with `remove` they are deleted. */
+static int files_in(const fixture *f, bool remove_them) {
+    DIR *folder = opendir(f->folder);
+    int count = 0;
+    assert_non_null(folder);
+    for (struct dirent *entry = readdir(folder); entry; entry = readdir(folder)) {
+        char path[400];
+        if (entry->d_name[0] == '.')
+            continue;
+        snprintf(path, sizeof path, "%s/%s", f->folder, entry->d_name);
+        if (remove_them)
+            remove(path);
+        count++;
+    }
+    closedir(folder);
+    return count;
+}
+
+static int close_fixture(void **state) {
+    fixture *f = *state;
+    files_in(f, true);
+    rmdir(f->folder);
+    saltus_record_clear(&f->record);
+    saltus_motion_clear(&f->motion);
+    saltus_system_free(f->system);
+    free(f->reference.text);
+    free(f);
+    return 0;
+}
+
+static const char *path_in(const fixture *f, const char *name, char path[128]) {
+    snprintf(path, 128, "%s/%s", f->folder, name);
+    return path;
+}
+
+static saltus_status write_record(const fixture *f, const char *path, saltus_message *message) {
+    return saltus_record_write(&f->record, &f->scene, f->system, &f->options, path, message);
+}
+
+static saltus_status write_sheet(const fixture *f, const char *path, const char *data,
+                                 saltus_message *message) {
+    return saltus_write_sheet(&f->scene, f->system, &f->motion, &f->record, &f->options, path, data, message);
+}
+
+static char *read_all(const char *path, size_t *length) {
+    FILE *file = fopen(path, "rb");
+    assert_non_null(file);
+    fseek(file, 0, SEEK_END);
+    *length = (size_t)ftell(file);
+    rewind(file);
+    char *text = calloc(*length + 1, 1);
+    assert_int_equal(fread(text, 1, *length, file), *length);
+    fclose(file);
+    return text;
+}
+
+static char *json_of(const fixture *f) {
+    char path[128];
+    size_t length;
+    FILE *file = fopen(path_in(f, "motion.json", path), "wb");
+    assert_non_null(file);
+    saltus_write_motion_json(file, &f->scene, f->system, &f->motion);
+    fclose(file);
+    char *text = read_all(path, &length);
+    remove(path);
+    return text;
+}
+
+static double json_number(const char *json, const char *key) {
+    const char *at = find_key(json, key);
+    if (!at)
+        fail_msg("no key %s", key);
+    return strtod(at, NULL);
+}
+
+static void json_tells_the_motion(void **state) {
+    fixture *f = *state;
+    char *json = json_of(f);
+    assert_string_equal(strchr(json, '\n'), "\n");
+    assert_non_null(strstr(json, "\"scene\": \"a_b \\\"quoted\\\"\""));
+    assert_non_null(
+        strstr(json, "\"label\": \"4/4\", \"kind\": \"periodic\", \"impacts\": 4, \"periods\": 4"));
+    assert_non_null(strstr(json, "\"impacts_by_side\": {\"upper\": 4, \"lower\": 0}"));
+    assert_non_null(strstr(json, "\"impacts_by_stop\": [{\"stop\": 1, \"upper\": 4, \"lower\": 0}]"));
+    assert_true(json_number(json, "impacts_per_response") == 2);
+    assert_true(json_number(json, "omega") == 42);
+    assert_true(json_number(json, "d") == 0.035);
+    const char *at = find_key(json, "state");
+    for (int i = 0; i < f->motion.dimension; i++)
+        assert_true(next_number(&at) == f->motion.state[i]);
+    at = find_key(json, "events");
+    for (int k = 0; k < f->motion.event_count; k++) {
+        const char *time = find_key(at, "time_over_T");
+        assert_non_null(time);
+        assert_true(strtod(time, NULL) == saltus_time_periods(f->motion.events[k].time));
+        at = time;
+    }
+    assert_null(strstr(json, "nan"));
+    assert_null(strstr(json, "inf"));
+    free(json);
+}
+
+/* Chatter has no count of impacts, exact zeros have no logarithm, and the sum rule does not apply. */
+static void json_says_null_where_nothing_is_known(void **state) {
+    fixture *f = *state;
+    long long impacts = f->motion.impacts;
+    double log_modulus = f->motion.multipliers[0].log_modulus;
+    f->motion.impacts = -1;
+    f->motion.sticks = true;
+    f->motion.multipliers[0].log_modulus = -INFINITY;
+    char *json = json_of(f);
+    assert_non_null(strstr(json, "\"impacts\": null"));
+    assert_non_null(strstr(json, "\"impacts_per_response\": null"));
+    assert_non_null(strstr(json, "\"log_moduli\": [null, "));
+    assert_non_null(strstr(json, "\"sum_rule\": null"));
+    free(json);
+    f->motion.impacts = impacts;
+    f->motion.sticks = false;
+    f->motion.multipliers[0].log_modulus = log_modulus;
+}
+
+static void text_gives_the_verdict_first(void **state) {
+    fixture *f = *state;
+    char *text = NULL;
+    size_t length;
+    FILE *stream = open_memstream(&text, &length);
+    saltus_write_motion_text(stream, &f->scene, f->system, &f->motion);
+    fclose(stream);
+    assert_non_null(strstr(text, "\": 4/4, stable\n"));
+    int lines = 0;
+    for (const char *c = text; *c; c++)
+        lines += *c == '\n';
+    assert_in_range(lines, 8, 20);
+    free(text);
+}
+
+/* A direct flow that lands on each sample's phase gives the same states. */
+static void samples_lie_at_exact_phases(void **state) {
+    fixture *f = *state;
+    const saltus_record *r = &f->record;
+    saltus_flow *flow = open_flow(f->system, &f->options, 0, f->motion.state);
+    double x[16];
+    long long row = 0, strobes = 0;
+    assert_int_equal(r->samples, 4 * per_period + 1 + 2 * r->event_count);
+    for (long long k = 0; k <= 4 * per_period; k++, row++) {
+        double time = (double)(k / per_period) + (double)(k % per_period) / per_period;
+        while (r->time[row] != time)
+            row++;
+        if (k)
+            advance(flow, time, 0);
+        saltus_flow_state(flow, 0, x);
+        for (int i = 0; i < r->dimension; i++)
+            check_near(r->states[row * r->dimension + i], x[i], 1e-12);
+        if (k % per_period == 0 && k < 4 * per_period) {
+            for (int i = 0; i < r->dimension; i++)
+                check_near(r->strobe_states[strobes * r->dimension + i], x[i], 1e-12);
+            strobes++;
+        }
+    }
+    assert_int_equal(strobes, r->strobes);
+    saltus_flow_free(flow);
+}
+
+static void impacts_have_two_sides(void **state) {
+    fixture *f = *state;
+    const saltus_record *r = &f->record;
+    assert_int_equal(r->event_count, 4);
+    for (long long k = 0; k < r->event_count; k++) {
+        long long row = r->event_rows[k];
+        assert_true(r->time[row] == r->time[row + 1]);
+        assert_true(r->displacement[row] == 0.035 && r->displacement[row + 1] == 0.035);
+        assert_true(r->velocity[row] == r->events[k].velocity_before);
+        check_near(r->velocity[row + 1], -0.9 * r->velocity[row], 1e-14);
+        check_near(r->time[row], f->reference.time[k], 1e-9);
+    }
+}
+
+/* Samples on both sides of a chatter, a contact and a release; time never runs backwards. */
+static void contacts_are_recorded(void **state) {
+    (void)state;
+    saltus_message message = {""};
+    reference c = read_reference("chatter25");
+    saltus_system *system = build(&c.spec);
+    saltus_flow_options options = saltus_flow_defaults();
+    saltus_record r;
+    int sticks = 0, releases = 0;
+    check_ok(saltus_record_run(system, c.states[0], &options, 2, 2, 100, &r, &message), &message);
+    for (long long row = 1; row < r.samples; row++)
+        assert_true(r.time[row] >= r.time[row - 1]);
+    for (long long k = 0; k < r.event_count; k++) {
+        sticks += r.events[k].kind == SALTUS_STICK;
+        releases += r.events[k].kind == SALTUS_RELEASE;
+        if (r.events[k].kind != SALTUS_IMPACT)
+            assert_true(r.displacement[r.event_rows[k]] == 0.025);
+        if (r.events[k].kind == SALTUS_STICK)
+            assert_true(r.velocity[r.event_rows[k] + 1] == 0);
+    }
+    assert_int_equal(sticks, 1);
+    assert_int_equal(releases, 1);
+    assert_int_equal(r.strobes, 2);
+    saltus_record_clear(&r);
+    saltus_system_free(system);
+    free(c.text);
+}
+
+static void csv_explains_itself(void **state) {
+    fixture *f = *state;
+    saltus_message message = {""};
+    char path[128];
+    size_t length;
+    check_ok(write_record(f, path_in(f, "run.csv", path), &message), &message);
+    char *text = read_all(path, &length), *rest = text;
+    long long header = 0, rows = 0, impacts = 0;
+    for (char *line = strtok_r(rest, "\n", &rest); line; line = strtok_r(NULL, "\n", &rest)) {
+        bool comment = line[0] == '#';
+        header += comment;
+        rows += !comment;
+        impacts += !comment && strstr(line, ",1,upper,impact");
+    }
+    assert_true(header >= 8);
+    assert_int_equal(rows, f->record.samples + 1);
+    assert_int_equal(impacts, 4);
+    assert_int_equal(files_in(f, true), 1);
+    free(text);
+}
+
+static void read_dataset(hid_t file, const char *name, hid_t type, hsize_t count, void *values) {
+    hid_t set = H5Dopen2(file, name, H5P_DEFAULT);
+    assert_true(set >= 0);
+    hid_t space = H5Dget_space(set);
+    assert_int_equal(H5Sget_simple_extent_npoints(space), count);
+    assert_true(H5Dread(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) >= 0);
+    assert_true(H5Aexists(set, "units") > 0 && H5Aexists(set, "description") > 0);
+    H5Sclose(space);
+    H5Dclose(set);
+}
+
+static void hdf5_reads_back(void **state) {
+    fixture *f = *state;
+    const saltus_record *r = &f->record;
+    saltus_message message = {""};
+    char path[128];
+    double omega = 0, speeds[4], *states = malloc((size_t)(r->samples * r->dimension) * sizeof *states);
+    long long rows[4];
+    check_ok(write_record(f, path_in(f, "run.h5", path), &message), &message);
+    hid_t file = H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT);
+    assert_true(file >= 0);
+    read_dataset(file, "trajectory/states", H5T_NATIVE_DOUBLE, (hsize_t)(r->samples * r->dimension), states);
+    assert_memory_equal(states, r->states, (size_t)(r->samples * r->dimension) * sizeof *states);
+    read_dataset(file, "trajectory/time", H5T_NATIVE_DOUBLE, (hsize_t)r->samples, states);
+    assert_memory_equal(states, r->time, (size_t)r->samples * sizeof *states);
+    read_dataset(file, "strobe/states", H5T_NATIVE_DOUBLE, (hsize_t)(4 * r->dimension), states);
+    assert_memory_equal(states, r->strobe_states, (size_t)(4 * r->dimension) * sizeof *states);
+    read_dataset(file, "events/velocity_before", H5T_NATIVE_DOUBLE, 4, speeds);
+    read_dataset(file, "events/row", H5T_NATIVE_LLONG, 4, rows);
+    for (int k = 0; k < 4; k++)
+        assert_true(speeds[k] == r->events[k].velocity_before && rows[k] == r->event_rows[k]);
+    hid_t attribute = H5Aopen_by_name(file, "parameters", "omega", H5P_DEFAULT, H5P_DEFAULT);
+    assert_true(attribute >= 0 && H5Aread(attribute, H5T_NATIVE_DOUBLE, &omega) >= 0);
+    assert_true(omega == 42);
+    H5Aclose(attribute);
+    H5Fclose(file);
+    free(states);
+    assert_int_equal(files_in(f, true), 1);
+}
+
+/* Equal records give equal files, and a record without events is a file too. */
+static void hdf5_is_reproducible_and_may_be_empty(void **state) {
+    fixture *f = *state;
+    saltus_message message = {""};
+    char a[128], b[128];
+    size_t na, nb;
+    check_ok(write_record(f, path_in(f, "a.h5", a), &message), &message);
+    check_ok(write_record(f, path_in(f, "b.h5", b), &message), &message);
+    char *first = read_all(a, &na), *second = read_all(b, &nb);
+    assert_int_equal(na, nb);
+    assert_memory_equal(first, second, na);
+    free(first);
+    free(second);
+    long long events = f->record.event_count;
+    f->record.event_count = 0;
+    check_ok(write_record(f, a, &message), &message);
+    f->record.event_count = events;
+    files_in(f, true);
+}
+
+/* Every failure is one sentence, and the folder stays as it was. */
+static void unwritable_paths_leave_nothing(void **state) {
+    fixture *f = *state;
+    static const char *const endings[] = {"csv", "h5", "png"};
+    saltus_message message;
+    char path[128];
+    for (int k = 0; k < 3; k++) {
+        char name[64];
+        snprintf(name, sizeof name, "missing/x.%s", endings[k]);
+        message.text[0] = 0;
+        path_in(f, name, path);
+        assert_int_equal(k < 2 ? write_record(f, path, &message) : write_sheet(f, path, NULL, &message),
+                         SALTUS_IO);
+        assert_non_null(strstr(message.text, path));
+        assert_non_null(strstr(message.text, "No such file"));
+        snprintf(name, sizeof name, "full.%s", endings[k]);
+        assert_int_equal(symlink("/dev/full", path_in(f, name, path)), 0);
+        assert_int_equal(k < 2 ? write_record(f, path, &message) : write_sheet(f, path, NULL, &message),
+                         SALTUS_IO);
+        assert_non_null(strstr(message.text, "No space left"));
+        assert_int_equal(files_in(f, true), 1);
+        assert_int_equal(mkdir(path, 0777), 0);
+        assert_int_equal(k < 2 ? write_record(f, path, &message) : write_sheet(f, path, NULL, &message),
+                         SALTUS_IO);
+        assert_non_null(strstr(message.text, "folder"));
+        rmdir(path);
+    }
+}
+
+static void wrong_endings_are_refused(void **state) {
+    fixture *f = *state;
+    saltus_message message = {""};
+    char path[128], data[128];
+    assert_int_equal(write_record(f, path_in(f, "run.txt", path), &message), SALTUS_BAD_INPUT);
+    assert_non_null(strstr(message.text, ".csv or .h5"));
+    assert_int_equal(write_record(f, path_in(f, ".csv", path), &message), SALTUS_BAD_INPUT);
+    assert_int_equal(write_sheet(f, path_in(f, "a.jpg", path), NULL, &message), SALTUS_BAD_INPUT);
+    assert_non_null(strstr(message.text, ".png, .pdf or .svg"));
+    assert_int_equal(write_sheet(f, path_in(f, "a.png", path), path_in(f, "a.dat", data), &message),
+                     SALTUS_BAD_INPUT);
+    assert_int_equal(files_in(f, true), 0);
+}
+
+/* With no gnuplot on the path the sheet fails in one sentence. */
+static void absent_gnuplot_is_named(void **state) {
+    fixture *f = *state;
+    saltus_message message = {""};
+    char path[128], before[4096];
+    snprintf(before, sizeof before, "%s", getenv("PATH"));
+    setenv("PATH", f->folder, 1);
+    saltus_status status = write_sheet(f, path_in(f, "sheet.png", path), NULL, &message);
+    setenv("PATH", before, 1);
+    assert_int_equal(status, SALTUS_IO);
+    assert_non_null(strstr(message.text, "gnuplot was not found"));
+    assert_int_equal(files_in(f, true), 0);
+}
+
+/* A gnuplot that fails is quoted; what it drew is not kept. */
+static void failing_gnuplot_is_quoted(void **state) {
+    fixture *f = *state;
+    saltus_message message = {""};
+    char path[128], tool[128], before[4096];
+    FILE *file = fopen(path_in(f, "gnuplot", tool), "w");
+    fputs("#!/bin/sh\necho half a picture\necho '     line 3: unknown or ambiguous terminal name' >&2\nexit "
+          "1\n",
+          file);
+    fclose(file);
+    chmod(tool, 0755);
+    snprintf(before, sizeof before, "%s", getenv("PATH"));
+    setenv("PATH", f->folder, 1);
+    saltus_status status = write_sheet(f, path_in(f, "sheet.png", path), NULL, &message);
+    setenv("PATH", before, 1);
+    assert_int_equal(status, SALTUS_IO);
+    assert_non_null(strstr(message.text, "line 3: unknown or ambiguous terminal name"));
+    assert_int_equal(files_in(f, true), 1);
+}
+
+static bool gnuplot_is_there(void) {
+    return system("gnuplot --version >/dev/null 2>&1") == 0;
+}
+
+/* Pictures of each kind begin as such files do, and the kept script draws the same figure again. */
+static void sheets_are_drawn(void **state) {
+    fixture *f = *state;
+    static const char *const names[] = {"s.png", "s.pdf", "s.svg"}, *const heads[] = {"\x89PNG", "%PDF",
+                                                                                      "<?xml"};
+    saltus_message message = {""};
+    char path[128], data[128], command[512];
+    size_t length;
+    if (!gnuplot_is_there())
+        skip();
+    for (int k = 0; k < 3; k++) {
+        check_ok(write_sheet(f, path_in(f, names[k], path), k ? NULL : path_in(f, "d.h5", data), &message),
+                 &message);
+        char *picture = read_all(path, &length);
+        assert_true(length > 10000);
+        assert_memory_equal(picture, heads[k], 4);
+        free(picture);
+    }
+    assert_int_equal(files_in(f, false), 5);
+    remove(path_in(f, "s.png", path));
+    snprintf(command, sizeof command,
+             "cd %s && gnuplot d.gp 2>messages && test ! -s messages && test -s s.png", f->folder);
+    assert_int_equal(system(command), 0);
+    files_in(f, true);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(json_tells_the_motion),
+        cmocka_unit_test(json_says_null_where_nothing_is_known),
+        cmocka_unit_test(text_gives_the_verdict_first),
+        cmocka_unit_test(samples_lie_at_exact_phases),
+        cmocka_unit_test(impacts_have_two_sides),
+        cmocka_unit_test(contacts_are_recorded),
+        cmocka_unit_test(csv_explains_itself),
+        cmocka_unit_test(hdf5_reads_back),
+        cmocka_unit_test(hdf5_is_reproducible_and_may_be_empty),
+        cmocka_unit_test(unwritable_paths_leave_nothing),
+        cmocka_unit_test(wrong_endings_are_refused),
+        cmocka_unit_test(absent_gnuplot_is_named),
+        cmocka_unit_test(failing_gnuplot_is_quoted),
+        cmocka_unit_test(sheets_are_drawn),
+    };
+    return cmocka_run_group_tests(tests, open_fixture, close_fixture);
+}
