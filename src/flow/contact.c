@@ -395,6 +395,7 @@ saltus_status saltus_contacts_impact(saltus_flow *flow, int lane, int face, salt
     if (self->contacts & ~held_before) {
         self->info.sticks++;
         event->kind = SALTUS_STICK;
+        event->velocity_after = 0;
         event->time = saltus_time_after(self->now, remainder > 0 ? remainder / system->period : 0);
     }
     return SALTUS_OK;
