@@ -405,7 +405,7 @@ saltus_status saltus_contacts_impact(saltus_flow *flow, int lane, int face, salt
 void saltus_flow_forces(saltus_flow *flow, int lane, double *forces) {
     saltus_lane *self = &flow->lane[lane];
     memset(forces, 0, SALTUS_FACES_MAX * sizeof *forces);
-    saltus_flow_state(flow, lane, self->state);
+    saltus_lane_gather(flow, lane, 0, self->state);
     saltus_work *probe = probe_at(flow, lane, self->state, self->now.phase, &self->hold, 1);
     for (int k = 0; k < self->hold.count; k++) {
         int face = self->hold.face[k];

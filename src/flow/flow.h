@@ -64,8 +64,16 @@ struct saltus_flow {
     saltus_contact_map scratch; /* a map under trial */
 };
 
-/* Times. */
+/* time.c */
 saltus_time saltus_time_after(saltus_time time, double periods);
+
+/* lane.c */
+/* A lane's state (column 0) or tangent vector from or into the rows of the stepping work; all of them into
+ * the lane's plain buffers and back. */
+void saltus_lane_gather(const saltus_flow *flow, int lane, int column, double *vector);
+void saltus_lane_scatter(saltus_flow *flow, int lane, int column, const double *vector);
+void saltus_lane_gather_all(saltus_flow *flow, int lane);
+void saltus_lane_scatter_all(saltus_flow *flow, int lane);
 
 /* contact.c */
 /* The map of a set of faces; false if their normals are dependent. Faces in `elastic` rebound with their

@@ -1,0 +1,171 @@
+/* Flows are built here: all memory they will ever use, all decisions that a scene settles.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "flow/flow.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+saltus_flow_options saltus_flow_defaults(void) {
+    return (saltus_flow_options){.rtol = 1e-13, .atol = 1e-16, .integrator = SALTUS_AUTOMATIC};
+}
+
+/* Fastest by measurement on impacting pipes: the step grows with the order until stability caps it. */
+static int automatic_order(double rtol) {
+    int order = 2 * (int)lround(-log10(rtol) - 1);
+    return order < 10 ? 10 : order > 32 ? 32 : order;
+}
+
+static saltus_status check_options(const saltus_flow_options *o, saltus_message *message) {
+    if (!(o->rtol >= 1e-15 && o->rtol <= 1e-3))
+        return saltus_fail(message, SALTUS_BAD_INPUT, "rtol = %g: must be at least 1e-15 and at most 1e-3",
+                           o->rtol);
+    if (!(o->atol >= 0 && o->atol <= 1))
+        return saltus_fail(message, SALTUS_BAD_INPUT, "atol = %g: must be at least 0 and at most 1", o->atol);
+    if (o->order != 0 && (o->order < 8 || o->order > SALTUS_ORDER_MAX))
+        return saltus_fail(message, SALTUS_BAD_INPUT, "order = %d: must be 0 or from 8 to %d", o->order,
+                           SALTUS_ORDER_MAX);
+    if (o->columns < 0 || o->columns > 256)
+        return saltus_fail(message, SALTUS_BAD_INPUT, "columns = %d: must be from 0 to 256", o->columns);
+    if (o->integrator < SALTUS_AUTOMATIC || o->integrator > SALTUS_RADAU)
+        return saltus_fail(message, SALTUS_BAD_INPUT, "integrator: must be automatic, taylor or radau");
+    return SALTUS_OK;
+}
+
+static saltus_status check_systems(const saltus_system *const *systems, int lanes, saltus_message *message) {
+    for (int l = 1; l < lanes; l++) {
+        const saltus_system *a = systems[0], *b = systems[l];
+        bool same = a->spec.model == b->spec.model && a->dof == b->dof && a->extra == b->extra &&
+                    a->face_count == b->face_count && a->spec.stop_count == b->spec.stop_count;
+        for (int f = 0; same && f < a->face_count; f++)
+            same = a->faces[f].stop == b->faces[f].stop && a->faces[f].side == b->faces[f].side;
+        if (!same || a->coefficients.terms != b->coefficients.terms)
+            return saltus_fail(
+                message, SALTUS_BAD_INPUT,
+                "systems side by side must have the same model, size, terms and kind of stops");
+    }
+    return SALTUS_OK;
+}
+
+static void reserve(saltus_flow *flow) {
+    saltus_arena *arena = &flow->arena;
+    size_t n = (size_t)flow->dof, dimension = (size_t)flow->dimension, faces = SALTUS_FACES_MAX;
+    saltus_contact_map scratch = {.push = saltus_arena_doubles(arena, faces * n),
+                                  .pull = saltus_arena_doubles(arena, faces * n)};
+    flow->scratch = scratch;
+    for (int l = 0; l < flow->lanes; l++) {
+        saltus_lane *self = &flow->lane[l];
+        self->hold.push = saltus_arena_doubles(arena, faces * n);
+        self->hold.pull = saltus_arena_doubles(arena, faces * n);
+        self->state = saltus_arena_doubles(arena, dimension);
+        self->tangents = saltus_arena_doubles(arena, dimension * (size_t)flow->options.columns);
+        self->before = saltus_arena_doubles(arena, dimension);
+        self->after = saltus_arena_doubles(arena, dimension);
+        self->trial = saltus_arena_doubles(arena, dimension);
+        self->delay = saltus_arena_doubles(arena, (size_t)flow->options.columns);
+    }
+}
+
+/* The first row of the gap series is the observed displacement, in scenes without a stop too. */
+static void load_system(saltus_work *work, const saltus_kernel *kernel, int lane,
+                        const saltus_system *system) {
+    kernel->load(work, lane, system);
+    if (system->spec.stop_count == 0)
+        for (int i = 0; i < system->dof; i++)
+            work->normal[i * work->stride + lane] = system->observer[i];
+}
+
+static saltus_status open_works(saltus_flow *flow, const saltus_system *const *systems) {
+    enum { probe_order = 8 };
+    const saltus_system *first = systems[0];
+    saltus_status status =
+        saltus_work_open(&flow->work, flow->kernel, first, flow->options.order, flow->options.columns);
+    for (int l = 0; l < flow->lanes && status == SALTUS_OK; l++) {
+        load_system(&flow->work, flow->kernel, l, systems[l]);
+        status = saltus_work_open(&flow->probe[l], flow->narrow, first, probe_order, 0);
+        if (status == SALTUS_OK)
+            load_system(&flow->probe[l], flow->narrow, 0, systems[l]);
+    }
+    flow->work.tolerance_relative = flow->options.rtol;
+    flow->work.tolerance_absolute = flow->options.atol;
+    flow->work.tolerance_tangent = fmax(flow->options.rtol, 1e-13);
+    if (status == SALTUS_OK && flow->integrator == SALTUS_RADAU)
+        status = saltus_radau_open(&flow->radau, first, flow->options.columns, &flow->work);
+    return status;
+}
+
+saltus_status saltus_flow_new(const saltus_system *const *systems, int lanes,
+                              const saltus_flow_options *options, saltus_flow **flow,
+                              saltus_message *message) {
+    *flow = NULL;
+    saltus_status status = check_options(options, message);
+    if (status != SALTUS_OK)
+        return status;
+    const saltus_system *first = systems[0];
+    const saltus_kernel *narrow = saltus_kernel_find(first->spec.model->name, 1);
+    const saltus_kernel *wide = lanes == 1 ? narrow : saltus_kernel_find(first->spec.model->name, 0);
+    bool stiff =
+        options->integrator == SALTUS_RADAU || (options->integrator == SALTUS_AUTOMATIC && first->stiff);
+    if (lanes < 1 || lanes > wide->lanes || (stiff && lanes > 1))
+        return saltus_fail(message, SALTUS_BAD_INPUT, "lanes = %d: %s", lanes,
+                           stiff ? "a stiff system runs one trajectory at a time"
+                                 : "more than this processor's vectors hold");
+    status = check_systems(systems, lanes, message);
+    if (status != SALTUS_OK)
+        return status;
+
+    saltus_flow *made = calloc(1, sizeof *made);
+    saltus_lane *lane = calloc((size_t)wide->lanes, sizeof *lane);
+    saltus_work *probe = calloc((size_t)wide->lanes, sizeof *probe);
+    if (!made || !lane || !probe) {
+        free(made);
+        free(lane);
+        free(probe);
+        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the flow");
+    }
+    *made = (saltus_flow){.options = *options,
+                          .kernel = wide,
+                          .narrow = narrow,
+                          .lanes = wide->lanes,
+                          .dimension = first->dimension,
+                          .dof = first->dof,
+                          .extra = first->extra,
+                          .integrator = stiff ? SALTUS_RADAU : SALTUS_TAYLOR,
+                          .lane = lane,
+                          .probe = probe};
+    if (made->options.order == 0 || stiff)
+        made->options.order = stiff ? SALTUS_RADAU_DEGREE : automatic_order(options->rtol);
+    reserve(made);
+    if (!saltus_arena_open(&made->arena)) {
+        saltus_flow_free(made);
+        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the flow");
+    }
+    reserve(made);
+    /* Lanes beyond those asked for idle at rest with the first lane's system. */
+    const saltus_system *all[16];
+    for (int l = 0; l < made->lanes; l++)
+        all[l] = made->lane[l].system = systems[l < lanes ? l : 0];
+    status = open_works(made, all);
+    if (status != SALTUS_OK) {
+        saltus_flow_free(made);
+        return saltus_fail(message, status, "no memory for the flow");
+    }
+    *flow = made;
+    return SALTUS_OK;
+}
+
+void saltus_flow_free(saltus_flow *flow) {
+    if (!flow)
+        return;
+    for (int l = 0; l < flow->lanes; l++)
+        saltus_work_close(&flow->probe[l]);
+    saltus_work_close(&flow->work);
+    saltus_radau_close(flow->radau);
+    saltus_arena_close(&flow->arena);
+    free(flow->lane);
+    free(flow->probe);
+    free(flow);
+}
+
+int saltus_flow_width(const saltus_system *system) {
+    return saltus_kernel_find(system->spec.model->name, 0)->lanes;
+}
