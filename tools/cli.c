@@ -182,11 +182,12 @@ static saltus_status apply_settings(const cli_request *request, saltus_scene *sc
         if (status != SALTUS_OK)
             return saltus_fail(message, status, "--set %.100s: %.380s", request->settings[k], reason.text);
     }
-    /* A title describes the scene as it was written; changed, it would contradict the parameters beside it. */
+    /* A title describes the scene as it was written; changed, it would contradict the parameters beside it.
+     */
     size_t used = 0;
     for (int k = 0; k < request->setting_count && used + 1 < sizeof scene->title; k++)
-        used += (size_t)snprintf(scene->title + used, sizeof scene->title - used, "%s%s", k ? " " : "changed: ",
-                                 request->settings[k]);
+        used += (size_t)snprintf(scene->title + used, sizeof scene->title - used, "%s%s",
+                                 k ? " " : "changed: ", request->settings[k]);
     return SALTUS_OK;
 }
 

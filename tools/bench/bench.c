@@ -137,11 +137,41 @@ static double time_at_error(const row *rows, int count, double error) {
     return NAN;
 }
 
-static void print_rows(const char *name, const row *rows, int count, bool all) {
+/* Every measured row. */
+static void print_rows(const char *name, const row *rows, int count) {
     for (int k = 0; k < count; k++)
-        if (rows[k].done && (all || (k % 2 == 0 && k >= 2 && k <= 8)))
-            printf("| %-16s | %.0e | %.1e | %.1e | %7.1f | %.0f |\n", name, rows[k].rtol, rows[k].time_error,
+        if (rows[k].done)
+            printf("| %s | %.0e | %.1e | %.1e | %.1f | %.0f |\n", name, rows[k].rtol, rows[k].time_error,
                    rows[k].state_error, 1e6 * rows[k].seconds, rows[k].evaluations);
+}
+
+static void print_all(const char *const *names, row (*rows)[rows_max], int methods, int count) {
+    printf("| method | rtol | event error / T | state error | CPU us | evaluations |\n"
+           "| --- | --- | --- | --- | --- | --- |\n");
+    for (int m = 0; m < methods; m++)
+        print_rows(names[m], rows[m], count);
+}
+
+/* Event error and time at a few tolerances, a line a method. */
+static void print_overview(const char *const *names, row (*rows)[rows_max], int methods, int count) {
+    enum { first = 2, step = 2, last = 8 };
+    printf("| event error in CPU time |");
+    for (int k = first; k <= last && k < count; k += step)
+        printf(" rtol %.0e |", rows[0][k].rtol);
+    printf("\n| --- |");
+    for (int k = first; k <= last && k < count; k += step)
+        printf(" --- |");
+    for (int m = 0; m < methods; m++) {
+        printf("\n| %s |", names[m]);
+        for (int k = first; k <= last && k < count; k += step)
+            if (!rows[m][k].done)
+                printf(" failed |");
+            else if (rows[m][k].time_error < 0.5)
+                printf(" %.1e T in %.0f us |", rows[m][k].time_error, 1e6 * rows[m][k].seconds);
+            else
+                printf(" impacts missing, %.0f us |", 1e6 * rows[m][k].seconds);
+    }
+    printf("\n");
 }
 
 static void print_summary(const char *const *names, row (*rows)[rows_max], int methods, int count) {
@@ -177,9 +207,7 @@ static bool compare(const char *folder, const char *name, bool all) {
         fprintf(stderr, "saltus_bench: %s/%s.json cannot be read as a reference orbit\n", folder, name);
         return false;
     }
-    printf("\n### %s (%s, %d T)\n\n| method | rtol | event error / T | state error | CPU us | evaluations |\n"
-           "| --- | --- | --- | --- | --- | --- |\n",
-           name, r.label, r.periods);
+    printf("\n**%s** (%s, %d T)\n\n", name, r.label, r.periods);
     for (int digits = 4; digits <= 14; digits++, count++) {
         double rtol = pow(10, -digits);
         memset(&rows[0][count], 0, sizeof rows[0][count]);
@@ -193,8 +221,7 @@ static bool compare(const char *folder, const char *name, bool all) {
             methods = m + 3;
         }
     }
-    for (int m = 0; m < methods; m++)
-        print_rows(names[m], rows[m], count, all);
+    (all ? print_all : print_overview)(names, rows, methods, count);
     print_summary(names, rows, methods, count);
     saltus_system_free(system);
     free(r.text);
@@ -241,8 +268,8 @@ static double period_cost(int modes, bool stop, double *impacts) {
 static void scale_with_modes(void) {
     static const int modes[] = {5, 10, 20, 32};
     double base[2] = {0, 0};
-    printf("\n### Cost per forcing period against the number of modes (omega = 42, rtol 1e-13)\n\n"
-           "| N | (N/5)^2.5 | no stop, us | ratio | stop at d = 0.035, us | ratio | impacts per period |\n"
+    printf("\n**Cost per forcing period against the number of modes** (omega = 42, rtol 1e-13; CPU us)\n\n"
+           "| N | (N/5)^2.5 | no stop | ratio | stop at d = 0.035 | ratio | impacts per period |\n"
            "| --- | --- | --- | --- | --- | --- | --- |\n");
     for (size_t k = 0; k < sizeof modes / sizeof modes[0]; k++) {
         double impacts[2] = {0, 0}, seconds[2];
