@@ -189,7 +189,7 @@ static bool polish(const saltus_system *system, const saltus_classify_options *o
  * nothing. */
 static saltus_status confirm(const saltus_system *system, saltus_flow *flow, history *h,
                              const saltus_orbit *orbit, bool *confirmed, saltus_message *message) {
-    enum { cycles_max = 60 };
+    enum { cycles_max = 60, patient_cycles = 40 };
     double start = saltus_section_distance(system, point_at(h, h->count - 1), orbit->state);
     *confirmed = false;
     for (int c = 0; c < cycles_max && !*confirmed; c++) {
@@ -199,7 +199,9 @@ static saltus_status confirm(const saltus_system *system, saltus_flow *flow, his
                 return status;
         }
         double now = saltus_section_distance(system, point_at(h, h->count - 1), orbit->state);
-        *confirmed = now < 1e-9 || (c > 2 && now < 0.2 * start);
+        double predicted = exp((c + 1) * orbit->multipliers[0].log_modulus);
+        *confirmed = now < 1e-9 || (c > 2 && now < 0.2 * start) ||
+                     (c >= patient_cycles && now <= start * (1 - 0.5 * (1 - predicted)));
         if (now > 10 * start + 1e-9)
             break;
     }
