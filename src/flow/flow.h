@@ -75,7 +75,8 @@ void saltus_lane_scatter(saltus_flow *flow, int lane, int column, const double *
 void saltus_lane_gather_all(saltus_flow *flow, int lane);
 void saltus_lane_scatter_all(saltus_flow *flow, int lane);
 
-/* contact.c */
+/* contact_map.c */
+double saltus_dot(const double *a, const double *b, int n);
 /* The map of a set of faces; false if their normals are dependent. Faces in `elastic` rebound with their
  * restitution. */
 bool saltus_contact_map_build(const saltus_system *system, unsigned faces, unsigned elastic,
@@ -85,6 +86,8 @@ void saltus_contact_map_apply(const saltus_contact_map *map, int dof, double *ve
 void saltus_contact_map_settle(const saltus_system *system, const saltus_contact_map *map, double *state);
 /* Normal velocity or acceleration towards a face. */
 double saltus_face_normal(const saltus_system *system, int face, const double *vector);
+
+/* contact.c */
 /* Decide, for faces touched with zero normal velocity (resting), which of them hold; set contacts, hold and
  * touch. */
 void saltus_contacts_rest(saltus_flow *flow, int lane, unsigned resting);

@@ -1,0 +1,84 @@
+/* Contact maps: what impulses or holding forces at a set of faces do to velocities and accelerations.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "flow/flow.h"
+
+#include "base/dense.h"
+
+#include <math.h>
+#include <string.h>
+
+double saltus_face_normal(const saltus_system *system, int face, const double *vector) {
+    saltus_face f = system->faces[face];
+    const double *normal = system->stop_normal[f.stop];
+    double sum = 0;
+    for (int i = 0; i < system->dof; i++)
+        sum = fma(normal[i], vector[i], sum);
+    return f.side * sum;
+}
+
+/* pull_k = sum_j (N B)^-1_kj (1 + r_j) n_j, with r_j = 0 for faces that do not rebound. */
+static void fill_pull(const saltus_system *system, saltus_contact_map *map, unsigned elastic) {
+    int n = system->dof, m = map->count;
+    memset(map->pull, 0, (size_t)(m * n) * sizeof *map->pull);
+    for (int k = 0; k < m; k++)
+        for (int j = 0; j < m; j++) {
+            saltus_face f = system->faces[map->face[j]];
+            double factor = map->inverse[k * m + j] * f.side * (elastic >> map->face[j] & 1 ? 1 + f.r : 1);
+            for (int i = 0; i < n; i++)
+                map->pull[k * n + i] += factor * system->stop_normal[f.stop][i];
+        }
+}
+
+bool saltus_contact_map_build(const saltus_system *system, unsigned faces, unsigned elastic,
+                              saltus_contact_map *map) {
+    double gram[SALTUS_FACES_MAX * SALTUS_FACES_MAX];
+    int n = system->dof, m = 0;
+    for (int f = 0; f < system->face_count; f++)
+        if (faces >> f & 1)
+            map->face[m++] = f;
+    map->count = m;
+    if (m > n)
+        return false;
+    for (int k = 0; k < m; k++) {
+        saltus_face f = system->faces[map->face[k]];
+        for (int i = 0; i < n; i++)
+            map->push[k * n + i] = f.side * system->stop_impulse[f.stop][i];
+    }
+    for (int k = 0; k < m; k++)
+        for (int j = 0; j < m; j++)
+            gram[k * m + j] = saltus_face_normal(system, map->face[k], map->push + j * n);
+    if (!saltus_dense_inverse(gram, m, map->inverse))
+        return false;
+    fill_pull(system, map, elastic);
+    return true;
+}
+
+double saltus_dot(const double *a, const double *b, int n) {
+    double sum = 0;
+    for (int i = 0; i < n; i++)
+        sum = fma(a[i], b[i], sum);
+    return sum;
+}
+
+void saltus_contact_map_apply(const saltus_contact_map *map, int dof, double *velocity) {
+    double size[SALTUS_FACES_MAX];
+    for (int k = 0; k < map->count; k++)
+        size[k] = saltus_dot(map->pull + k * dof, velocity, dof);
+    for (int k = 0; k < map->count; k++)
+        for (int i = 0; i < dof; i++)
+            velocity[i] = fma(-size[k], map->push[k * dof + i], velocity[i]);
+}
+
+void saltus_contact_map_settle(const saltus_system *system, const saltus_contact_map *map, double *state) {
+    double gap[SALTUS_FACES_MAX];
+    for (int k = 0; k < map->count; k++)
+        gap[k] = saltus_system_gap(system, map->face[k], state);
+    for (int k = 0; k < map->count; k++) {
+        double share = 0;
+        for (int j = 0; j < map->count; j++)
+            share = fma(map->inverse[k * map->count + j], gap[j], share);
+        for (int i = 0; i < system->dof; i++)
+            state[i] = fma(-share, map->push[k * system->dof + i], state[i]);
+    }
+    saltus_contact_map_apply(map, system->dof, state + system->dof);
+}
