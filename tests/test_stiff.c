@@ -64,6 +64,7 @@ static void agrees_when_stiff(void **unused) {
     check_near(compare(10, 42, 0.035, 0.9, 3, 2, 0, &tangents), 0, 1e-9);
     check_near(compare(10, 10, 0.025, 0.5, 2, 1, 0, &tangents), 0, 1e-9);
     check_near(compare(20, 42, 0.035, 0.9, 3, 1, 0, &tangents), 0, 1e-9);
+    check_near(compare(32, 42, 0.035, 0.9, 3, 1, 0, &tangents), 0, 1e-9);
 }
 
 /* N = 32: where the explicit integrator would need steps of 1e-5, against itself at another tolerance. */

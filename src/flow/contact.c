@@ -159,17 +159,28 @@ static unsigned touched_faces(const saltus_lane *self, int hit) {
     return touched;
 }
 
+/* Touched faces that the velocity closes: these rebound. The others, held or receding, at most keep from
+ * closing. */
+static unsigned closing_faces(const saltus_lane *self, int hit, unsigned touched) {
+    unsigned closing = 1u << hit;
+    for (int f = 0; f < self->system->face_count; f++)
+        if (touched & ~self->contacts & 1u << f &&
+            saltus_face_normal(self->system, f, self->state + self->system->dof) > 0)
+            closing |= 1u << f;
+    return closing;
+}
+
 /* Newton's law at the touched faces: the smallest set of impulses, among them one at the hit face, that all
  * push and leave no touched face closing. The map is left in `map`; false when there is none. */
-static bool impact_map(const saltus_lane *self, int hit, unsigned touched, const double *velocity,
-                       saltus_contact_map *map) {
+static bool impact_map(const saltus_lane *self, int hit, unsigned touched, unsigned closing,
+                       const double *velocity, saltus_contact_map *map) {
     const saltus_system *system = self->system;
     double after[64];
     int n = system->dof;
     for (int size = 1; size <= count_bits(touched); size++)
         for (unsigned subset = 1; subset <= touched; subset++) {
             if ((subset & touched) != subset || count_bits(subset) != size || !(subset >> hit & 1) ||
-                !saltus_contact_map_build(system, subset, subset & ~self->contacts, map))
+                !saltus_contact_map_build(system, subset, subset & closing, map))
                 continue;
             bool valid = true;
             for (int k = 0; k < map->count; k++)
@@ -257,67 +268,114 @@ static unsigned resting_faces(const saltus_lane *self, unsigned touched, double 
     return resting;
 }
 
+static saltus_event impact_event(const saltus_lane *self, int face, double speed) {
+    saltus_face f = self->system->faces[face];
+    return (saltus_event){.kind = SALTUS_IMPACT,
+                          .face = face,
+                          .time = self->now,
+                          .velocity_before = f.side * speed,
+                          .velocity_after = -f.side * f.r * speed,
+                          .displacement = f.side * f.d};
+}
+
+/* Every closing face that receives an impulse is an impact of its own; those beside the hit one are queued.
+ */
+static void record_impacts(saltus_lane *self, int hit, unsigned rebounding, saltus_event *event) {
+    const double *velocity = self->state + self->system->dof;
+    self->queued = 0;
+    for (int f = 0; f < self->system->face_count; f++) {
+        double speed = saltus_face_normal(self->system, f, velocity);
+        if (!(rebounding >> f & 1) && f != hit)
+            continue;
+        if (f == hit)
+            *event = impact_event(self, f, speed > 0 ? speed : 0);
+        else
+            self->queue[self->queued++] = impact_event(self, f, speed);
+        if (speed > 0) {
+            self->info.impacts++;
+            self->info.log_volume += 2 * log(self->system->faces[f].r);
+        }
+    }
+}
+
+/* After an impact all velocities are new: what is known of the gaps' rates from the step before must follow.
+ */
+static void refresh_faces(saltus_lane *self, unsigned touched) {
+    for (int f = 0; f < self->system->face_count; f++)
+        if (touched >> f & 1)
+            self->face[f] = (saltus_face_state){.touch = 1};
+}
+
+static void refresh_rates(saltus_lane *self) {
+    for (int f = 0; f < self->system->face_count; f++)
+        if (self->face[f].shadow)
+            self->face[f].rate = saltus_face_normal(self->system, f, self->state + self->system->dof);
+}
+
+/* Take the impact without rebound if its chatter ends here; then decide which touched faces hold. Returns the
+ * time left to the accumulation point, negative if the impact rebounds. */
+static double end_chatter_and_rest(saltus_flow *flow, int lane, int face, unsigned touched, double rebound) {
+    saltus_lane *self = &flow->lane[lane];
+    int n = flow->dof;
+    double tiny = 64 * DBL_EPSILON * sqrt(saltus_dot(self->state + n, self->state + n, n));
+    double remainder =
+        may_end_chatter(flow, self, face, rebound) ? chatter_remainder(flow, lane, face, rebound) : -1;
+    if (remainder >= 0) {
+        memcpy(self->state, self->trial, (size_t)flow->dimension * sizeof(double));
+        tiny *= 16;
+    }
+    unsigned resting = resting_faces(self, touched, tiny) | (remainder >= 0 ? 1u << face : 0);
+    refresh_faces(self, touched);
+    saltus_contacts_rest(flow, lane, resting);
+    saltus_contact_map_settle(self->system, &self->hold, self->state);
+    refresh_rates(self);
+    return remainder;
+}
+
+static int lowest_face(unsigned faces) {
+    int face = 0;
+    while (!(faces >> face & 1))
+        face++;
+    return face;
+}
+
 saltus_status saltus_contacts_impact(saltus_flow *flow, int lane, int face, saltus_event *event) {
     saltus_lane *self = &flow->lane[lane];
     const saltus_system *system = self->system;
-    int n = flow->dof;
-    double speed = saltus_face_normal(system, face, self->state + n);
-    if (speed <= 0)
-        speed = 0;
-    unsigned touched = touched_faces(self, face);
     saltus_contact_map *map = &flow->scratch;
-    if (!impact_map(self, face, touched, self->state + n, map))
+    int n = flow->dof;
+    unsigned touched = touched_faces(self, face), closing = closing_faces(self, face, touched), impulses = 0;
+    unsigned held_before = self->contacts;
+    if (!impact_map(self, face, touched, closing, self->state + n, map))
         return SALTUS_STALLED;
-    if (flow->options.columns)
-        saltus_field_at(flow, lane, self->state, self->now.phase, &self->hold, self->before);
-    double size = sqrt(saltus_dot(self->state + n, self->state + n, n)), tiny = 64 * DBL_EPSILON * size;
-    saltus_contact_map_apply(map, n, self->state + n);
-    unsigned impulses = 0;
     for (int k = 0; k < map->count; k++)
         impulses |= 1u << map->face[k];
+    if (flow->options.columns)
+        saltus_field_at(flow, lane, self->state, self->now.phase, &self->hold, self->before);
+    record_impacts(self, face, impulses & closing, event);
+    saltus_contact_map_apply(map, n, self->state + n);
 
-    int side = system->faces[face].side;
-    double rebound = system->faces[face].r * speed;
-    *event = (saltus_event){.kind = SALTUS_IMPACT,
-                            .face = face,
-                            .time = self->now,
-                            .velocity_before = side * speed,
-                            .velocity_after = -side * rebound,
-                            .displacement = side * system->faces[face].d};
-    if (speed > 0) {
-        self->info.impacts++;
-        self->info.log_volume += 2 * log(system->faces[face].r);
-    }
-
-    /* Does the sequence end here? Then the impact is taken without rebound and the contact rests. */
-    bool slow = may_end_chatter(flow, self, face, rebound);
-    double remainder = slow ? chatter_remainder(flow, lane, face, rebound) : -1;
-    unsigned elastic = impulses & ~self->contacts;
-    if (remainder >= 0) {
-        memcpy(self->state, self->trial, (size_t)flow->dimension * sizeof(double));
-        elastic &= ~(1u << face);
-        tiny = fmax(tiny, 1e3 * DBL_EPSILON * size);
-    }
-    unsigned resting = resting_faces(self, touched, tiny);
-    if (remainder >= 0)
-        resting |= 1u << face;
-    for (int f = 0; f < system->face_count; f++)
-        if (touched >> f & 1)
-            self->face[f] = (saltus_face_state){.touch = 1};
-    unsigned held_before = self->contacts;
-    saltus_contacts_rest(flow, lane, resting);
-    saltus_contact_map_settle(system, &self->hold, self->state);
-
+    double speed = fabs(event->velocity_before), rebound = system->faces[face].r * speed;
+    double remainder = end_chatter_and_rest(flow, lane, face, touched, rebound);
+    unsigned elastic = impulses & closing & ~(remainder >= 0 ? 1u << face : 0);
     if (flow->options.columns && speed > 0) {
         if (!saltus_contact_map_build(system, impulses | (remainder >= 0 ? held_before : 0), elastic, map))
             return SALTUS_STALLED;
         saltus_field_at(flow, lane, self->state, self->now.phase, &self->hold, self->after);
         saltate(flow, self, face, speed, map);
     }
-    if (self->contacts & ~held_before) {
+    unsigned caught = self->contacts & ~held_before;
+    if (caught) {
         self->info.sticks++;
         event->kind = SALTUS_STICK;
-        event->velocity_after = 0;
+        if (caught >> face & 1) {
+            event->velocity_after = 0;
+        } else {
+            self->queue[self->queued++] = impact_event(self, face, speed);
+            event->face = lowest_face(caught);
+            event->velocity_before = event->velocity_after = 0;
+            event->displacement = system->faces[event->face].side * system->faces[event->face].d;
+        }
         event->time = saltus_time_after(self->now, remainder > 0 ? remainder / system->period : 0);
     }
     return SALTUS_OK;

@@ -44,7 +44,7 @@ static saltus_status resolve_start(saltus_flow *flow, int lane) {
         if (saltus_system_gap(system, f, self->state) < -4e-16 * (size + fabs(system->faces[f].d)))
             continue;
         double velocity = saltus_face_normal(system, f, self->state + system->dof);
-        if (fabs(velocity) <= 1e-15 * speed)
+        if (fabs(velocity) <= 1e-15 * (speed + flow->work.omega_unit * (size + fabs(system->faces[f].d))))
             resting |= 1u << f;
         self->face[f] = (saltus_face_state){.touch = 1};
     }
@@ -71,7 +71,7 @@ saltus_status saltus_flow_start(saltus_flow *flow, int lane, saltus_time time, c
     self->step = 0;
     self->contacts = 0;
     self->hold.count = 0;
-    self->idle_events = self->cycle_events = 0;
+    self->idle_events = self->cycle_events = self->queued = 0;
     self->last_speed = 0;
     self->info = (saltus_flow_info){0};
     memset(self->face, 0, sizeof self->face);
@@ -253,7 +253,27 @@ static int waiting_lane(const saltus_flow *flow) {
     return -1;
 }
 
+/* The next impact that happened in the same instant as one already reported; dropped where impacts are not
+ * watched. */
+static bool next_queued(saltus_flow *flow, int *lane, saltus_event *event) {
+    for (int l = 0; l < flow->lanes; l++) {
+        saltus_lane *self = &flow->lane[l];
+        if (!self->aimed || self->ended || self->queued == 0)
+            continue;
+        if (self->watch & SALTUS_WATCH_IMPACT) {
+            *event = self->queue[--self->queued];
+            *lane = l;
+            self->aimed = false;
+            return true;
+        }
+        self->queued = 0;
+    }
+    return false;
+}
+
 saltus_status saltus_flow_run(saltus_flow *flow, int *lane, saltus_event *event, saltus_message *message) {
+    if (next_queued(flow, lane, event))
+        return SALTUS_OK;
     int ready = waiting_lane(flow);
     while (ready < 0) {
         saltus_status status = expand_lanes(flow, message);

@@ -41,9 +41,11 @@ typedef struct saltus_lane {
     saltus_contact_map hold;
     saltus_face_state face[SALTUS_FACES_MAX];
     saltus_flow_info info;
-    int idle_events;          /* events since time last moved on */
-    int cycle_events;         /* contact events within this period */
-    double last_speed;        /* of the last contact event */
+    int idle_events;                      /* events since time last moved on */
+    int cycle_events;                     /* contact events within this period */
+    double last_speed;                    /* of the last contact event */
+    saltus_event queue[SALTUS_FACES_MAX]; /* impacts in the same instant as the pending one */
+    int queued;
     saltus_event pending;     /* event found on the step's polynomial; kind SALTUS_STEP when there is none */
     double *state, *tangents; /* dimension, columns * dimension */
     double *before, *after;   /* fields on the two sides of an event */
