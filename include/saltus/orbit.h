@@ -12,7 +12,8 @@ extern "C" {
 /* A Floquet multiplier. Multipliers far below rounding keep their size as a logarithm. */
 typedef struct saltus_multiplier {
     double re, im;
-    double log_modulus; /* natural logarithm of the modulus; -INFINITY for an exact zero (sticking) */
+    double log_modulus; /* natural logarithm of the modulus; -INFINITY for an exact zero (sticking), NAN for
+                           one too small to be resolved (re = im = 0) */
 } saltus_multiplier;
 
 typedef struct saltus_orbit_options {
@@ -34,7 +35,8 @@ typedef struct saltus_orbit {
     double residual;                /* max |x(pT) - x(0)| / scale after the last iteration */
     int iterations;
     bool sticks; /* the orbit has lasting contacts: zero multipliers are exact, the sum rule does not apply */
-    double log_volume; /* sum of the multipliers' log moduli, from the orthogonalised tangent flow */
+    double log_volume; /* sum of the multipliers' log moduli, from the orthogonalised tangent flow; NAN when
+                          some are too small to be resolved */
     double sum_rule;   /* what the trace of the Jacobian and the restitutions make it (model.md, section 1) */
 } saltus_orbit;
 

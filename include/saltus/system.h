@@ -130,6 +130,8 @@ saltus_status saltus_system_check_state(const saltus_system *system, const doubl
 /* Trace of the Jacobian of the vector field at a state (model.md, section 1), for the sum rule of exponents.
  */
 double saltus_system_trace(const saltus_system *system, const double *state);
+/* Bound on the decay rates of the system's linear part: how fast the fastest direction contracts. */
+double saltus_system_fastest_decay(const saltus_system *system);
 /* Displacement at position xi along the structure (0..1): eta(xi) of a pipe, the masses of an oscillator
  * joined by straight lines from the support at xi = 0. */
 double saltus_system_shape(const saltus_system *system, const double *state, double xi);

@@ -236,6 +236,7 @@ static bool finished(saltus_lane *self) {
     bool watched = self->pending.kind != SALTUS_STEP && self->watch >> self->pending.kind & 1;
     if (watched || (self->pending.kind == SALTUS_STICK && self->watch & SALTUS_WATCH_IMPACT))
         return true;
+    self->queued = 0;
     if (remaining(self) <= 0)
         self->pending = (saltus_event){.kind = SALTUS_REACHED, .face = -1, .time = self->now};
     else if (self->watch & SALTUS_WATCH_STEP)

@@ -146,6 +146,10 @@ static void put_multipliers(FILE *file, const saltus_motion *motion) {
     put_head(file, "sum rule");
     if (motion->sticks)
         fputs("does not apply: the motion sticks, some multipliers are exactly zero\n", file);
+    else if (isnan(motion->log_volume))
+        fprintf(file,
+                "not checked: the smallest multipliers are not resolved; trace and restitution give %.10g\n",
+                motion->sum_rule);
     else
         fprintf(file, "log moduli add up to %.10g; trace and restitution give %.10g (difference %.1e)\n",
                 motion->log_volume, motion->sum_rule, motion->log_volume - motion->sum_rule);

@@ -81,6 +81,11 @@ static saltus_status advance_period(const saltus_system *system, saltus_flow *fl
     saltus_flow_info after = saltus_flow_information(flow, 0);
     int slot = (int)(h->count % h->size);
     saltus_flow_state(flow, 0, point_at(h, h->count));
+    for (int i = 0; i < h->n; i++)
+        if (!(fabs(point_at(h, h->count)[i]) < 1e8 * saltus_system_scale(system)[i]))
+            return saltus_fail(message, SALTUS_STALLED,
+                               "the motion grows without bound: state entry %d is %.3g after %lld periods",
+                               i + 1, point_at(h, h->count)[i], h->count + 1);
     h->excursion[slot] =
         h->count ? saltus_section_distance(system, point_at(h, h->count), point_at(h, h->count - 1)) : 1;
     h->contact_event[slot] = after.impacts != before.impacts || after.releases != before.releases;
@@ -133,9 +138,11 @@ static bool is_resting(const saltus_system *system, saltus_flow *flow, const his
     return drift < 1e3 * at_rest && speed < INFINITY;
 }
 
+/* Multipliers inside the unit circle, by more than their own accuracy; one too small to be resolved is
+ * inside. */
 static bool orbit_is_stable(const saltus_orbit *orbit) {
     for (int i = 0; i < orbit->dimension; i++)
-        if (!(orbit->multipliers[i].log_modulus < 0))
+        if (orbit->multipliers[i].log_modulus >= -1e-10)
             return false;
     return true;
 }
@@ -154,7 +161,7 @@ static int least_period(const saltus_system *system, const saltus_flow_options *
     for (int p = 1; p <= orbit->periods / 2 && status == SALTUS_OK && least == orbit->periods; p++) {
         status = saltus_map_step(map, point, NULL, message);
         if (status == SALTUS_OK && orbit->periods % p == 0 &&
-            saltus_section_distance(system, point, orbit->state) < same_orbit)
+            saltus_section_distance(system, point, orbit->state) < fmax(same_orbit, 1e4 * options->rtol))
             least = p;
     }
     saltus_map_free(map);
@@ -187,7 +194,7 @@ static bool polish(const saltus_system *system, const saltus_classify_options *o
 
 /* The trajectory must go on closing in on the orbit: its distance after some more cycles is smaller, or
  * nothing. */
-static saltus_status confirm(const saltus_system *system, saltus_flow *flow, history *h,
+static saltus_status confirm(const saltus_system *system, saltus_flow *flow, history *h, double close,
                              const saltus_orbit *orbit, bool *confirmed, saltus_message *message) {
     enum { cycles_max = 60, patient_cycles = 40 };
     double start = saltus_section_distance(system, point_at(h, h->count - 1), orbit->state);
@@ -200,9 +207,9 @@ static saltus_status confirm(const saltus_system *system, saltus_flow *flow, his
         }
         double now = saltus_section_distance(system, point_at(h, h->count - 1), orbit->state);
         double predicted = exp((c + 1) * orbit->multipliers[0].log_modulus);
-        *confirmed = now < 1e-9 || (c > 2 && now < 0.2 * start) ||
+        *confirmed = now < close || (c > 2 && now < 0.2 * start) ||
                      (c >= patient_cycles && now <= start * (1 - 0.5 * (1 - predicted)));
-        if (now > 10 * start + 1e-9)
+        if (now > 10 * start + close)
             break;
     }
     return SALTUS_OK;
@@ -232,7 +239,7 @@ static saltus_status settle(const saltus_system *system, saltus_flow *flow, hist
                     ? candidate_period(system, h, options->longest, recurrence, &closest)
                     : 0;
         if (p && polish(system, options, h, p, closest, orbit, message)) {
-            status = confirm(system, flow, h, orbit, found, message);
+            status = confirm(system, flow, h, fmax(1e-9, 1e4 * options->flow.rtol), orbit, found, message);
             if (status != SALTUS_OK || !*found)
                 saltus_orbit_clear(orbit);
         }
@@ -324,10 +331,15 @@ static saltus_status find_mirror(const saltus_system *system, saltus_flow *flow,
                                  saltus_message *message) {
     bool shift, symmetric = saltus_system_mirror_symmetric(system, &shift);
     motion->mirror = symmetric ? SALTUS_MIRROR_PAIR : SALTUS_MIRROR_NONE;
-    if (!symmetric || (motion->periods % 2 == 1) != shift)
-        return SALTUS_OK;
     int n = motion->dimension;
     double image[SALTUS_STATE_MAX];
+    for (int i = 0; i < n; i++)
+        image[i] = -motion->state[i];
+    bool at_centre = !shift && saltus_section_distance(system, image, motion->state) < 1e-7;
+    if (symmetric && at_centre)
+        motion->mirror = SALTUS_MIRROR_SELF;
+    if (!symmetric || at_centre || (motion->periods % 2 == 1) != shift)
+        return SALTUS_OK;
     saltus_event event;
     saltus_status status = saltus_flow_start(flow, 0, (saltus_time){0, 0}, motion->state, message);
     if (status == SALTUS_OK)
@@ -404,20 +416,42 @@ static saltus_status describe_orbit(const saltus_system *system, saltus_flow *fl
     return status;
 }
 
+/* A rest is a fixed point of the map over any time: polished as one, its multipliers decide on stability.
+ * Where Newton's matrix is singular (a continuum of rests) the state stays as found and is not called stable.
+ */
+static void polish_rest(const saltus_system *system, const saltus_classify_options *options,
+                        saltus_motion *motion) {
+    saltus_orbit_options shooting = saltus_orbit_defaults();
+    saltus_orbit rest = {0};
+    saltus_message message;
+    shooting.flow = options->flow;
+    shooting.tolerance = fmax(1e-12, 100 * options->flow.rtol);
+    if (saltus_orbit_find(system, 1, motion->state, &shooting, &rest, &message) == SALTUS_OK &&
+        saltus_section_distance(system, rest.state, motion->state) < nearby) {
+        memcpy(motion->state, rest.state, (size_t)motion->dimension * sizeof *motion->state);
+        motion->stable = orbit_is_stable(&rest);
+        motion->residual = rest.residual;
+        motion->iterations = rest.iterations;
+    }
+    saltus_orbit_clear(&rest);
+}
+
 static saltus_status describe_rest(const saltus_system *system, saltus_flow *flow,
                                    const saltus_classify_options *options, saltus_motion *motion,
                                    saltus_message *message) {
     bool shift;
     saltus_status status = SALTUS_OK;
     saltus_flow_state(flow, 0, motion->state);
+    if (motion->kind != SALTUS_UNDECIDED)
+        polish_rest(system, options, motion);
     motion->largest = -INFINITY;
     motion->smallest = INFINITY;
     see_displacement(system, motion->state, motion);
     if (motion->kind != SALTUS_UNDECIDED) {
-        motion->stable = true;
         motion->mirror =
             saltus_system_mirror_symmetric(system, &shift) ? SALTUS_MIRROR_PAIR : SALTUS_MIRROR_NONE;
-        if (motion->largest == 0 && motion->smallest == 0 && motion->mirror == SALTUS_MIRROR_PAIR)
+        if (fabs(motion->largest) < 1e-9 * saltus_system_scale(system)[0] &&
+            motion->mirror == SALTUS_MIRROR_PAIR)
             motion->mirror = SALTUS_MIRROR_SELF;
     }
     if (motion->kind == SALTUS_HELD)

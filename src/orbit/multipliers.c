@@ -21,7 +21,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { cycles_max = 400, quadrature_points = 12 };
+enum { cycles_min = 6, cycles_max = 30, quadrature_points = 12 };
 
 /* Work for one orbit of dimension n in `segments` pieces. */
 typedef struct cocycle {
@@ -32,6 +32,7 @@ typedef struct cocycle {
     double *r;         /* upper triangle of a segment */
     double *product;   /* R_m ... R_1, each row scaled by its own logarithm */
     double *scale;     /* natural logarithms of the rows' scales */
+    double *weakest;   /* least growth of each direction over a segment, beside the largest there */
     double *tau, *block, *real, *imaginary, *state;
 } cocycle;
 
@@ -44,6 +45,7 @@ static void reserve(cocycle *c) {
     c->product = saltus_arena_doubles(&c->arena, square);
     c->block = saltus_arena_doubles(&c->arena, square);
     c->scale = saltus_arena_doubles(&c->arena, n);
+    c->weakest = saltus_arena_doubles(&c->arena, n);
     c->tau = saltus_arena_doubles(&c->arena, n);
     c->real = saltus_arena_doubles(&c->arena, n);
     c->imaginary = saltus_arena_doubles(&c->arena, n);
@@ -159,13 +161,20 @@ static bool cycle(cocycle *c, double *log_volume) {
     identity(c->product, n);
     memset(c->scale, 0, (size_t)n * sizeof *c->scale);
     *log_volume = 0;
+    for (int i = 0; i < n; i++)
+        c->weakest[i] = 1;
     for (int m = 0; m < c->segments; m++) {
         multiply(c->segment + (size_t)m * (size_t)(n * n), c->q, n, c->block);
         memcpy(c->q, c->block, (size_t)(n * n) * sizeof *c->q);
         if (!saltus_dense_qr(c->q, n, n, c->r, c->tau))
             return false;
+        double largest = 0;
         for (int i = 0; i < n; i++)
+            largest = fmax(largest, c->r[i * n + i]);
+        for (int i = 0; i < n; i++) {
             *log_volume += log(c->r[i * n + i]);
+            c->weakest[i] = fmin(c->weakest[i], c->r[i * n + i] / largest);
+        }
         accumulate(c);
     }
     return true;
@@ -224,32 +233,49 @@ static int by_modulus(const void *a, const void *b) {
     return x->im < y->im ? 1 : x->im > y->im ? -1 : 0;
 }
 
-static bool settle(cocycle *c, saltus_orbit *orbit) {
+/* Directions whose growth over every segment stands out of rounding beside the largest, and whose multiplier
+ * is above the smallest number there is: these are resolved. */
+static int count_resolved(cocycle *c) {
+    int resolved = c->n - c->zeros;
+    for (int i = 0; i < c->n; i++)
+        if (c->weakest[i] < 1e-13)
+            resolved = i < resolved ? i : resolved;
+    return resolved;
+}
+
+/* Whether the first `count` directions are separated from each other, alone or in pairs, and from the rest.
+ */
+static bool separated(const cocycle *c, int count) {
     enum { pair = 2 };
+    for (int i = 1, run = 0; i <= count && i < c->n; i++) {
+        run = mixing(c, i) > 1e-13 ? run + 1 : 0;
+        if (run >= pair)
+            return false;
+    }
+    return true;
+}
+
+static bool settle(cocycle *c, saltus_orbit *orbit) {
+    int resolved = 0, first = 0;
     identity(c->q, c->n);
-    int live = c->n - c->zeros;
     for (int k = 0; k < cycles_max; k++) {
         if (!cycle(c, &orbit->log_volume))
             return false;
-        /* Settled when every direction is separated from the rest, alone or as one of a pair. */
-        bool separated = true;
-        for (int i = 1, run = 0; i < live; i++) {
-            run = mixing(c, i) > 1e-13 ? run + 1 : 0;
-            separated &= run < pair;
-        }
-        if (separated && k > 20)
+        resolved = count_resolved(c);
+        if (k >= cycles_min && separated(c, resolved))
             break;
     }
-    int first = 0;
-    for (int i = 1; i <= live; i++)
-        if (i == live || mixing(c, i) <= 1e-9) {
+    for (int i = 1; i <= resolved; i++)
+        if (i == resolved || mixing(c, i) <= 1e-9) {
             if (!block_multipliers(c, first, i, orbit->multipliers + first))
                 return false;
             first = i;
         }
-    for (int i = live > 0 ? live : 0; i < c->n; i++)
-        orbit->multipliers[i] = (saltus_multiplier){0, 0, -INFINITY};
-    qsort(orbit->multipliers, (size_t)c->n, sizeof *orbit->multipliers, by_modulus);
+    for (int i = resolved; i < c->n; i++)
+        orbit->multipliers[i] = (saltus_multiplier){0, 0, i < c->n - c->zeros ? NAN : -INFINITY};
+    if (resolved < c->n - c->zeros)
+        orbit->log_volume = NAN;
+    qsort(orbit->multipliers, (size_t)resolved, sizeof *orbit->multipliers, by_modulus);
     return true;
 }
 
@@ -266,12 +292,15 @@ static void form_monodromy(cocycle *c, double *monodromy) {
             monodromy[i * n + j] = c->q[j * n + i];
 }
 
-/* Segments short enough that no derivative over one contracts volume by much more than e^-12, within reason.
- */
+/* Segments so short that no direction contracts by more than e^-20 over one: beyond that the columns become
+ * dependent to rounding and the small multipliers are lost. Where that would take too many segments only the
+ * leading ones are to be had, and a few segments do for them. */
 static int count_segments(const saltus_system *system, const saltus_orbit *orbit) {
-    double decay = -saltus_system_trace(system, orbit->state) * saltus_system_period(system) / 10;
-    double wanted = ceil(orbit->periods * fmax(1, decay));
-    return (int)fmin(fmax(wanted, orbit->periods), 40.0 * orbit->periods);
+    enum { bytes_max = 1 << 24, coarse = 16 };
+    double n = orbit->dimension;
+    double decay = saltus_system_fastest_decay(system) * saltus_system_period(system) / 20;
+    double wanted = orbit->periods * fmax(1, ceil(decay));
+    return (int)(wanted * 8 * n * n <= bytes_max ? wanted : coarse * (double)orbit->periods);
 }
 
 saltus_status saltus_orbit_multipliers(const saltus_system *system, const saltus_orbit_options *options,
