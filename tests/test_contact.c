@@ -73,6 +73,32 @@ static void several_stops(void **unused) {
     saltus_system_free(system);
 }
 
+/* Two coupled stops near each other's contact: an impact at one changes the rate at which the other closes,
+ * and one may recede while the other is hit. Nothing is passed, nothing stalls. */
+static void coupled_stops(void **unused) {
+    (void)unused;
+    static const double rows[][5] = {/* N, omega, d, r, sides */
+                                     {5, 10, 0.014, 0.9, SALTUS_UPPER}, {4, 10, 0.013, 0.9, SALTUS_UPPER},
+                                     {5, 10, 0.012, 0.5, SALTUS_BOTH},  {4, 5, 0.01, 0.5, SALTUS_UPPER},
+                                     {6, 10, 0.014, 0.9, SALTUS_UPPER}, {3, 8, 0.012, 0.8, SALTUS_UPPER}};
+    for (size_t k = 0; k < sizeof rows / sizeof rows[0]; k++) {
+        saltus_spec spec = pipe_spec(rows[k][0], rows[k][1]);
+        add_stop(&spec, rows[k][2], rows[k][3], (saltus_sides)rows[k][4]);
+        add_stop(&spec, rows[k][2], rows[k][3], (saltus_sides)rows[k][4]);
+        spec.stops[0].xi = 0.35;
+        spec.stops[1].xi = 0.65;
+        saltus_system *system = build(&spec);
+        saltus_flow_options options = saltus_flow_defaults();
+        saltus_message message = {""};
+        double state[dimension_max];
+        check_ok(saltus_system_default_state(system, state, &message), &message);
+        saltus_flow *flow = open_flow(system, &options, 0, state);
+        watch_run(system, flow, 40);
+        saltus_flow_free(flow);
+        saltus_system_free(system);
+    }
+}
+
 /* A symmetric pair of stops hit in the same instant by a symmetric shape: both get their impulse at once. */
 static void simultaneous_impacts(void **unused) {
     (void)unused;
@@ -89,6 +115,9 @@ static void simultaneous_impacts(void **unused) {
     saltus_event event = advance(flow, 2, SALTUS_WATCH_IMPACT);
     saltus_flow_state(flow, 0, state);
     assert_int_equal(event.kind, SALTUS_IMPACT);
+    saltus_event other = advance(flow, 2, SALTUS_WATCH_IMPACT);
+    assert_true(other.face == 1 - event.face && other.time.phase == event.time.phase);
+    assert_int_equal(saltus_flow_information(flow, 0).impacts, 2);
     for (int s = 0; s < 2; s++) {
         const double *normal = saltus_system_stop_normal(system, s);
         double rate = normal[0] * state[3] + normal[1] * state[4] + normal[2] * state[5];
@@ -293,11 +322,17 @@ static void no_section_drift(void **unused) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(stops_are_never_passed),   cmocka_unit_test(several_stops),
-        cmocka_unit_test(simultaneous_impacts),     cmocka_unit_test(elastic_impacts_keep_energy),
-        cmocka_unit_test(starts_on_the_stop),       cmocka_unit_test(starts_beyond_are_refused),
-        cmocka_unit_test(chatter_cut_off),          cmocka_unit_test(mirror_symmetry),
-        cmocka_unit_test(chopping_changes_nothing), cmocka_unit_test(no_section_drift),
+        cmocka_unit_test(stops_are_never_passed),
+        cmocka_unit_test(several_stops),
+        cmocka_unit_test(coupled_stops),
+        cmocka_unit_test(simultaneous_impacts),
+        cmocka_unit_test(elastic_impacts_keep_energy),
+        cmocka_unit_test(starts_on_the_stop),
+        cmocka_unit_test(starts_beyond_are_refused),
+        cmocka_unit_test(chatter_cut_off),
+        cmocka_unit_test(mirror_symmetry),
+        cmocka_unit_test(chopping_changes_nothing),
+        cmocka_unit_test(no_section_drift),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
