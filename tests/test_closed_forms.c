@@ -1,5 +1,6 @@
 /* Linear oscillators whose motion between impacts is known in closed form (data: literature on impact
- * oscillators, each case named at its test). SPDX-License-Identifier: GPL-3.0-or-later */
+ * oscillators, each case named at its test).
+ * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "check.h"
 
 /* x'' + c x' + k x = F cos(omega t): steady part plus decaying part. */

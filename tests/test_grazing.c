@@ -1,5 +1,6 @@
 /* Grazing: a stop a hair beyond the largest displacement of a free orbit is never hit, a hair before it
- * always. SPDX-License-Identifier: GPL-3.0-or-later */
+ * always.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "check.h"
 
 enum { phases = 1000 };

@@ -1,5 +1,6 @@
 /* Classification beyond the reference orbits: rest, contact for good, symmetry, seeds, honesty about the
- * undecided. SPDX-License-Identifier: GPL-3.0-or-later */
+ * undecided.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "check.h"
 
 enum { dimension_max = 20 };

@@ -2,7 +2,8 @@
  *
  * A flow advances trajectories through free flight, impacts, complete chatter, sticking and release, to a
  * tolerance, with tangent vectors as extra columns of the same integration. The contract on events stands at
- * the head of src/flow/flow.c. SPDX-License-Identifier: GPL-3.0-or-later */
+ * the head of src/flow/flow.c.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_FLOW_H
 #define SALTUS_FLOW_H
 

@@ -2,7 +2,8 @@
  *
  * A system is built once from a specification (a model, its parameters, its stops), checked, and never
  * written again; any number of flows may share it. Everything is nondimensional unless a model says
- * otherwise. SPDX-License-Identifier: GPL-3.0-or-later */
+ * otherwise.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_SYSTEM_H
 #define SALTUS_SYSTEM_H
 

@@ -6,7 +6,8 @@
  * apart into eight complex systems of the size of q, (1 - h mu Jv - (h mu)^2 Jq) a = r, which are solved side
  * by side in packs, one eigenvalue in each element. A contact that holds adds its force as one more unknown.
  * The eigenvectors are badly conditioned (1e8), but what is solved for is the correction that a residual asks
- * for, so this costs no accuracy. SPDX-License-Identifier: GPL-3.0-or-later */
+ * for, so this costs no accuracy.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_FLOW_COLLOCATION_H
 #define SALTUS_FLOW_COLLOCATION_H
 

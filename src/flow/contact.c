@@ -18,8 +18,11 @@
  *
  * Tangent vectors pass every event by the saltation matrix S = DP + (f+ - DP f-) (n, 0)^T / (n.q'-). The end
  * of a chatter is the same formula with r = 0 and the sticking field as f+; release has no jump in the field,
- * so S = 1. SPDX-License-Identifier: GPL-3.0-or-later */
+ * so S = 1.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "flow/flow.h"
+
+#include "base/bits.h"
 
 #include <float.h>
 #include <math.h>
@@ -98,23 +101,16 @@ static bool pressed(const saltus_system *system, const saltus_work *probe, int f
     return true;
 }
 
-static int count_bits(unsigned bits) {
-    int count = 0;
-    for (; bits; bits &= bits - 1)
-        count++;
-    return count;
-}
-
 /* The subset of `resting` whose contacts hold: all of its contact forces push, no other resting face closes.
  */
 static unsigned holding_subset(saltus_flow *flow, int lane, unsigned resting) {
     enum { order = 5 };
     saltus_lane *self = &flow->lane[lane];
     const saltus_system *system = self->system;
-    int total = count_bits(resting);
+    int total = saltus_count_bits(resting);
     for (int size = 0; size <= total; size++)
         for (unsigned subset = 0; subset <= resting; subset++) {
-            if ((subset & resting) != subset || count_bits(subset) != size ||
+            if ((subset & resting) != subset || saltus_count_bits(subset) != size ||
                 !saltus_contact_map_build(system, subset, 0, &flow->scratch))
                 continue;
             saltus_work *probe = probe_at(flow, lane, self->state, self->now.phase, &flow->scratch, order);
@@ -177,9 +173,9 @@ static bool impact_map(const saltus_lane *self, int hit, unsigned touched, unsig
     const saltus_system *system = self->system;
     double after[64];
     int n = system->dof;
-    for (int size = 1; size <= count_bits(touched); size++)
+    for (int size = 1; size <= saltus_count_bits(touched); size++)
         for (unsigned subset = 1; subset <= touched; subset++) {
-            if ((subset & touched) != subset || count_bits(subset) != size || !(subset >> hit & 1) ||
+            if ((subset & touched) != subset || saltus_count_bits(subset) != size || !(subset >> hit & 1) ||
                 !saltus_contact_map_build(system, subset, subset & closing, map))
                 continue;
             bool valid = true;
@@ -300,12 +296,6 @@ static void record_impacts(saltus_lane *self, int hit, unsigned rebounding, salt
 
 /* After an impact all velocities are new: what is known of the gaps' rates from the step before must follow.
  */
-static void refresh_faces(saltus_lane *self, unsigned touched) {
-    for (int f = 0; f < self->system->face_count; f++)
-        if (touched >> f & 1)
-            self->face[f] = (saltus_face_state){.touch = 1};
-}
-
 static void refresh_rates(saltus_lane *self) {
     for (int f = 0; f < self->system->face_count; f++)
         if (self->face[f].shadow)
@@ -325,7 +315,9 @@ static double end_chatter_and_rest(saltus_flow *flow, int lane, int face, unsign
         tiny *= 16;
     }
     unsigned resting = resting_faces(self, touched, tiny) | (remainder >= 0 ? 1u << face : 0);
-    refresh_faces(self, touched);
+    for (int f = 0; f < self->system->face_count; f++)
+        if (touched >> f & 1)
+            self->face[f] = (saltus_face_state){.touch = 1};
     saltus_contacts_rest(flow, lane, resting);
     saltus_contact_map_settle(self->system, &self->hold, self->state);
     refresh_rates(self);

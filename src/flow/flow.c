@@ -20,8 +20,8 @@
  * (the first coefficient of the gap's series that stands out of rounding decides). A start beyond a stop is
  * refused.
  * - Not found: nothing by design. If a gap should end a step beyond its stop, or thousands of events pass
- * while time stands still, the call fails with time, gap and speed in the message. SPDX-License-Identifier:
- * GPL-3.0-or-later */
+ * while time stands still, the call fails with time, gap and speed in the message.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "flow/flow.h"
 
 #include <math.h>

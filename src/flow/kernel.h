@@ -8,15 +8,15 @@
  *
  * The kernel is compiled once per model, instruction set and width. Width 1 puts the modes of one trajectory
  * into packs; the wide kernel puts one trajectory into each element of a pack. Every operation on an element
- * is the same in both, in the same order, so the results are equal bit for bit. SPDX-License-Identifier:
- * GPL-3.0-or-later */
+ * is the same in both, in the same order, so the results are equal bit for bit.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_FLOW_KERNEL_H
 #define SALTUS_FLOW_KERNEL_H
 
 #include "base/memory.h"
 #include "system/system.h"
 
-enum { SALTUS_ORDER_MAX = 40, SALTUS_ORDER_MIN = 4 };
+enum { SALTUS_ORDER_MAX = 40 };
 
 typedef struct saltus_kernel saltus_kernel;
 

@@ -1,5 +1,6 @@
 /* Running gnuplot: script, picture and complaints pass through nameless files, so nothing can be left behind
- * and no pipe can fill up. SPDX-License-Identifier: GPL-3.0-or-later */
+ * and no pipe can fill up.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "io/gnuplot.h"
 
 #include "io/output.h"

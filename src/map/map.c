@@ -2,7 +2,8 @@
  *
  * With Phi the tangent vectors carried to the section and f+ the field there, a section whose time answers to
  * perturbations by dt = (delay . delta) maps tangent vectors by Phi + f+ delay^T. A shift of the start time
- * by dt0 acts like the start perturbation -f0 dt0. SPDX-License-Identifier: GPL-3.0-or-later */
+ * by dt0 acts like the start perturbation -f0 dt0.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "saltus/map.h"
 
 #include "base/memory.h"

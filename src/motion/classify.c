@@ -122,10 +122,6 @@ static bool is_resting(const saltus_system *system, saltus_flow *flow, const his
     if (saltus_system_forced(system) || h->count < 4)
         return false;
     const double *scale = saltus_system_scale(system);
-    double speed = 0;
-    saltus_flow_field(flow, 0, field);
-    for (int i = 0; i < h->n; i++)
-        speed = fmax(speed, fabs(field[i]) / scale[i] * saltus_system_period(system));
     for (int k = 0; k < 3; k++)
         if (h->contact_event[(h->count - 1 - k) % h->size] ||
             h->excursion[(h->count - 1 - k) % h->size] > at_rest)
@@ -133,9 +129,10 @@ static bool is_resting(const saltus_system *system, saltus_flow *flow, const his
     /* The field of a fast mode magnifies rounding; what counts is that nothing moved and no displacement
      * drifts. */
     double drift = 0;
+    saltus_flow_field(flow, 0, field);
     for (int i = 0; i < saltus_system_dof(system); i++)
         drift = fmax(drift, fabs(field[i]) / scale[i] * saltus_system_period(system));
-    return drift < 1e3 * at_rest && speed < INFINITY;
+    return drift < 1e3 * at_rest;
 }
 
 /* Multipliers inside the unit circle, by more than their own accuracy; one too small to be resolved is
@@ -168,12 +165,18 @@ static int least_period(const saltus_system *system, const saltus_flow_options *
     return least;
 }
 
-/* Newton from the trajectory's last point; accepted if the orbit is where the trajectory is, and stable. */
-static bool polish(const saltus_system *system, const saltus_classify_options *options, const history *h,
-                   int p, double distance, saltus_orbit *orbit, saltus_message *message) {
+/* Newton can ask for no more than the flow's tolerance gives. */
+static saltus_orbit_options shooting_options(const saltus_classify_options *options) {
     saltus_orbit_options shooting = saltus_orbit_defaults();
     shooting.flow = options->flow;
     shooting.tolerance = fmax(1e-12, 100 * options->flow.rtol);
+    return shooting;
+}
+
+/* Newton from the trajectory's last point; accepted if the orbit is where the trajectory is, and stable. */
+static bool polish(const saltus_system *system, const saltus_classify_options *options, const history *h,
+                   int p, double distance, saltus_orbit *orbit, saltus_message *message) {
+    saltus_orbit_options shooting = shooting_options(options);
     const double *last = point_at(h, h->count - 1);
     if (saltus_orbit_find(system, p, last, &shooting, orbit, message) != SALTUS_OK)
         return false;
@@ -192,8 +195,8 @@ static bool polish(const saltus_system *system, const saltus_classify_options *o
     return false;
 }
 
-/* The trajectory must go on closing in on the orbit: its distance after some more cycles is smaller, or
- * nothing. */
+/* The trajectory must go on closing in on the orbit: its distance falls to a fifth or below `close`, or,
+ * where the largest multiplier is near the unit circle, at least half as far as that multiplier predicts. */
 static saltus_status confirm(const saltus_system *system, saltus_flow *flow, history *h, double close,
                              const saltus_orbit *orbit, bool *confirmed, saltus_message *message) {
     enum { cycles_max = 60, patient_cycles = 40 };
@@ -421,11 +424,9 @@ static saltus_status describe_orbit(const saltus_system *system, saltus_flow *fl
  */
 static void polish_rest(const saltus_system *system, const saltus_classify_options *options,
                         saltus_motion *motion) {
-    saltus_orbit_options shooting = saltus_orbit_defaults();
+    saltus_orbit_options shooting = shooting_options(options);
     saltus_orbit rest = {0};
     saltus_message message;
-    shooting.flow = options->flow;
-    shooting.tolerance = fmax(1e-12, 100 * options->flow.rtol);
     if (saltus_orbit_find(system, 1, motion->state, &shooting, &rest, &message) == SALTUS_OK &&
         saltus_section_distance(system, rest.state, motion->state) < nearby) {
         memcpy(motion->state, rest.state, (size_t)motion->dimension * sizeof *motion->state);

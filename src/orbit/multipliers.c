@@ -13,6 +13,7 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "orbit/multipliers.h"
 
+#include "base/bits.h"
 #include "base/dense.h"
 #include "base/memory.h"
 
@@ -80,13 +81,6 @@ static double trace_over_step(const saltus_system *system, const saltus_flow *fl
     return sum;
 }
 
-static int count_bits(unsigned bits) {
-    int count = 0;
-    for (; bits; bits &= bits - 1)
-        count++;
-    return count;
-}
-
 /* Advance to a time step by step: trace integral, and the largest number of lasting contacts. */
 static saltus_status advance_watching(const saltus_system *system, saltus_flow *flow, saltus_time until,
                                       cocycle *c, const gsl_integration_glfixed_table *table, double *trace,
@@ -99,7 +93,7 @@ static saltus_status advance_watching(const saltus_system *system, saltus_flow *
             return status;
         if (saltus_flow_step_length(flow, 0) > 0)
             *trace += trace_over_step(system, flow, c->state, table);
-        int lost = 2 * count_bits(saltus_flow_contacts(flow, 0));
+        int lost = 2 * saltus_count_bits(saltus_flow_contacts(flow, 0));
         c->zeros = lost > c->zeros ? lost : c->zeros;
     } while (event.kind != SALTUS_REACHED);
     return SALTUS_OK;

@@ -5,7 +5,8 @@
  *   z' = kz x1' - z / tz        (a Maxwell element beside the first spring, when kz > 0: a first-order state)
  *
  * The classic impact oscillators are special cases: bouncing ball (k = c = 0, F0 = -g, and in the frame of a
- * vibrating table F), impact pair (k = c = 0, two-sided stop). SPDX-License-Identifier: GPL-3.0-or-later */
+ * vibrating table F), impact pair (k = c = 0, two-sided stop).
+ * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "system/oscillator.h"
 #include "system/system.h"
 

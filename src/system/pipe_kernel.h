@@ -6,7 +6,8 @@
  *   q_i'' = - alpha lambda_i^4 v_i - lambda_i^4 q_i - lambda_i^2 W q_i - (G 2 sqrt(beta) u v)_i - (B
  * sqrt(beta) u' q)_i with B's diagonal gone into W. The three products of a scalar series and a row are
  * formed side by side, before G, B and lambda^2 act on them; the cubic term then costs one product per order,
- * and half a one for S. SPDX-License-Identifier: GPL-3.0-or-later */
+ * and half a one for S.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_SYSTEM_PIPE_KERNEL_H
 #define SALTUS_SYSTEM_PIPE_KERNEL_H
 

@@ -6,7 +6,7 @@
 #include "base/memory.h"
 #include "saltus/system.h"
 
-enum { SALTUS_SCALARS_MAX = 12, SALTUS_ROWS_MAX = 8, SALTUS_COUPLINGS_MAX = 2, SALTUS_SERIES_MAX = 8 };
+enum { SALTUS_SCALARS_MAX = 12, SALTUS_ROWS_MAX = 8, SALTUS_COUPLINGS_MAX = 2 };
 
 /* The numbers a model's kernel works with. Scalars and rows may differ between the lanes of one flow;
  * couplings depend on the number of degrees of freedom alone and are shared. */

@@ -3,8 +3,8 @@
  * Every row is measured in the same run on the same machine against the 128-bit orbits of data/reference: the
  * largest error of the impact times (in T), of the state after the orbit (velocities count a hundredth), the
  * median CPU time of repeated runs, and the evaluations of the vector field (for Taylor series: orders). The
- * summary compares times at equal error by interpolation in the logarithms. SPDX-License-Identifier:
- * GPL-3.0-or-later */
+ * summary compares times at equal error by interpolation in the logarithms.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "reference.h"
 #include "rivals.h"
 

@@ -21,7 +21,7 @@
 
 static const double pi = 3.14159265358979323846;
 /* Projecting onto the stop from an outgoing speed v costs an error of order v^2 / (a (1 - r)) in the state.
- */
+ * SPDX-License-Identifier: GPL-3.0-or-later */
 static const double chatter_share_of_tolerance = 0.05;
 /* Below this height in units of d * DBL_EPSILON, rounding of the gap decides when the next impact of a
  * chatter is. */

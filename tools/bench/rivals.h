@@ -2,7 +2,8 @@
  *
  * These are the programs that Saltus is compared with. All of them share one hand-written vector field, one
  * impact law and one rule for ending a chatter, so what they differ in is the integrator and the location of
- * events. Every quantity is nondimensional; model.md defines the symbols. */
+ * events. Every quantity is nondimensional; model.md defines the symbols.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_BENCH_RIVALS_H
 #define SALTUS_BENCH_RIVALS_H
 
