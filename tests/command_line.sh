@@ -91,6 +91,33 @@ refuse 2 "scene" classify
 refuse 2 "nonsense" nonsense
 refuse 2 "-o" diagnose pipe
 refuse 2 "--periods" simulate pipe -o run.csv
+refuse 2 "--periods" orbit fig7d
+refuse 2 "missing.json" orbit fig7d --from missing.json
+refuse 2 "unknown.yaml" orbit fig7d --from unknown.yaml
+refuse 2 "binary.yaml" orbit fig7d --from binary.yaml
+refuse 2 "empty.yaml" orbit fig7d --from empty.yaml
+refuse 2 "folder" orbit fig7d --from folder
+refuse 2 "mirror" orbit fig7d --periods 4 --mirror
+refuse 1 "Newton" orbit fig7a --periods 3 --transient 3
+refuse 2 "--in" continue fig7d -o branch.h5
+refuse 2 "-o" continue fig7d --in omega=35:56
+refuse 2 "--in omega" continue fig7d --in omega -o branch.h5
+refuse 2 "--in omega=56:35" continue fig7d --in omega=56:35 -o branch.h5
+refuse 2 "omega=50:56" continue fig7d --in omega=50:56 -o branch.h5
+refuse 2 "frequency" continue fig7d --in frequency=50:56 -o branch.h5
+refuse 2 "whole number" continue fig7d --in N=3:6 -o branch.h5
+refuse 2 "--at 60" continue fig7d --in omega=35:56 --at 60 -o branch.h5
+refuse 2 "--at x" continue fig7d --in omega=35:56 --at x -o branch.h5
+refuse 2 "--and" continue fig7d --in omega=35:56 --locus PD -o branch.h5
+refuse 2 "--locus QQ" continue fig7d --in omega=35:56 --locus QQ --and d=0.02:0.05 -o branch.h5
+refuse 2 "--direction left" continue fig7d --in omega=35:56 --direction left -o branch.h5
+refuse 2 "undecided" continue fig7c --in omega=5:15 --transient 500 -o branch.h5
+refuse 2 "branch.txt" continue fig7d --in omega=35:56 -o branch.txt
+refuse 1 "nowhere/branch.h5" continue fig7d --in omega=35:56 -o nowhere/branch.h5
+refuse 2 "branch.h5" continue fig7d --in omega=35:56 -o branch.h5 --resume
+refuse 2 "unknown.yaml" plot unknown.yaml -o branch.png
+refuse 2 "missing.h5" plot missing.h5 -o branch.png
+refuse 2 "-o" plot missing.h5
 refuse 2 "sheet.bmp" diagnose fig3 -o sheet.bmp
 refuse 2 "run.txt" simulate fig3 --periods 2 -o run.txt
 refuse 1 "nowhere/run.csv" simulate fig3 --periods 2 -o nowhere/run.csv
@@ -138,6 +165,76 @@ for kind in png pdf svg; do
 done
 accept "sheet.png" diagnose fig3 -o sheet.png --data sheet.h5
 [ -s sheet.h5 ] && [ -s sheet.gp ] || fail "--data leaves no sheet.h5 and sheet.gp"
+accept "4/4, stable" orbit fig7d --periods 4
+accept "4/4" orbit fig7d --periods 8
+accept "not inside the unit circle" orbit fig7a --periods 1
+accept "2/2" orbit fig3 --periods 2 --mirror
+accept "eigenvalues" orbit pipe --set sigma=0 d=0.01
+accept "n/p" orbit fig7a --unstable --periods 5 --search 2000
+
+# keep FILE ARGUMENTS...: success, and stdout goes to the file.
+keep() {
+    file=$1
+    shift
+    count=$((count + 1))
+    "$saltus" "$@" >"$file" 2>err || fail "$* fails: $(cat err)"
+    rm -f err
+}
+
+# An orbit file starts a branch, a branch starts an orbit, and both keep the parameters.
+keep orbit.json orbit fig7d --periods 4 --json
+keep points.json continue fig7d --from orbit.json --in omega=41:42.5 --at 42.25 --step-max 0.05 --json -o branch.h5
+grep -q '"label": "PD"' points.json || fail "continue finds no flip between omega = 41 and 42.5"
+grep -q '"label": "GR"' points.json || fail "continue finds no grazing between omega = 41 and 42.5"
+accept "omega = 42.25" orbit fig7d --from branch.h5:UZ1
+accept "omega = 41.11059" orbit fig7d --from branch.h5:PD1
+accept "omega = 42.1" orbit fig7d --from branch.h5:PD1 --set omega=42.1
+accept "4/4" orbit fig7d --from points.json:2
+accept "branch.h5:PD1" orbit --help
+accept "branch.png" plot branch.h5 -o branch.png
+accept "branch.svg" plot branch.h5 branch.h5 -o branch.svg --show impacts --range omega=41:41.3
+refuse 2 "--show colours" plot branch.h5 -o x.png --show colours
+refuse 2 "no point" plot branch.h5 -o x.png --range omega=50:51
+refuse 2 "run.h5" plot run.h5 -o x.png
+refuse 2 "name one" orbit fig7d --from branch.h5
+refuse 2 "NS1" orbit fig7d --from branch.h5:NS1
+refuse 2 "model" orbit impact-oscillator --from orbit.json
+refuse 2 "N = 5" orbit fig7d --from orbit.json --set N=4
+refuse 2 "no orbit of period 3 T" continue fig7d --from orbit.json --periods 3 --in omega=35:56 -o branch.h5
+refuse 2 "another run" continue fig7d --in omega=35:56 -o branch.h5 --resume
+refuse 2 "another run" continue fig7d --set d=0.03 --in omega=41:42.5 -o branch.h5 --resume
+head -c 3000 orbit.json >cut.json
+refuse 2 "cut off" continue fig7d --from cut.json --in omega=35:56 -o branch.h5
+head -c 9000 branch.h5 >cut.h5
+refuse 2 "cut off" continue fig7d --from cut.h5:1 --in omega=35:56 -o branch.h5
+refuse 2 "cut off" plot cut.h5 -o x.png
+accept "PD" continue fig7d --in omega=41:42.5 -o branch.h5 --resume
+
+# wait_for FILE: until the first points are in it.
+wait_for() {
+    tries=0
+    while [ ! -s "$1" ] && [ $tries -lt 100 ]; do
+        sleep 0.1
+        tries=$((tries + 1))
+    done
+}
+
+# A killed run leaves a file that can be read, and --resume completes it; an interrupted one says so itself.
+for signal in KILL TERM; do
+    count=$((count + 1))
+    "$saltus" continue fig7d --from orbit.json --in omega=38:46 --step-max 0.003 -o long.h5 >out 2>err &
+    wait_for long.h5
+    sleep 0.3
+    kill -$signal $!
+    wait $!
+    got=$?
+    [ $signal = KILL ] || [ $got -eq 1 ] || fail "continue exits with $got after SIG$signal"
+    [ $signal = KILL ] || grep -q -- --resume err || fail "continue says nothing after SIG$signal: $(cat err)"
+    "$saltus" orbit fig7d --from long.h5:1 >/dev/null || fail "SIG$signal leaves no readable file"
+    keep out continue fig7d --from orbit.json --in omega=38:46 --step-max 0.003 -o long.h5 --resume
+    grep -q "end of the parameter's range" out || fail "the run is not completed after SIG$signal: $(cat out)"
+    rm -f long.h5 out err
+done
 awk -F, '!/^#/ && NR > 3 {print NF}' run.csv | sort -u | wc -l | grep -q '^1$' || fail "run.csv has ragged rows"
 
 # The same classification twice gives the same bytes.

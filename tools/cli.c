@@ -46,6 +46,10 @@ const cli_option cli_rtol = {"--rtol", CLI_REAL, PLACE(rtol), 1e-13,
 const cli_option cli_atol = {
     "--atol", CLI_REAL, PLACE(atol), 1e-16, 0, 1, "x", "absolute tolerance of the flow, in displacements"};
 
+const cli_option cli_from = {
+    "--from", CLI_TEXT, PLACE(from), 0,
+    0,        0,        "orbit",     "start from this orbit: file.json, branch.h5:12 or branch.h5:PD1"};
+
 static bool parse_value(const cli_option *option, const char *text, cli_request *request) {
     char *place = (char *)request + option->offset, *end = NULL;
     errno = 0;
@@ -135,14 +139,15 @@ bool cli_parse(const cli_command *command, int count, char **arguments, cli_requ
             if (used == 0)
                 return false;
             k += used;
-        } else if (!request->scene) {
-            request->scene = arguments[k++];
+        } else if (request->input_count < (command->inputs ? command->inputs : 1)) {
+            request->inputs[request->input_count++] = arguments[k++];
         } else {
-            fprintf(stderr, "saltus: %s: unexpected; the scene is already %s\n", arguments[k],
-                    request->scene);
+            fprintf(stderr, "saltus: %s: unexpected; the %s is already %s\n", arguments[k],
+                    command->inputs ? "last file" : "scene", request->inputs[request->input_count - 1]);
             return false;
         }
     }
+    request->scene = request->inputs[0];
     if (command->needs_scene && !request->scene && !request->help) {
         fprintf(stderr, "saltus: %s: needs a scene, a YAML file or one of `saltus scenes`\n", command->name);
         return false;
@@ -174,8 +179,7 @@ int cli_report(saltus_status status, const saltus_message *message) {
     return status == SALTUS_BAD_INPUT ? CLI_BAD_INPUT : CLI_FAILED;
 }
 
-static saltus_status apply_settings(const cli_request *request, saltus_scene *scene,
-                                    saltus_message *message) {
+saltus_status cli_apply_settings(const cli_request *request, saltus_scene *scene, saltus_message *message) {
     for (int k = 0; k < request->setting_count; k++) {
         saltus_message reason = {""};
         saltus_status status = saltus_scene_set(scene, request->settings[k], &reason);
@@ -203,27 +207,83 @@ static saltus_status initial_state(const saltus_scene *scene, const saltus_syste
     return saltus_system_check_state(system, state, message);
 }
 
-int cli_build(const cli_request *request, saltus_scene *scene, saltus_system **system, double *state) {
-    saltus_message message = {""};
-    *system = NULL;
-    saltus_status status = saltus_scene_load(request->scene, scene, &message);
+static saltus_status load_scene(const cli_request *request, saltus_scene *scene, saltus_message *message) {
+    saltus_status status = saltus_scene_load(request->scene, scene, message);
     if (status == SALTUS_IO)
         status = SALTUS_BAD_INPUT;
-    if (status == SALTUS_OK)
-        status = apply_settings(request, scene, &message);
-    if (status == SALTUS_OK)
-        status = saltus_system_new(&scene->spec, system, &message);
-    if (status == SALTUS_OK)
-        status = initial_state(scene, *system, state, &message);
-    if (status == SALTUS_OK && request->integrator && strcmp(request->integrator, "automatic") != 0 &&
-        strcmp(request->integrator, "taylor") != 0 && strcmp(request->integrator, "radau") != 0)
-        status = saltus_fail(&message, SALTUS_BAD_INPUT,
-                             "--integrator %.100s: must be automatic, taylor or radau", request->integrator);
+    return status == SALTUS_OK ? cli_apply_settings(request, scene, message) : status;
+}
+
+static saltus_status check_integrator(const cli_request *request, saltus_message *message) {
+    if (!request->integrator || strcmp(request->integrator, "automatic") == 0 ||
+        strcmp(request->integrator, "taylor") == 0 || strcmp(request->integrator, "radau") == 0)
+        return SALTUS_OK;
+    return saltus_fail(message, SALTUS_BAD_INPUT, "--integrator %.100s: must be automatic, taylor or radau",
+                       request->integrator);
+}
+
+/* The exit code of a build; a system that came to nothing is freed. */
+static int finish_build(saltus_status status, saltus_system **system, const saltus_message *message) {
     if (status != SALTUS_OK) {
         saltus_system_free(*system);
         *system = NULL;
     }
-    return cli_report(status, &message);
+    return cli_report(status, message);
+}
+
+int cli_build(const cli_request *request, saltus_scene *scene, saltus_system **system, double *state) {
+    saltus_message message = {""};
+    *system = NULL;
+    saltus_status status = load_scene(request, scene, &message);
+    if (status == SALTUS_OK)
+        status = saltus_system_new(&scene->spec, system, &message);
+    if (status == SALTUS_OK)
+        status = initial_state(scene, *system, state, &message);
+    if (status == SALTUS_OK)
+        status = check_integrator(request, &message);
+    return finish_build(status, system, &message);
+}
+
+int cli_build_from(const cli_request *request, saltus_scene *scene, saltus_system **system,
+                   saltus_start *start) {
+    saltus_message message = {""};
+    *system = NULL;
+    saltus_status status = load_scene(request, scene, &message);
+    if (status == SALTUS_OK)
+        status = saltus_start_read(request->from, start, &message);
+    if (status == SALTUS_OK)
+        status = saltus_start_apply(start, request->from, scene, &message);
+    if (status == SALTUS_OK)
+        status = cli_apply_settings(request, scene, &message);
+    if (status == SALTUS_OK && scene->initial_count)
+        status = saltus_fail(&message, SALTUS_BAD_INPUT,
+                             "--set of an initial state is not possible with --from, which gives the state");
+    if (status == SALTUS_OK)
+        status = saltus_system_new(&scene->spec, system, &message);
+    if (status == SALTUS_OK)
+        status = check_integrator(request, &message);
+    return finish_build(status, system, &message);
+}
+
+bool cli_parse_range(const char *option, const char *text, char key[SALTUS_KEY_MAX], double *low,
+                     double *high) {
+    const char *equals = strchr(text, '=');
+    size_t length = equals ? (size_t)(equals - text) : 0;
+    char *colon = NULL, *end = NULL;
+    bool good = length > 0 && length < SALTUS_KEY_MAX;
+    if (good) {
+        memcpy(key, text, length);
+        key[length] = '\0';
+        *low = strtod(equals + 1, &colon);
+        good = colon != equals + 1 && *colon == ':';
+    }
+    if (good) {
+        *high = strtod(colon + 1, &end);
+        good = end != colon + 1 && *end == '\0' && isfinite(*low) && isfinite(*high) && *low < *high;
+    }
+    if (!good)
+        fprintf(stderr, "saltus: %s %s: must have the form key=low:high, low below high\n", option, text);
+    return good;
 }
 
 saltus_flow_options cli_flow_options(const cli_request *request) {

@@ -5,17 +5,19 @@
 
 #include "saltus/saltus.h"
 
-enum { CLI_DONE = 0, CLI_FAILED = 1, CLI_BAD_INPUT = 2, CLI_SETTINGS_MAX = 256 };
+enum { CLI_DONE = 0, CLI_FAILED = 1, CLI_BAD_INPUT = 2, CLI_SETTINGS_MAX = 256, CLI_INPUTS_MAX = 2 };
 
 /* Everything any subcommand can be told; each accepts a part of it. */
 typedef struct cli_request {
-    const char *scene;
+    const char *scene; /* the first of the inputs */
+    const char *inputs[CLI_INPUTS_MAX];
+    int input_count;
     const char *settings[CLI_SETTINGS_MAX];
     int setting_count;
-    bool json, quiet, help;
-    const char *output, *data, *integrator;
-    long seeds, seed, transient, longest, periods, samples;
-    double rtol, atol;
+    bool json, quiet, help, unstable, mirror, verbose, resume;
+    const char *output, *data, *integrator, *from, *range, *second_range, *locus, *direction, *values, *show;
+    long seeds, seed, transient, longest, periods, samples, segments, points, switches, most, search;
+    double rtol, atol, step, step_max;
 } cli_request;
 
 typedef enum cli_kind { CLI_FLAG, CLI_TEXT, CLI_WHOLE, CLI_REAL, CLI_SETTINGS } cli_kind;
@@ -36,14 +38,16 @@ typedef struct cli_command {
     const char *usage; /* what follows the name */
     const char *help;
     bool needs_scene;
+    int inputs;                       /* how many files it takes; 0: one */
     const cli_option *const *options; /* NULL-terminated */
     int (*run)(const cli_request *request);
 } cli_command;
 
-extern const cli_command cmd_classify, cmd_diagnose, cmd_simulate, cmd_scenes, cmd_check;
+extern const cli_command cmd_classify, cmd_diagnose, cmd_simulate, cmd_scenes, cmd_check, cmd_orbit,
+    cmd_continue, cmd_plot;
 
 extern const cli_option cli_set, cli_json, cli_quiet, cli_output, cli_data, cli_integrator, cli_seeds,
-    cli_seed, cli_transient, cli_longest, cli_periods, cli_samples, cli_settle, cli_rtol, cli_atol;
+    cli_seed, cli_transient, cli_longest, cli_periods, cli_samples, cli_settle, cli_rtol, cli_atol, cli_from;
 
 /* Fill a request from the arguments after the subcommand; false after a message on stderr. */
 bool cli_parse(const cli_command *command, int count, char **arguments, cli_request *request);
@@ -53,6 +57,15 @@ int cli_report(saltus_status status, const saltus_message *message);
 /* The scene with all --set applied, the system, and its initial state (SALTUS_SCENE_STATE_MAX entries). On
  * success the system is to be freed; otherwise the message has been printed and the exit code is returned. */
 int cli_build(const cli_request *request, saltus_scene *scene, saltus_system **system, double *state);
+/* The same with the parameters, stops and state of the orbit file named by --from, where the command line
+ * does not set them. */
+int cli_build_from(const cli_request *request, saltus_scene *scene, saltus_system **system,
+                   saltus_start *start);
+/* Apply all --set to a scene. */
+saltus_status cli_apply_settings(const cli_request *request, saltus_scene *scene, saltus_message *message);
+/* "key=low:high"; false after a message that names the option. */
+bool cli_parse_range(const char *option, const char *text, char key[SALTUS_KEY_MAX], double *low,
+                     double *high);
 saltus_flow_options cli_flow_options(const cli_request *request);
 saltus_classify_options cli_classify_options(const cli_request *request);
 /* A progress line on stderr where that is a terminal; fits saltus_classify_options.progress. */

@@ -4,8 +4,8 @@
 
 #include <string.h>
 
-static const cli_command *const commands[] = {&cmd_classify, &cmd_diagnose, &cmd_simulate, &cmd_scenes,
-                                              &cmd_check};
+static const cli_command *const commands[] = {&cmd_classify, &cmd_diagnose, &cmd_simulate, &cmd_orbit,
+                                              &cmd_continue, &cmd_plot,     &cmd_scenes,   &cmd_check};
 
 enum { command_count = sizeof commands / sizeof commands[0] };
 

@@ -23,6 +23,8 @@ typedef struct saltus_time {
 /* cycle + phase as one number. */
 double saltus_time_periods(saltus_time time);
 
+enum { SALTUS_DIRECTIONS_MAX = 2 };
+
 typedef enum saltus_integrator {
     SALTUS_AUTOMATIC, /* the choice made when the system was built */
     SALTUS_TAYLOR,    /* explicit Taylor series of high order: not stiff */
@@ -35,6 +37,9 @@ typedef struct saltus_flow_options {
     saltus_integrator integrator;
     int order;   /* Taylor order, 8 to 40; 0: chosen from rtol */
     int columns; /* tangent vectors carried along, 0 to 256 */
+    /* How many of them, the last ones, are parameter columns: derivatives of the state with respect to a
+     * parameter at fixed phase, 0 to SALTUS_DIRECTIONS_MAX (saltus_flow_set_directions). */
+    int directions;
 } saltus_flow_options;
 
 /* rtol 1e-13, atol 1e-16, automatic integrator and order, no tangent vectors. */
@@ -98,6 +103,15 @@ int saltus_flow_columns(const saltus_flow *flow);
  */
 saltus_status saltus_flow_start(saltus_flow *flow, int lane, saltus_time time, const double *state,
                                 saltus_message *message);
+/* The directions of the parameter columns (`options.directions` of them), for lane 0 of a flow of one lane.
+ * A parameter column is the derivative of the state with respect to the direction's number at fixed phase,
+ * times counted in periods: with omega among the parameters the period changes too. It starts at zero, and
+ * passes impacts, sticking and release with the derivatives of the impact law and of the stop's place. */
+void saltus_flow_set_directions(saltus_flow *flow, const saltus_direction *directions);
+/* Give a lane another system of the same model and shape (the same stops, other values). The lane must be
+ * started or placed again. */
+saltus_status saltus_flow_retune(saltus_flow *flow, int lane, const saltus_system *system,
+                                 saltus_message *message);
 /* Set or read tangent vectors: `columns` vectors of length dimension, one after the other. */
 void saltus_flow_set_tangents(saltus_flow *flow, int lane, const double *tangents);
 void saltus_flow_tangents(const saltus_flow *flow, int lane, double *tangents);
@@ -125,6 +139,41 @@ saltus_status saltus_flow_run(saltus_flow *flow, int *lane, saltus_event *event,
 /* aim and run for lane 0. */
 saltus_status saltus_flow_advance(saltus_flow *flow, saltus_time until, unsigned watch, saltus_event *event,
                                   saltus_message *message);
+
+/* Prescribed events: flows that take a sequence of events as given instead of finding it, for orbits whose
+ * event times are unknowns. Stops are no obstacle to them; lanes = 1. */
+
+/* The largest value of a quantity that must stay below zero. */
+typedef struct saltus_extreme {
+    double value; /* -INFINITY: there is no maximum */
+    saltus_time time;
+} saltus_extreme;
+
+/* Place a lane at a time and state with the given faces in lasting contact, wherever the stops are. Tangent
+ * vectors become the first columns of the identity matrix, parameter columns zero. */
+saltus_status saltus_flow_place(saltus_flow *flow, int lane, saltus_time time, const double *state,
+                                unsigned contacts, saltus_message *message);
+/* Advance to a time through no event. For each face (SALTUS_FACES_MAX entries, may be NULL) the largest local
+ * maximum on the way: of the gap where the face is free, of minus the contact force n.f where it holds;
+ * `extremes` is only raised, so that it can collect over several calls. */
+saltus_status saltus_flow_coast(saltus_flow *flow, int lane, saltus_time until, saltus_extreme *extremes,
+                                saltus_message *message);
+
+/* A prescribed event: what it asks of the state before it, and what a change of its time does. */
+typedef struct saltus_strike {
+    double equation;     /* to be zero: the gap (impact, stick) or the contact force n.f (release) */
+    double equation_rate; /* its time derivative: n.q' or d(n.f)/dt */
+    double *equation_gradient; /* per column (length columns; the caller's) */
+    double speed;              /* n.q' before */
+    double acceleration;       /* n.q'' before */
+    double *shift; /* d(state after, at a fixed later time) / d(time of the event): DP f- - f+ (length
+                      dimension; the caller's) */
+} saltus_strike;
+
+/* Apply a prescribed event now: SALTUS_IMPACT rebounds at the face, SALTUS_STICK makes it hold, SALTUS_RELEASE
+ * lets go. Tangent vectors pass at the fixed time of the event. The flow may then coast on or advance. */
+saltus_status saltus_flow_strike(saltus_flow *flow, int lane, saltus_event_kind kind, int face,
+                                 saltus_strike *strike, saltus_message *message);
 
 /* Dense output: the last step of a lane covers [begin, now]; the state at a time in it, to the step's own
  * accuracy. `since` is the time since the step's begin, in units of time (not of T). */

@@ -3,6 +3,9 @@
 #ifndef SALTUS_IO_H
 #define SALTUS_IO_H
 
+#include "saltus/branch.h"
+#include "saltus/equilibrium.h"
+#include "saltus/harvest.h"
 #include "saltus/motion.h"
 #include "saltus/scene.h"
 
@@ -23,6 +26,16 @@ void saltus_write_motion_text(FILE *file, const saltus_scene *scene, const saltu
  * the keys `seeds` and `attractors` (a list of objects with `share` and `motion`). */
 void saltus_write_attractors(FILE *file, const saltus_scene *scene, const saltus_system *system,
                              const saltus_attractors *attractors, bool json);
+
+/* An equilibrium, likewise; its eigenvalues take the place of the multipliers. */
+void saltus_write_equilibrium_json(FILE *file, const saltus_scene *scene, const saltus_system *system,
+                                   const saltus_equilibrium *equilibrium);
+void saltus_write_equilibrium_text(FILE *file, const saltus_scene *scene, const saltus_system *system,
+                                   const saltus_equilibrium *equilibrium);
+
+/* The periodic orbits harvested from a trajectory, as a table for people. */
+void saltus_write_harvest_text(FILE *file, const saltus_scene *scene, const saltus_system *system,
+                               const saltus_harvest *harvest);
 
 /* A sampled trajectory with its events and stroboscopic points. Arrays are owned by the record. */
 typedef struct saltus_record {
@@ -61,6 +74,114 @@ saltus_status saltus_write_sheet(const saltus_scene *scene, const saltus_system 
                                  const saltus_motion *motion, const saltus_record *record,
                                  const saltus_flow_options *options, const char *path, const char *data,
                                  saltus_message *message);
+
+/* A periodic orbit to start from, as a file tells it. */
+typedef struct saltus_start {
+    saltus_spec spec; /* parameters and stops */
+    int periods;      /* p */
+    int dimension;
+    double state[SALTUS_SCENE_STATE_MAX]; /* at section phase 0 */
+    char label[SALTUS_LABEL_MAX];         /* what the file calls the motion, such as "4/4" */
+} saltus_start;
+
+/* Read an orbit: a JSON object of classify, orbit or continue (`orbit.json`; `lines.json:12` takes line 12),
+ * or a point of a branch file (`branch.h5:12` takes row 12 counted from 1, `branch.h5:PD1` the first flip).
+ * Errors: SALTUS_BAD_INPUT with a sentence that names the file and what is wrong with it, SALTUS_NO_MEMORY.
+ */
+saltus_status saltus_start_read(const char *source, saltus_start *start, saltus_message *message);
+/* Give a scene the parameters and stops of a start. The scene must be of the same model and shape: as many
+ * degrees of freedom and stops. Errors: SALTUS_BAD_INPUT, the scene is then unchanged. */
+saltus_status saltus_start_apply(const saltus_start *start, const char *source, saltus_scene *scene,
+                                 saltus_message *message);
+
+/* A point of a branch as one JSON object and a newline; `system` is one of the branch, for its stops. */
+void saltus_write_point_json(FILE *file, const saltus_scene *scene, const saltus_system *system,
+                             const saltus_branch_point *point);
+/* A table of a branch's special points for people: its heading, and a line for a point that is special; `row`
+ * is the point's number in the file, from 1. */
+void saltus_write_special_heading(FILE *file, const saltus_branch_options *options);
+void saltus_write_special_point(FILE *file, const saltus_branch_options *options,
+                                const saltus_branch_point *point, long long row);
+
+/* A branch with all that is needed to go on from any of its points. Layout of the file (.h5), with attributes
+ * `units` and `description` on every dataset:
+ *
+ *     /                 attributes kind = "branch", version, scene, title, model, complete (0: interrupted)
+ *     /parameters       an attribute for each parameter of the start; /parameters/stop_1, ... for the stops
+ *     /start            attribute periods; dataset state
+ *     /continuation     the options as attributes: key1, low1, high1, key2, low2, high2, locus, step, ...;
+ * the dataset `values` where points were asked for /points           one row per point, in the order of
+ * computation: kind (enumeration regular, LP, PD, ...), branch, parent, step, arclength, value[2], heading,
+ * parameters[names], stops[stop][xi, weight1, weight2, d, r], periods, impacts (-1: complete chatter),
+ * sticking_intervals, motion, motion_after, reason, state, multipliers[k][re, im], log_moduli, unstable,
+ *                       stable, admissible, residual, iterations, log_volume, sum_rule, accuracy, event_first
+ * and event_count: which rows of /events are its own (counted from 0) /events           the orbits' events
+ * one after the other: kind, stop, side, time (in T, from phase 0), phase, velocity_before, velocity_after,
+ * displacement
+ */
+typedef struct saltus_branch_file {
+    char version[16];
+    char scene[128], title[160];
+    saltus_spec spec; /* of the start */
+    int periods, dimension;
+    double *state;                 /* of the start */
+    saltus_branch_options options; /* `orbit.history` and `orbit.context` are NULL */
+    bool complete;
+    saltus_branch_point *points;
+    int point_count;
+    double *values, *states; /* what options.values and the points' arrays are parts of */
+    saltus_event *events;
+    saltus_multiplier *multipliers;
+} saltus_branch_file;
+
+/* Read a branch file. On success it is to be cleared. Errors: SALTUS_BAD_INPUT (no file, another kind of
+ * file, a damaged one), SALTUS_NO_MEMORY. */
+saltus_status saltus_branch_file_read(const char *path, saltus_branch_file *file, saltus_message *message);
+/* Free the arrays; a zeroed one is accepted. */
+void saltus_branch_file_clear(saltus_branch_file *file);
+
+/* A branch file being written. The file at `path` is replaced as a whole, after the first point and then
+ * every few seconds, so that at any time it is a complete, readable file of what was there before or of the
+ * points so far, however the run may end. */
+typedef struct saltus_branch_output saltus_branch_output;
+
+/* `state` is the start's. Nothing is written yet, but whether it can be is tested. Errors: SALTUS_BAD_INPUT
+ * (an ending other than .h5, not a plain file), SALTUS_IO, SALTUS_NO_MEMORY. */
+saltus_status saltus_branch_output_open(const char *path, const saltus_scene *scene, int periods,
+                                        const double *state, const saltus_branch_options *options,
+                                        saltus_branch_output **output, saltus_message *message);
+/* Errors: SALTUS_NO_MEMORY, SALTUS_IO. */
+saltus_status saltus_branch_output_add(saltus_branch_output *output, const saltus_branch_point *point,
+                                       saltus_message *message);
+/* Write what is left, if there is any point, and free the output (NULL is accepted). `complete` tells that
+ * the branch has come to its end. Errors: SALTUS_IO. */
+saltus_status saltus_branch_output_close(saltus_branch_output *output, bool complete,
+                                         saltus_message *message);
+
+/* What a bifurcation diagram shows of an orbit, up the page. */
+typedef enum saltus_show {
+    SALTUS_SHOW_AUTOMATIC,    /* impact speeds where there are impacts, otherwise displacements */
+    SALTUS_SHOW_SPEED,        /* of its fastest impact */
+    SALTUS_SHOW_IMPACTS,      /* of all of them */
+    SALTUS_SHOW_DISPLACEMENT, /* observed displacement at phase 0 */
+    SALTUS_SHOW_VELOCITY,     /* its rate */
+    SALTUS_SHOW_PERIOD
+} saltus_show;
+
+typedef struct saltus_plot_options {
+    saltus_show show;
+    double low, high; /* part of the parameter's range that is shown; NAN: all there is */
+} saltus_plot_options;
+
+/* Automatic measure, whole range. */
+saltus_plot_options saltus_plot_defaults(void);
+
+/* Draw branch files over each other, with the parameter across the page; curves of special points over their
+ * two parameters. `figure` ends in .png, .pdf or .svg. Errors: SALTUS_BAD_INPUT (files that cannot be read,
+ * do not fit together or have no point in the range), SALTUS_IO (gnuplot absent or failed, figure not
+ * writable). */
+saltus_status saltus_plot(const char *const *paths, int count, const saltus_plot_options *options,
+                          const char *figure, saltus_message *message);
 
 #ifdef __cplusplus
 }

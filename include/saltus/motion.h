@@ -69,6 +69,19 @@ typedef struct saltus_motion {
 saltus_status saltus_classify(const saltus_system *system, const double *state,
                               const saltus_classify_options *options, saltus_motion *motion,
                               saltus_message *message);
+/* What classification would say of a periodic orbit found otherwise, stable or not. An orbit that repeats
+ * after a part of its period is described with its least period. The motion's arrays are owned by it:
+ * saltus_motion_clear. Errors: those of the flow; those of saltus_orbit_find where the period was reduced. */
+saltus_status saltus_motion_describe(const saltus_system *system, const saltus_orbit *orbit,
+                                     const saltus_classify_options *options, saltus_motion *motion,
+                                     saltus_message *message);
+/* Replace a state at phase 0 by its mirror image, q -> -q, after half a period where the symmetry needs that
+ * shift. Errors: SALTUS_BAD_INPUT where the scene has no mirror symmetry, those of the flow. */
+saltus_status saltus_motion_mirror(const saltus_system *system, const saltus_flow_options *options,
+                                   double *state, saltus_message *message);
+/* Follow the flow from a state at phase 0 over whole periods. Errors: those of the flow. */
+saltus_status saltus_motion_settle(const saltus_system *system, const saltus_flow_options *options,
+                                   long long periods, double *state, saltus_message *message);
 /* Free the arrays; a zeroed motion is accepted. */
 void saltus_motion_clear(saltus_motion *motion);
 

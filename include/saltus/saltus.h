@@ -3,7 +3,10 @@
 #ifndef SALTUS_SALTUS_H
 #define SALTUS_SALTUS_H
 
+#include "saltus/branch.h"
+#include "saltus/equilibrium.h"
 #include "saltus/flow.h"
+#include "saltus/harvest.h"
 #include "saltus/io.h"
 #include "saltus/map.h"
 #include "saltus/motion.h"

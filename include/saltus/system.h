@@ -78,6 +78,21 @@ double saltus_spec_get(const saltus_spec *spec, const char *name);
 /* A stop with the defaults xi = 1/2, weight = (1, 0), d = 1, r = 0.9, upper side. */
 saltus_stop saltus_stop_defaults(void);
 
+/* A direction in parameter space: the rate at which a specification changes with one number. */
+typedef struct saltus_direction {
+    double parameter[SALTUS_PARAMETERS_MAX]; /* in the order of the model's table */
+    double d[SALTUS_STOPS_MAX], r[SALTUS_STOPS_MAX], xi[SALTUS_STOPS_MAX];
+} saltus_direction;
+
+/* The direction of a key of `--set`: a parameter of the model other than a whole number, or d, r, xi (of all
+ * stops) or d1, r2, ... (of one). `value` (may be NULL) receives the key's present value. Errors:
+ * SALTUS_BAD_INPUT (no such key, a whole number, stops that differ under a common key, derivative not
+ * defined at the present value). */
+saltus_status saltus_spec_direction(const saltus_spec *spec, const char *key, saltus_direction *direction,
+                                    double *value, saltus_message *message);
+/* spec + amount * direction. */
+saltus_spec saltus_spec_shifted(const saltus_spec *spec, const saltus_direction *direction, double amount);
+
 typedef struct saltus_system saltus_system;
 
 /* One one-sided contact as the flow sees it: gap(q) = normal . q - d <= 0. */

@@ -3,6 +3,7 @@
 
 #include <lapacke.h>
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* A row-major matrix handed to LAPACK is its transpose; the inverse of the transpose, read back row-major, is
@@ -40,21 +41,155 @@ bool saltus_dense_eigenvalues(double *a, int n, double *real, double *imaginary)
     return LAPACKE_dgeev(LAPACK_COL_MAJOR, 'N', 'N', n, a, n, real, imaginary, NULL, 1, NULL, 1) == 0;
 }
 
-bool saltus_dense_qr(double *a, int rows, int columns, double *r, double *tau) {
-    if (LAPACKE_dgeqrf(LAPACK_COL_MAJOR, rows, columns, a, rows, tau) != 0)
+static void reserve(saltus_dense_lu *lu) {
+    size_t n = (size_t)lu->n;
+    lu->factors = saltus_arena_doubles(&lu->arena, n * n);
+    lu->row_scale = saltus_arena_doubles(&lu->arena, n);
+    lu->column_scale = saltus_arena_doubles(&lu->arena, n);
+    lu->work = saltus_arena_doubles(&lu->arena, 4 * n);
+    /* An int is no larger than a double. */
+    lu->pivots = (int *)(void *)saltus_arena_doubles(&lu->arena, n);
+    lu->integers = (int *)(void *)saltus_arena_doubles(&lu->arena, n);
+}
+
+bool saltus_dense_lu_open(saltus_dense_lu *lu, int n) {
+    *lu = (saltus_dense_lu){.n = n};
+    reserve(lu);
+    if (!saltus_arena_open(&lu->arena))
         return false;
-    for (int i = 0; i < columns; i++)
-        for (int j = 0; j < columns; j++)
-            r[i * columns + j] = j >= i ? a[j * rows + i] : 0;
-    if (LAPACKE_dorgqr(LAPACK_COL_MAJOR, rows, columns, columns, a, rows, tau) != 0)
-        return false;
-    for (int i = 0; i < columns; i++) {
-        if (!(r[i * columns + i] < 0))
-            continue;
-        for (int j = i; j < columns; j++)
-            r[i * columns + j] = -r[i * columns + j];
-        for (int k = 0; k < rows; k++)
-            a[i * rows + k] = -a[i * rows + k];
-    }
+    reserve(lu);
     return true;
+}
+
+void saltus_dense_lu_close(saltus_dense_lu *lu) {
+    saltus_arena_close(&lu->arena);
+    *lu = (saltus_dense_lu){0};
+}
+
+/* Scale rows and columns by powers of two; false where a row or column is zero. */
+static bool equilibrate(saltus_dense_lu *lu) {
+    int n = lu->n;
+    double rows, columns, largest;
+    if (LAPACKE_dgeequb_work(LAPACK_COL_MAJOR, n, n, lu->factors, n, lu->row_scale, lu->column_scale, &rows,
+                             &columns, &largest) != 0)
+        return false;
+    for (int j = 0; j < n; j++)
+        for (int i = 0; i < n; i++)
+            lu->factors[j * n + i] *= lu->row_scale[i] * lu->column_scale[j];
+    return true;
+}
+
+/* The row-major matrix is its transpose in LAPACK's eyes, and so are rows and columns here. */
+bool saltus_dense_factor(saltus_dense_lu *lu, const double *a) {
+    int n = lu->n;
+    lu->sign = 0;
+    lu->log_modulus = -INFINITY;
+    lu->reciprocal = 0;
+    for (int i = 0; i < n * n; i++)
+        if (!isfinite(a[i]))
+            return false;
+    memcpy(lu->factors, a, (size_t)(n * n) * sizeof *a);
+    if (!equilibrate(lu))
+        return false;
+    double size = LAPACKE_dlange_work(LAPACK_COL_MAJOR, '1', n, n, lu->factors, n, lu->work);
+    if (LAPACKE_dgetrf_work(LAPACK_COL_MAJOR, n, n, lu->factors, n, lu->pivots) != 0)
+        return false;
+    lu->sign = 1;
+    lu->log_modulus = 0;
+    for (int i = 0; i < n; i++) {
+        double pivot = lu->factors[i * n + i];
+        lu->sign *= ((pivot < 0) != (lu->pivots[i] != i + 1)) ? -1 : 1;
+        lu->log_modulus += log(fabs(pivot)) - log(lu->row_scale[i]) - log(lu->column_scale[i]);
+    }
+    return LAPACKE_dgecon_work(LAPACK_COL_MAJOR, '1', n, lu->factors, n, size, &lu->reciprocal, lu->work,
+                               lu->integers) == 0;
+}
+
+void saltus_dense_resolve(saltus_dense_lu *lu, bool transposed, int count, double *b) {
+    int n = lu->n;
+    const double *before = transposed ? lu->row_scale : lu->column_scale;
+    const double *after = transposed ? lu->column_scale : lu->row_scale;
+    for (int k = 0; k < count; k++)
+        for (int i = 0; i < n; i++)
+            b[k * n + i] *= before[i];
+    LAPACKE_dgetrs_work(LAPACK_COL_MAJOR, transposed ? 'N' : 'T', n, count, lu->factors, n, lu->pivots, b, n);
+    for (int k = 0; k < count; k++)
+        for (int i = 0; i < n; i++)
+            b[k * n + i] *= after[i];
+}
+
+/* Right singular vectors of a are the left ones of its transpose, which is what LAPACK sees. */
+bool saltus_dense_null_vectors(double *a, int m, int n, int k, double *vectors, double *values) {
+    size_t size = (size_t)n;
+    double *left = calloc(size * size + 2 * size, sizeof *left), unused = 0;
+    double *singular = left ? left + size * size : NULL, *rest = left ? singular + size : NULL;
+    bool found = left && LAPACKE_dgesvd(LAPACK_COL_MAJOR, 'A', 'N', n, m, a, n, singular, left, n, &unused, 1,
+                                        rest) == 0;
+    for (int i = 0; i < k && found; i++) {
+        values[i] = singular[n - 1 - i];
+        memcpy(vectors + (size_t)i * size, left + (size_t)(n - 1 - i) * size, size * sizeof *vectors);
+    }
+    free(left);
+    return found;
+}
+
+bool saltus_dense_least_squares(double *a, int m, int n, double *b, double threshold, int *rank) {
+    double *singular = calloc((size_t)(m < n ? m : n) + 1, sizeof *singular);
+    lapack_int found = 0;
+    bool solved =
+        singular && LAPACKE_dgelsd(LAPACK_ROW_MAJOR, m, n, 1, a, n, b, 1, singular, threshold, &found) == 0;
+    if (rank)
+        *rank = (int)found;
+    free(singular);
+    return solved;
+}
+
+/* Rows [from, n) of a, from column `from` on, times I - tau v v^T; v = (1, ...) stands in `column` of v. */
+static void reflect(double *a, int n, int from, const double *v, int column, double tau, double *sums) {
+    for (int j = from; j < n; j++)
+        sums[j] = a[column * n + j];
+    for (int i = column + 1; i < n; i++)
+        for (int j = from; j < n; j++)
+            sums[j] += v[i * n + column] * a[i * n + j];
+    for (int j = from; j < n; j++) {
+        sums[j] *= tau;
+        a[column * n + j] -= sums[j];
+    }
+    for (int i = column + 1; i < n; i++)
+        for (int j = from; j < n; j++)
+            a[i * n + j] -= v[i * n + column] * sums[j];
+}
+
+/* Householder's vector for a column of a, in place below the diagonal, so that the diagonal entry becomes its
+ * length (the formula without cancellation). */
+static double householder(double *a, int n, int column) {
+    double first = a[column * n + column], rest = 0;
+    for (int i = column + 1; i < n; i++)
+        rest += a[i * n + column] * a[i * n + column];
+    if (rest == 0 && first >= 0)
+        return 0;
+    double length = sqrt(first * first + rest);
+    double head = first > 0 ? -rest / (first + length) : first - length;
+    for (int i = column + 1; i < n; i++)
+        a[i * n + column] /= head;
+    a[column * n + column] = length;
+    return -head / length;
+}
+
+void saltus_dense_qr(double *a, int n, double *q, double *work) {
+    double *tau = work, *sums = work + n;
+    for (int k = 0; k < n; k++) {
+        tau[k] = householder(a, n, k);
+        if (tau[k] != 0)
+            reflect(a, n, k + 1, a, k, tau[k], sums);
+    }
+    memset(q, 0, (size_t)(n * n) * sizeof *q);
+    for (int k = n - 1; k >= 0; k--) {
+        q[k * n + k] = 1;
+        if (tau[k] != 0)
+            reflect(q, n, k, a, k, tau[k], sums);
+    }
+    for (int i = 1; i < n; i++)
+        for (int j = 0; j < i; j++)
+            a[i * n + j] = 0;
 }

@@ -48,6 +48,8 @@ void saltus_contacts_publish(saltus_flow *flow, int lane) {
         slots = flow->lane[l].hold.count > slots ? flow->lane[l].hold.count : slots;
     publish(&flow->work, lane, &flow->lane[lane].hold, flow->lane[lane].system->face_count);
     flow->work.contacts = slots;
+    if (flow->options.directions)
+        saltus_directions_publish(flow);
     if (flow->radau)
         saltus_radau_publish(flow->radau, &flow->work);
 }
@@ -129,7 +131,7 @@ static unsigned holding_subset(saltus_flow *flow, int lane, unsigned resting) {
 void saltus_contacts_rest(saltus_flow *flow, int lane, unsigned resting) {
     saltus_lane *self = &flow->lane[lane];
     unsigned held = resting ? holding_subset(flow, lane, resting) : 0;
-    if (held == 0 && self->hold.count == 0 && resting == 0)
+    if (held == 0 && self->hold.count == 0 && resting == 0 && flow->work.contacts == 0)
         return;
     if (!saltus_contact_map_build(self->system, held, 0, &self->hold)) {
         held = 0;
@@ -193,9 +195,11 @@ static bool impact_map(const saltus_lane *self, int hit, unsigned touched, unsig
     return false;
 }
 
-/* S delta = DP delta + (f+ - DP f-) (n.delta_q) / (n.q'-) for every tangent vector. */
-static void saltate(saltus_flow *flow, saltus_lane *self, int face, double speed,
-                    const saltus_contact_map *map) {
+/* S delta = DP delta + (f+ - DP f-) (n.delta_q) / (n.q'-) for every tangent vector. `velocity` is the
+ * trajectory's before the impact. */
+static void saltate(saltus_flow *flow, int lane, int face, double speed, const saltus_contact_map *map,
+                    unsigned elastic, const double *velocity) {
+    saltus_lane *self = &flow->lane[lane];
     int n = flow->dof, dimension = flow->dimension;
     double *jump = self->before;
     /* DP leaves displacements alone: only the acceleration part of f- is mapped. */
@@ -204,28 +208,31 @@ static void saltate(saltus_flow *flow, saltus_lane *self, int face, double speed
         jump[i] = self->after[i] - self->before[i];
     for (int c = 0; c < flow->options.columns; c++) {
         double *delta = self->tangents + c * dimension;
-        double delay = saltus_face_normal(self->system, face, delta) / speed;
+        double delay = saltus_column_gap(flow, lane, face, c) / speed;
         self->delay[c] = -delay;
-        saltus_contact_map_apply(map, n, delta + n);
+        saltus_column_impact(flow, lane, map, elastic, velocity, c);
         for (int i = 0; i < dimension; i++)
             delta[i] = fma(delay, jump[i], delta[i]);
     }
 }
 
 /* The displacement that counts as nothing beside the state. */
-static double displacement_tolerance(const saltus_flow *flow, const saltus_lane *self, double *size) {
+static double displacement_tolerance(const saltus_flow *flow, int lane, double *size) {
+    const saltus_lane *self = &flow->lane[lane];
+    const double unit = flow->work.omega_unit[lane];
     *size = 0;
     for (int i = 0; i < flow->dof; i++)
-        *size =
-            fmax(*size, fmax(fabs(self->state[i]), fabs(self->state[flow->dof + i]) / flow->work.omega_unit));
+        *size = fmax(*size, fmax(fabs(self->state[i]), fabs(self->state[flow->dof + i]) / unit));
     return 0.1 * (flow->options.atol + flow->options.rtol * *size);
 }
 
 /* Whether a rebound is slow enough that its chatter could end here, judged by a bound on accelerations alone:
  * saves the closer look at every ordinary impact. */
-static bool may_end_chatter(const saltus_flow *flow, const saltus_lane *self, int face, double rebound) {
-    double size, tolerance = displacement_tolerance(flow, self, &size), rate = self->system->rate;
-    double bound = flow->dof * rate * (rate + flow->work.omega_unit) * size, r = self->system->faces[face].r;
+static bool may_end_chatter(const saltus_flow *flow, int lane, int face, double rebound) {
+    const saltus_lane *self = &flow->lane[lane];
+    double size, tolerance = displacement_tolerance(flow, lane, &size), rate = self->system->rate;
+    double bound = flow->dof * rate * (rate + flow->work.omega_unit[lane]) * size,
+           r = self->system->faces[face].r;
     return rebound * rebound <= tolerance * bound * (r < 1 ? 1 - r : 2);
 }
 
@@ -234,7 +241,7 @@ static bool may_end_chatter(const saltus_flow *flow, const saltus_lane *self, in
 static double chatter_remainder(saltus_flow *flow, int lane, int face, double rebound) {
     saltus_lane *self = &flow->lane[lane];
     const saltus_system *system = self->system;
-    double r = system->faces[face].r, size, tolerance = displacement_tolerance(flow, self, &size);
+    double r = system->faces[face].r, size, tolerance = displacement_tolerance(flow, lane, &size);
     double acceleration =
         2 *
         gap_coefficient(system, probe_at(flow, lane, self->state, self->now.phase, &self->hold, 2), face, 2);
@@ -309,7 +316,7 @@ static double end_chatter_and_rest(saltus_flow *flow, int lane, int face, unsign
     int n = flow->dof;
     double tiny = 64 * DBL_EPSILON * sqrt(saltus_dot(self->state + n, self->state + n, n));
     double remainder =
-        may_end_chatter(flow, self, face, rebound) ? chatter_remainder(flow, lane, face, rebound) : -1;
+        may_end_chatter(flow, lane, face, rebound) ? chatter_remainder(flow, lane, face, rebound) : -1;
     if (remainder >= 0) {
         memcpy(self->state, self->trial, (size_t)flow->dimension * sizeof(double));
         tiny *= 16;
@@ -342,6 +349,8 @@ saltus_status saltus_contacts_impact(saltus_flow *flow, int lane, int face, salt
         return SALTUS_STALLED;
     for (int k = 0; k < map->count; k++)
         impulses |= 1u << map->face[k];
+    double velocity_before[64];
+    memcpy(velocity_before, self->state + n, (size_t)n * sizeof *velocity_before);
     if (flow->options.columns)
         saltus_field_at(flow, lane, self->state, self->now.phase, &self->hold, self->before);
     record_impacts(self, face, impulses & closing, event);
@@ -354,7 +363,7 @@ saltus_status saltus_contacts_impact(saltus_flow *flow, int lane, int face, salt
         if (!saltus_contact_map_build(system, impulses | (remainder >= 0 ? held_before : 0), elastic, map))
             return SALTUS_STALLED;
         saltus_field_at(flow, lane, self->state, self->now.phase, &self->hold, self->after);
-        saltate(flow, self, face, speed, map);
+        saltate(flow, lane, face, speed, map, elastic, velocity_before);
     }
     unsigned caught = self->contacts & ~held_before;
     if (caught) {
@@ -390,13 +399,19 @@ void saltus_flow_forces(saltus_flow *flow, int lane, double *forces) {
     }
 }
 
+bool saltus_contacts_set(saltus_flow *flow, int lane, unsigned contacts) {
+    saltus_lane *self = &flow->lane[lane];
+    bool built = saltus_contact_map_build(self->system, contacts, 0, &self->hold);
+    if (!built)
+        self->hold.count = 0;
+    self->contacts = contacts;
+    saltus_contacts_publish(flow, lane);
+    return built;
+}
+
 void saltus_contacts_release(saltus_flow *flow, int lane, int face) {
     saltus_lane *self = &flow->lane[lane];
-    unsigned rest = self->contacts & ~(1u << face);
     self->info.releases++;
     self->face[face] = (saltus_face_state){.touch = 3};
-    if (!saltus_contact_map_build(self->system, rest, 0, &self->hold))
-        self->hold.count = 0;
-    self->contacts = rest;
-    saltus_contacts_publish(flow, lane);
+    saltus_contacts_set(flow, lane, self->contacts & ~(1u << face));
 }

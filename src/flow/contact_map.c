@@ -53,6 +53,37 @@ bool saltus_contact_map_build(const saltus_system *system, unsigned faces, unsig
     return true;
 }
 
+/* With G = N B and R the diagonal of 1 + r: pull = G^-1 R N, so d pull = G^-1 (d(R N) - dG pull). */
+void saltus_contact_map_vary(const saltus_system *system, const saltus_contact_map *map, unsigned elastic,
+                             const saltus_variation *variation, double *push, double *pull) {
+    double change[SALTUS_FACES_MAX][64];
+    int n = system->dof, m = map->count;
+    for (int k = 0; k < m; k++)
+        for (int i = 0; i < n; i++) {
+            saltus_face f = system->faces[map->face[k]];
+            push[k * n + i] = f.side * variation->impulse[f.stop][i];
+        }
+    for (int k = 0; k < m; k++) {
+        saltus_face f = system->faces[map->face[k]];
+        bool rebounds = elastic >> map->face[k] & 1;
+        double whole = f.side * (rebounds ? 1 + f.r : 1),
+               part = f.side * (rebounds ? variation->r[f.stop] : 0);
+        for (int i = 0; i < n; i++)
+            change[k][i] = whole * variation->normal[f.stop][i] + part * system->stop_normal[f.stop][i];
+        for (int j = 0; j < m; j++) {
+            double gram = f.side * saltus_dot(variation->normal[f.stop], map->push + j * n, n) +
+                          saltus_face_normal(system, map->face[k], push + j * n);
+            for (int i = 0; i < n; i++)
+                change[k][i] -= gram * map->pull[j * n + i];
+        }
+    }
+    memset(pull, 0, (size_t)(m * n) * sizeof *pull);
+    for (int k = 0; k < m; k++)
+        for (int j = 0; j < m; j++)
+            for (int i = 0; i < n; i++)
+                pull[k * n + i] = fma(map->inverse[k * m + j], change[j][i], pull[k * n + i]);
+}
+
 double saltus_dot(const double *a, const double *b, int n) {
     double sum = 0;
     for (int i = 0; i < n; i++)

@@ -57,14 +57,14 @@ const saltus_kernel *saltus_kernel_find(const char *model, int lanes) {
 }
 
 saltus_status saltus_work_open(saltus_work *work, const saltus_kernel *kernel, const saltus_system *system,
-                               int order, int columns) {
+                               int order, int columns, int directions) {
     *work = (saltus_work){.dof = system->dof,
                           .extra = system->extra,
                           .order = order,
                           .columns = columns,
+                          .directions = directions,
                           .stops = system->spec.stop_count ? system->spec.stop_count : 1,
-                          .contacts = system->face_count,
-                          .omega_unit = system->scale[system->dof] / system->scale[0]};
+                          .contacts = system->face_count};
     kernel->reserve(work);
     if (!saltus_arena_open(&work->arena))
         return SALTUS_NO_MEMORY;
@@ -72,6 +72,13 @@ saltus_status saltus_work_open(saltus_work *work, const saltus_kernel *kernel, c
     work->contacts = 0;
     work->stops = system->spec.stop_count;
     return SALTUS_OK;
+}
+
+void saltus_work_forget(saltus_work *work) {
+    work->terms = 0;
+    work->forcing_orders = work->vary_orders = 0;
+    work->tilts = false;
+    memset(work->drive, 0, work->drive_size * sizeof *work->drive);
 }
 
 void saltus_work_close(saltus_work *work) {

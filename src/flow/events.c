@@ -4,6 +4,7 @@
 
 #include <float.h>
 #include <math.h>
+#include <string.h>
 
 static int degree_of(const saltus_flow *flow) {
     return flow->integrator == SALTUS_RADAU ? SALTUS_RADAU_DEGREE : flow->work.order;
@@ -140,10 +141,69 @@ static void search_turning(saltus_flow *flow, int lane, double step, double *fir
         propose(self, SALTUS_TURNING, -1, root * step, first);
 }
 
+/* Shift a polynomial's origin to `root`, an odd zero of it, and rescale what is left of [0, 1] to the whole. */
+static void restart_at_zero(double *c, int degree, double root) {
+    double factor = 1;
+    for (int k = 0; k < degree; k++)
+        for (int j = degree - 1; j >= k; j--)
+            c[j] = fma(root, c[j + 1], c[j]);
+    for (int k = 0; k <= degree; k++, factor *= 1 - root)
+        c[k] *= factor;
+    c[0] = 0;
+}
+
+/* Raise `extreme` by the local maxima on (0, 1) of the polynomial c. */
+static void collect_maxima(const saltus_lane *self, const double *c, int degree, double step,
+                           saltus_extreme *extreme) {
+    double slope[SALTUS_DEGREE_MAX + 1], begin = 0, root;
+    int touch = 0;
+    for (int k = 0; k < degree; k++)
+        slope[k] = (k + 1) * c[k + 1];
+    for (int turns = 0; turns < degree; turns++) {
+        double sign = slope[touch] > 0 ? -1 : 1;
+        for (int k = touch; k < degree; k++)
+            slope[k] *= sign;
+        if (slope[touch] == 0 || !saltus_isolate_rise(slope + touch, degree - 1 - touch, &root))
+            return;
+        begin += root * (1 - begin);
+        double value = c[degree];
+        for (int k = degree - 1; k >= 0; k--)
+            value = fma(value, begin, c[k]);
+        if (sign < 0 && value > extreme->value)
+            *extreme = (saltus_extreme){value, saltus_time_after(self->now, begin * step / self->system->period)};
+        restart_at_zero(slope, degree - 1, root);
+        for (int k = 0; k < degree; k++)
+            slope[k] *= sign;
+        touch = 1;
+    }
+}
+
+void saltus_events_extremes(saltus_flow *flow, int lane, double step) {
+    saltus_lane *self = &flow->lane[lane];
+    int degree = degree_of(flow);
+    double c[SALTUS_DEGREE_MAX + 1];
+    for (int f = 0; f < self->system->face_count; f++)
+        if (!(self->contacts >> f & 1)) {
+            gap_polynomial(flow, lane, f, step, c);
+            collect_maxima(self, c, degree, step, &self->extremes[f]);
+        }
+    for (int k = 0; k < self->hold.count; k++) {
+        const double *series =
+            flow->work.force + (size_t)k * (size_t)(flow->work.order + 2) * (size_t)flow->lanes;
+        scaled_series(flow, lane, series, -1, degree - 2, step, c);
+        collect_maxima(self, c, degree - 2, step, &self->extremes[self->hold.face[k]]);
+    }
+}
+
 double saltus_events_first(saltus_flow *flow, int lane, double step) {
     saltus_lane *self = &flow->lane[lane];
     double first = step;
     self->pending = (saltus_event){.kind = SALTUS_STEP, .face = -1};
+    if (self->coasting) {
+        if (self->extremes)
+            saltus_events_extremes(flow, lane, step);
+        return first;
+    }
     search_gaps(flow, lane, step, &first);
     if (self->contacts)
         search_forces(flow, lane, step, &first);
@@ -156,6 +216,10 @@ bool saltus_events_carry(saltus_flow *flow, int lane, double step, int event_fac
     saltus_lane *self = &flow->lane[lane];
     int degree = degree_of(flow);
     double c[SALTUS_DEGREE_MAX + 1];
+    if (self->coasting) {
+        memset(self->face, 0, sizeof self->face);
+        return true;
+    }
     for (int f = 0; f < self->system->face_count; f++) {
         saltus_face_state *known = &self->face[f];
         if (f == event_face || self->contacts >> f & 1)

@@ -44,7 +44,7 @@ static saltus_status resolve_start(saltus_flow *flow, int lane) {
         if (saltus_system_gap(system, f, self->state) < -4e-16 * (size + fabs(system->faces[f].d)))
             continue;
         double velocity = saltus_face_normal(system, f, self->state + system->dof);
-        if (fabs(velocity) <= 1e-15 * (speed + flow->work.omega_unit * (size + fabs(system->faces[f].d))))
+        if (fabs(velocity) <= 1e-15 * (speed + flow->work.omega_unit[lane] * (size + fabs(system->faces[f].d))))
             resting |= 1u << f;
         self->face[f] = (saltus_face_state){.touch = 1};
     }
@@ -60,14 +60,11 @@ static saltus_status resolve_start(saltus_flow *flow, int lane) {
     return SALTUS_OK;
 }
 
-saltus_status saltus_flow_start(saltus_flow *flow, int lane, saltus_time time, const double *state,
-                                saltus_message *message) {
+void saltus_flow_restart(saltus_flow *flow, int lane, saltus_time time, const double *state) {
     saltus_lane *self = &flow->lane[lane];
-    saltus_status status = saltus_system_check_state(self->system, state, message);
-    if (status != SALTUS_OK)
-        return status;
+    int steady = flow->options.columns - flow->options.directions;
     self->now = self->begin = self->until = saltus_time_after(time, 0);
-    self->aimed = self->turned = false;
+    self->aimed = self->turned = self->coasting = false;
     self->step = 0;
     self->contacts = 0;
     self->hold.count = 0;
@@ -77,10 +74,18 @@ saltus_status saltus_flow_start(saltus_flow *flow, int lane, saltus_time time, c
     memset(self->face, 0, sizeof self->face);
     memcpy(self->state, state, (size_t)flow->dimension * sizeof *state);
     memset(self->tangents, 0, (size_t)(flow->dimension * flow->options.columns) * sizeof *state);
-    for (int c = 0; c < flow->options.columns && c < flow->dimension; c++)
+    for (int c = 0; c < steady && c < flow->dimension; c++)
         self->tangents[c * flow->dimension + c] = 1;
     if (flow->radau)
         saltus_radau_reset(flow->radau);
+}
+
+saltus_status saltus_flow_start(saltus_flow *flow, int lane, saltus_time time, const double *state,
+                                saltus_message *message) {
+    saltus_status status = saltus_system_check_state(flow->lane[lane].system, state, message);
+    if (status != SALTUS_OK)
+        return status;
+    saltus_flow_restart(flow, lane, time, state);
     status = resolve_start(flow, lane);
     saltus_lane_scatter_all(flow, lane);
     return status == SALTUS_OK ? status
@@ -166,7 +171,8 @@ static saltus_status apply_event(saltus_flow *flow, int lane) {
         }
         for (int c = 0; c < flow->options.columns; c++) {
             const double *delta = self->tangents + c * flow->dimension + flow->dof;
-            self->delay[c] = 0;
+            self->delay[c] =
+                -saltus_column_observer(flow, c, self->state + flow->dof) / event->velocity_before;
             for (int i = 0; i < flow->dof; i++)
                 self->delay[c] -= observer[i] * delta[i] / event->velocity_before;
         }
@@ -184,15 +190,11 @@ static saltus_status apply_event(saltus_flow *flow, int lane) {
     return status;
 }
 
-/* While a contact holds, rounding must not lift the state off the stop. */
-static void keep_contacts(saltus_flow *flow, int lane) {
+void saltus_flow_keep_contacts(saltus_flow *flow, int lane) {
     saltus_lane *self = &flow->lane[lane];
-    int n = flow->dof;
     saltus_contact_map_settle(self->system, &self->hold, self->state);
-    for (int c = 0; c < flow->options.columns; c++) {
-        saltus_contact_map_apply(&self->hold, n, self->tangents + c * flow->dimension);
-        saltus_contact_map_apply(&self->hold, n, self->tangents + c * flow->dimension + n);
-    }
+    for (int c = 0; c < flow->options.columns; c++)
+        saltus_column_settle(flow, lane, c);
 }
 
 /* Move a lane's clock and contact knowledge to the end of its step and apply the event there. */
@@ -204,6 +206,8 @@ static saltus_status conclude(saltus_flow *flow, int lane, saltus_message *messa
     self->begin = self->now;
     self->step = step;
     self->now = self->land >= 0 ? self->until : saltus_time_after(self->now, step / self->system->period);
+    if (flow->options.directions)
+        saltus_columns_rephase(flow, lane, step);
     self->info.steps++;
     if (flow->integrator == SALTUS_TAYLOR)
         self->info.field_evaluations += flow->work.order;
@@ -214,7 +218,7 @@ static saltus_status conclude(saltus_flow *flow, int lane, saltus_message *messa
     saltus_status status = sound && goes_on ? SALTUS_OK : SALTUS_STALLED;
     if (status == SALTUS_OK && (self->contacts || self->pending.kind != SALTUS_STEP)) {
         saltus_lane_gather_all(flow, lane);
-        keep_contacts(flow, lane);
+        saltus_flow_keep_contacts(flow, lane);
         if (self->pending.kind != SALTUS_STEP)
             status = apply_event(flow, lane);
         if (contact_event)

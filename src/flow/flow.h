@@ -19,6 +19,14 @@ typedef struct saltus_contact_map {
                    SALTUS_FACES_MAX]; /* of n_k . push_j: shares gaps out among the directions */
 } saltus_contact_map;
 
+/* A direction in parameter space that a parameter column follows: how the system changes, and the projection of
+ * the contacts that hold. */
+typedef struct saltus_parameter_column {
+    saltus_direction direction;
+    saltus_variation variation;
+    double *push, *pull; /* [contact][dof] */
+} saltus_parameter_column;
+
 /* What is known of a face's gap at the start of a step, more exactly than n.q - d tells near contact: the
  * first `touch` coefficients of the gap's series vanish; or, with `shadow`, its value and rate carried over
  * from the last step. */
@@ -34,6 +42,8 @@ typedef struct saltus_lane {
     saltus_time now, begin, until;
     unsigned watch;
     bool aimed, ended; /* under way; its event waits to be fetched */
+    bool coasting;     /* events are prescribed from outside: none is searched for */
+    saltus_extreme *extremes; /* coasting: where largest gaps and smallest forces are collected, or NULL */
     bool turned;       /* the observer's velocity is zero now, by a turning event */
     double step;       /* length of the last step, for dense output */
     double land;       /* phase at the end of the step under way, if it lands on the target: -1 otherwise */
@@ -64,10 +74,18 @@ struct saltus_flow {
     saltus_work *probe;         /* one narrow work per lane, for single points */
     saltus_radau *radau;        /* stiff integrator, one per flow (width 1) */
     saltus_contact_map scratch; /* a map under trial */
+    saltus_parameter_column parameter[SALTUS_DIRECTIONS_MAX];
+    double *law_push, *law_pull; /* how a parameter changes the scratch map */
 };
 
 /* time.c */
 saltus_time saltus_time_after(saltus_time time, double periods);
+
+/* flow.c */
+/* Put a lane at a time and state with nothing known of its contacts, tangent vectors as at a start. */
+void saltus_flow_restart(saltus_flow *flow, int lane, saltus_time time, const double *state);
+/* While a contact holds, rounding must not lift the state off the stop; tangent vectors neither. */
+void saltus_flow_keep_contacts(saltus_flow *flow, int lane);
 
 /* lane.c */
 /* A lane's state (column 0) or tangent vector from or into the rows of the stepping work; all of them into
@@ -84,6 +102,9 @@ double saltus_dot(const double *a, const double *b, int n);
 bool saltus_contact_map_build(const saltus_system *system, unsigned faces, unsigned elastic,
                               saltus_contact_map *map);
 void saltus_contact_map_apply(const saltus_contact_map *map, int dof, double *velocity);
+/* The derivative of a map along a direction: push and pull of the map's layout. */
+void saltus_contact_map_vary(const saltus_system *system, const saltus_contact_map *map, unsigned elastic,
+                             const saltus_variation *variation, double *push, double *pull);
 /* Bring a state exactly onto the faces of a map without restitution: gaps and normal velocities zero. */
 void saltus_contact_map_settle(const saltus_system *system, const saltus_contact_map *map, double *state);
 /* Normal velocity or acceleration towards a face. */
@@ -96,11 +117,39 @@ void saltus_contacts_rest(saltus_flow *flow, int lane, unsigned resting);
 /* Impact on the face of the pending event; complete chatter; tangent vectors. */
 saltus_status saltus_contacts_impact(saltus_flow *flow, int lane, int face, saltus_event *event);
 void saltus_contacts_release(saltus_flow *flow, int lane, int face);
+/* Change the lasting contacts: faces that hold from now on, the map with it; false if they cannot hold together.
+ */
+bool saltus_contacts_set(saltus_flow *flow, int lane, unsigned contacts);
 /* Field at a state with given contacts. */
 void saltus_field_at(saltus_flow *flow, int lane, const double *state, double phase,
                      const saltus_contact_map *hold, double *derivative);
 /* Put a lane's held contacts into the rows of the stepping work. */
 void saltus_contacts_publish(saltus_flow *flow, int lane);
+
+/* direction.c */
+void saltus_directions_reserve(saltus_flow *flow, const saltus_system *system);
+/* Bring the stored directions into the works, for the system that lane 0 has now. */
+void saltus_directions_load(saltus_flow *flow);
+/* How the projection of lane 0's held contacts changes: into the stepping work. */
+void saltus_directions_publish(saltus_flow *flow);
+/* At the end of a step of a real length: parameter columns from fixed time since the step's begin to fixed
+ * phase. */
+void saltus_columns_rephase(saltus_flow *flow, int lane, double step);
+/* Bring a tangent vector onto the held contacts' constraints, as a state is (saltus_contact_map_settle). */
+void saltus_column_settle(saltus_flow *flow, int lane, int column);
+/* How a face's gap answers to a tangent vector: n . delta_q, and for a parameter column the change of the stop
+ * itself. */
+double saltus_column_gap(const saltus_flow *flow, int lane, int face, int column);
+/* How side * n.vector answers to a tangent vector under which `vector` (length dof) changes by `delta`. */
+double saltus_column_normal(const saltus_flow *flow, int lane, int face, int column, const double *vector,
+                            const double *delta);
+/* A tangent vector through the velocity law of a contact map at a fixed time: DP delta, and for a parameter
+ * column the change of the law; `velocity` is the trajectory's before it, faces in `elastic` rebound. */
+void saltus_column_impact(saltus_flow *flow, int lane, const saltus_contact_map *map, unsigned elastic,
+                          const double *velocity, int column);
+/* How the observer's row itself changes with a tangent vector, times a vector: zero but for a parameter column
+ * that moves the first stop. */
+double saltus_column_observer(const saltus_flow *flow, int column, const double *vector);
 
 /* events.c */
 /* The first event of a lane on the step just expanded, within `step`; sets lane->pending and returns its
@@ -108,6 +157,8 @@ void saltus_contacts_publish(saltus_flow *flow, int lane);
 double saltus_events_first(saltus_flow *flow, int lane, double step);
 /* Carry the faces' gap knowledge to the end of the step; false if a gap has opened beyond its stop (a lost
  * impact). */
+/* Raise the lane's extremes by the local maxima of gaps and of minus the holding forces within the step. */
+void saltus_events_extremes(saltus_flow *flow, int lane, double step);
 bool saltus_events_carry(saltus_flow *flow, int lane, double step, int event_face, double *gap);
 
 #endif

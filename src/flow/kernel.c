@@ -14,8 +14,9 @@
  * would then be read anew after each. Sizes become constants where the common case is compiled on its own. */
 typedef struct frame {
     unsigned terms;
-    int packs;   /* per row */
-    int columns; /* tangent vectors */
+    int packs;      /* per row */
+    int columns;    /* tangent vectors */
+    int directions; /* the last of these: parameter columns */
     int dof, extra, contacts, forcing;
     long orders, order_span;
     saltus_pack *q, *v, *ahead;
@@ -23,6 +24,11 @@ typedef struct frame {
     const lane_t *scalar, *table;
     const saltus_pack *rows, *push, *pull;
     const double *coupling[SALTUS_COUPLINGS_MAX];
+    bool tilts;
+    int vary_orders;
+    lane_t *vary_drive, *vary_force;
+    const lane_t *elapsed, *vary_scalar;
+    const saltus_pack *vary_rows, *vary_push, *vary_pull;
 } frame;
 
 #define ORDER_STRIDE ((long)(1 + f.columns) * f.packs)
@@ -35,8 +41,25 @@ typedef struct frame {
 #define AHEAD(n, c) JET(f.ahead, n, c)
 #define SCALAR(n) (f.scalar + (n))
 #define ROW(n) (f.rows + (n)*f.packs)
+#define VARY_SCALAR(d, n) (f.vary_scalar + (d)*SALTUS_SCALARS_MAX + (n))
+#define VARY_ROW(d, n) (f.vary_rows + ((d)*SALTUS_ROWS_MAX + (n)) * f.packs)
+#define VARY_DRIVE(d, n, k) (f.vary_drive + ((d)*model_vary_drives + (n)) * f.order_span + (k))
+
+enum { all_terms = SALTUS_TERM_FORCED | SALTUS_TERM_CUBIC | SALTUS_TERM_COUPLED };
 
 #include SALTUS_MODEL_KERNEL
+
+static void reserve_variations(saltus_work *w) {
+    saltus_arena *a = &w->arena;
+    size_t row = (size_t)w->row, directions = (size_t)w->directions, contacts = (size_t)w->contacts;
+    w->elapsed = saltus_arena_doubles(a, LANES);
+    w->vary_scalar = saltus_arena_doubles(a, directions * SALTUS_SCALARS_MAX * LANES);
+    w->vary_rows = saltus_arena_doubles(a, directions * SALTUS_ROWS_MAX * row);
+    w->vary_drive = saltus_arena_doubles(a, directions * model_vary_drives * (size_t)w->order_span * LANES);
+    w->vary_push = saltus_arena_doubles(a, directions * contacts * row);
+    w->vary_pull = saltus_arena_doubles(a, directions * contacts * row);
+    w->vary_force = saltus_arena_doubles(a, directions * contacts * LANES);
+}
 
 static void reserve(saltus_work *w) {
     saltus_arena *a = &w->arena;
@@ -56,6 +79,7 @@ static void reserve(saltus_work *w) {
     w->xe = saltus_arena_doubles(a, all * extra);
     w->phase = saltus_arena_doubles(a, LANES);
     w->limit = saltus_arena_doubles(a, LANES);
+    w->omega_unit = saltus_arena_doubles(a, LANES);
     w->step = saltus_arena_doubles(a, LANES);
     w->advance = saltus_arena_doubles(a, LANES);
     w->normal = saltus_arena_doubles(a, stops * row);
@@ -69,8 +93,10 @@ static void reserve(saltus_work *w) {
         w->coupling[m] = saltus_arena_doubles(a, coupling_size(w->dof));
     w->table = saltus_arena_doubles(a, model_tables * span * LANES);
     w->ahead = saltus_arena_doubles(a, model_rows_ahead * all * row);
-    w->drive = saltus_arena_doubles(a, model_drives * span * LANES);
+    w->drive_size = model_drives * span * LANES;
+    w->drive = saltus_arena_doubles(a, w->drive_size);
     w->series = saltus_arena_doubles(a, model_series * orders * all * LANES);
+    reserve_variations(w);
 }
 
 /* A system's row of numbers into one lane of a row. */
@@ -96,7 +122,20 @@ static void load(saltus_work *w, int lane, const saltus_system *system) {
     if (c->forcing_orders > w->forcing_orders)
         w->forcing_orders = c->forcing_orders;
     w->limit[lane] = 6.0 / system->rate;
+    w->omega_unit[lane] = system->scale[n] / system->scale[0];
     model_load(w, lane, system);
+}
+
+static void vary(saltus_work *w, int lane, int direction, const saltus_variation *variation) {
+    const saltus_coefficients *c = &variation->coefficients;
+    for (int s = 0; s < SALTUS_SCALARS_MAX; s++)
+        w->vary_scalar[(direction * SALTUS_SCALARS_MAX + s) * LANES + lane] = c->scalar[s];
+    for (int r = 0; r < c->rows; r++)
+        load_row(w, w->vary_rows + (size_t)(direction * SALTUS_ROWS_MAX + r) * (size_t)w->row, lane,
+                 c->row[r]);
+    w->terms |= c->terms;
+    w->tilts |= variation->tilts;
+    w->vary_orders = w->forcing_orders + 1;
 }
 
 /* sin and cos of 2 pi phase: reduction to an eighth of a turn is exact, then Taylor polynomials. */
@@ -137,6 +176,8 @@ KERNEL_INLINE void forcing(frame f, const double *phase, int order) {
     for (int l = 0; l < LANES; l++)
         turn(phase[l], (double *)&sine + l, (double *)&cosine + l);
     model_forcing(f, order, sine, cosine);
+    for (int d = 0; d < f.directions; d++)
+        model_vary_forcing(f, d, order, sine, cosine);
 }
 
 /* Contacts that hold: q'' = f - b (pull . f), the force's series kept for the release. `velocity` is the
@@ -153,15 +194,41 @@ KERNEL_INLINE void hold_contacts(frame f, int k, int c, saltus_pack *velocity) {
             velocity[p] = saltus_pack_fnma(f.push[m * f.packs + p], force[m], velocity[p]);
 }
 
+/* The projection that contacts apply changes with their places and the masses: what that does to a parameter
+ * column follows from the trajectory's acceleration before the projection, kept when c = 0. */
+KERNEL_INLINE void keep_forces(frame f, const saltus_pack *velocity) {
+    for (int m = 0; m < f.directions * f.contacts; m++)
+        f.vary_force[m] = lane_of(row_dot(f.vary_pull + m * f.packs, velocity, f.dof, f.packs));
+}
+
+KERNEL_INLINE void tilt_contacts(frame f, int k, int direction, double inverse, saltus_pack *velocity) {
+    for (int m = 0; m < f.contacts; m++) {
+        const int place = direction * f.contacts + m;
+        const saltus_pack force = lane_spread(f.force[m * f.orders + k]) * inverse,
+                          change = lane_spread(f.vary_force[place]);
+        for (int p = 0; p < f.packs; p++) {
+            saltus_pack sum = saltus_pack_fnma(f.vary_push[place * f.packs + p], force, velocity[p]);
+            velocity[p] = saltus_pack_fnma(f.push[m * f.packs + p], change, sum);
+        }
+    }
+}
+
 /* v_k -> q_{k+1}, v_{k+1}. */
 KERNEL_INLINE void expand_order(frame f, int k, int c, saltus_pack *velocity) {
     const double inverse = 1.0 / (k + 1);
     saltus_pack next[ROW_PACKS_MAX];
     for (int p = 0; p < f.packs; p++)
         JET(f.q, k + 1, c)[p] = velocity[p] * inverse;
+    const int direction = f.directions - 1 - (f.columns - c);
     model_order(f, k, c, inverse, velocity, next);
+    if (f.directions && direction >= 0)
+        model_source(f, k, c, direction, inverse, next);
+    if (f.tilts && f.contacts && c == 0)
+        keep_forces(f, next);
     if (f.contacts)
         hold_contacts(f, k, c, next);
+    if (f.tilts && f.contacts && direction >= 0)
+        tilt_contacts(f, k, direction, inverse, next);
     for (int p = 0; p < f.packs; p++)
         JET(f.v, k + 1, c)[p] = velocity[p] = next[p];
 }
@@ -175,10 +242,12 @@ KERNEL_INLINE void gap_series(frame f, const saltus_work *w, int order) {
     }
 }
 
-KERNEL_INLINE frame make_frame(const saltus_work *w, unsigned terms, int packs, int columns, int contacts) {
+KERNEL_INLINE frame make_frame(const saltus_work *w, unsigned terms, int packs, int columns, int directions,
+                               int contacts) {
     return (frame){.terms = terms,
                    .packs = packs,
                    .columns = columns,
+                   .directions = directions,
                    .dof = w->dof,
                    .extra = terms & SALTUS_TERM_EXTRA ? w->extra : 0,
                    .contacts = contacts,
@@ -197,7 +266,16 @@ KERNEL_INLINE frame make_frame(const saltus_work *w, unsigned terms, int packs, 
                    .rows = (const saltus_pack *)(const void *)w->rows,
                    .push = (const saltus_pack *)(const void *)w->push,
                    .pull = (const saltus_pack *)(const void *)w->pull,
-                   .coupling = {w->coupling[0], w->coupling[1]}};
+                   .coupling = {w->coupling[0], w->coupling[1]},
+                   .tilts = directions > 0 && w->tilts,
+                   .vary_orders = w->vary_orders,
+                   .vary_drive = (lane_t *)(void *)w->vary_drive,
+                   .vary_force = (lane_t *)(void *)w->vary_force,
+                   .elapsed = (const lane_t *)(const void *)w->elapsed,
+                   .vary_scalar = (const lane_t *)(const void *)w->vary_scalar,
+                   .vary_rows = (const saltus_pack *)(const void *)w->vary_rows,
+                   .vary_push = (const saltus_pack *)(const void *)w->vary_push,
+                   .vary_pull = (const saltus_pack *)(const void *)w->vary_pull};
 }
 
 KERNEL_INLINE void expand_frame(frame f, const saltus_work *w, int order) {
@@ -215,21 +293,35 @@ KERNEL_INLINE void expand_frame(frame f, const saltus_work *w, int order) {
 }
 
 /* The scene's terms and shape are settled here, once per step; the common cases have loops of their own. */
+static void expand_directed(saltus_work *w, int order) {
+    int packs = row_packs(w->dof);
+    if (w->terms == all_terms && packs == 1)
+        expand_frame(make_frame(w, all_terms, 1, w->columns, w->directions, w->contacts), w, order);
+    else
+        expand_frame(make_frame(w, w->terms, packs, w->columns, w->directions, w->contacts), w, order);
+}
+
+static void expand_plain(saltus_work *w, int order) {
+    int packs = row_packs(w->dof);
+    if (w->terms == all_terms && packs == 1 && w->columns == 0 && w->contacts == 0)
+        expand_frame(make_frame(w, all_terms, 1, 0, 0, 0), w, order);
+    else if (w->terms == all_terms && packs == 1)
+        expand_frame(make_frame(w, all_terms, 1, w->columns, 0, w->contacts), w, order);
+    else if (w->terms == all_terms && w->columns == 0)
+        expand_frame(make_frame(w, all_terms, packs, 0, 0, w->contacts), w, order);
+    else
+        expand_frame(make_frame(w, w->terms, packs, w->columns, 0, w->contacts), w, order);
+}
+
 static void expand(saltus_work *w, int order) {
-    enum { all = SALTUS_TERM_FORCED | SALTUS_TERM_CUBIC | SALTUS_TERM_COUPLED };
     size_t bytes = (size_t)(1 + w->columns) * (size_t)w->row * sizeof(double);
     memcpy(w->q, w->xq, bytes);
     memcpy(w->v, w->xv, bytes);
     memcpy(w->e, w->xe, (size_t)(1 + w->columns) * (size_t)w->extra_row * sizeof(double));
-    int packs = row_packs(w->dof);
-    if (w->terms == all && packs == 1 && w->columns == 0 && w->contacts == 0)
-        expand_frame(make_frame(w, all, 1, 0, 0), w, order);
-    else if (w->terms == all && packs == 1)
-        expand_frame(make_frame(w, all, 1, w->columns, w->contacts), w, order);
-    else if (w->terms == all && w->columns == 0)
-        expand_frame(make_frame(w, all, packs, 0, w->contacts), w, order);
+    if (w->directions)
+        expand_directed(w, order);
     else
-        expand_frame(make_frame(w, w->terms, packs, w->columns, w->contacts), w, order);
+        expand_plain(w, order);
 }
 
 /* x^(1/k) to about one percent, from the exponent and a parabola; x > 0. A step size needs no more. */
@@ -260,7 +352,8 @@ KERNEL_INLINE lane_t column_norm(const saltus_work *w, int k, int c) {
     }
     for (int i = 0; i < w->extra; i++)
         displacement = saltus_pack_max_size(displacement, lane_spread(e[i]));
-    return lane_largest(saltus_pack_max_size(displacement, velocity * (1.0 / w->omega_unit)));
+    const lane_t slowness = 1.0 / *(const lane_t *)(const void *)w->omega_unit;
+    return lane_largest(saltus_pack_max_size(displacement, velocity * lane_spread(slowness)));
 }
 
 /* The step at which the coefficient of order k falls below the tolerance. */
@@ -270,16 +363,17 @@ KERNEL_INLINE double coefficient_step(double norm, double tolerance, int k, doub
 }
 
 /* The step at which the last two coefficients of every column fall below the tolerance (Jorba & Zou, section
- * 3). */
+ * 3). A parameter column starts at zero; its size is what its rate makes of it. */
 static void measure(saltus_work *w) {
-    const int last = w->order;
+    const int last = w->order, steady = w->columns - w->directions;
     for (int l = 0; l < LANES; l++)
         w->step[l] = w->limit[l];
     for (int c = 0; c <= w->columns; c++) {
         const lane_t size = column_norm(w, 0, c), before = column_norm(w, last - 1, c),
-                     end = column_norm(w, last, c);
+                     end = column_norm(w, last, c), rate = c > steady ? column_norm(w, 1, c) : size;
         for (int l = 0; l < LANES; l++) {
-            double tolerance = c ? w->tolerance_tangent * lane_get(&size, l)
+            double start = lane_get(&size, l) + (c > steady ? w->limit[l] * lane_get(&rate, l) : 0);
+            double tolerance = c ? w->tolerance_tangent * start
                                  : w->tolerance_absolute + w->tolerance_relative * lane_get(&size, l);
             double step = coefficient_step(lane_get(&before, l), tolerance, last - 1, w->limit[l]);
             double other = coefficient_step(lane_get(&end, l), tolerance, last, w->limit[l]);
@@ -332,6 +426,7 @@ const saltus_kernel SALTUS_KERNEL_NAME = {
     .pack = SALTUS_PACK,
     .reserve = reserve,
     .load = load,
+    .vary = vary,
     .expand = expand,
     .measure = measure,
     .evaluate = evaluate,

@@ -25,10 +25,11 @@ typedef struct saltus_kernel saltus_kernel;
 typedef struct saltus_work {
     saltus_arena arena;
     int dof, extra, lanes, order, columns, stops, contacts;
+    int directions; /* of the columns, the last ones: parameter columns */
     int row, extra_row, stride;
     unsigned terms;
     int forcing_orders;
-    double omega_unit; /* frequency that makes velocities comparable with displacements */
+    double *omega_unit; /* per lane: frequency that makes velocities comparable with displacements */
     double tolerance_relative, tolerance_absolute, tolerance_tangent;
     double *q, *v, *e;    /* jets */
     double *xq, *xv, *xe; /* states at the step's start (in) and at `advance` (out): [column][row] */
@@ -44,11 +45,23 @@ typedef struct saltus_work {
     double *scalar;       /* [scalar][lane] */
     double *rows;         /* [coefficient row][row] */
     double *coupling[SALTUS_COUPLINGS_MAX];
+    size_t drive_size;
     int order_span; /* orders reserved for table and drive: a whole number of packs */
     double *table;  /* model's constants per order: [table][order][lane] */
     double *drive;  /* model's scalar series that all columns share: [drive][order][lane] */
     double *ahead;  /* model's rows begun for the next order: [ahead][column][row] */
     double *series; /* model's other scalar series: [series][order][column][lane] */
+    /* For parameter columns: how what stands above changes along each direction (system.h, saltus_variation).
+     */
+    double *elapsed;     /* time since the step's begin at the point expanded from, per lane */
+    double *vary_scalar; /* [direction][scalar][lane] */
+    double *vary_rows;   /* [direction][coefficient row][row] */
+    double *vary_drive;  /* model's series: [direction][series][order][lane] */
+    double *vary_push;   /* [direction][contact][row] */
+    double *vary_pull;   /* [direction][contact][row] */
+    double *vary_force;  /* at the order being expanded: [direction][contact][lane] */
+    int vary_orders;     /* orders of the forcing's derivatives that matter */
+    bool tilts;          /* the projections at contacts change */
 } saltus_work;
 
 struct saltus_kernel {
@@ -59,6 +72,8 @@ struct saltus_kernel {
     void (*reserve)(saltus_work *work);
     /* Put the coefficients of a system into a lane. */
     void (*load)(saltus_work *work, int lane, const saltus_system *system);
+    /* Put the derivative of a lane's coefficients along a direction into place. */
+    void (*vary)(saltus_work *work, int lane, int direction, const saltus_variation *variation);
     /* States -> jets up to `order`, gap and force series. */
     void (*expand)(saltus_work *work, int order);
     /* Jets of the work's full order -> step of each lane. */
@@ -72,9 +87,13 @@ struct saltus_kernel {
  * force a lower one. NULL when there is none. */
 const saltus_kernel *saltus_kernel_find(const char *model, int lanes);
 
-/* Allocate a work for a kernel. Sizes come from the systems' common shape. */
+/* Allocate a work for a kernel, with `directions` parameter columns among the columns. Sizes come from the
+ * systems' common shape. */
 saltus_status saltus_work_open(saltus_work *work, const saltus_kernel *kernel, const saltus_system *system,
-                               int order, int columns);
+                               int order, int columns, int directions);
+/* Forget which terms and orders of the forcing the loaded systems have, before they are loaded anew, and with
+ * them the directions. */
+void saltus_work_forget(saltus_work *work);
 void saltus_work_close(saltus_work *work);
 
 static inline size_t saltus_work_jet(const saltus_work *work, int order, int column) {

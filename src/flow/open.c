@@ -26,27 +26,35 @@ static saltus_status check_options(const saltus_flow_options *o, saltus_message 
                            SALTUS_ORDER_MAX);
     if (o->columns < 0 || o->columns > 256)
         return saltus_fail(message, SALTUS_BAD_INPUT, "columns = %d: must be from 0 to 256", o->columns);
+    if (o->directions < 0 || o->directions > SALTUS_DIRECTIONS_MAX || o->directions > o->columns)
+        return saltus_fail(message, SALTUS_BAD_INPUT,
+                           "directions = %d: must be from 0 to %d, and no more than columns = %d",
+                           o->directions, SALTUS_DIRECTIONS_MAX, o->columns);
     if (o->integrator < SALTUS_AUTOMATIC || o->integrator > SALTUS_RADAU)
         return saltus_fail(message, SALTUS_BAD_INPUT, "integrator: must be automatic, taylor or radau");
     return SALTUS_OK;
 }
 
+/* Whether a system's flow looks the same from outside: states, faces. */
+static bool same_shape(const saltus_system *a, const saltus_system *b) {
+    bool same = a->spec.model == b->spec.model && a->dof == b->dof && a->extra == b->extra &&
+                a->face_count == b->face_count && a->spec.stop_count == b->spec.stop_count;
+    for (int f = 0; same && f < a->face_count; f++)
+        same = a->faces[f].stop == b->faces[f].stop && a->faces[f].side == b->faces[f].side;
+    return same;
+}
+
 static saltus_status check_systems(const saltus_system *const *systems, int lanes, saltus_message *message) {
-    for (int l = 1; l < lanes; l++) {
-        const saltus_system *a = systems[0], *b = systems[l];
-        bool same = a->spec.model == b->spec.model && a->dof == b->dof && a->extra == b->extra &&
-                    a->face_count == b->face_count && a->spec.stop_count == b->spec.stop_count;
-        for (int f = 0; same && f < a->face_count; f++)
-            same = a->faces[f].stop == b->faces[f].stop && a->faces[f].side == b->faces[f].side;
-        if (!same || a->coefficients.terms != b->coefficients.terms)
+    for (int l = 1; l < lanes; l++)
+        if (!same_shape(systems[0], systems[l]) ||
+            systems[0]->coefficients.terms != systems[l]->coefficients.terms)
             return saltus_fail(
                 message, SALTUS_BAD_INPUT,
                 "systems side by side must have the same model, size, terms and kind of stops");
-    }
     return SALTUS_OK;
 }
 
-static void reserve(saltus_flow *flow) {
+static void reserve(saltus_flow *flow, const saltus_system *first) {
     saltus_arena *arena = &flow->arena;
     size_t n = (size_t)flow->dof, dimension = (size_t)flow->dimension, faces = SALTUS_FACES_MAX;
     saltus_contact_map scratch = {.push = saltus_arena_doubles(arena, faces * n),
@@ -63,6 +71,7 @@ static void reserve(saltus_flow *flow) {
         self->trial = saltus_arena_doubles(arena, dimension);
         self->delay = saltus_arena_doubles(arena, (size_t)flow->options.columns);
     }
+    saltus_directions_reserve(flow, first);
 }
 
 /* The first row of the gap series is the observed displacement, in scenes without a stop too. */
@@ -77,11 +86,11 @@ static void load_system(saltus_work *work, const saltus_kernel *kernel, int lane
 static saltus_status open_works(saltus_flow *flow, const saltus_system *const *systems) {
     enum { probe_order = 8 };
     const saltus_system *first = systems[0];
-    saltus_status status =
-        saltus_work_open(&flow->work, flow->kernel, first, flow->options.order, flow->options.columns);
+    saltus_status status = saltus_work_open(&flow->work, flow->kernel, first, flow->options.order,
+                                            flow->options.columns, flow->options.directions);
     for (int l = 0; l < flow->lanes && status == SALTUS_OK; l++) {
         load_system(&flow->work, flow->kernel, l, systems[l]);
-        status = saltus_work_open(&flow->probe[l], flow->narrow, first, probe_order, 0);
+        status = saltus_work_open(&flow->probe[l], flow->narrow, first, probe_order, 0, 0);
         if (status == SALTUS_OK)
             load_system(&flow->probe[l], flow->narrow, 0, systems[l]);
     }
@@ -89,43 +98,39 @@ static saltus_status open_works(saltus_flow *flow, const saltus_system *const *s
     flow->work.tolerance_absolute = flow->options.atol;
     flow->work.tolerance_tangent = fmax(flow->options.rtol, 1e-13);
     if (status == SALTUS_OK && flow->integrator == SALTUS_RADAU)
-        status = saltus_radau_open(&flow->radau, first, flow->options.columns, &flow->work);
+        status = saltus_radau_open(&flow->radau, first, flow->options.columns, flow->options.directions,
+                                   &flow->work);
     return status;
 }
 
-saltus_status saltus_flow_new(const saltus_system *const *systems, int lanes,
-                              const saltus_flow_options *options, saltus_flow **flow,
-                              saltus_message *message) {
-    *flow = NULL;
-    saltus_status status = check_options(options, message);
-    if (status != SALTUS_OK)
-        return status;
-    const saltus_system *first = systems[0];
-    const saltus_kernel *narrow = saltus_kernel_find(first->spec.model->name, 1);
-    const saltus_kernel *wide = lanes == 1 ? narrow : saltus_kernel_find(first->spec.model->name, 0);
-    bool stiff =
-        options->integrator == SALTUS_RADAU || (options->integrator == SALTUS_AUTOMATIC && first->stiff);
-    if (lanes < 1 || lanes > wide->lanes || (stiff && lanes > 1))
+static saltus_status check_lanes(int lanes, int most, bool stiff, const saltus_flow_options *options,
+                                 saltus_message *message) {
+    if (lanes < 1 || lanes > most || (stiff && lanes > 1))
         return saltus_fail(message, SALTUS_BAD_INPUT, "lanes = %d: %s", lanes,
                            stiff ? "a stiff system runs one trajectory at a time"
                                  : "more than this processor's vectors hold");
-    status = check_systems(systems, lanes, message);
-    if (status != SALTUS_OK)
-        return status;
+    if (lanes > 1 && options->directions)
+        return saltus_fail(message, SALTUS_BAD_INPUT,
+                           "directions = %d: parameter columns need a flow of one lane", options->directions);
+    return SALTUS_OK;
+}
 
+/* A flow with its own arrays but without works; NULL if there is no memory. */
+static saltus_flow *allocate(const saltus_system *first, const saltus_kernel *narrow,
+                             const saltus_kernel *kernel, bool stiff, const saltus_flow_options *options) {
     saltus_flow *made = calloc(1, sizeof *made);
-    saltus_lane *lane = calloc((size_t)wide->lanes, sizeof *lane);
-    saltus_work *probe = calloc((size_t)wide->lanes, sizeof *probe);
+    saltus_lane *lane = calloc((size_t)kernel->lanes, sizeof *lane);
+    saltus_work *probe = calloc((size_t)kernel->lanes, sizeof *probe);
     if (!made || !lane || !probe) {
         free(made);
         free(lane);
         free(probe);
-        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the flow");
+        return NULL;
     }
     *made = (saltus_flow){.options = *options,
-                          .kernel = wide,
+                          .kernel = kernel,
                           .narrow = narrow,
-                          .lanes = wide->lanes,
+                          .lanes = kernel->lanes,
                           .dimension = first->dimension,
                           .dof = first->dof,
                           .extra = first->extra,
@@ -134,12 +139,34 @@ saltus_status saltus_flow_new(const saltus_system *const *systems, int lanes,
                           .probe = probe};
     if (made->options.order == 0 || stiff)
         made->options.order = stiff ? SALTUS_RADAU_DEGREE : automatic_order(options->rtol);
-    reserve(made);
+    reserve(made, first);
     if (!saltus_arena_open(&made->arena)) {
         saltus_flow_free(made);
-        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the flow");
+        return NULL;
     }
-    reserve(made);
+    reserve(made, first);
+    return made;
+}
+
+saltus_status saltus_flow_new(const saltus_system *const *systems, int lanes,
+                              const saltus_flow_options *options, saltus_flow **flow,
+                              saltus_message *message) {
+    *flow = NULL;
+    const saltus_system *first = systems[0];
+    const saltus_kernel *narrow = saltus_kernel_find(first->spec.model->name, 1);
+    const saltus_kernel *kernel = lanes == 1 ? narrow : saltus_kernel_find(first->spec.model->name, 0);
+    bool stiff =
+        options->integrator == SALTUS_RADAU || (options->integrator == SALTUS_AUTOMATIC && first->stiff);
+    saltus_status status = check_options(options, message);
+    if (status == SALTUS_OK)
+        status = check_lanes(lanes, kernel->lanes, stiff, options, message);
+    if (status == SALTUS_OK)
+        status = check_systems(systems, lanes, message);
+    if (status != SALTUS_OK)
+        return status;
+    saltus_flow *made = allocate(first, narrow, kernel, stiff, options);
+    if (!made)
+        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the flow");
     /* Lanes beyond those asked for idle at rest with the first lane's system. */
     const saltus_system *all[16];
     for (int l = 0; l < made->lanes; l++)
@@ -150,6 +177,42 @@ saltus_status saltus_flow_new(const saltus_system *const *systems, int lanes,
         return saltus_fail(message, status, "no memory for the flow");
     }
     *flow = made;
+    return SALTUS_OK;
+}
+
+/* Everything that the works take from a lane's system and the directions, anew. */
+static void reload(saltus_flow *flow, int lane) {
+    const saltus_system *system = flow->lane[lane].system;
+    if (flow->lanes == 1)
+        saltus_work_forget(&flow->work);
+    load_system(&flow->work, flow->kernel, lane, system);
+    saltus_work_forget(&flow->probe[lane]);
+    load_system(&flow->probe[lane], flow->narrow, 0, system);
+    if (flow->radau)
+        saltus_radau_retune(flow->radau, system);
+    saltus_directions_load(flow);
+    saltus_contacts_publish(flow, lane);
+}
+
+void saltus_flow_set_directions(saltus_flow *flow, const saltus_direction *directions) {
+    for (int d = 0; d < flow->options.directions; d++)
+        flow->parameter[d].direction = directions[d];
+    if (flow->options.directions)
+        reload(flow, 0);
+}
+
+saltus_status saltus_flow_retune(saltus_flow *flow, int lane, const saltus_system *system,
+                                 saltus_message *message) {
+    saltus_lane *self = &flow->lane[lane];
+    if (!same_shape(self->system, system))
+        return saltus_fail(message, SALTUS_BAD_INPUT,
+                           "a flow can be given a system of the same model, size and kind of stops only");
+    if (flow->lanes > 1 && self->system->coefficients.terms != system->coefficients.terms)
+        return saltus_fail(message, SALTUS_BAD_INPUT, "systems side by side must have the same terms");
+    self->system = system;
+    self->contacts = 0;
+    self->hold.count = 0;
+    reload(flow, lane);
     return SALTUS_OK;
 }
 

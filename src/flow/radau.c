@@ -29,7 +29,8 @@ struct saltus_radau {
     saltus_stages stages;
     saltus_work work[SALTUS_RADAU_CHUNKS_MAX];
     int all, extra, rows; /* columns with the trajectory; rows of 16 in the arrays below */
-    double omega_unit, shortest;
+    int steady;           /* columns with the trajectory but without parameter columns */
+    double omega_unit, shortest, tolerance_tangent;
     double *a;  /* node values: accelerations [column][mode][16], then rates of extra states */
     double *e0; /* extra states at the start: [column][extra] */
     double *e;  /* their node values: [column][extra][16] */
@@ -41,6 +42,7 @@ struct saltus_radau {
     int order[64];
     double *tolerance;  /* [column], in units of displacement */
     double *unit;       /* [column]: rounding */
+    double *size;       /* [column]: at the step's start */
     double proposal;    /* step to try; 0 after a reset */
     int steps, bounces; /* since the last impact; impacts since the reset */
     bool follows;       /* `last` holds a polynomial that goes on: its step, its start */
@@ -68,6 +70,7 @@ static void reserve(saltus_radau *r, int columns) {
     r->extrapolation = saltus_arena_doubles(arena, nodes * nodes);
     r->tolerance = saltus_arena_doubles(arena, all);
     r->unit = saltus_arena_doubles(arena, all);
+    r->size = saltus_arena_doubles(arena, all);
     s->q0 = saltus_arena_doubles(arena, all * n);
     s->v0 = saltus_arena_doubles(arena, all * n);
     s->hat = saltus_arena_doubles(arena, n * nodes);
@@ -109,6 +112,14 @@ static double bin_value(const saltus_radau *r, int bin, int mode) {
 static void find_linear_part(saltus_radau *r) {
     int n = r->stages.dof;
     double *rest = r->factors;
+    for (int k = 0; k < r->stages.chunks; k++) {
+        saltus_work *w = &r->work[k];
+        size_t row = (size_t)w->row, extra = (size_t)w->extra_row;
+        memset(w->xq, 0, (size_t)r->all * row * sizeof(double));
+        memset(w->xv, 0, (size_t)r->all * row * sizeof(double));
+        memset(w->xe, 0, (size_t)r->all * extra * sizeof(double));
+        w->contacts = 0;
+    }
     expand_bins(r, 0, 0, 0);
     for (int b = 0; b < bins; b++)
         for (int i = 0; i < n; i++)
@@ -143,17 +154,14 @@ static void order_modes(saltus_radau *r) {
     r->stages.uncoupled = alternate ? (n + 1) / 2 : 0;
 }
 
-static saltus_status open_works(saltus_radau *r, int columns) {
+static saltus_status open_works(saltus_radau *r, int columns, int directions) {
     saltus_stages *s = &r->stages;
     saltus_status status = SALTUS_OK;
     for (int k = 0; k < s->chunks && status == SALTUS_OK; k++) {
         saltus_work *w = &r->work[k];
-        status = saltus_work_open(w, r->field, r->system, 1, columns);
+        status = saltus_work_open(w, r->field, r->system, 1, columns, directions);
         if (status != SALTUS_OK)
             break;
-        for (int l = 0; l < w->lanes; l++)
-            r->field->load(w, l, r->system);
-        w->stops = 0;
         s->row = (size_t)w->row;
         s->q[k] = w->xq;
         s->v[k] = w->xv;
@@ -168,8 +176,31 @@ static int count_slots(int dof) {
     return slots < 16 ? 16 : slots > slots_max ? slots_max : slots;
 }
 
+void saltus_radau_retune(saltus_radau *radau, const saltus_system *system) {
+    radau->system = system;
+    radau->omega_unit = system->scale[system->dof] / system->scale[0];
+    radau->shortest = 1e-4 / system->rate;
+    for (int k = 0; k < radau->stages.chunks; k++) {
+        saltus_work *w = &radau->work[k];
+        saltus_work_forget(w);
+        for (int l = 0; l < w->lanes; l++)
+            radau->field->load(w, l, system);
+        w->stops = 0;
+    }
+    find_linear_part(radau);
+    order_modes(radau);
+    memset(radau->held, 0, sizeof radau->held);
+    saltus_radau_reset(radau);
+}
+
+void saltus_radau_vary(saltus_radau *radau, int direction, const saltus_variation *variation) {
+    for (int k = 0; k < radau->stages.chunks; k++)
+        for (int l = 0; l < radau->work[k].lanes; l++)
+            radau->field->vary(&radau->work[k], l, direction, variation);
+}
+
 saltus_status saltus_radau_open(saltus_radau **radau, const saltus_system *system, int columns,
-                                const saltus_work *tolerances) {
+                                int directions, const saltus_work *tolerances) {
     *radau = NULL;
     const saltus_kernel *field = saltus_kernel_find(system->spec.model->name, 0);
     saltus_radau *r = calloc(1, sizeof *r);
@@ -183,8 +214,8 @@ saltus_status saltus_radau_open(saltus_radau **radau, const saltus_system *syste
     r->all = columns + 1;
     r->extra = system->extra;
     r->rows = r->all * (system->dof + system->extra);
-    r->omega_unit = tolerances->omega_unit;
-    r->shortest = 1e-4 / system->rate;
+    r->steady = r->all - directions;
+    r->tolerance_tangent = tolerances->tolerance_tangent;
     r->stages = (saltus_stages){
         .dof = system->dof, .columns = columns, .lanes = field->lanes, .chunks = nodes / field->lanes};
     r->slots = count_slots(system->dof);
@@ -192,7 +223,7 @@ saltus_status saltus_radau_open(saltus_radau **radau, const saltus_system *syste
     saltus_status status = saltus_arena_open(&r->arena) ? SALTUS_OK : SALTUS_NO_MEMORY;
     if (status == SALTUS_OK) {
         reserve(r, columns);
-        status = open_works(r, columns);
+        status = open_works(r, columns, directions);
     }
     if (status == SALTUS_OK && !saltus_collocation_build(r->method))
         status = SALTUS_STALLED;
@@ -200,8 +231,7 @@ saltus_status saltus_radau_open(saltus_radau **radau, const saltus_system *syste
         saltus_radau_close(r);
         return status;
     }
-    find_linear_part(r);
-    order_modes(r);
+    saltus_radau_retune(r, system);
     *radau = r;
     return SALTUS_OK;
 }
@@ -227,24 +257,32 @@ void saltus_radau_impact(saltus_radau *radau) {
     radau->bounces++;
 }
 
+/* Rows of the flow's work into all lanes of one of the stages'. */
+static void spread_rows(const saltus_work *work, const double *from, const saltus_work *w, double *to,
+                        int rows) {
+    for (int m = 0; m < rows; m++)
+        for (int i = 0; i < w->dof; i++)
+            for (int l = 0; l < w->lanes; l++)
+                to[m * w->row + i * w->stride + l] = from[m * work->row + i * work->stride];
+}
+
 void saltus_radau_publish(saltus_radau *radau, const saltus_work *work) {
     saltus_stages *s = &radau->stages;
-    s->contacts = work->contacts;
-    for (int m = 0; m < work->contacts; m++)
+    int contacts = work->contacts, varied = work->tilts ? work->directions * contacts : 0;
+    s->contacts = contacts;
+    for (int m = 0; m < contacts; m++)
         for (int i = 0; i < s->dof; i++) {
-            double push = work->push[m * work->row + i * work->stride];
-            double pull = work->pull[m * work->row + i * work->stride];
-            s->push[m * s->dof + i] = push;
-            s->pull[m * s->dof + i] = pull;
-            for (int k = 0; k < s->chunks; k++)
-                for (int l = 0; l < s->lanes; l++) {
-                    saltus_work *w = &radau->work[k];
-                    w->push[m * w->row + i * w->stride + l] = push;
-                    w->pull[m * w->row + i * w->stride + l] = pull;
-                }
+            s->push[m * s->dof + i] = work->push[m * work->row + i * work->stride];
+            s->pull[m * s->dof + i] = work->pull[m * work->row + i * work->stride];
         }
-    for (int k = 0; k < s->chunks; k++)
-        radau->work[k].contacts = work->contacts;
+    for (int k = 0; k < s->chunks; k++) {
+        saltus_work *w = &radau->work[k];
+        w->contacts = contacts;
+        spread_rows(work, work->push, w, w->push, contacts);
+        spread_rows(work, work->pull, w, w->pull, contacts);
+        spread_rows(work, work->vary_push, w, w->vary_push, varied);
+        spread_rows(work, work->vary_pull, w, w->vary_pull, varied);
+    }
 }
 
 /* The start of a step from the flow's work, and the tolerances there. */
@@ -266,6 +304,7 @@ static void take_start(saltus_radau *r, const saltus_work *work) {
         r->tolerance[c] =
             c ? work->tolerance_tangent * size : work->tolerance_absolute + work->tolerance_relative * size;
         r->unit[c] = DBL_EPSILON * size;
+        r->size[c] = size;
     }
 }
 
@@ -276,6 +315,7 @@ static double first_step(saltus_radau *r, double phase) {
     saltus_work *w = &r->work[0];
     for (int l = 0; l < s->lanes; l++) {
         w->phase[l] = phase;
+        w->elapsed[l] = 0;
         for (int c = 0; c < r->all; c++) {
             for (int i = 0; i < s->dof; i++) {
                 w->xq[c * w->row + i * s->lanes + l] = s->q0[c * s->dof + i];
@@ -288,7 +328,7 @@ static double first_step(saltus_radau *r, double phase) {
     r->field->expand(w, 1);
     double step = r->system->period;
     for (int c = 0; c < r->all; c++)
-        for (int i = 0; i < s->dof; i++) {
+        for (int i = 0; i < s->dof && (c < r->steady || r->size[c] > 0); i++) {
             double half = 0.5 * r->system->damping[i], inside = half * half - r->system->stiffness[i];
             double rate = inside > 0 ? half + sqrt(inside) : sqrt(r->system->stiffness[i]);
             double size = fabs(s->field[0][c * w->row + i * s->lanes]) / (rate * r->omega_unit);
@@ -389,6 +429,21 @@ static void take_rates(saltus_radau *r, int c) {
         }
 }
 
+/* A parameter column starts at zero: its size is what it grows to within the step. */
+static void judge_size(saltus_radau *r, int c) {
+    double size = r->size[c];
+    for (int k = 0; k < r->stages.chunks; k++) {
+        const saltus_work *w = &r->work[k];
+        for (int i = 0; i < w->row; i++)
+            size = larger(size,
+                          larger(fabs(w->xq[c * w->row + i]), fabs(w->xv[c * w->row + i]) / r->omega_unit));
+        for (int i = 0; i < w->extra_row; i++)
+            size = larger(size, fabs(w->xe[c * w->extra_row + i]));
+    }
+    r->tolerance[c] = r->tolerance_tangent * size;
+    r->unit[c] = DBL_EPSILON * size;
+}
+
 /* The field's arguments from the node values; the largest change in units of what the columns may be off. */
 static double integrate(saltus_radau *r) {
     double largest = 0;
@@ -398,6 +453,8 @@ static double integrate(saltus_radau *r) {
         double size = fmax(change[0], change[1] / r->omega_unit);
         if (r->extra)
             size = fmax(size, integrate_extra(r, c, r->stages.step));
+        if (c >= r->steady)
+            judge_size(r, c);
         double allowed = fmax(0.2 * r->tolerance[c], 8 * r->unit[c]);
         if (size > 0)
             largest = fmax(largest, size / fmax(allowed, DBL_MIN));
@@ -572,6 +629,7 @@ static void begin_attempt(saltus_radau *r, double phase, int k) {
     for (int j = 0; j < nodes; j++) {
         double there = phase + r->method->node[j] * s->step / r->system->period;
         r->work[j / s->lanes].phase[j % s->lanes] = there - floor(there);
+        r->work[j / s->lanes].elapsed[j % s->lanes] = r->method->node[j] * s->step;
     }
     take_factors(r, phase, k);
 }

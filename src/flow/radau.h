@@ -10,9 +10,14 @@ enum { SALTUS_RADAU_DEGREE = SALTUS_RADAU_NODES + 1 }; /* of the displacements' 
 
 typedef struct saltus_radau saltus_radau;
 
-/* A stiff integrator for one system and a number of tangent columns. All memory is allocated here. */
+/* A stiff integrator for one system and a number of tangent columns, the last ones of them parameter columns.
+ * All memory is allocated here. */
 saltus_status saltus_radau_open(saltus_radau **radau, const saltus_system *system, int columns,
-                                const saltus_work *tolerances);
+                                int directions, const saltus_work *tolerances);
+/* Take another system of the same shape; directions are forgotten. */
+void saltus_radau_retune(saltus_radau *radau, const saltus_system *system);
+/* How the system changes along a direction. */
+void saltus_radau_vary(saltus_radau *radau, int direction, const saltus_variation *variation);
 /* NULL is accepted. */
 void saltus_radau_close(saltus_radau *radau);
 /* Forget everything: for starts. */

@@ -4,6 +4,7 @@
 #define SALTUS_IO_DESCRIBE_H
 
 #include "saltus/motion.h"
+#include "saltus/scene.h"
 
 #include <stdbool.h>
 #include <stdio.h>
@@ -37,5 +38,9 @@ void saltus_put_parameters(FILE *file, const saltus_spec *spec);
 void saltus_put_stop(FILE *file, const saltus_spec *spec, int stop);
 /* Whether the multiplier k is the first of a complex conjugate pair. */
 bool saltus_multiplier_pair(const saltus_motion *motion, int k);
+/* The title, parameters and stops as lines for people. */
+void saltus_put_scene(FILE *file, const saltus_scene *scene, const saltus_system *system);
+/* Multipliers that are not inside the unit circle, by more than their accuracy. */
+int saltus_unstable_count(const saltus_multiplier *multipliers, int count);
 
 #endif

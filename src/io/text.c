@@ -13,7 +13,7 @@ static void put_head(FILE *file, const char *word) {
     fprintf(file, "  %-14s", word);
 }
 
-static void put_scene(FILE *file, const saltus_scene *scene, const saltus_system *system) {
+void saltus_put_scene(FILE *file, const saltus_scene *scene, const saltus_system *system) {
     const saltus_spec *spec = saltus_system_spec(system);
     int count;
     const saltus_parameter *p = saltus_model_parameters(spec->model, &count);
@@ -142,7 +142,11 @@ static void put_multipliers(FILE *file, const saltus_motion *motion) {
                     fabs(m->im), exp(m->log_modulus));
         k += pair;
     }
-    fprintf(file, "%s\n", motion->multiplier_count > leading ? ", ..." : "");
+    int unstable = saltus_unstable_count(motion->multipliers, motion->multiplier_count);
+    fprintf(file, "%s", motion->multiplier_count > leading ? ", ..." : "");
+    if (!motion->stable)
+        fprintf(file, "; %d not inside the unit circle", unstable);
+    fputc('\n', file);
     put_head(file, "sum rule");
     if (motion->sticks)
         fputs("does not apply: the motion sticks, some multipliers are exactly zero\n", file);
@@ -163,7 +167,7 @@ void saltus_write_motion_text(FILE *file, const saltus_scene *scene, const saltu
     char verdict[64];
     saltus_verdict(motion, verdict);
     fprintf(file, "%s: %s\n", scene->name, verdict);
-    put_scene(file, scene, system);
+    saltus_put_scene(file, scene, system);
     put_motion(file, system, motion);
     put_faces(file, system, motion);
     put_events(file, system, motion);
@@ -172,10 +176,13 @@ void saltus_write_motion_text(FILE *file, const saltus_scene *scene, const saltu
     fprintf(file, "%s\n", mirror[motion->mirror]);
     put_head(file, "displacement");
     fprintf(file, "%.7g to %.7g\n", motion->smallest, motion->largest);
-    put_head(file, "settled");
-    fprintf(file, "%lld period%s simulated", motion->transient, plural(motion->transient));
-    if (motion->kind == SALTUS_PERIODIC)
-        fprintf(file, "; residual %.1e after %d Newton step%s", motion->residual, motion->iterations,
-                plural(motion->iterations));
+    if (motion->transient) {
+        put_head(file, "settled");
+        fprintf(file, "%lld period%s simulated", motion->transient, plural(motion->transient));
+    } else
+        put_head(file, "orbit");
+    if (motion->kind == SALTUS_PERIODIC || !motion->transient)
+        fprintf(file, "%sresidual %.1e after %d Newton step%s", motion->transient ? "; " : "",
+                motion->residual, motion->iterations, plural(motion->iterations));
     fprintf(file, " (%s)\n", saltus_system_integrator(system));
 }

@@ -135,15 +135,6 @@ static bool is_resting(const saltus_system *system, saltus_flow *flow, const his
     return drift < 1e3 * at_rest;
 }
 
-/* Multipliers inside the unit circle, by more than their own accuracy; one too small to be resolved is
- * inside. */
-static bool orbit_is_stable(const saltus_orbit *orbit) {
-    for (int i = 0; i < orbit->dimension; i++)
-        if (orbit->multipliers[i].log_modulus >= -1e-10)
-            return false;
-    return true;
-}
-
 /* The least divisor of the orbit's period after which it already closes: a slowly settling trajectory recurs
  * first after a multiple of its least period. */
 static int least_period(const saltus_system *system, const saltus_flow_options *options,
@@ -165,18 +156,10 @@ static int least_period(const saltus_system *system, const saltus_flow_options *
     return least;
 }
 
-/* Newton can ask for no more than the flow's tolerance gives. */
-static saltus_orbit_options shooting_options(const saltus_classify_options *options) {
-    saltus_orbit_options shooting = saltus_orbit_defaults();
-    shooting.flow = options->flow;
-    shooting.tolerance = fmax(1e-12, 100 * options->flow.rtol);
-    return shooting;
-}
-
 /* Newton from the trajectory's last point; accepted if the orbit is where the trajectory is, and stable. */
 static bool polish(const saltus_system *system, const saltus_classify_options *options, const history *h,
                    int p, double distance, saltus_orbit *orbit, saltus_message *message) {
-    saltus_orbit_options shooting = shooting_options(options);
+    saltus_orbit_options shooting = saltus_motion_shooting(options);
     const double *last = point_at(h, h->count - 1);
     if (saltus_orbit_find(system, p, last, &shooting, orbit, message) != SALTUS_OK)
         return false;
@@ -189,7 +172,7 @@ static bool polish(const saltus_system *system, const saltus_classify_options *o
             return false;
     }
     double moved = saltus_section_distance(system, orbit->state, last);
-    if (orbit_is_stable(orbit) && moved <= fmax(nearby, 30 * distance))
+    if (saltus_motion_orbit_stable(orbit) && moved <= fmax(nearby, 30 * distance))
         return true;
     saltus_orbit_clear(orbit);
     return false;
@@ -258,215 +241,10 @@ static saltus_status settle(const saltus_system *system, saltus_flow *flow, hist
     return status;
 }
 
-/* Room for one event more. */
-static bool append_event(saltus_motion *motion, const saltus_event *event) {
-    if ((motion->event_count & (motion->event_count - 1)) == 0) {
-        size_t room = motion->event_count ? 2 * (size_t)motion->event_count : 1;
-        saltus_event *grown = realloc(motion->events, room * sizeof *grown);
-        if (!grown)
-            return false;
-        motion->events = grown;
-    }
-    motion->events[motion->event_count++] = *event;
-    return true;
-}
-
-static void count_event(const saltus_system *system, const saltus_event *event, saltus_motion *motion,
-                        bool *chatter) {
-    bool impact = event->velocity_before != 0 && event->kind != SALTUS_RELEASE;
-    if (event->kind == SALTUS_STICK) {
-        motion->sticking_intervals++;
-        *chatter |= saltus_system_face(system, event->face).r > 0 && motion->event_count > 1;
-    }
-    if (impact && event->kind != SALTUS_TURNING) {
-        motion->impacts++;
-        motion->impacts_by_face[event->face]++;
-    }
-}
-
-static void see_displacement(const saltus_system *system, const double *state, saltus_motion *motion) {
-    const double *observer = saltus_system_observer(system);
-    double g = 0;
-    for (int i = 0; i < saltus_system_dof(system); i++)
-        g = fma(observer[i], state[i], g);
-    motion->largest = fmax(motion->largest, g);
-    motion->smallest = fmin(motion->smallest, g);
-}
-
-/* Once around the orbit from its section point: events, section points, extremes. */
-static saltus_status walk_orbit(const saltus_system *system, saltus_flow *flow, saltus_motion *motion,
-                                bool *chatter, saltus_message *message) {
-    size_t n = (size_t)motion->dimension;
-    saltus_status status = saltus_flow_start(flow, 0, (saltus_time){0, 0}, motion->state, message);
-    motion->largest = -INFINITY;
-    motion->smallest = INFINITY;
-    see_displacement(system, motion->state, motion);
-    for (int k = 0; k < motion->periods && status == SALTUS_OK;) {
-        saltus_event event;
-        status = saltus_flow_advance(flow, (saltus_time){k + 1, 0},
-                                     SALTUS_WATCH_CONTACT | SALTUS_WATCH_TURNING, &event, message);
-        if (status != SALTUS_OK)
-            break;
-        double *point = motion->section_states + (size_t)((k + 1) % motion->periods) * n;
-        if (event.kind == SALTUS_REACHED) {
-            if (++k < motion->periods)
-                saltus_flow_state(flow, 0, point);
-        } else if (event.kind == SALTUS_TURNING) {
-            motion->largest = fmax(motion->largest, event.displacement);
-            motion->smallest = fmin(motion->smallest, event.displacement);
-        } else {
-            double g = event.displacement;
-            if (saltus_system_face(system, event.face).stop == 0) {
-                motion->largest = fmax(motion->largest, g);
-                motion->smallest = fmin(motion->smallest, g);
-            }
-            if (!append_event(motion, &event))
-                return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the events");
-            count_event(system, &event, motion, chatter);
-        }
-    }
-    return status;
-}
-
-/* q(t + pT/2) = -q(t), where half the orbit is an allowed shift: p even for a pulsation, odd for a direct
- * force. */
-static saltus_status find_mirror(const saltus_system *system, saltus_flow *flow, saltus_motion *motion,
-                                 saltus_message *message) {
-    bool shift, symmetric = saltus_system_mirror_symmetric(system, &shift);
-    motion->mirror = symmetric ? SALTUS_MIRROR_PAIR : SALTUS_MIRROR_NONE;
-    int n = motion->dimension;
-    double image[SALTUS_STATE_MAX];
-    for (int i = 0; i < n; i++)
-        image[i] = -motion->state[i];
-    bool at_centre = !shift && saltus_section_distance(system, image, motion->state) < 1e-7;
-    if (symmetric && at_centre)
-        motion->mirror = SALTUS_MIRROR_SELF;
-    if (!symmetric || at_centre || (motion->periods % 2 == 1) != shift)
-        return SALTUS_OK;
-    saltus_event event;
-    saltus_status status = saltus_flow_start(flow, 0, (saltus_time){0, 0}, motion->state, message);
-    if (status == SALTUS_OK)
-        status = saltus_flow_advance(flow, (saltus_time){motion->periods / 2, shift ? 0.5 : 0}, 0, &event,
-                                     message);
-    if (status != SALTUS_OK)
-        return status;
-    saltus_flow_state(flow, 0, image);
-    for (int i = 0; i < n; i++)
-        image[i] = -image[i];
-    if (saltus_section_distance(system, image, motion->state) < 1e-7)
-        motion->mirror = SALTUS_MIRROR_SELF;
-    return SALTUS_OK;
-}
-
-static void write_label(saltus_motion *motion, bool chatter) {
-    size_t room = sizeof motion->label;
-    if (motion->kind == SALTUS_EQUILIBRIUM)
-        snprintf(motion->label, room, "equilibrium");
-    else if (motion->kind == SALTUS_HELD)
-        snprintf(motion->label, room, "held");
-    else if (motion->kind == SALTUS_UNDECIDED)
-        snprintf(motion->label, room, "undecided");
-    else if (chatter) {
-        snprintf(motion->label, room, "chatter/%d", motion->periods);
-        motion->impacts = -1;
-    } else
-        snprintf(motion->label, room, "%lld/%d", motion->impacts, motion->periods);
-}
-
-/* Force per modal mass of the contacts that hold at the motion's state. */
-static saltus_status measure_forces(const saltus_system *system, const saltus_classify_options *options,
-                                    saltus_motion *motion, saltus_message *message) {
-    saltus_flow *flow = NULL;
-    saltus_status status = saltus_flow_new(&system, 1, &options->flow, &flow, message);
-    if (status == SALTUS_OK)
-        status = saltus_flow_start(flow, 0, (saltus_time){0, 0}, motion->state, message);
-    if (status == SALTUS_OK)
-        saltus_flow_forces(flow, 0, motion->contact_force);
-    saltus_flow_free(flow);
-    return status;
-}
-
-/* Hand the orbit's arrays over to the motion and measure the orbit. */
-static saltus_status describe_orbit(const saltus_system *system, saltus_flow *flow, saltus_orbit *orbit,
-                                    const saltus_classify_options *options, saltus_motion *motion,
-                                    saltus_message *message) {
-    bool chatter = false;
-    size_t n = (size_t)motion->dimension;
-    motion->kind = SALTUS_PERIODIC;
-    motion->periods = orbit->periods;
-    motion->residual = orbit->residual;
-    motion->iterations = orbit->iterations;
-    motion->sticks = orbit->sticks;
-    motion->log_volume = orbit->log_volume;
-    motion->sum_rule = orbit->sum_rule;
-    motion->stable = orbit_is_stable(orbit);
-    motion->multipliers = orbit->multipliers;
-    motion->multiplier_count = orbit->dimension;
-    orbit->multipliers = NULL;
-    memcpy(motion->state, orbit->state, n * sizeof *motion->state);
-    motion->section_states = calloc(n * (size_t)motion->periods, sizeof *motion->section_states);
-    if (!motion->section_states)
-        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the orbit");
-    memcpy(motion->section_states, motion->state, n * sizeof *motion->state);
-    saltus_status status = walk_orbit(system, flow, motion, &chatter, message);
-    if (status == SALTUS_OK && motion->event_count == 0 && saltus_flow_contacts(flow, 0)) {
-        motion->kind = SALTUS_HELD;
-        status = measure_forces(system, options, motion, message);
-    }
-    if (status == SALTUS_OK)
-        status = find_mirror(system, flow, motion, message);
-    write_label(motion, chatter);
-    return status;
-}
-
-/* A rest is a fixed point of the map over any time: polished as one, its multipliers decide on stability.
- * Where Newton's matrix is singular (a continuum of rests) the state stays as found and is not called stable.
- */
-static void polish_rest(const saltus_system *system, const saltus_classify_options *options,
-                        saltus_motion *motion) {
-    saltus_orbit_options shooting = shooting_options(options);
-    saltus_orbit rest = {0};
-    saltus_message message;
-    if (saltus_orbit_find(system, 1, motion->state, &shooting, &rest, &message) == SALTUS_OK &&
-        saltus_section_distance(system, rest.state, motion->state) < nearby) {
-        memcpy(motion->state, rest.state, (size_t)motion->dimension * sizeof *motion->state);
-        motion->stable = orbit_is_stable(&rest);
-        motion->residual = rest.residual;
-        motion->iterations = rest.iterations;
-    }
-    saltus_orbit_clear(&rest);
-}
-
-static saltus_status describe_rest(const saltus_system *system, saltus_flow *flow,
-                                   const saltus_classify_options *options, saltus_motion *motion,
-                                   saltus_message *message) {
-    bool shift;
-    saltus_status status = SALTUS_OK;
-    saltus_flow_state(flow, 0, motion->state);
-    if (motion->kind != SALTUS_UNDECIDED)
-        polish_rest(system, options, motion);
-    motion->largest = -INFINITY;
-    motion->smallest = INFINITY;
-    see_displacement(system, motion->state, motion);
-    if (motion->kind != SALTUS_UNDECIDED) {
-        motion->mirror =
-            saltus_system_mirror_symmetric(system, &shift) ? SALTUS_MIRROR_PAIR : SALTUS_MIRROR_NONE;
-        if (fabs(motion->largest) < 1e-9 * saltus_system_scale(system)[0] &&
-            motion->mirror == SALTUS_MIRROR_PAIR)
-            motion->mirror = SALTUS_MIRROR_SELF;
-    }
-    if (motion->kind == SALTUS_HELD)
-        status = measure_forces(system, options, motion, message);
-    write_label(motion, false);
-    return status;
-}
-
 saltus_status saltus_classify(const saltus_system *system, const double *state,
                               const saltus_classify_options *options, saltus_motion *motion,
                               saltus_message *message) {
-    *motion = (saltus_motion){.kind = SALTUS_UNDECIDED,
-                              .dimension = saltus_system_dimension(system),
-                              .face_count = saltus_system_face_count(system)};
+    *motion = (saltus_motion){0};
     if (options->transient < 1 || options->longest < 1 || options->longest > 1024)
         return saltus_fail(message, SALTUS_BAD_INPUT,
                            "transient must be at least 1, the longest period from 1 to 1024");
@@ -477,9 +255,8 @@ saltus_status saltus_classify(const saltus_system *system, const double *state,
     history h = {0};
     bool found = false;
     saltus_status status = saltus_flow_new(&system, 1, &flow_options, &flow, message);
-    motion->state = calloc((size_t)motion->dimension, sizeof *motion->state);
-    if (status == SALTUS_OK &&
-        !(motion->state && open_history(&h, motion->dimension, 4 * options->longest + 8)))
+    if (status == SALTUS_OK && !(saltus_motion_open(system, motion) &&
+                                 open_history(&h, motion->dimension, 4 * options->longest + 8)))
         status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory to classify");
     if (status == SALTUS_OK)
         status = saltus_flow_start(flow, 0, (saltus_time){0, 0}, state, message);
@@ -487,20 +264,12 @@ saltus_status saltus_classify(const saltus_system *system, const double *state,
         status = settle(system, flow, &h, options, motion, &orbit, &found, message);
     motion->transient = h.count;
     if (status == SALTUS_OK)
-        status = found ? describe_orbit(system, flow, &orbit, options, motion, message)
-                       : describe_rest(system, flow, options, motion, message);
+        status = found ? saltus_motion_take(system, flow, &orbit, options, motion, message)
+                       : saltus_motion_rest(system, flow, options, motion, message);
     saltus_orbit_clear(&orbit);
     close_history(&h);
     saltus_flow_free(flow);
     if (status != SALTUS_OK)
         saltus_motion_clear(motion);
     return status;
-}
-
-void saltus_motion_clear(saltus_motion *motion) {
-    free(motion->state);
-    free(motion->section_states);
-    free(motion->events);
-    free(motion->multipliers);
-    *motion = (saltus_motion){0};
 }

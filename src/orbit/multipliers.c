@@ -1,13 +1,17 @@
-/* Floquet multipliers, small ones included.
+/* Floquet multipliers and vectors, small ones included.
  *
  * The derivative over an orbit is a product of derivatives over short segments, A_m ... A_1. Formed as one
- * matrix it loses every multiplier below rounding times the largest one, and at five modes they reach 1e-100.
- * So the product is never formed for the eigenvalues: orthogonal iteration Q_k R_k = A_k Q_{k-1} around the
- * orbit, cycle after cycle, turns the bases towards the invariant subspaces. When they have settled, one more
- * cycle gives A_m ... A_1 Q = Q' (R_m ... R_1), and Q^T Q' is block diagonal: a block of size one holds a
- * real multiplier, larger ones hold multipliers of (nearly) equal modulus. The block's R factors are
- * multiplied with their scale kept as a logarithm, so nothing underflows. (The idea behind the periodic QR
- * algorithm; Dieci & Van Vleck, Appl. Numer. Math. 17 (1995) 275-291.)
+ * matrix it loses every multiplier below rounding times the largest one, and at five modes they reach 1e-40,
+ * at ten 1e-1000. So the product is never formed. First, orthogonal iteration Q_k R_k = A_k Q_{k-1} around
+ * the orbit turns the bases towards the invariant subspaces, which takes few cycles where moduli are far
+ * apart. Then A_m ... A_1 Q_0 = Q_0 T (R_m ... R_1) with T = Q_0^T Q_m block diagonal. A block of size one
+ * holds a real multiplier, the product of its factors. Larger ones, with multipliers of similar modulus, are
+ * left to the periodic QR iteration (base/periodic.h), which needs no separation. (Dieci & Van Vleck, Appl.
+ * Numer. Math. 17 (1995) 275-291; Lust, Int. J. Bifurcation Chaos 11 (2001) 2389-2410.)
+ *
+ * Vectors: in the bases Q_k an invariant direction is y_k = R_k y_{k-1} without components beyond its block.
+ * The block's part is an eigenvector of a small matrix. The components before it belong to larger
+ * multipliers: R_k is solved for them backwards around the orbit, where they die out.
  *
  * An orbit with lasting contacts loses two dimensions per contact; as many multipliers are exact zeros.
  * SPDX-License-Identifier: GPL-3.0-or-later */
@@ -16,57 +20,22 @@
 #include "base/bits.h"
 #include "base/dense.h"
 #include "base/memory.h"
+#include "base/periodic.h"
 
+#include <complex.h>
 #include <gsl/gsl_integration.h>
+#include <lapacke.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { cycles_min = 6, cycles_max = 30, quadrature_points = 12 };
+enum { quadrature_points = 6 };
 
-/* Work for one orbit of dimension n in `segments` pieces. */
-typedef struct cocycle {
-    saltus_arena arena;
-    int n, segments, zeros;
-    double *segment;   /* segments of n columns of length n */
-    double *q, *start; /* bases: n columns of length n */
-    double *r;         /* upper triangle of a segment */
-    double *product;   /* R_m ... R_1, each row scaled by its own logarithm */
-    double *scale;     /* natural logarithms of the rows' scales */
-    double *weakest;   /* least growth of each direction over a segment, beside the largest there */
-    double *tau, *block, *real, *imaginary, *state;
-} cocycle;
-
-static void reserve(cocycle *c) {
-    size_t n = (size_t)c->n, square = n * n;
-    c->segment = saltus_arena_doubles(&c->arena, square * (size_t)c->segments);
-    c->q = saltus_arena_doubles(&c->arena, square);
-    c->start = saltus_arena_doubles(&c->arena, square);
-    c->r = saltus_arena_doubles(&c->arena, square);
-    c->product = saltus_arena_doubles(&c->arena, square);
-    c->block = saltus_arena_doubles(&c->arena, square);
-    c->scale = saltus_arena_doubles(&c->arena, n);
-    c->weakest = saltus_arena_doubles(&c->arena, n);
-    c->tau = saltus_arena_doubles(&c->arena, n);
-    c->real = saltus_arena_doubles(&c->arena, n);
-    c->imaginary = saltus_arena_doubles(&c->arena, n);
-    c->state = saltus_arena_doubles(&c->arena, n);
-}
-
-static void identity(double *a, int n) {
-    memset(a, 0, (size_t)(n * n) * sizeof *a);
-    for (int i = 0; i < n; i++)
-        a[i * n + i] = 1;
-}
-
-/* out = a b for matrices stored by columns. */
-static void multiply(const double *a, const double *b, int n, double *out) {
-    memset(out, 0, (size_t)(n * n) * sizeof *out);
-    for (int j = 0; j < n; j++)
-        for (int k = 0; k < n; k++)
-            for (int i = 0; i < n; i++)
-                out[j * n + i] = fma(a[k * n + i], b[j * n + k], out[j * n + i]);
-}
+/* What joins two subspaces over a cycle: below this they are separate. */
+static const double separate = 1e-12;
+/* Growth over a segment beside that segment's largest below which a direction is not told from the errors of
+ * the tangent vectors, which are 1e-13 of their length. */
+static const double weakest_growth = 1e-10;
 
 /* The integral of the Jacobian's trace over the flow's last step, by Gauss quadrature on its dense output. */
 static double trace_over_step(const saltus_system *system, const saltus_flow *flow, double *state,
@@ -81,10 +50,17 @@ static double trace_over_step(const saltus_system *system, const saltus_flow *fl
     return sum;
 }
 
-/* Advance to a time step by step: trace integral, and the largest number of lasting contacts. */
+/* Directions lost at an event: two for each lasting contact; an impact without rebound takes one. */
+static int lost_directions(const saltus_system *system, const saltus_flow *flow, const saltus_event *event) {
+    int lost = 2 * saltus_count_bits(saltus_flow_contacts(flow, 0));
+    bool dead = event->kind == SALTUS_IMPACT && saltus_system_face(system, event->face).r == 0;
+    return lost > 0 ? lost : dead;
+}
+
+/* Advance to a time step by step: trace integral, and the largest number of directions lost. */
 static saltus_status advance_watching(const saltus_system *system, saltus_flow *flow, saltus_time until,
-                                      cocycle *c, const gsl_integration_glfixed_table *table, double *trace,
-                                      saltus_message *message) {
+                                      saltus_cocycle *cocycle, double *state,
+                                      const gsl_integration_glfixed_table *table, saltus_message *message) {
     saltus_event event;
     do {
         saltus_status status =
@@ -92,235 +68,591 @@ static saltus_status advance_watching(const saltus_system *system, saltus_flow *
         if (status != SALTUS_OK)
             return status;
         if (saltus_flow_step_length(flow, 0) > 0)
-            *trace += trace_over_step(system, flow, c->state, table);
-        int lost = 2 * saltus_count_bits(saltus_flow_contacts(flow, 0));
-        c->zeros = lost > c->zeros ? lost : c->zeros;
+            cocycle->sum_rule += trace_over_step(system, flow, state, table);
+        int lost = lost_directions(system, flow, &event);
+        cocycle->zeros = lost > cocycle->zeros ? lost : cocycle->zeros;
     } while (event.kind != SALTUS_REACHED);
     return SALTUS_OK;
 }
 
-/* The derivatives over the segments, from identity columns; the sum rule's right side on the way. */
-static saltus_status run_segments(const saltus_system *system, saltus_flow *flow, double phase, cocycle *c,
-                                  saltus_orbit *orbit, saltus_message *message) {
+static void identity(double *a, int n) {
+    memset(a, 0, (size_t)(n * n) * sizeof *a);
+    for (int i = 0; i < n; i++)
+        a[i * n + i] = 1;
+}
+
+/* The derivatives over the segments, from identity columns; the sum rule's right side on the way. `columns`
+ * has room for n of them and a state. */
+static saltus_status run_segments(const saltus_system *system, saltus_flow *flow, double phase, int periods,
+                                  const double *state, saltus_cocycle *cocycle, double *columns,
+                                  saltus_message *message) {
+    int n = cocycle->n;
     gsl_integration_glfixed_table *table = gsl_integration_glfixed_table_alloc(quadrature_points);
     if (!table)
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the multipliers");
-    double trace = 0;
-    saltus_status status = saltus_flow_start(flow, 0, (saltus_time){0, phase}, orbit->state, message);
-    for (int m = 0; m < c->segments && status == SALTUS_OK; m++) {
-        double periods = phase + (double)orbit->periods * (m + 1) / c->segments, whole = floor(periods);
-        saltus_time until = {(long long)whole, periods - whole};
-        if (m + 1 == c->segments)
-            until = (saltus_time){orbit->periods, phase};
-        identity(c->q, c->n);
-        saltus_flow_set_tangents(flow, 0, c->q);
-        status = advance_watching(system, flow, until, c, table, &trace, message);
-        saltus_flow_tangents(flow, 0, c->segment + (size_t)m * (size_t)(c->n * c->n));
+    identity(columns, n);
+    saltus_status status = saltus_flow_start(flow, 0, (saltus_time){0, phase}, state, message);
+    for (int m = 0; m < cocycle->count && status == SALTUS_OK; m++) {
+        double end = phase + (double)periods * (m + 1) / cocycle->count, whole = floor(end);
+        saltus_time until = {(long long)whole, end - whole};
+        if (m + 1 == cocycle->count)
+            until = (saltus_time){periods, phase};
+        saltus_flow_set_tangents(flow, 0, columns);
+        status = advance_watching(system, flow, until, cocycle, columns + n * n, table, message);
+        saltus_flow_tangents(flow, 0, cocycle->segments + (size_t)m * (size_t)(n * n));
     }
     gsl_integration_glfixed_table_free(table);
-    orbit->sum_rule = trace + saltus_flow_information(flow, 0).log_volume;
-    orbit->sticks = c->zeros > 0;
+    cocycle->sum_rule += saltus_flow_information(flow, 0).log_volume;
     return status;
 }
 
-/* product = R product with rows kept at unit size and their scales as logarithms. */
-static void accumulate(cocycle *c) {
-    int n = c->n;
-    for (int i = 0; i < n; i++) {
-        /* Row i of R times the product: the largest scale among the rows involved is the reference. */
-        double reference = -INFINITY, size = 0;
-        for (int k = i; k < n; k++)
-            if (c->r[i * n + k] != 0)
-                reference = fmax(reference, c->scale[k] + log(fabs(c->r[i * n + k])));
-        for (int j = 0; j < n; j++)
-            c->block[j] = 0;
-        for (int k = i; k < n && reference > -INFINITY; k++)
-            if (c->r[i * n + k] != 0)
-                for (int j = k; j < n; j++)
-                    c->block[j] +=
-                        copysign(exp(c->scale[k] + log(fabs(c->r[i * n + k])) - reference), c->r[i * n + k]) *
-                        c->product[k * n + j];
-        for (int j = 0; j < n; j++)
-            size = fmax(size, fabs(c->block[j]));
-        for (int j = 0; j < n; j++)
-            c->product[i * n + j] = size > 0 ? c->block[j] / size : 0;
-        c->scale[i] = size > 0 ? reference + log(size) : -INFINITY;
+/* Segments so short that no direction contracts by more than e^-14 over one: then the errors of the tangent
+ * vectors cost the smallest multipliers few digits. Where that takes too many segments they may be half as
+ * long again; where even these are too many only the leading multipliers are to be had, and a few segments
+ * do. */
+static int count_segments(const saltus_system *system, int n, int periods) {
+    enum { bytes_max = 1 << 24, coarse = 16 };
+    double decay = saltus_system_fastest_decay(system) * saltus_system_period(system);
+    double fit = floor(bytes_max / (8.0 * n * n));
+    double fine = periods * fmax(1, ceil(decay / 14)), enough = periods * fmax(1, ceil(decay / 20));
+    return (int)(fine <= fit ? fine : enough <= fit ? fit : coarse * (double)periods);
+}
+
+saltus_status saltus_cocycle_run(const saltus_system *system, const saltus_orbit_options *options,
+                                 int periods, const double *state, saltus_cocycle *cocycle,
+                                 saltus_message *message) {
+    int n = saltus_system_dimension(system);
+    size_t square = (size_t)n * (size_t)n;
+    *cocycle = (saltus_cocycle){.n = n, .count = count_segments(system, n, periods)};
+    saltus_flow_options flow_options = options->flow;
+    flow_options.columns = n;
+    flow_options.directions = 0;
+    saltus_flow *flow = NULL;
+    saltus_status status = saltus_flow_new(&system, 1, &flow_options, &flow, message);
+    double *columns = calloc(square + (size_t)n, sizeof *columns);
+    cocycle->segments = calloc(square * (size_t)cocycle->count, sizeof *cocycle->segments);
+    if (status == SALTUS_OK && !(columns && cocycle->segments))
+        status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the multipliers");
+    if (status == SALTUS_OK)
+        status = run_segments(system, flow, options->phase, periods, state, cocycle, columns, message);
+    free(columns);
+    saltus_flow_free(flow);
+    if (status != SALTUS_OK)
+        saltus_cocycle_clear(cocycle);
+    return status;
+}
+
+void saltus_cocycle_clear(saltus_cocycle *cocycle) {
+    free(cocycle->segments);
+    *cocycle = (saltus_cocycle){0};
+}
+
+/* Work on a cocycle. All but its own matrices are row-major. */
+typedef struct iteration {
+    saltus_arena arena;
+    int n, count;
+    bool keep;              /* all bases, not only the first and the last */
+    const double *segments; /* by columns */
+    double *bases;          /* Q_0 ... Q_m, or one place for each in turn */
+    double *start;          /* Q_0 */
+    double *turn;           /* T = Q_0^T Q_m */
+    double *triangles;      /* R_1 ... R_m */
+    double *balance;        /* powers of two that the coordinates are divided by */
+    double *joins;  /* per k the largest entry of T that joins the first k directions with the others */
+    double *before; /* the same a cycle earlier */
+    double *block;  /* a block of T, and that of each R after it */
+    double *product, *real, *imaginary, *work;
+} iteration;
+
+/* A multiplier and where it comes from: an eigenvalue of a block, which is scaled to order one. */
+typedef struct found_multiplier {
+    saltus_multiplier value;
+    int first, last;
+    double real, imaginary;
+} found_multiplier;
+
+static void reserve(iteration *it) {
+    size_t n = (size_t)it->n, square = n * n, count = (size_t)it->count;
+    it->bases = saltus_arena_doubles(&it->arena, square * (it->keep ? count + 1 : 1));
+    it->start = saltus_arena_doubles(&it->arena, square);
+    it->turn = saltus_arena_doubles(&it->arena, square);
+    it->triangles = saltus_arena_doubles(&it->arena, square * count);
+    it->balance = saltus_arena_doubles(&it->arena, n);
+    it->joins = saltus_arena_doubles(&it->arena, n + 1);
+    it->before = saltus_arena_doubles(&it->arena, n + 1);
+    it->block = saltus_arena_doubles(&it->arena, square * (count + 1));
+    it->product = saltus_arena_doubles(&it->arena, square);
+    it->real = saltus_arena_doubles(&it->arena, n);
+    it->imaginary = saltus_arena_doubles(&it->arena, n);
+    it->work = saltus_arena_doubles(&it->arena, 2 * n);
+}
+
+static double *basis_at(const iteration *it, int m) {
+    return it->bases + (it->keep ? (size_t)m * (size_t)(it->n * it->n) : 0);
+}
+
+static double *triangle_at(const iteration *it, int m) {
+    return it->triangles + (size_t)m * (size_t)(it->n * it->n);
+}
+
+/* Coordinates in which the segments' rows and columns are of similar size. */
+static bool balance(iteration *it) {
+    int n = it->n;
+    lapack_int low, high;
+    memset(it->product, 0, (size_t)(n * n) * sizeof *it->product);
+    for (int m = 0; m < it->count; m++)
+        for (int i = 0; i < n * n; i++)
+            it->product[i] += fabs(it->segments[(size_t)m * (size_t)(n * n) + (size_t)i]);
+    for (int i = 0; i < n * n; i++)
+        if (!isfinite(it->product[i]))
+            return false;
+    return LAPACKE_dgebal_work(LAPACK_COL_MAJOR, 'S', n, it->product, n, &low, &high, it->balance) == 0;
+}
+
+/* Any basis that is not special to the system: a pseudo-random one, the same every time. */
+static void generic_basis(iteration *it) {
+    unsigned long state = 1;
+    for (int i = 0; i < it->n * it->n; i++) {
+        state = (state * 1664525UL + 1013904223UL) & 0xffffffffUL;
+        it->product[i] = (double)state / 4294967296.0 - 0.5;
+    }
+    saltus_dense_qr(it->product, it->n, basis_at(it, it->count), it->work);
+}
+
+/* out = A_m q in balanced coordinates. */
+static void multiply(const iteration *it, int m, const double *q, double *out) {
+    int n = it->n;
+    const double *a = it->segments + (size_t)m * (size_t)(n * n);
+    memset(out, 0, (size_t)(n * n) * sizeof *out);
+    for (int k = 0; k < n; k++)
+        for (int i = 0; i < n; i++) {
+            double factor = a[k * n + i] * it->balance[k] / it->balance[i];
+            for (int j = 0; j < n; j++)
+                out[i * n + j] += factor * q[k * n + j];
+        }
+}
+
+/* One cycle of orthogonal iteration from the last basis. */
+static void cycle(iteration *it) {
+    int n = it->n;
+    const double *last = basis_at(it, it->count);
+    memcpy(it->start, last, (size_t)(n * n) * sizeof *last);
+    memmove(it->bases, it->start, (size_t)(n * n) * sizeof *last);
+    for (int m = 0; m < it->count; m++) {
+        multiply(it, m, basis_at(it, m), triangle_at(it, m));
+        saltus_dense_qr(triangle_at(it, m), n, basis_at(it, m + 1), it->work);
+    }
+    memset(it->turn, 0, (size_t)(n * n) * sizeof *it->turn);
+    for (int l = 0; l < n; l++)
+        for (int i = 0; i < n; i++)
+            for (int j = 0; j < n; j++)
+                it->turn[i * n + j] += it->start[l * n + i] * last[l * n + j];
+    memcpy(it->before, it->joins, (size_t)(n + 1) * sizeof *it->joins);
+    for (int k = 1; k < n; k++) {
+        it->joins[k] = 0;
+        for (int i = k; i < n; i++)
+            for (int j = 0; j < k; j++)
+                it->joins[k] = fmax(it->joins[k], fabs(it->turn[i * n + j]));
     }
 }
 
-/* One cycle of orthogonal iteration from basis c->q (kept in c->start); true unless QR fails. */
-static bool cycle(cocycle *c, double *log_volume) {
-    int n = c->n;
-    memcpy(c->start, c->q, (size_t)(n * n) * sizeof *c->q);
-    identity(c->product, n);
-    memset(c->scale, 0, (size_t)n * sizeof *c->scale);
-    *log_volume = 0;
-    for (int i = 0; i < n; i++)
-        c->weakest[i] = 1;
-    for (int m = 0; m < c->segments; m++) {
-        multiply(c->segment + (size_t)m * (size_t)(n * n), c->q, n, c->block);
-        memcpy(c->q, c->block, (size_t)(n * n) * sizeof *c->q);
-        if (!saltus_dense_qr(c->q, n, n, c->r, c->tau))
-            return false;
-        double largest = 0;
-        for (int i = 0; i < n; i++)
-            largest = fmax(largest, c->r[i * n + i]);
-        for (int i = 0; i < n; i++) {
-            *log_volume += log(c->r[i * n + i]);
-            c->weakest[i] = fmin(c->weakest[i], c->r[i * n + i] / largest);
-        }
-        accumulate(c);
+/* Whether some subspaces, at the rate of the last cycle, will be separate within so many cycles more. */
+static bool promising(const iteration *it, double cycles) {
+    for (int k = 1; k < it->n; k++) {
+        double now = it->joins[k], rate = now / it->before[k];
+        if (now > separate && rate < 1 && log(separate / now) >= cycles * log(rate))
+            return true;
+    }
+    return false;
+}
+
+/* Cycles until none more would be worth its while: few, where the periodic QR iteration does the rest, many
+ * where vectors are asked for. */
+static bool iterate(iteration *it) {
+    enum { cycles_min = 3, cycles_max = 300 };
+    if (!balance(it))
+        return false;
+    generic_basis(it);
+    for (int k = 0; k < cycles_max; k++) {
+        cycle(it);
+        if (k + 1 >= cycles_min && !promising(it, it->keep ? cycles_max : 3))
+            break;
     }
     return true;
 }
 
-/* Largest entry of Q^T Q' that joins the first k directions with the rest. */
-static double mixing(const cocycle *c, int k) {
-    double largest = 0;
-    for (int i = k; i < c->n; i++)
-        for (int j = 0; j < k; j++) {
-            double sum = 0;
-            for (int l = 0; l < c->n; l++)
-                sum = fma(c->start[i * c->n + l], c->q[j * c->n + l], sum);
-            largest = fmax(largest, fabs(sum));
-        }
-    return largest;
+static bool splits(const iteration *it, int k) {
+    return k == 0 || k == it->n || it->joins[k] <= 10 * separate;
 }
 
-/* Multipliers of the diagonal block [first, last). */
-static bool block_multipliers(cocycle *c, int first, int last, saltus_multiplier *out) {
-    int n = c->n, size = last - first;
-    double reference = -INFINITY;
-    for (int i = first; i < last; i++)
-        reference = fmax(reference, c->scale[i]);
-    if (reference == -INFINITY) {
+/* The leading directions that all segments resolve, up to a split. */
+static int count_resolved(const iteration *it, int zeros) {
+    int n = it->n, resolved = n - zeros;
+    for (int m = 0; m < it->count; m++) {
+        const double *r = triangle_at(it, m);
+        double largest = 0;
+        for (int i = 0; i < n; i++)
+            largest = fmax(largest, r[i * n + i]);
+        for (int i = 0; i < resolved; i++)
+            if (!(r[i * n + i] >= weakest_growth * largest))
+                resolved = i;
+    }
+    while (!splits(it, resolved))
+        resolved--;
+    return resolved;
+}
+
+/* Sum of the logarithms of a direction's growth over the segments. */
+static double log_growth(const iteration *it, int i) {
+    double sum = 0;
+    for (int m = 0; m < it->count; m++)
+        sum += log(triangle_at(it, m)[i * it->n + i]);
+    return sum;
+}
+
+/* The block [first, last) of T and of every R, R's divided by their mean growth; returns the logarithm of
+ * what was divided by. */
+static double fill_block(iteration *it, int first, int last) {
+    int n = it->n, size = last - first;
+    double scale = 0, *out = it->block;
+    for (int m = -1; m < it->count; m++) {
+        const double *from = (m < 0 ? it->turn : triangle_at(it, m)) + first * n + first;
+        double mean = 0;
+        for (int i = 0; i < size && m >= 0; i++)
+            mean += log(from[i * n + i]) / size;
+        scale += mean;
+        double factor = exp(-mean);
         for (int i = 0; i < size; i++)
-            out[i] = (saltus_multiplier){0, 0, -INFINITY};
+            for (int j = 0; j < size; j++)
+                *out++ = from[i * n + j] * factor;
+    }
+    return scale;
+}
+
+/* A real multiplier that stands alone. */
+static void single_multiplier(const iteration *it, int at, found_multiplier *out) {
+    double turn = it->turn[at * it->n + at], logarithm = log_growth(it, at) + log(fabs(turn));
+    *out = (found_multiplier){.value = {copysign(exp(logarithm), turn), 0, logarithm},
+                              .first = at,
+                              .last = at + 1,
+                              .real = copysign(1, turn)};
+}
+
+static bool block_multipliers(iteration *it, int first, int last, found_multiplier *out) {
+    int size = last - first;
+    if (size == 1) {
+        single_multiplier(it, first, out);
         return true;
     }
-    for (int i = 0; i < size; i++)
-        for (int j = 0; j < size; j++) {
-            double sum = 0;
-            for (int k = 0; k < size; k++) {
-                double turn = 0;
-                for (int l = 0; l < n; l++)
-                    turn = fma(c->start[(first + i) * n + l], c->q[(first + k) * n + l], turn);
-                sum += turn * c->product[(first + k) * n + first + j] * exp(c->scale[first + k] - reference);
-            }
-            c->block[j * size + i] = sum;
-        }
-    if (!saltus_dense_eigenvalues(c->block, size, c->real, c->imaginary))
+    double scale = fill_block(it, first, last);
+    if (!saltus_periodic_eigenvalues(it->block, it->block + size * size, size, it->count, it->product,
+                                     it->real, it->imaginary))
         return false;
     for (int i = 0; i < size; i++) {
-        double modulus = hypot(c->real[i], c->imaginary[i]), logarithm = reference + log(modulus);
+        double modulus = hypot(it->real[i], it->imaginary[i]), logarithm = scale + log(modulus);
         double value = exp(logarithm);
-        out[i] = (saltus_multiplier){modulus > 0 ? value * (c->real[i] / modulus) : 0,
-                                     modulus > 0 ? value * (c->imaginary[i] / modulus) : 0, logarithm};
+        out[i] =
+            (found_multiplier){.value = {modulus > 0 ? value * (it->real[i] / modulus) : 0,
+                                         modulus > 0 ? value * (it->imaginary[i] / modulus) : 0, logarithm},
+                               .first = first,
+                               .last = last,
+                               .real = it->real[i],
+                               .imaginary = it->imaginary[i]};
     }
     return true;
 }
 
 static int by_modulus(const void *a, const void *b) {
-    const saltus_multiplier *x = a, *y = b;
+    const saltus_multiplier *x = &((const found_multiplier *)a)->value,
+                            *y = &((const found_multiplier *)b)->value;
     if (x->log_modulus != y->log_modulus)
         return x->log_modulus < y->log_modulus ? 1 : -1;
     return x->im < y->im ? 1 : x->im > y->im ? -1 : 0;
 }
 
-/* Directions whose growth over every segment stands out of rounding beside the largest, and whose multiplier
- * is above the smallest number there is: these are resolved. */
-static int count_resolved(cocycle *c) {
-    int resolved = c->n - c->zeros;
-    for (int i = 0; i < c->n; i++)
-        if (c->weakest[i] < 1e-13)
-            resolved = i < resolved ? i : resolved;
-    return resolved;
-}
-
-/* Whether the first `count` directions are separated from each other, alone or in pairs, and from the rest.
- */
-static bool separated(const cocycle *c, int count) {
-    enum { pair = 2 };
-    for (int i = 1, run = 0; i <= count && i < c->n; i++) {
-        run = mixing(c, i) > 1e-13 ? run + 1 : 0;
-        if (run >= pair)
+/* All multipliers, sorted; the number of resolved ones goes to *resolved. */
+static bool find_multipliers(iteration *it, int zeros, found_multiplier *found, int *resolved,
+                             double *log_volume) {
+    int n = it->n, first = 0, count = count_resolved(it, zeros);
+    *resolved = count;
+    *log_volume = count < n - zeros ? NAN : 0;
+    for (int i = 1; i <= count; i++) {
+        *log_volume += log_growth(it, i - 1);
+        if (!splits(it, i))
+            continue;
+        if (!block_multipliers(it, first, i, found + first))
             return false;
+        first = i;
     }
+    for (int i = count; i < n; i++)
+        found[i].value = (saltus_multiplier){0, 0, i < n - zeros ? NAN : -INFINITY};
+    qsort(found, (size_t)count, sizeof *found, by_modulus);
     return true;
 }
 
-static bool settle(cocycle *c, saltus_orbit *orbit) {
-    int resolved = 0, first = 0;
-    identity(c->q, c->n);
-    for (int k = 0; k < cycles_max; k++) {
-        if (!cycle(c, &orbit->log_volume))
-            return false;
-        resolved = count_resolved(c);
-        if (k >= cycles_min && separated(c, resolved))
+/* Null vector of a block's matrix T R_m ... R_1 less one of its eigenvalues, of unit length. */
+static bool block_vector(iteration *it, const found_multiplier *found, double complex *z) {
+    int size = found->last - found->first, parts = found->imaginary == 0 ? 1 : 2, all = parts * size;
+    size_t room = (size_t)(all * all);
+    double *matrix = calloc(room + (size_t)all, sizeof *matrix), smallest;
+    if (!matrix)
+        return false;
+    double *vector = matrix + room;
+    fill_block(it, found->first, found->last);
+    saltus_periodic_product(it->block + size * size, size, it->count, it->product);
+    for (int part = 0; part < parts; part++)
+        for (int i = 0; i < size; i++) {
+            double *row = matrix + (part * size + i) * all + part * size;
+            for (int k = 0; k < size; k++)
+                for (int j = k; j < size; j++)
+                    row[j] += it->block[i * size + k] * it->product[k * size + j];
+            row[i] -= found->real;
+            if (parts == 2)
+                row[part ? i - size : i + size] = part ? -found->imaginary : found->imaginary;
+        }
+    bool solved = saltus_dense_null_vectors(matrix, all, all, 1, vector, &smallest);
+    for (int i = 0; i < size; i++)
+        z[found->first + i] = vector[i] + (parts == 2 ? vector[size + i] : 0) * I;
+    free(matrix);
+    return solved;
+}
+
+/* The block's part of a vector forwards around the orbit; growth over each segment goes to `growth`. */
+static void carry_forwards(const iteration *it, const found_multiplier *found, double complex *path,
+                           double *growth) {
+    int n = it->n;
+    for (int m = 0; m < it->count; m++) {
+        const double *r = triangle_at(it, m);
+        const double complex *y = path + (size_t)m * (size_t)n;
+        double complex *next = path + (size_t)(m + 1) * (size_t)n;
+        double square = 0;
+        for (int i = found->first; i < found->last; i++) {
+            next[i] = 0;
+            for (int j = i; j < found->last; j++)
+                next[i] += r[i * n + j] * y[j];
+            square += creal(next[i]) * creal(next[i]) + cimag(next[i]) * cimag(next[i]);
+        }
+        growth[m] = sqrt(square);
+        for (int i = found->first; i < found->last; i++)
+            next[i] /= growth[m];
+    }
+}
+
+/* The components before the block, once backwards around the orbit from those at its end. */
+static void carry_backwards(const iteration *it, const found_multiplier *found, double complex *path,
+                            const double *growth) {
+    int n = it->n;
+    for (int m = it->count - 1; m >= 0; m--) {
+        const double *r = triangle_at(it, m);
+        double complex *y = path + (size_t)m * (size_t)n;
+        const double complex *next = y + n;
+        for (int i = found->first - 1; i >= 0; i--) {
+            double complex sum = growth[m] * next[i];
+            for (int j = i + 1; j < found->last; j++)
+                sum -= r[i * n + j] * y[j];
+            y[i] = sum / r[i * n + i];
+        }
+    }
+}
+
+/* What the components before the block must be at the end for a vector that closes; returns the change. */
+static double close_path(const iteration *it, const found_multiplier *found, double complex *path) {
+    int n = it->n;
+    double complex *end = path + (size_t)it->count * (size_t)n;
+    double complex turn = (found->real + found->imaginary * I) / hypot(found->real, found->imaginary);
+    double change = 0;
+    for (int i = 0; i < found->first; i++) {
+        double complex sum = 0;
+        for (int j = 0; j < found->first; j++)
+            sum += it->turn[j * n + i] * path[j];
+        change = fmax(change, cabs(turn * sum - end[i]));
+        end[i] = turn * sum;
+    }
+    return change;
+}
+
+/* Components y in the bases Q_m to vectors of unit length in the caller's coordinates. */
+static void write_vectors(const iteration *it, const found_multiplier *found, const double complex *path,
+                          double *vectors) {
+    int n = it->n;
+    for (int m = 0; m < it->count; m++) {
+        const double complex *y = path + (size_t)m * (size_t)n;
+        double *real = vectors + (size_t)m * 2 * (size_t)n, *imaginary = real + n, square = 0;
+        for (int i = 0; i < n; i++) {
+            double complex sum = 0;
+            for (int j = 0; j < found->last; j++)
+                sum += basis_at(it, m)[i * n + j] * y[j];
+            real[i] = it->balance[i] * creal(sum);
+            imaginary[i] = it->balance[i] * cimag(sum);
+            square += real[i] * real[i] + imaginary[i] * imaginary[i];
+        }
+        for (int i = 0; i < 2 * n; i++)
+            real[i] /= sqrt(square);
+    }
+}
+
+static bool find_vector(iteration *it, const found_multiplier *found, double complex *path, double *growth,
+                        double *vectors) {
+    enum { cycles_max = 1000 };
+    size_t length = (size_t)it->n * (size_t)(it->count + 1);
+    memset(path, 0, length * sizeof *path);
+    if (!block_vector(it, found, path))
+        return false;
+    carry_forwards(it, found, path, growth);
+    double change = INFINITY, before = INFINITY;
+    for (int k = 0; k < cycles_max && found->first > 0; k++) {
+        carry_backwards(it, found, path, growth);
+        before = change;
+        change = close_path(it, found, path);
+        if (change == 0 || (change < 1e-10 && change >= 0.5 * before))
             break;
     }
-    for (int i = 1; i <= resolved; i++)
-        if (i == resolved || mixing(c, i) <= 1e-9) {
-            if (!block_multipliers(c, first, i, orbit->multipliers + first))
-                return false;
-            first = i;
-        }
-    for (int i = resolved; i < c->n; i++)
-        orbit->multipliers[i] = (saltus_multiplier){0, 0, i < c->n - c->zeros ? NAN : -INFINITY};
-    if (resolved < c->n - c->zeros)
-        orbit->log_volume = NAN;
-    qsort(orbit->multipliers, (size_t)resolved, sizeof *orbit->multipliers, by_modulus);
+    write_vectors(it, found, path, vectors);
     return true;
 }
 
-/* The monodromy matrix itself, row-major. */
-static void form_monodromy(cocycle *c, double *monodromy) {
-    int n = c->n;
-    identity(c->q, n);
-    for (int m = 0; m < c->segments; m++) {
-        multiply(c->segment + (size_t)m * (size_t)(n * n), c->q, n, c->block);
-        memcpy(c->q, c->block, (size_t)(n * n) * sizeof *c->q);
-    }
-    for (int i = 0; i < n; i++)
-        for (int j = 0; j < n; j++)
-            monodromy[i * n + j] = c->q[j * n + i];
+static saltus_status open_iteration(iteration *it, found_multiplier **found, saltus_message *message) {
+    reserve(it);
+    *found = calloc((size_t)it->n, sizeof **found);
+    if (!(*found && saltus_arena_open(&it->arena)))
+        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the multipliers");
+    reserve(it);
+    return SALTUS_OK;
 }
 
-/* Segments so short that no direction contracts by more than e^-20 over one: beyond that the columns become
- * dependent to rounding and the small multipliers are lost. Where that would take too many segments only the
- * leading ones are to be had, and a few segments do for them. */
-static int count_segments(const saltus_system *system, const saltus_orbit *orbit) {
-    enum { bytes_max = 1 << 24, coarse = 16 };
-    double n = orbit->dimension;
-    double decay = saltus_system_fastest_decay(system) * saltus_system_period(system) / 20;
-    double wanted = orbit->periods * fmax(1, ceil(decay));
-    return (int)(wanted * 8 * n * n <= bytes_max ? wanted : coarse * (double)orbit->periods);
+static saltus_status no_convergence(saltus_message *message) {
+    return saltus_fail(message, SALTUS_NO_CONVERGENCE, "the multipliers' eigenvalue iteration fails");
+}
+
+saltus_status saltus_cocycle_multipliers(const double *segments, int n, int count, int zeros,
+                                         saltus_multiplier *out, double *log_volume,
+                                         saltus_message *message) {
+    iteration it = {.n = n, .count = count, .segments = segments};
+    found_multiplier *found = NULL;
+    int resolved;
+    saltus_status status = open_iteration(&it, &found, message);
+    if (status == SALTUS_OK && !(iterate(&it) && find_multipliers(&it, zeros, found, &resolved, log_volume)))
+        status = no_convergence(message);
+    for (int i = 0; i < n && status == SALTUS_OK; i++)
+        out[i] = found[i].value;
+    saltus_arena_close(&it.arena);
+    free(found);
+    return status;
+}
+
+saltus_status saltus_cocycle_vectors(const double *segments, int n, int count, int zeros, int wanted,
+                                     saltus_multiplier *out, double *vectors, saltus_message *message) {
+    iteration it = {.n = n, .count = count, .keep = true, .segments = segments};
+    found_multiplier *found = NULL;
+    int resolved = 0;
+    double log_volume;
+    size_t length = 2 * (size_t)n * (size_t)count;
+    saltus_status status = open_iteration(&it, &found, message);
+    double complex *path = calloc((size_t)n * (size_t)(count + 1), sizeof *path);
+    double *growth = calloc((size_t)count, sizeof *growth);
+    if (status == SALTUS_OK && !(path && growth))
+        status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the eigenvectors");
+    if (status == SALTUS_OK && !(iterate(&it) && find_multipliers(&it, zeros, found, &resolved, &log_volume)))
+        status = no_convergence(message);
+    for (int i = 0; i < wanted && status == SALTUS_OK; i++) {
+        double *vector = vectors + (size_t)i * length;
+        for (size_t k = 0; k < length; k++)
+            vector[k] = NAN;
+        if (i < resolved && !find_vector(&it, &found[i], path, growth, vector))
+            status = no_convergence(message);
+    }
+    for (int i = 0; i < n && status == SALTUS_OK; i++)
+        out[i] = found[i].value;
+    free(path);
+    free(growth);
+    free(found);
+    saltus_arena_close(&it.arena);
+    return status;
+}
+
+/* The monodromy matrix itself, row-major; `product` has room for it. */
+static void form_monodromy(const saltus_cocycle *cocycle, double *monodromy, double *product) {
+    int n = cocycle->n;
+    identity(monodromy, n);
+    for (int m = 0; m < cocycle->count; m++) {
+        const double *a = cocycle->segments + (size_t)m * (size_t)(n * n);
+        memset(product, 0, (size_t)(n * n) * sizeof *product);
+        for (int k = 0; k < n; k++)
+            for (int i = 0; i < n; i++)
+                for (int j = 0; j < n; j++)
+                    product[i * n + j] += a[k * n + i] * monodromy[k * n + j];
+        memcpy(monodromy, product, (size_t)(n * n) * sizeof *product);
+    }
 }
 
 saltus_status saltus_orbit_multipliers(const saltus_system *system, const saltus_orbit_options *options,
                                        saltus_orbit *orbit, saltus_message *message) {
-    cocycle c = {.n = orbit->dimension, .segments = count_segments(system, orbit)};
-    size_t n = (size_t)c.n;
-    saltus_flow_options flow_options = options->flow;
-    flow_options.columns = c.n;
-    saltus_flow *flow = NULL;
-    saltus_status status = saltus_flow_new(&system, 1, &flow_options, &flow, message);
-    reserve(&c);
+    size_t n = (size_t)orbit->dimension;
+    saltus_cocycle cocycle;
+    saltus_status status =
+        saltus_cocycle_run(system, options, orbit->periods, orbit->state, &cocycle, message);
+    double *product = calloc(n * n, sizeof *product);
     orbit->monodromy = calloc(n * n, sizeof *orbit->monodromy);
     orbit->multipliers = calloc(n, sizeof *orbit->multipliers);
-    if (status == SALTUS_OK && !(orbit->monodromy && orbit->multipliers && saltus_arena_open(&c.arena)))
+    if (status == SALTUS_OK && !(product && orbit->monodromy && orbit->multipliers))
         status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the multipliers");
     if (status == SALTUS_OK) {
-        reserve(&c);
-        status = run_segments(system, flow, options->phase, &c, orbit, message);
+        orbit->sum_rule = cocycle.sum_rule;
+        orbit->sticks = cocycle.zeros > 0;
+        form_monodromy(&cocycle, orbit->monodromy, product);
+        status = saltus_cocycle_multipliers(cocycle.segments, cocycle.n, cocycle.count, cocycle.zeros,
+                                            orbit->multipliers, &orbit->log_volume, message);
     }
-    if (status == SALTUS_OK) {
-        form_monodromy(&c, orbit->monodromy);
-        if (!settle(&c, orbit))
-            status =
-                saltus_fail(message, SALTUS_NO_CONVERGENCE, "the multipliers' eigenvalue iteration fails");
+    free(product);
+    saltus_cocycle_clear(&cocycle);
+    return status;
+}
+
+/* Unit length beside the scales, the largest component real and positive. */
+static void normalise(const saltus_system *system, double *vector) {
+    int n = saltus_system_dimension(system);
+    const double *scale = saltus_system_scale(system);
+    double *real = vector, *imaginary = vector + n, square = 0, largest = 0;
+    double complex turn = 1;
+    for (int i = 0; i < n; i++) {
+        double complex z = (real[i] + imaginary[i] * I) / scale[i];
+        square += cabs(z) * cabs(z);
+        if (cabs(z) > largest) {
+            largest = cabs(z);
+            turn = conj(z) / largest;
+        }
     }
-    saltus_arena_close(&c.arena);
-    saltus_flow_free(flow);
+    for (int i = 0; i < n; i++) {
+        double complex z = turn * (real[i] + imaginary[i] * I) / sqrt(square);
+        real[i] = creal(z);
+        imaginary[i] = cimag(z);
+    }
+}
+
+saltus_status saltus_orbit_eigenvectors(const saltus_system *system, const saltus_orbit_options *options,
+                                        const saltus_orbit *orbit, int wanted, saltus_multiplier *multipliers,
+                                        double *vectors, saltus_message *message) {
+    size_t n = (size_t)orbit->dimension;
+    saltus_cocycle cocycle;
+    saltus_status status =
+        saltus_cocycle_run(system, options, orbit->periods, orbit->state, &cocycle, message);
+    size_t length = 2 * n * (size_t)cocycle.count;
+    double *all = calloc((size_t)wanted * length + 1, sizeof *all);
+    saltus_multiplier *found = calloc(n, sizeof *found);
+    if (status == SALTUS_OK && !(all && found))
+        status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the eigenvectors");
+    if (status == SALTUS_OK)
+        status = saltus_cocycle_vectors(cocycle.segments, cocycle.n, cocycle.count, cocycle.zeros, wanted,
+                                        found, all, message);
+    for (int i = 0; i < wanted && status == SALTUS_OK; i++) {
+        double *vector = vectors + (size_t)i * 2 * n;
+        memcpy(vector, all + (size_t)i * length, 2 * n * sizeof *vector);
+        normalise(system, vector);
+        if (multipliers)
+            multipliers[i] = found[i];
+    }
+    free(all);
+    free(found);
+    saltus_cocycle_clear(&cocycle);
     return status;
 }

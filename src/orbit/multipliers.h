@@ -1,14 +1,54 @@
-/* Floquet multipliers by orthogonal iteration around the orbit.
+/* Floquet multipliers and vectors of an orbit, from its derivative in short segments.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_ORBIT_MULTIPLIERS_H
 #define SALTUS_ORBIT_MULTIPLIERS_H
 
 #include "saltus/orbit.h"
 
+/* The derivative around an orbit as the product A_count ... A_1 of derivatives over segments so short that
+ * each keeps the digits of its smallest singular value. */
+typedef struct saltus_cocycle {
+    int n, count;
+    int zeros;        /* multipliers that are zero because directions are lost (lasting contacts, r = 0) */
+    double *segments; /* count matrices n x n, by columns */
+    double sum_rule;  /* integral of the trace, and 2 ln r for each impact */
+} saltus_cocycle;
+
+/* Run once around the orbit of `periods` periods from a state at the options' section phase. On success the
+ * cocycle owns its segments: saltus_cocycle_clear. Errors: those of the flow, SALTUS_NO_MEMORY. */
+saltus_status saltus_cocycle_run(const saltus_system *system, const saltus_orbit_options *options,
+                                 int periods, const double *state, saltus_cocycle *cocycle,
+                                 saltus_message *message);
+void saltus_cocycle_clear(saltus_cocycle *cocycle);
+
+/* Multipliers of a cocycle whose matrices the caller has: n of them to `out`, by decreasing modulus. The last
+ * `zeros` are exact zeros (log_modulus -INFINITY); those that no segment's digits resolve are NAN.
+ * `log_volume` receives the sum of the log moduli of those that are not exact zeros, NAN if some are not
+ * resolved. Errors: SALTUS_NO_MEMORY, SALTUS_NO_CONVERGENCE. */
+saltus_status saltus_cocycle_multipliers(const double *segments, int n, int count, int zeros,
+                                         saltus_multiplier *out, double *log_volume, saltus_message *message);
+
+/* The multipliers and the right eigenvectors of the first `wanted` of them, carried along: `vectors` holds
+ * for each of these, and for the start of each segment, the real and the imaginary part (wanted x count x 2 x
+ * n), of unit Euclidean length together. A segment takes a vector to a positive multiple of the next one, the
+ * last segment to a positive multiple of the first one times mu / |mu|. NAN for zeros and where not resolved.
+ */
+saltus_status saltus_cocycle_vectors(const double *segments, int n, int count, int zeros, int wanted,
+                                     saltus_multiplier *out, double *vectors, saltus_message *message);
+
 /* Fill orbit->monodromy, multipliers, sticks, log_volume and sum_rule from orbit->state, which must be a
  * periodic point of period orbit->periods. The arrays are allocated. Errors: those of the flow,
  * SALTUS_NO_MEMORY. */
 saltus_status saltus_orbit_multipliers(const saltus_system *system, const saltus_orbit_options *options,
                                        saltus_orbit *orbit, saltus_message *message);
+
+/* Right eigenvectors of the monodromy matrix at the section, by decreasing modulus of the multipliers, which
+ * go to `multipliers` (wanted; may be NULL). `vectors` holds for each the real and the imaginary part (wanted
+ * x 2 x dimension); divided by the system's scales they have unit Euclidean length together, and their
+ * largest component is real and positive. NAN for zeros and where not resolved. Costs one more run around the
+ * orbit. Errors: those of the flow, SALTUS_NO_MEMORY, SALTUS_NO_CONVERGENCE. */
+saltus_status saltus_orbit_eigenvectors(const saltus_system *system, const saltus_orbit_options *options,
+                                        const saltus_orbit *orbit, int wanted, saltus_multiplier *multipliers,
+                                        double *vectors, saltus_message *message);
 
 #endif

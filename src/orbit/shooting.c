@@ -1,129 +1,188 @@
-/* Newton shooting on the p-th iterate of the stroboscopic map.
+/* Newton shooting for periodic orbits.
  *
- * x(pT) - x(0) = 0 is solved with the exact derivative (tangent vectors through all events), unknowns and
- * residuals scaled by the system's typical magnitudes, steps halved while they do not reduce the residual.
+ * First the flow finds its events itself: x(pT) - x(0) = 0 with the exact derivative through all events, which
+ * lets the sequence of impacts change on the way. Where that fails, as it must near grazing, where the
+ * derivative grows without bound, the events of the best iterate are prescribed and their times become
+ * unknowns; the orbit found so is accepted if the flow follows it. The two take turns. Strong growth of the
+ * tangent vectors cuts the orbit into segments (multiple shooting).
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "base/dense.h"
-#include "base/memory.h"
+#include "orbit/itinerary.h"
 #include "orbit/multipliers.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { halvings_max = 8 };
+enum { turns_max = 3 };
+
+/* Growth over one segment beyond which Newton's equations lose too many digits. */
+static const double growth_max = 1e5;
 
 saltus_orbit_options saltus_orbit_defaults(void) {
     return (saltus_orbit_options){
         .flow = saltus_flow_defaults(), .phase = 0, .iterations = 20, .tolerance = 1e-12};
 }
 
-/* One shooting problem: n unknowns. */
-typedef struct shooting {
-    saltus_arena arena;
-    int n;
-    const double *scale;
-    saltus_map *map;
-    double *x, *image, *trial, *step, *derivative, *matrix;
-    int *pivots;
-} shooting;
+/* One search: the workspace and the best orbit so far. */
+typedef struct search {
+    saltus_pursuit *pursuit;
+    saltus_flow *flow; /* event-driven, without tangent vectors */
+    saltus_itinerary itinerary;
+    saltus_sequence sequence;
+    double *state, *u;
+    int unknowns_room;
+    double residual;
+    int iterations;
+} search;
 
-static void reserve(shooting *s) {
-    size_t n = (size_t)s->n;
-    s->x = saltus_arena_doubles(&s->arena, n);
-    s->image = saltus_arena_doubles(&s->arena, n);
-    s->trial = saltus_arena_doubles(&s->arena, n);
-    s->step = saltus_arena_doubles(&s->arena, n);
-    s->derivative = saltus_arena_doubles(&s->arena, n * n);
-    s->matrix = saltus_arena_doubles(&s->arena, n * n);
-}
-
-/* Largest scaled component of P^p(x) - x; +infinity where the map is not defined. */
-static double residual_at(shooting *s, const double *x, saltus_message *message) {
-    double largest = 0;
-    if (saltus_map_reset(s->map, x, message) != SALTUS_OK ||
-        saltus_map_step(s->map, s->image, NULL, message) != SALTUS_OK)
-        return INFINITY;
-    for (int i = 0; i < s->n; i++)
-        largest = fmax(largest, fabs(s->image[i] - x[i]) / s->scale[i]);
-    return largest;
-}
-
-/* Newton's step for the residual just evaluated. */
-static bool newton_step(shooting *s) {
-    int n = s->n;
-    saltus_map_derivative(s->map, s->derivative);
-    for (int i = 0; i < n; i++) {
-        for (int j = 0; j < n; j++)
-            s->matrix[i * n + j] = (s->derivative[i * n + j] - (i == j)) * s->scale[j] / s->scale[i];
-        s->step[i] = -(s->image[i] - s->x[i]) / s->scale[i];
+static saltus_status adopt(search *s, const saltus_sequence *sequence, const double *state,
+                           saltus_message *message) {
+    saltus_status status = saltus_pursuit_shape(s->pursuit, sequence, message);
+    if (status != SALTUS_OK)
+        return status;
+    int unknowns = saltus_pursuit_unknowns(s->pursuit);
+    if (unknowns > s->unknowns_room) {
+        double *grown = realloc(s->u, (size_t)unknowns * sizeof *grown);
+        if (!grown)
+            return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for shooting");
+        s->u = grown;
+        s->unknowns_room = unknowns;
     }
-    if (!saltus_dense_solve(s->matrix, n, s->step, s->pivots))
-        return false;
-    for (int i = 0; i < n; i++)
-        s->step[i] *= s->scale[i];
-    return true;
+    return saltus_pursuit_fill(s->pursuit, 0, state, s->u, message);
 }
 
-/* Iterate until the residual is below the tolerance and no longer falls: quadratic convergence costs one step
- * more and gives all the digits there are. */
-static saltus_status iterate(shooting *s, const saltus_orbit_options *options, saltus_orbit *orbit,
-                             saltus_message *message) {
-    double residual = residual_at(s, s->x, message);
-    for (int k = 0; k < options->iterations && isfinite(residual); k++) {
-        orbit->iterations = k;
-        if (!newton_step(s))
-            return saltus_fail(message, SALTUS_SINGULAR,
-                               "Newton's matrix is singular: the orbit is not isolated");
-        double factor = 1, next = INFINITY;
-        for (int h = 0; h < halvings_max; h++, factor /= 2) {
-            for (int i = 0; i < s->n; i++)
-                s->trial[i] = fma(factor, s->step[i], s->x[i]);
-            next = residual_at(s, s->trial, message);
-            if (next < residual)
-                break;
-            if (residual <= options->tolerance)
-                break;
-        }
-        if (!(next < residual))
+/* Equal segments, their number from the growth over the whole orbit. */
+static void cut_sequence(saltus_sequence *sequence, int segments, double growth) {
+    int wanted = segments > 0 ? segments : (int)ceil(log(fmax(growth, 1)) / log(growth_max));
+    sequence->cuts = wanted < 1 ? 1 : wanted > SALTUS_CUTS_MAX ? SALTUS_CUTS_MAX : wanted;
+    for (int j = 0; j < sequence->cuts; j++)
+        sequence->cut[j] = sequence->base + (double)j * sequence->periods / sequence->cuts;
+}
+
+static saltus_status solve(search *s, const saltus_sequence *sequence, const saltus_orbit_options *options,
+                           saltus_message *message) {
+    saltus_sequence cut = *sequence;
+    int iterations = 0;
+    cut_sequence(&cut, 1, 1);
+    saltus_status status = adopt(s, &cut, s->state, message);
+    if (status == SALTUS_OK)
+        status = saltus_pursuit_evaluate(s->pursuit, s->u, message);
+    double growth = status == SALTUS_OK ? saltus_pursuit_growth(s->pursuit) : 1;
+    if (status == SALTUS_OK && (options->segments > 1 || (options->segments == 0 && growth > growth_max))) {
+        cut_sequence(&cut, options->segments, growth);
+        status = adopt(s, &cut, s->state, message);
+    }
+    if (status == SALTUS_OK)
+        status = saltus_pursuit_correct(s->pursuit, s->u, NULL, NULL, true, &iterations, message);
+    s->iterations += iterations;
+    s->residual = saltus_pursuit_residual(s->pursuit);
+    if (status == SALTUS_OK || s->residual < INFINITY)
+        saltus_pursuit_extract(s->pursuit, s->u, &s->sequence, s->state);
+    return status;
+}
+
+/* Bring the state from the sequence's base to the section's phase. */
+static saltus_status to_section(search *s, double phase, int periods, saltus_message *message) {
+    double base = s->sequence.base, whole = floor(base), ahead = phase - (base - whole);
+    saltus_event event;
+    if (ahead == 0)
+        return SALTUS_OK;
+    saltus_time start = {(long long)whole, base - whole};
+    saltus_time until = {start.cycle + (ahead < 0), phase};
+    /* The base lies within the orbit: to the section point that is a whole number of orbits away. */
+    until.cycle += (periods - until.cycle % periods) % periods;
+    saltus_status status = saltus_flow_start(s->flow, 0, start, s->state, message);
+    if (status == SALTUS_OK)
+        status = saltus_flow_advance(s->flow, until, 0, &event, message);
+    saltus_flow_state(s->flow, 0, s->state);
+    return status;
+}
+
+/* The event times become unknowns; accepted if the event-driven flow follows the sequence found. */
+static saltus_status solve_prescribed(search *s, int periods, const saltus_orbit_options *options,
+                                      saltus_message *message) {
+    saltus_sequence sequence;
+    saltus_status status =
+        saltus_itinerary_sequence(&s->itinerary, s->flow, periods, s->state, &sequence, message);
+    if (status == SALTUS_OK)
+        status = solve(s, &sequence, options, message);
+    if (status != SALTUS_OK)
+        return status;
+    status = saltus_itinerary_walk(&s->itinerary, s->flow, sequence.base, s->state, periods, message);
+    if (status == SALTUS_OK &&
+        !saltus_itinerary_follows(&s->itinerary, saltus_pursuit_system(s->pursuit), &s->sequence))
+        return saltus_fail(message, SALTUS_NO_CONVERGENCE,
+                           "an impact grazes: the orbit with these %d events passes through a stop",
+                           s->sequence.count);
+    return status;
+}
+
+static saltus_status hunt(search *s, int periods, const double *guess, const saltus_orbit_options *options,
+                          saltus_message *message) {
+    saltus_sequence driven = {.periods = periods, .base = options->phase, .driven = true};
+    int n = s->itinerary.dimension;
+    saltus_message first = {""};
+    saltus_status status = SALTUS_OK, whole = SALTUS_OK;
+    memcpy(s->state, guess, (size_t)n * sizeof *guess);
+    for (int turn = 0; turn < turns_max; turn++) {
+        whole = solve(s, &driven, options, turn ? message : &first);
+        if (whole == SALTUS_OK || whole == SALTUS_NO_MEMORY || whole == SALTUS_BAD_INPUT)
             break;
-        memcpy(s->x, s->trial, (size_t)s->n * sizeof *s->x);
-        residual = next;
+        if (saltus_system_face_count(saltus_pursuit_system(s->pursuit)) == 0)
+            break;
+        status = to_section(s, 0, periods, message);
+        if (status == SALTUS_OK)
+            status = solve_prescribed(s, periods, options, message);
+        if (status == SALTUS_OK)
+            return to_section(s, options->phase, periods, message);
+        if (!(s->residual < INFINITY))
+            break;
     }
-    orbit->residual = residual;
-    if (!(residual <= options->tolerance))
-        return saltus_fail(message, SALTUS_NO_CONVERGENCE, "Newton's iteration stops at a residual of %.3g",
-                           residual);
-    return SALTUS_OK;
+    if (whole != SALTUS_OK && message)
+        *message = first;
+    return whole;
+}
+
+static saltus_status open_search(search *s, const saltus_system *system, const saltus_orbit_options *options,
+                                 saltus_message *message) {
+    int n = saltus_system_dimension(system);
+    saltus_flow_options flow = options->flow;
+    flow.columns = flow.directions = 0;
+    s->state = calloc((size_t)n, sizeof *s->state);
+    saltus_status status =
+        s->state ? SALTUS_OK : saltus_fail(message, SALTUS_NO_MEMORY, "no memory for shooting");
+    if (status == SALTUS_OK)
+        status = saltus_itinerary_open(&s->itinerary, n, message);
+    if (status == SALTUS_OK)
+        status = saltus_flow_new(&system, 1, &flow, &s->flow, message);
+    if (status == SALTUS_OK)
+        status = saltus_pursuit_new(saltus_system_spec(system), NULL, 0, 1, options, &s->pursuit, message);
+    return status;
 }
 
 saltus_status saltus_orbit_find(const saltus_system *system, int periods, const double *guess,
                                 const saltus_orbit_options *options, saltus_orbit *orbit,
                                 saltus_message *message) {
     *orbit = (saltus_orbit){.dimension = saltus_system_dimension(system), .periods = periods};
-    shooting s = {.n = orbit->dimension, .scale = saltus_system_scale(system)};
-    size_t n = (size_t)s.n;
-    saltus_section section = saltus_section_defaults();
-    section.phase = options->phase;
-    section.iterate = periods;
-    reserve(&s);
-    saltus_status status = saltus_map_new(system, &section, &options->flow, true, &s.map, message);
-    s.pivots = calloc(n, sizeof *s.pivots);
+    search s = {0};
+    size_t n = (size_t)orbit->dimension;
+    saltus_status status = open_search(&s, system, options, message);
+    if (status == SALTUS_OK)
+        status = hunt(&s, periods, guess, options, message);
+    orbit->residual = s.residual;
+    orbit->iterations = s.iterations;
     orbit->state = calloc(n, sizeof *orbit->state);
-    if (status == SALTUS_OK && !(s.pivots && orbit->state && saltus_arena_open(&s.arena)))
+    if (status == SALTUS_OK && !orbit->state)
         status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for shooting");
     if (status == SALTUS_OK) {
-        reserve(&s);
-        memcpy(s.x, guess, n * sizeof *guess);
-        status = iterate(&s, options, orbit, message);
-    }
-    if (status == SALTUS_OK) {
-        memcpy(orbit->state, s.x, n * sizeof *s.x);
+        memcpy(orbit->state, s.state, n * sizeof *s.state);
         status = saltus_orbit_multipliers(system, options, orbit, message);
     }
-    free(s.pivots);
-    saltus_arena_close(&s.arena);
-    saltus_map_free(s.map);
+    saltus_pursuit_free(s.pursuit);
+    saltus_flow_free(s.flow);
+    saltus_itinerary_close(&s.itinerary);
+    free(s.state);
+    free(s.u);
     if (status != SALTUS_OK)
         saltus_orbit_clear(orbit);
     return status;

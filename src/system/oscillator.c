@@ -59,24 +59,32 @@ static void reserve(saltus_system *system) {
         c->row[r] = saltus_arena_doubles(&system->arena, (size_t)system->dof);
 }
 
+/* The rows of K, C, F and F0, times a number for each mass. They are linear in the parameters: the same lines
+ * give their derivative along a direction. */
+static void fill_rows(const double *p, int dof, double scale[2], double *const *row) {
+    bool two = dof == 2;
+    double k[2][2] = {{p[p_k] + (two ? p[p_k2] : 0), -p[p_k2]}, {-p[p_k2], p[p_k2]}};
+    double d[2][2] = {{p[p_c] + (two ? p[p_c2] : 0), -p[p_c2]}, {-p[p_c2], p[p_c2]}};
+    double force[2] = {p[p_F], p[p_F2]}, load[2] = {p[p_F0], p[p_F02]};
+    for (int i = 0; i < dof; i++) {
+        row[oscillator_k1][i] = scale[i] * k[i][0];
+        row[oscillator_k2][i] = two ? scale[i] * k[i][1] : 0;
+        row[oscillator_c1][i] = scale[i] * d[i][0];
+        row[oscillator_c2][i] = two ? scale[i] * d[i][1] : 0;
+        row[oscillator_force][i] = scale[i] * force[i];
+        row[oscillator_load][i] = scale[i] * load[i];
+    }
+}
+
 static void build_rows(saltus_system *system) {
     const double *p = system->spec.parameters;
     saltus_coefficients *c = &system->coefficients;
     double inverse[2] = {1 / p[p_m], 1 / p[p_m2]};
-    bool two = system->dof == 2;
-    double k[2][2] = {{p[p_k] + (two ? p[p_k2] : 0), -p[p_k2]}, {-p[p_k2], p[p_k2]}};
-    double d[2][2] = {{p[p_c] + (two ? p[p_c2] : 0), -p[p_c2]}, {-p[p_c2], p[p_c2]}};
-    double force[2] = {p[p_F], p[p_F2]}, load[2] = {p[p_F0], p[p_F02]};
+    fill_rows(p, system->dof, inverse, c->row);
     for (int i = 0; i < system->dof; i++) {
-        c->row[oscillator_k1][i] = inverse[i] * k[i][0];
-        c->row[oscillator_k2][i] = two ? inverse[i] * k[i][1] : 0;
-        c->row[oscillator_c1][i] = inverse[i] * d[i][0];
-        c->row[oscillator_c2][i] = two ? inverse[i] * d[i][1] : 0;
-        c->row[oscillator_force][i] = inverse[i] * force[i];
-        c->row[oscillator_load][i] = inverse[i] * load[i];
         c->row[oscillator_maxwell][i] = i == 0 ? inverse[0] : 0;
-        system->damping[i] = inverse[i] * d[i][i];
-        system->stiffness[i] = inverse[i] * k[i][i];
+        system->damping[i] = c->row[i == 0 ? oscillator_c1 : oscillator_c2][i];
+        system->stiffness[i] = c->row[i == 0 ? oscillator_k1 : oscillator_k2][i];
         system->inverse_mass[i * system->dof + i] = inverse[i];
         system->observer[i] = system->spec.stop_count ? system->stop_normal[0][i] : i == 0;
     }
@@ -106,6 +114,7 @@ static void build(saltus_system *system) {
                (system->extra ? SALTUS_TERM_EXTRA : 0);
     c->scalar[oscillator_kz] = p[p_kz];
     c->scalar[oscillator_rate_z] = 1 / p[p_tz];
+    c->scalar[oscillator_omega] = p[p_omega];
     build_rows(system);
     double stiffness = 0, damping = 0, length = typical_length(system);
     for (int i = 0; i < system->dof; i++) {
@@ -121,6 +130,30 @@ static void build(saltus_system *system) {
     system->stiff = damping > 200 * fmax(p[p_omega], sqrt(stiffness));
     system->mirror = p[p_F0] == 0 && (!two || p[p_F02] == 0);
     system->mirror_shift = system->forced;
+}
+
+/* M^-1 K changes by M^-1 dK - M^-1 dM M^-1 K, and so on. */
+static void vary(const saltus_system *system, const saltus_direction *direction,
+                 saltus_variation *variation) {
+    const double *p = system->spec.parameters, *rate = direction->parameter;
+    const double mass[2] = {rate[p_m] / p[p_m], rate[p_m2] / p[p_m2]};
+    double inverse[2] = {1 / p[p_m], 1 / p[p_m2]};
+    saltus_coefficients *c = &variation->coefficients;
+    c->scalar[oscillator_kz] = rate[p_kz];
+    c->scalar[oscillator_rate_z] = -rate[p_tz] / gsl_pow_2(p[p_tz]);
+    c->scalar[oscillator_omega] = rate[p_omega];
+    fill_rows(rate, system->dof, inverse, c->row);
+    for (int i = 0; i < system->dof; i++) {
+        for (int row = 0; row < oscillator_rows; row++)
+            c->row[row][i] -= mass[i] * system->coefficients.row[row][i];
+        variation->inverse_mass[i * system->dof + i] = -mass[i] * inverse[i];
+    }
+}
+
+static const char *obstacle(const saltus_spec *spec, int parameter) {
+    return parameter == p_kz && spec->parameters[p_kz] == 0
+               ? "without the Maxwell element the state has no force z to differentiate"
+               : NULL;
 }
 
 static double trace(const saltus_system *system, const double *state) {
@@ -150,6 +183,8 @@ const saltus_model saltus_oscillator = {
     .normal = normal,
     .reserve = reserve,
     .build = build,
+    .vary = vary,
+    .obstacle = obstacle,
     .trace = trace,
     .deflection = deflection,
 };

@@ -3,7 +3,7 @@
 #ifndef SALTUS_SYSTEM_OSCILLATOR_H
 #define SALTUS_SYSTEM_OSCILLATOR_H
 
-enum { oscillator_kz, oscillator_rate_z };
+enum { oscillator_kz, oscillator_rate_z, oscillator_omega };
 enum {
     oscillator_k1, /* first column of M^-1 K, and so on */
     oscillator_k2,

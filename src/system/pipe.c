@@ -37,6 +37,12 @@ static void normal(const saltus_spec *spec, int dof, const saltus_stop *stop, do
         n[i] = mode_shape(i + 1, stop->xi);
 }
 
+/* d sin(i pi xi) / d xi */
+static void tilt(int dof, const saltus_stop *stop, double *normal) {
+    for (int i = 0; i < dof; i++)
+        normal[i] = (i + 1) * M_PI * cos(M_PI * fmod((i + 1) * stop->xi, 2.0));
+}
+
 static void reserve(saltus_system *system) {
     saltus_coefficients *c = &system->coefficients;
     size_t n = (size_t)system->dof;
@@ -73,6 +79,7 @@ static void build(saltus_system *system) {
     c->scalar[pipe_kappa] = p[p_kappa];
     c->scalar[pipe_u0] = p[p_u0];
     c->scalar[pipe_sigma] = p[p_sigma];
+    c->scalar[pipe_omega] = p[p_omega];
     for (int i = 0; i < system->dof; i++) {
         double lambda2 = gsl_pow_2((i + 1) * M_PI), lambda4 = lambda2 * lambda2;
         c->row[pipe_lambda2][i] = lambda2;
@@ -83,7 +90,7 @@ static void build(saltus_system *system) {
         system->scale[i] = 0.03 / gsl_pow_2(i + 1);
         system->scale[system->dof + i] = 0.3 / (i + 1);
     }
-    if (c->terms & SALTUS_TERM_COUPLED)
+    if (system->dof > 1)
         build_couplings(system);
     double top = c->row[pipe_stiffness][system->dof - 1], drag = p[p_alpha] * top;
     system->rate = fmax(sqrt(top), drag) + 2 * c->scalar[pipe_root_beta] * velocity * system->dof;
@@ -91,6 +98,27 @@ static void build(saltus_system *system) {
     system->forced = c->terms & SALTUS_TERM_FORCED;
     system->mirror = true;
     system->mirror_shift = false;
+}
+
+static void vary(const saltus_system *system, const saltus_direction *direction,
+                 saltus_variation *variation) {
+    const double *rate = direction->parameter, root_beta = system->coefficients.scalar[pipe_root_beta];
+    saltus_coefficients *c = &variation->coefficients;
+    c->terms = rate[p_kappa] != 0 ? SALTUS_TERM_CUBIC : 0;
+    c->scalar[pipe_alpha] = rate[p_alpha];
+    c->scalar[pipe_root_beta] = rate[p_beta] != 0 ? rate[p_beta] / (2 * root_beta) : 0;
+    c->scalar[pipe_kappa] = rate[p_kappa];
+    c->scalar[pipe_u0] = rate[p_u0];
+    c->scalar[pipe_sigma] = rate[p_sigma];
+    c->scalar[pipe_omega] = rate[p_omega];
+    for (int i = 0; i < system->dof; i++)
+        c->row[pipe_damping][i] = rate[p_alpha] * system->stiffness[i];
+}
+
+static const char *obstacle(const saltus_spec *spec, int parameter) {
+    return parameter == p_beta && spec->parameters[p_beta] == 0
+               ? "the field depends on the root of beta, which has no derivative at 0"
+               : NULL;
 }
 
 /* Along the orbit the cubic damping term depends on the displacements: -alpha kappa sum lambda^4 q^2. */
@@ -119,6 +147,9 @@ const saltus_model saltus_pipe = {
     .normal = normal,
     .reserve = reserve,
     .build = build,
+    .vary = vary,
+    .tilt = tilt,
+    .obstacle = obstacle,
     .trace = trace,
     .deflection = deflection,
 };

@@ -19,6 +19,7 @@
 enum { drive_velocity, drive_gradient, drive_tension, drive_all_tension, model_drives };
 enum { table_velocity, table_gradient, table_tension, table_tension_gradient, table_tension2, model_tables };
 enum { series_square, series_tension, model_series };
+enum { vary_velocity, vary_gradient, vary_tension, vary_all_tension, model_vary_drives };
 enum { ahead_tension, ahead_gradient, ahead_velocity, ahead_square, model_rows_ahead };
 
 /* Orders of sin(omega t + phase) are omega^k / k! times sine, cosine, -sine, -cosine in turn; the signs go
@@ -202,6 +203,82 @@ KERNEL_INLINE void model_order(frame f, int k, int c, double inverse, const salt
     const saltus_pack newest = model_tension(f, k, c, inverse, velocity);
     for (int p = 0; p < f.packs; p++)
         next[p] = saltus_pack_fnma(newest, JET(f.q, 0, 0)[p] * (ROW(pipe_lambda2)[p] * inverse), next[p]);
+}
+
+/* Derivatives of the drives. The angle theta + omega t changes by (elapsed + t) d omega, `elapsed` being the
+ * time since theta was fixed; order k of t times a series is the series' order k - 1. */
+KERNEL_INLINE void model_vary_forcing(frame f, int d, int order, lane_t sine, lane_t cosine) {
+    const lane_t root_beta = *SCALAR(pipe_root_beta), u0 = *SCALAR(pipe_u0), sigma = *SCALAR(pipe_sigma);
+    const lane_t omega = *SCALAR(pipe_omega), rate_omega = *VARY_SCALAR(d, pipe_omega), elapsed = *f.elapsed;
+    const lane_t rate_root = *VARY_SCALAR(d, pipe_root_beta), rate_u0 = *VARY_SCALAR(d, pipe_u0);
+    const lane_t rate_sigma = *VARY_SCALAR(d, pipe_sigma), pulsation = u0 * sigma * omega;
+    const lane_t rate_pulsation = (rate_u0 * sigma + u0 * rate_sigma) * omega + u0 * sigma * rate_omega;
+    lane_t s = sine, c = cosine, s2 = 2.0 * sine * cosine, c2 = 1.0 - 2.0 * sine * sine;
+    lane_t before_s = lane_constant(0), before_c = before_s, before_s2 = before_s;
+    const int last = order < f.vary_orders ? order : f.vary_orders;
+    for (int k = 0; k <= last; k++) {
+        const double one = k == 0;
+        const lane_t later_s = rate_omega * (elapsed * s + before_s),
+                     later_c = rate_omega * (elapsed * c + before_c),
+                     later_s2 = rate_omega * (elapsed * s2 + before_s2);
+        const lane_t u = u0 * (one + sigma * s), sine_square = 0.5 * (one - c2);
+        const lane_t rate_u = rate_u0 * (one + sigma * s) + u0 * (rate_sigma * s + sigma * later_c);
+        const lane_t rate_gradient =
+            rate_root * pulsation * c + root_beta * (rate_pulsation * c - pulsation * later_s);
+        const lane_t square =
+            rate_u0 * (one + sigma * (2.0 * s + sigma * sine_square)) +
+            u0 * (rate_sigma * (s + sigma * sine_square) + sigma * (later_c + 0.5 * sigma * later_s2));
+        *VARY_DRIVE(d, vary_velocity, k) = 2.0 * (rate_root * u + root_beta * rate_u);
+        *VARY_DRIVE(d, vary_gradient, k) = rate_gradient;
+        *VARY_DRIVE(d, vary_tension, k) = -2.0 * u0 * square - 0.5 * rate_gradient;
+        before_s = s;
+        before_c = c;
+        before_s2 = s2;
+        const lane_t scale = omega * (1.0 / (k + 1));
+        s = scale * before_c;
+        c = -scale * before_s;
+        s2 = 2.0 * scale * c2;
+        c2 = -2.0 * scale * before_s2;
+    }
+}
+
+/* The derivative of W along a direction, at the order k that the trajectory has just passed. */
+KERNEL_INLINE void model_vary_tension(frame f, int k, int d) {
+    const lane_t rate = *VARY_SCALAR(d, pipe_kappa);
+    const lane_t damping = rate * *SCALAR(pipe_alpha) + *SCALAR(pipe_kappa) * *VARY_SCALAR(d, pipe_alpha);
+    lane_t tension = k <= f.vary_orders ? *VARY_DRIVE(d, vary_tension, k) : lane_constant(0);
+    if (f.terms & SALTUS_TERM_CUBIC)
+        tension +=
+            rate * *SERIES(series_square, k, 0) + damping * (k + 1.0) * *SERIES(series_square, k + 1, 0);
+    *VARY_DRIVE(d, vary_all_tension, k) = tension;
+}
+
+/* The derivative of the field itself along a direction, at order k of the trajectory: the same three products
+ * with the derivatives of the scalar series. */
+KERNEL_INLINE void model_source(frame f, int k, int c, int d, double inverse, saltus_pack *next) {
+    const int forced = k < f.vary_orders ? k : f.vary_orders, last = f.terms & SALTUS_TERM_CUBIC ? k : forced;
+    saltus_pack source[ROW_PACKS_MAX], resting[ROW_PACKS_MAX], moving[ROW_PACKS_MAX];
+    (void)c;
+    model_vary_tension(f, k, d);
+    for (int p = 0; p < f.packs; p++) {
+        const saltus_pack *q = &JET(f.q, k, 0)[p], *v = &JET(f.v, k, 0)[p];
+        saltus_pack tension = {0};
+        resting[p] = moving[p] = tension;
+        for (int m = 0; m <= last; m++)
+            tension = saltus_pack_fma(lane_spread(*VARY_DRIVE(d, vary_all_tension, m)), q[-m * ORDER_STRIDE],
+                                      tension);
+        for (int m = 0; m <= forced; m++) {
+            resting[p] = saltus_pack_fma(lane_spread(*VARY_DRIVE(d, vary_gradient, m)), q[-m * ORDER_STRIDE],
+                                         resting[p]);
+            moving[p] = saltus_pack_fma(lane_spread(*VARY_DRIVE(d, vary_velocity, m)), v[-m * ORDER_STRIDE],
+                                        moving[p]);
+        }
+        source[p] = -ROW(pipe_lambda2)[p] * tension - VARY_ROW(d, pipe_damping)[p] * v[0];
+    }
+    row_couple(source, f.coupling[pipe_gradient], resting, f.dof, f.packs);
+    row_couple(source, f.coupling[pipe_gyroscopic], moving, f.dof, f.packs);
+    for (int p = 0; p < f.packs; p++)
+        next[p] += source[p] * inverse;
 }
 
 #endif

@@ -47,6 +47,23 @@ struct saltus_system {
     saltus_coefficients coefficients;
 };
 
+/* How a system changes along a direction in parameter space: the derivative of all that a flow takes from it.
+ */
+typedef struct saltus_variation {
+    saltus_coefficients coefficients; /* scalars and rows; `terms`: those that the derivative needs on */
+    double omega;
+    double d[SALTUS_STOPS_MAX], r[SALTUS_STOPS_MAX];
+    bool tilts;                        /* normals or impulses change: projections at contacts with them */
+    double *normal[SALTUS_STOPS_MAX];  /* of n */
+    double *impulse[SALTUS_STOPS_MAX]; /* of M^-1 n / (n M^-1 n) */
+    double *inverse_mass;              /* dof x dof */
+} saltus_variation;
+
+/* Reserve a variation's arrays (called for measuring and again for handing out), and fill them in. */
+void saltus_variation_reserve(saltus_variation *variation, const saltus_system *system, saltus_arena *arena);
+void saltus_variation_fill(saltus_variation *variation, const saltus_system *system,
+                           const saltus_direction *direction);
+
 /* One model: a const table entry. A new model is one file with such an entry, one line in models.c and one in
  * the build's list of kernels. */
 struct saltus_model {
@@ -63,6 +80,12 @@ struct saltus_model {
     void (*reserve)(saltus_system *system);
     /* Fill coefficients, inverse mass, observer, scale, modal part, rate, symmetry. */
     void (*build)(saltus_system *system);
+    /* Derivative of coefficients and inverse mass along a direction; all is zero beforehand. */
+    void (*vary)(const saltus_system *system, const saltus_direction *direction, saltus_variation *variation);
+    /* Derivative of a stop's normal with respect to xi; NULL where stops are not placed by xi. */
+    void (*tilt)(int dof, const saltus_stop *stop, double *normal);
+    /* Why the derivative with respect to a parameter is not defined at its present value; NULL if it is. */
+    const char *(*obstacle)(const saltus_spec *spec, int parameter);
     double (*trace)(const saltus_system *system, const double *state);
     double (*deflection)(const saltus_system *system, const double *state, double xi);
 };

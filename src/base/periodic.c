@@ -1,0 +1,232 @@
+/* The periodic QR iteration with two implicit shifts (Bojanczyk, Golub & Van Dooren, SPIE 1770 (1992) 31-42;
+ * Kressner, BIT 41 (2001) 467-495). It is the QR iteration on the product, but every reflection passes
+ * through the factors one by one: h stays of Hessenberg form and the others triangles, and rounding counts
+ * beside each factor, not beside the product. So eigenvalues far below the largest one keep their digits as
+ * long as no single factor loses them. Only the shifts are taken from the product itself.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "base/periodic.h"
+
+#include <float.h>
+#include <math.h>
+#include <stddef.h>
+#include <string.h>
+
+/* I - beta v v^T on the entries from `at` on. */
+typedef struct reflector {
+    int at, size;
+    double v[3], beta;
+} reflector;
+
+/* Rows and columns [low, high) are active. */
+typedef struct periodic {
+    double *h, *triangles, *product;
+    int n, count, low, high;
+} periodic;
+
+/* The reflector that takes all of x's entries, `stride` apart, into the first. */
+static reflector reflector_of(const double *x, int stride, int at, int size) {
+    reflector reflection = {.at = at, .size = size, .v = {1, 0, 0}, .beta = 0};
+    double first = x[0], rest = 0, sum = 0;
+    for (int i = 1; i < size; i++)
+        rest = fmax(rest, fabs(x[i * stride]));
+    if (rest == 0)
+        return reflection;
+    double largest = fmax(rest, fabs(first));
+    for (int i = 0; i < size; i++)
+        sum += x[i * stride] / largest * (x[i * stride] / largest);
+    double turned = -copysign(largest * sqrt(sum), first);
+    reflection.beta = (turned - first) / turned;
+    for (int i = 1; i < size; i++)
+        reflection.v[i] = x[i * stride] / (first - turned);
+    return reflection;
+}
+
+static void reflect_rows(const reflector *reflection, double *a, int n, int from, int to) {
+    for (int j = from; j < to; j++) {
+        double *column = a + reflection->at * n + j, sum = 0;
+        for (int i = 0; i < reflection->size; i++)
+            sum += reflection->v[i] * column[i * n];
+        for (int i = 0; i < reflection->size; i++)
+            column[i * n] -= reflection->beta * sum * reflection->v[i];
+    }
+}
+
+static void reflect_columns(const reflector *reflection, double *a, int n, int from, int to) {
+    for (int i = from; i < to; i++) {
+        double *row = a + i * n + reflection->at, sum = 0;
+        for (int j = 0; j < reflection->size; j++)
+            sum += reflection->v[j] * row[j];
+        for (int j = 0; j < reflection->size; j++)
+            row[j] -= reflection->beta * sum * reflection->v[j];
+    }
+}
+
+/* A similarity of the product: the reflector acts on h's rows, from `column` on, and on the columns at the
+ * other end of the product. There every triangle takes it from the right and is made triangular again by
+ * others from the left, which go on to the next factor and at last to h's columns. */
+static void turn_product(const periodic *p, const reflector *reflection, int column) {
+    reflector through[2] = {*reflection};
+    int n = p->n, count = 1, begin = reflection->at, end = begin + reflection->size;
+    reflect_rows(reflection, p->h, n, column, p->high);
+    for (int k = 0; k < p->count; k++) {
+        double *triangle = p->triangles + (size_t)k * (size_t)(n * n);
+        for (int m = 0; m < count; m++)
+            reflect_columns(&through[m], triangle, n, p->low, end);
+        count = 0;
+        for (int j = begin; j + 1 < end; j++) {
+            through[count] = reflector_of(triangle + j * n + j, n, j, end - j);
+            reflect_rows(&through[count++], triangle, n, j, p->high);
+            for (int i = j + 1; i < end; i++)
+                triangle[i * n + j] = 0;
+        }
+    }
+    for (int m = 0; m < count; m++)
+        reflect_columns(&through[m], p->h, n, p->low, p->high);
+}
+
+static void reduce_to_hessenberg(const periodic *p) {
+    int n = p->n;
+    for (int j = 0; j < n - 2; j++)
+        for (int i = n - 1; i > j + 1; i--) {
+            reflector reflection = reflector_of(p->h + (i - 1) * n + j, n, i - 1, 2);
+            turn_product(p, &reflection, j);
+            p->h[i * n + j] = 0;
+        }
+}
+
+/* out = r_count ... r_1 within the rows and columns [low, high). */
+static void multiply_out(const double *triangles, int n, int count, int low, int high, double *out) {
+    memset(out, 0, (size_t)(n * n) * sizeof *out);
+    for (int i = low; i < high; i++)
+        out[i * n + i] = 1;
+    for (int k = 0; k < count; k++) {
+        const double *triangle = triangles + (size_t)k * (size_t)(n * n);
+        for (int i = low; i < high; i++) {
+            for (int j = i; j < high; j++)
+                out[i * n + j] *= triangle[i * n + i];
+            for (int l = i + 1; l < high; l++)
+                for (int j = l; j < high; j++)
+                    out[i * n + j] += triangle[i * n + l] * out[l * n + j];
+        }
+    }
+}
+
+void saltus_periodic_product(const double *triangles, int n, int count, double *product) {
+    multiply_out(triangles, n, count, 0, n, product);
+}
+
+/* Entry of h times the triangles' product. */
+static double entry(const periodic *p, int i, int j) {
+    double sum = 0;
+    for (int k = i > p->low ? i - 1 : p->low; k <= j; k++)
+        sum += p->h[i * p->n + k] * p->product[k * p->n + j];
+    return sum;
+}
+
+/* Where h times the product, within the active rows, ends: its last 2 x 2 entries, row by row. */
+static void last_pair(const periodic *p, double *m) {
+    for (int i = 0; i < 4; i++) {
+        int row = p->high - 2 + i / 2, column = p->high - 2 + i % 2;
+        m[i] = entry(p, row, column);
+    }
+}
+
+/* First column of (M - a)(M - b), up to a factor, for the product M and the eigenvalues a and b of its last
+ * pair; other shifts when the iteration has gone on for long. */
+static void shifted_column(const periodic *p, int iteration, double *x) {
+    enum { stubborn = 10 };
+    int first = p->low;
+    double m[9] = {entry(p, first, first), entry(p, first, first + 1), entry(p, first + 1, first),
+                   entry(p, first + 1, first + 1), entry(p, first + 2, first + 1)};
+    double largest = 0;
+    last_pair(p, m + 5);
+    for (int i = 0; i < 9; i++)
+        largest = fmax(largest, fabs(m[i]));
+    for (int i = 0; i < 9 && largest > 0; i++)
+        m[i] /= largest;
+    double sum = m[5] + m[8], product = m[5] * m[8] - m[6] * m[7];
+    if (iteration % stubborn == stubborn - 1) {
+        sum = 1.5 * (fabs(m[7]) + fabs(m[2]));
+        product = sum * sum / 2.25;
+    }
+    x[0] = m[0] * (m[0] - sum) + product + m[1] * m[2];
+    x[1] = m[2] * (m[0] + m[3] - sum);
+    x[2] = m[2] * m[4];
+}
+
+static void sweep(const periodic *p, int iteration) {
+    int n = p->n;
+    double x[3];
+    shifted_column(p, iteration, x);
+    for (int j = p->low - 1; j < p->high - 2; j++) {
+        int size = p->high - 1 - j < 3 ? p->high - 1 - j : 3;
+        reflector reflection = j < p->low ? reflector_of(x, 1, j + 1, size)
+                                          : reflector_of(p->h + (j + 1) * n + j, n, j + 1, size);
+        turn_product(p, &reflection, j < p->low ? p->low : j);
+        for (int i = j + 2; i < j + 1 + size && j >= p->low; i++)
+            p->h[i * n + j] = 0;
+    }
+}
+
+/* Eigenvalues of a single entry of the product or of its last pair. */
+static void read_off(const periodic *p, int size, double *real, double *imaginary) {
+    int n = p->n, last = p->high - 1;
+    double diagonal[2] = {1, 1}, m[4];
+    for (int k = 0; k < p->count; k++)
+        for (int i = 0; i < size; i++)
+            diagonal[i] *=
+                p->triangles[((size_t)k * (size_t)n + (size_t)(last - i)) * (size_t)n + (size_t)(last - i)];
+    imaginary[last] = 0;
+    real[last] = p->h[last * n + last] * diagonal[0];
+    if (size == 1)
+        return;
+    const double *h = p->h + (last - 1) * n + last - 1;
+    double determinant = (h[0] * h[n + 1] - h[1] * h[n]) * diagonal[0] * diagonal[1];
+    last_pair(p, m);
+    double mean = (m[0] + m[3]) / 2, half = (m[0] - m[3]) / 2, square = half * half + m[1] * m[2];
+    if (square >= 0) {
+        double large = mean + copysign(sqrt(square), mean);
+        real[last - 1] = large;
+        real[last] = large != 0 ? determinant / large : 0;
+        imaginary[last - 1] = 0;
+        return;
+    }
+    double modulus = sqrt(fabs(determinant)), angle = atan2(sqrt(-square), mean);
+    real[last - 1] = real[last] = modulus * cos(angle);
+    imaginary[last - 1] = modulus * sin(angle);
+    imaginary[last] = -imaginary[last - 1];
+}
+
+/* The first row of the block that is not yet split at the end [.., high). Multiple eigenvalues split only to
+ * the accuracy of the product that the shifts come from: the longer it takes, the less is asked for. */
+static int first_row(const periodic *p, double size, double iteration) {
+    int first = p->high - 1;
+    double small = DBL_EPSILON * (1 + iteration * iteration * iteration / 8) * size;
+    while (first > 0 && fabs(p->h[first * p->n + first - 1]) > small)
+        first--;
+    return first;
+}
+
+bool saltus_periodic_eigenvalues(double *h, double *triangles, int n, int count, double *product,
+                                 double *real, double *imaginary) {
+    enum { sweeps_max = 100 };
+    periodic p = {.h = h, .triangles = triangles, .product = product, .n = n, .count = count, .high = n};
+    double size = 0;
+    for (int i = 0; i < n * n; i++)
+        size = fmax(size, fabs(h[i]));
+    reduce_to_hessenberg(&p);
+    for (int iteration = 0; p.high > 0; iteration++) {
+        p.low = first_row(&p, size, iteration);
+        if (p.high - p.low > 2 && (iteration == sweeps_max || !isfinite(size)))
+            return false;
+        multiply_out(triangles, n, count, p.low, p.high, product);
+        if (p.high - p.low > 2) {
+            sweep(&p, iteration);
+            continue;
+        }
+        read_off(&p, p.high - p.low, real, imaginary);
+        p.high = p.low;
+        iteration = -1;
+    }
+    return true;
+}

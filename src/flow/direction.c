@@ -1,0 +1,148 @@
+/* Parameter columns: derivatives of the state with respect to a number that the system depends on.
+ *
+ * A parameter column holds y = dx / d lambda at fixed phase. Within a step the kernel integrates
+ * y' = Df y + df / d lambda at fixed time since the step's begin. The forcing's frequency changes how long a
+ * step of fixed phase lasts, h ~ 1 / omega, which adds -(h / omega) f d omega at its end. At an event the
+ * derivatives of the gap and of the velocity law join those along the column: with them the saltation of
+ * contact.c holds as it stands. A contact that holds keeps y on the constraint's own derivative,
+ * n dq + dn q - dd = 0 and n dv + dn v = 0.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "flow/flow.h"
+
+#include <math.h>
+#include <string.h>
+
+/* The parameter that a column belongs to; NULL for an ordinary tangent vector. */
+static const saltus_parameter_column *parameter_of(const saltus_flow *flow, int column) {
+    int direction = column - (flow->options.columns - flow->options.directions);
+    return direction >= 0 ? &flow->parameter[direction] : NULL;
+}
+
+void saltus_directions_reserve(saltus_flow *flow, const saltus_system *system) {
+    size_t maps = SALTUS_FACES_MAX * (size_t)flow->dof;
+    if (flow->options.directions) {
+        flow->law_push = saltus_arena_doubles(&flow->arena, maps);
+        flow->law_pull = saltus_arena_doubles(&flow->arena, maps);
+    }
+    for (int d = 0; d < flow->options.directions; d++) {
+        saltus_parameter_column *self = &flow->parameter[d];
+        saltus_variation_reserve(&self->variation, system, &flow->arena);
+        self->push = saltus_arena_doubles(&flow->arena, maps);
+        self->pull = saltus_arena_doubles(&flow->arena, maps);
+    }
+}
+
+void saltus_directions_load(saltus_flow *flow) {
+    for (int d = 0; d < flow->options.directions; d++) {
+        saltus_parameter_column *self = &flow->parameter[d];
+        saltus_variation_fill(&self->variation, flow->lane[0].system, &self->direction);
+        flow->kernel->vary(&flow->work, 0, d, &self->variation);
+        if (flow->radau)
+            saltus_radau_vary(flow->radau, d, &self->variation);
+    }
+}
+
+void saltus_directions_publish(saltus_flow *flow) {
+    saltus_work *w = &flow->work;
+    const saltus_lane *self = &flow->lane[0];
+    int n = flow->dof, count = self->hold.count;
+    if (!w->tilts)
+        return;
+    for (int d = 0; d < flow->options.directions; d++) {
+        saltus_parameter_column *own = &flow->parameter[d];
+        saltus_contact_map_vary(self->system, &self->hold, 0, &own->variation, own->push, own->pull);
+        for (int m = 0; m < count; m++)
+            for (int i = 0; i < n; i++) {
+                w->vary_push[(d * count + m) * w->row + i * w->stride] = own->push[m * n + i];
+                w->vary_pull[(d * count + m) * w->row + i * w->stride] = own->pull[m * n + i];
+            }
+    }
+}
+
+void saltus_columns_rephase(saltus_flow *flow, int lane, double step) {
+    saltus_lane *self = &flow->lane[lane];
+    bool known = false;
+    for (int c = flow->options.columns - flow->options.directions; c < flow->options.columns; c++) {
+        double rate = parameter_of(flow, c)->variation.omega, *delta = self->trial;
+        if (rate == 0)
+            continue;
+        if (!known) {
+            saltus_lane_gather(flow, lane, 0, self->trial);
+            saltus_field_at(flow, lane, self->trial, self->now.phase, &self->hold, self->before);
+            known = true;
+        }
+        saltus_lane_gather(flow, lane, c + 1, delta);
+        for (int i = 0; i < flow->dimension; i++)
+            delta[i] = fma(-step / self->system->omega * rate, self->before[i], delta[i]);
+        saltus_lane_scatter(flow, lane, c + 1, delta);
+    }
+}
+
+double saltus_column_normal(const saltus_flow *flow, int lane, int face, int column, const double *vector,
+                            const double *delta) {
+    const saltus_system *system = flow->lane[lane].system;
+    const saltus_parameter_column *own = parameter_of(flow, column);
+    saltus_face f = system->faces[face];
+    double change = own ? f.side * saltus_dot(own->variation.normal[f.stop], vector, flow->dof) : 0;
+    return saltus_face_normal(system, face, delta) + change;
+}
+
+double saltus_column_gap(const saltus_flow *flow, int lane, int face, int column) {
+    const saltus_lane *self = &flow->lane[lane];
+    const saltus_parameter_column *own = parameter_of(flow, column);
+    double moved = own ? own->variation.d[self->system->faces[face].stop] : 0;
+    return saltus_column_normal(flow, lane, face, column, self->state,
+                                self->tangents + column * flow->dimension) -
+           moved;
+}
+
+void saltus_column_impact(saltus_flow *flow, int lane, const saltus_contact_map *map, unsigned elastic,
+                          const double *velocity, int column) {
+    const saltus_lane *self = &flow->lane[lane];
+    const saltus_parameter_column *own = parameter_of(flow, column);
+    double *delta = self->tangents + column * flow->dimension + flow->dof;
+    int n = flow->dof;
+    saltus_contact_map_apply(map, n, delta);
+    if (!own)
+        return;
+    saltus_contact_map_vary(self->system, map, elastic, &own->variation, flow->law_push, flow->law_pull);
+    for (int k = 0; k < map->count; k++) {
+        double size = saltus_dot(map->pull + k * n, velocity, n),
+               change = saltus_dot(flow->law_pull + k * n, velocity, n);
+        for (int i = 0; i < n; i++)
+            delta[i] -= flow->law_push[k * n + i] * size + map->push[k * n + i] * change;
+    }
+}
+
+/* Take what is too much at each held face off a tangent vector's displacements or velocities. */
+static void share_out(const saltus_contact_map *map, int n, const double *excess, double *delta) {
+    for (int k = 0; k < map->count; k++) {
+        double share = saltus_dot(map->inverse + k * map->count, excess, map->count);
+        for (int i = 0; i < n; i++)
+            delta[i] = fma(-share, map->push[k * n + i], delta[i]);
+    }
+}
+
+void saltus_column_settle(saltus_flow *flow, int lane, int column) {
+    saltus_lane *self = &flow->lane[lane];
+    const saltus_contact_map *map = &self->hold;
+    int n = flow->dof;
+    double *delta = self->tangents + column * flow->dimension, excess[SALTUS_FACES_MAX];
+    if (!parameter_of(flow, column)) {
+        saltus_contact_map_apply(map, n, delta);
+        saltus_contact_map_apply(map, n, delta + n);
+        return;
+    }
+    for (int k = 0; k < map->count; k++)
+        excess[k] = saltus_column_gap(flow, lane, map->face[k], column);
+    share_out(map, n, excess, delta);
+    for (int k = 0; k < map->count; k++)
+        excess[k] = saltus_column_normal(flow, lane, map->face[k], column, self->state + n, delta + n);
+    share_out(map, n, excess, delta + n);
+}
+
+double saltus_column_observer(const saltus_flow *flow, int column, const double *vector) {
+    const saltus_parameter_column *own = parameter_of(flow, column);
+    bool stops = flow->lane[0].system->spec.stop_count > 0;
+    return own && stops ? saltus_dot(own->variation.normal[0], vector, flow->dof) : 0;
+}

@@ -1,0 +1,126 @@
+/* Prescribed events: the flow through a sequence of events that is given, not found.
+ *
+ * Between prescribed events the stops are no obstacle, so everything here depends smoothly on the state, on the
+ * parameters and on the times of the events, through grazing too. An event at time t asks an equation of the
+ * state before it (its gap or force is zero there) and acts by its law P; a tangent vector passes it by DP at
+ * fixed t, and a delay of t moves the state after it by DP f- - f+. With the equation solved for t these make
+ * the saltation matrix of contact.c.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "flow/flow.h"
+
+#include <math.h>
+#include <string.h>
+
+saltus_status saltus_flow_place(saltus_flow *flow, int lane, saltus_time time, const double *state,
+                                unsigned contacts, saltus_message *message) {
+    saltus_lane *self = &flow->lane[lane];
+    saltus_flow_restart(flow, lane, time, state);
+    if (!saltus_contacts_set(flow, lane, contacts))
+        return saltus_fail(message, SALTUS_STALLED, "these contacts cannot hold together");
+    saltus_contact_map_settle(self->system, &self->hold, self->state);
+    saltus_lane_scatter_all(flow, lane);
+    return SALTUS_OK;
+}
+
+saltus_status saltus_flow_coast(saltus_flow *flow, int lane, saltus_time until, saltus_extreme *extremes,
+                                saltus_message *message) {
+    saltus_lane *self = &flow->lane[lane];
+    saltus_event event;
+    double ahead = (double)(until.cycle - self->now.cycle) + (until.phase - self->now.phase);
+    if (!(ahead >= 0))
+        return saltus_fail(message, SALTUS_NO_CONVERGENCE, "prescribed events change their order");
+    if (ahead == 0)
+        return SALTUS_OK;
+    self->coasting = true;
+    self->extremes = extremes;
+    saltus_flow_aim(flow, lane, until, 0);
+    saltus_status status = saltus_flow_run(flow, &lane, &event, message);
+    self->coasting = false;
+    return status;
+}
+
+/* The acceleration towards a holding face if it let go, its rate, and how it answers to the columns. The other
+ * contacts go on. */
+static bool release_equation(saltus_flow *flow, int lane, int face, saltus_strike *strike) {
+    saltus_lane *self = &flow->lane[lane];
+    saltus_work *w = &flow->work;
+    double acceleration[64], jerk[64], delta[64];
+    unsigned contacts = self->contacts;
+    if (!saltus_contacts_set(flow, lane, contacts & ~(1u << face)))
+        return false;
+    w->phase[lane] = self->now.phase;
+    flow->kernel->expand(w, 2);
+    for (int i = 0; i < flow->dof; i++) {
+        acceleration[i] = w->v[saltus_work_jet(w, 1, 0) + (size_t)(i * w->stride + lane)];
+        jerk[i] = 2 * w->v[saltus_work_jet(w, 2, 0) + (size_t)(i * w->stride + lane)];
+    }
+    strike->equation = saltus_face_normal(self->system, face, acceleration);
+    strike->equation_rate = saltus_face_normal(self->system, face, jerk);
+    for (int c = 0; c < flow->options.columns; c++) {
+        for (int i = 0; i < flow->dof; i++)
+            delta[i] = w->v[saltus_work_jet(w, 1, c + 1) + (size_t)(i * w->stride + lane)];
+        strike->equation_gradient[c] = saltus_column_normal(flow, lane, face, c, acceleration, delta);
+    }
+    return saltus_contacts_set(flow, lane, contacts);
+}
+
+static void gap_equation(saltus_flow *flow, int lane, int face, saltus_strike *strike) {
+    const saltus_lane *self = &flow->lane[lane];
+    strike->equation = saltus_system_gap(self->system, face, self->state);
+    strike->equation_rate = saltus_face_normal(self->system, face, self->state + flow->dof);
+    for (int c = 0; c < flow->options.columns; c++)
+        strike->equation_gradient[c] = saltus_column_gap(flow, lane, face, c);
+}
+
+/* The event's law on state and tangent vectors; self->before becomes DP f-. */
+static bool apply_law(saltus_flow *flow, int lane, saltus_event_kind kind, int face) {
+    saltus_lane *self = &flow->lane[lane];
+    int n = flow->dof;
+    unsigned elastic = kind == SALTUS_IMPACT ? 1u << face : 0;
+    double velocity[64];
+    memset(self->face, 0, sizeof self->face);
+    if (kind == SALTUS_RELEASE) {
+        self->face[face].touch = 3;
+        return saltus_contacts_set(flow, lane, self->contacts & ~elastic & ~(1u << face));
+    }
+    saltus_contact_map *map = &flow->scratch;
+    if (!saltus_contact_map_build(self->system, self->contacts | 1u << face, elastic, map))
+        return false;
+    memcpy(velocity, self->state + n, (size_t)n * sizeof *velocity);
+    saltus_contact_map_apply(map, n, self->state + n);
+    saltus_contact_map_apply(map, n, self->before + n);
+    for (int c = 0; c < flow->options.columns; c++)
+        saltus_column_impact(flow, lane, map, elastic, velocity, c);
+    if (kind == SALTUS_IMPACT) {
+        self->face[face].touch = 1;
+        return true;
+    }
+    memcpy(self->before, self->state + n, (size_t)n * sizeof *velocity);
+    if (!saltus_contacts_set(flow, lane, self->contacts | 1u << face))
+        return false;
+    saltus_flow_keep_contacts(flow, lane);
+    return true;
+}
+
+saltus_status saltus_flow_strike(saltus_flow *flow, int lane, saltus_event_kind kind, int face,
+                                 saltus_strike *strike, saltus_message *message) {
+    saltus_lane *self = &flow->lane[lane];
+    saltus_lane_gather_all(flow, lane);
+    saltus_field_at(flow, lane, self->state, self->now.phase, &self->hold, self->before);
+    strike->speed = saltus_face_normal(self->system, face, self->state + flow->dof);
+    strike->acceleration = saltus_face_normal(self->system, face, self->before + flow->dof);
+    bool sound = true;
+    if (kind == SALTUS_RELEASE)
+        sound = self->contacts >> face & 1 && release_equation(flow, lane, face, strike);
+    else
+        gap_equation(flow, lane, face, strike);
+    if (!sound || !apply_law(flow, lane, kind, face))
+        return saltus_fail(message, SALTUS_STALLED, "a prescribed event has no solution");
+    saltus_field_at(flow, lane, self->state, self->now.phase, &self->hold, self->after);
+    for (int i = 0; i < flow->dimension; i++)
+        strike->shift[i] = self->before[i] - self->after[i];
+    saltus_lane_scatter_all(flow, lane);
+    if (flow->radau)
+        saltus_radau_impact(flow->radau);
+    return SALTUS_OK;
+}

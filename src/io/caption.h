@@ -1,0 +1,32 @@
+/* Private: lines of text for figures, in gnuplot's enhanced text inside single quotes.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef SALTUS_IO_CAPTION_H
+#define SALTUS_IO_CAPTION_H
+
+#include "saltus/system.h"
+
+#include <stdio.h>
+
+/* Text under construction; what does not fit is cut off. */
+typedef struct saltus_line {
+    char text[1024];
+    size_t length;
+} saltus_line;
+
+void saltus_line_add(saltus_line *l, const char *format, ...)
+#if defined(__GNUC__)
+    __attribute__((format(printf, 2, 3)))
+#endif
+    ;
+/* Text that is not ours, with nothing that enhanced text or a quoted string takes for a command. */
+void saltus_line_plain(saltus_line *l, const char *text);
+/* A number, formatted by one conversion, with a true minus sign. */
+void saltus_line_number(saltus_line *l, const char *format, double value);
+/* The symbol of a parameter: a Greek letter or an italic Latin one, digits as subscripts. */
+void saltus_line_symbol(saltus_line *l, const char *name);
+/* Model, parameters and stops, without the keys (NULL: none) that vary in the figure. */
+void saltus_line_parameters(saltus_line *l, const saltus_system *system, const char *const varied[2]);
+/* Write it as one label or more at the left; the height of the next in *height. */
+void saltus_line_put(FILE *file, const saltus_line *l, const char *colour, double *height);
+
+#endif

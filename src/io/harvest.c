@@ -1,0 +1,38 @@
+/* The orbits harvested from a trajectory, as a table for people.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "io/describe.h"
+#include "saltus/io.h"
+
+#include <math.h>
+
+static void put_mirror(FILE *file, const saltus_harvest *harvest, int k) {
+    int image = harvest->orbits[k].mirror;
+    if (image == k)
+        fputs("  its own mirror image", file);
+    else if (image >= 0)
+        fprintf(file, "  mirror image of %d", image + 1);
+}
+
+static void put_orbit(FILE *file, const saltus_harvest *harvest, int k) {
+    const saltus_harvest_orbit *o = &harvest->orbits[k];
+    char name[SALTUS_LABEL_MAX];
+    int unstable = saltus_unstable_count(o->orbit.multipliers, o->orbit.dimension);
+    if (o->impacts < 0)
+        snprintf(name, sizeof name, "chatter/%d", o->orbit.periods);
+    else
+        snprintf(name, sizeof name, "%lld/%d", o->impacts, o->orbit.periods);
+    fprintf(file, "%5d  %-12s %9.3g  %8d  %9.1e", k + 1, name, exp(o->orbit.multipliers[0].log_modulus),
+            unstable, o->orbit.residual);
+    put_mirror(file, harvest, k);
+    fputc('\n', file);
+}
+
+void saltus_write_harvest_text(FILE *file, const saltus_scene *scene, const saltus_system *system,
+                               const saltus_harvest *harvest) {
+    fprintf(file, "%s: %d periodic orbits from %lld close returns in %lld periods\n", scene->name,
+            harvest->count, harvest->candidates, harvest->periods);
+    saltus_put_scene(file, scene, system);
+    fprintf(file, "%5s  %-12s %9s  %8s  %9s\n", "", "n/p", "largest", "unstable", "residual");
+    for (int k = 0; k < harvest->count; k++)
+        put_orbit(file, harvest, k);
+}

@@ -1,0 +1,23 @@
+/* Private: the pieces that JSON objects are made of.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef SALTUS_IO_JSON_H
+#define SALTUS_IO_JSON_H
+
+#include "io/describe.h"
+#include "saltus/io.h"
+
+/* A number, or null where JSON has none. */
+void saltus_json_value(FILE *file, double value);
+void saltus_json_string(FILE *file, const char *text);
+void saltus_json_vector(FILE *file, const double *vector, int length);
+
+/* Members of an object after its first one, with the comma before them. */
+void saltus_json_key(FILE *file, const char *key);
+void saltus_json_member(FILE *file, const char *key, double value);
+void saltus_json_text(FILE *file, const char *key, const char *text);
+/* The members `events`, `parameters`, and `multipliers` with `log_moduli`. */
+void saltus_json_events(FILE *file, const saltus_system *system, const saltus_event *events, int count);
+void saltus_json_parameters(FILE *file, const saltus_spec *spec);
+void saltus_json_multipliers(FILE *file, const saltus_multiplier *multipliers, int count);
+
+#endif

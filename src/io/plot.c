@@ -1,0 +1,311 @@
+/* Bifurcation diagrams: branches of orbits and curves of special points, drawn by gnuplot from a script that
+ * holds its own data.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "io/plot.h"
+
+#include "io/caption.h"
+#include "io/describe.h"
+#include "io/gnuplot.h"
+#include "io/hdf5.h"
+#include "io/output.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { files_max = 8 };
+
+static const char *const hues[SALTUS_HUES] = {"#2c5f8a", "#c44e2a", "#2f8f6f",
+                                              "#8a5aa0", "#b08a00", "#555555"};
+
+/* How special points are marked, and what they are. */
+static const struct {
+    int point_type;
+    double size;
+    const char *colour, *meaning;
+} marks[SALTUS_POINT_KINDS] = {
+    [SALTUS_POINT_LP] = {5, 1.15, "#1c1c1c", "LP  fold"},
+    [SALTUS_POINT_PD] = {13, 1.5, "#b5179e", "PD  flip"},
+    [SALTUS_POINT_NS] = {9, 1.4, "#e07a00", "NS  torus"},
+    [SALTUS_POINT_BP] = {7, 1.2, "#0a7d32", "BP  branch point"},
+    [SALTUS_POINT_GR] = {11, 1.4, "#c1121f", "GR  grazing"},
+    [SALTUS_POINT_CH] = {15, 1.4, "#7209b7", "CH  chatter"},
+    [SALTUS_POINT_ST] = {4, 1.2, "#3a5a98", "ST  sticking"},
+    [SALTUS_POINT_UZ] = {6, 1.1, "#404040", "UZ  wanted"},
+    [SALTUS_POINT_EP] = {2, 1.1, "#606060", "EP  end"},
+};
+
+static void put_style(FILE *file) {
+    fputs("set encoding utf8\n"
+          "set border 3 lc rgb '#606060' lw 1\n"
+          "set tics out nomirror scale 0.6 tc rgb '#303030'\n"
+          "set grid lt 1 lc rgb '#eeeeee' lw 1 back\n"
+          "set minussign\n"
+          "set lmargin at screen 0.09\nset rmargin at screen 0.973\nset bmargin at screen 0.078\n",
+          file);
+}
+
+/* What a parameter means, followed by its symbol; the bare symbol where the meaning is a formula. */
+static void name_parameter(const saltus_spec *spec, const char *key, saltus_line *line) {
+    int count, stops;
+    const saltus_parameter *p = saltus_model_parameters(spec->model, &count);
+    const saltus_parameter *s = saltus_stop_parameters(&stops);
+    const char *meaning = "";
+    for (int k = 0; k < stops; k++)
+        if (strncmp(key, s[k].name, strlen(s[k].name)) == 0)
+            meaning = s[k].meaning;
+    for (int k = 0; k < count; k++)
+        if (strcmp(key, p[k].name) == 0)
+            meaning = p[k].meaning;
+    if (!strchr(meaning, '^') && *meaning)
+        saltus_line_add(line, "%.*s  ", (int)strcspn(meaning, ",;("), meaning);
+    saltus_line_symbol(line, key);
+}
+
+static void name_measure(const saltus_plot_page *page, saltus_line *line) {
+    saltus_sheet sheet = {.system = page->system};
+    char name[160];
+    switch (page->show) {
+    case SALTUS_SHOW_DISPLACEMENT:
+        saltus_sheet_displacement_name(&sheet, name, sizeof name);
+        saltus_line_add(line, "%s  at phase 0", name);
+        break;
+    case SALTUS_SHOW_VELOCITY:
+        saltus_sheet_velocity_name(&sheet, name, sizeof name);
+        saltus_line_add(line, "%s  at phase 0", name);
+        break;
+    case SALTUS_SHOW_PERIOD:
+        saltus_line_add(line, "period in {/:Italic T}");
+        break;
+    case SALTUS_SHOW_IMPACTS:
+        saltus_line_add(line, "speed of every impact  |{/:Bold n·q′}|");
+        break;
+    default:
+        saltus_line_add(line, "largest impact speed  |{/:Bold n·q′}|");
+    }
+}
+
+static void put_axes(const saltus_plot_page *page) {
+    const saltus_branch_options *o = &page->files[0].options;
+    const saltus_spec *spec = &page->files[0].spec;
+    saltus_line x = {.length = 0}, y = {.length = 0};
+    name_parameter(spec, o->key[0], &x);
+    if (page->locus)
+        name_parameter(spec, o->key[1], &y);
+    else
+        name_measure(page, &y);
+    fprintf(page->file, "set xlabel '%s'\nset xrange [%.12g:%.12g]\n", x.text, page->x.low, page->x.high);
+    fprintf(page->file, "set ylabel '%s' offset -0.6,0\nset yrange [%.9g:%.9g]\n", y.text, page->y.low,
+            page->y.high);
+}
+
+static void put_caption(const saltus_plot_page *page) {
+    const saltus_branch_options *o = &page->files[0].options;
+    const char *const varied[2] = {o->key[0], page->locus ? o->key[1] : NULL};
+    saltus_line head = {.length = 0}, parameters = {.length = 0};
+    double height = 0.932;
+    saltus_line_plain(&head, page->files[0].scene);
+    saltus_line_add(&head, ":  %s in ", page->locus ? "special points" : "periodic orbits");
+    saltus_line_symbol(&head, o->key[0]);
+    if (page->locus) {
+        saltus_line_add(&head, " and ");
+        saltus_line_symbol(&head, o->key[1]);
+    }
+    saltus_line_parameters(&parameters, page->system, varied);
+    fprintf(page->file, "set label '{/=20:Bold %s}' at screen 0.03,0.967 left front\n", head.text);
+    saltus_line_put(page->file, &parameters, "#202020", &height);
+    fputs("set label 'Saltus " SALTUS_VERSION
+          "' at screen 0.985,0.012 right tc rgb '#909090' font ',9' front\n",
+          page->file);
+    fprintf(page->file,
+            "set tmargin at screen %.4f\n"
+            "set key at screen 0.03, screen %.4f left center horizontal Left reverse samplen 1.8 width 1 "
+            "maxrows 1 "
+            "font ',11' textcolor rgb '#303030'\n",
+            height - 0.05, height - 0.008);
+}
+
+/* Whether any point of a hue exists, and any of a stroke. */
+static bool has_hue(const saltus_plot_page *page, int hue) {
+    for (int i = 0; i < page->count; i++)
+        for (int k = 0; k < page->files[i].point_count; k++)
+            if (saltus_plot_hue(page, i, page->files[i].points[k].branch) == hue)
+                return true;
+    return false;
+}
+
+static void put_curves(const saltus_plot_page *page) {
+    static const char *const look[SALTUS_STROKES] = {"lw 2.6", "dt (9,6) lw 1.9", "dt (2,5) lw 1.3"};
+    for (int hue = 0; hue < SALTUS_HUES; hue++)
+        for (int stroke = 0; has_hue(page, hue) && stroke < SALTUS_STROKES; stroke++)
+            fprintf(page->file, "     $curve_%d_%d using 1:2 with lines %s lc rgb '%s' notitle, \\\n", hue,
+                    stroke, look[stroke], hues[hue]);
+}
+
+static bool has_kind(const saltus_plot_page *page, saltus_point_kind kind) {
+    for (int i = 0; i < page->count; i++)
+        for (int k = 0; k < page->files[i].point_count; k++)
+            if (page->files[i].points[k].kind == kind &&
+                saltus_plot_marked(&page->files[i], &page->files[i].points[k]))
+                return true;
+    return false;
+}
+
+/* Marks with a white rim, which lifts them off the curves; those that often lie under others come last. */
+static void put_marks(const saltus_plot_page *page) {
+    for (int kind = SALTUS_POINT_KINDS - 1; kind >= SALTUS_POINT_LP; kind--) {
+        const char *word = saltus_point_word((saltus_point_kind)kind);
+        bool solid = kind != SALTUS_POINT_EP && kind != SALTUS_POINT_UZ && kind != SALTUS_POINT_ST;
+        if (!has_kind(page, (saltus_point_kind)kind))
+            continue;
+        if (solid)
+            fprintf(page->file,
+                    "     $marks_%s using 1:2 with points pt %d ps %g lc rgb '#ffffff' notitle, \\\n", word,
+                    marks[kind].point_type, marks[kind].size + 0.45);
+        fprintf(page->file,
+                "     $marks_%s using 1:2 with points pt %d ps %g lw 1.6 lc rgb '%s' notitle, \\\n", word,
+                marks[kind].point_type, marks[kind].size, marks[kind].colour);
+    }
+}
+
+static void put_legend(const saltus_plot_page *page) {
+    for (int i = 0; i < page->count && page->count > 1; i++) {
+        saltus_line name = {.length = 0};
+        saltus_line_plain(&name, page->files[i].scene);
+        if (page->locus)
+            saltus_line_add(&name, ", %s", saltus_point_word(page->files[i].options.locus));
+        fprintf(page->file, "     NaN with lines lw 2.6 lc rgb '%s' title '%s', \\\n", hues[i % SALTUS_HUES],
+                name.text);
+    }
+    if (!page->locus)
+        fputs("     NaN with lines lw 2.6 lc rgb '#404040' title 'stable', \\\n"
+              "     NaN with lines dt (9,6) lw 1.9 lc rgb '#404040' title 'unstable', \\\n",
+              page->file);
+    for (int kind = SALTUS_POINT_LP; kind < SALTUS_POINT_KINDS; kind++)
+        if (has_kind(page, (saltus_point_kind)kind))
+            fprintf(page->file, "     NaN with points pt %d ps %g lw 1.6 lc rgb '%s' title '%s', \\\n",
+                    marks[kind].point_type, marks[kind].size, marks[kind].colour, marks[kind].meaning);
+    fputs("     NaN notitle\n", page->file);
+}
+
+static void write_script(const saltus_plot_page *page, const char *path) {
+    fprintf(page->file, "set terminal %s\n", saltus_gnuplot_terminal(path));
+    put_style(page->file);
+    saltus_plot_data(page);
+    put_axes(page);
+    put_caption(page);
+    saltus_plot_labels(page);
+    fputs("plot \\\n", page->file);
+    put_curves(page);
+    put_marks(page);
+    put_legend(page);
+}
+
+/* Without a wish: impact speeds where there are impacts, displacements otherwise. */
+static saltus_show choose_measure(const saltus_plot_page *page, saltus_show wanted) {
+    if (wanted != SALTUS_SHOW_AUTOMATIC)
+        return wanted;
+    for (int i = 0; i < page->count; i++)
+        for (int k = 0; k < page->files[i].point_count; k++)
+            if (page->files[i].points[k].event_count > 0)
+                return SALTUS_SHOW_SPEED;
+    return SALTUS_SHOW_DISPLACEMENT;
+}
+
+/* The parameter's range, then that of what is shown in it. */
+static void find_ranges(saltus_plot_page *page, const saltus_plot_options *options) {
+    const saltus_branch_options *o = &page->files[0].options;
+    bool speeds = !page->locus && (page->show == SALTUS_SHOW_SPEED || page->show == SALTUS_SHOW_IMPACTS);
+    page->x = page->y = (saltus_range){INFINITY, -INFINITY};
+    for (int i = 0; i < page->count; i++)
+        for (int k = 0; k < page->files[i].point_count; k++)
+            saltus_range_add(&page->x, saltus_plot_x(&page->files[i].points[k]));
+    saltus_range_pad(&page->x, 0.03, 1e-3 * (o->high[0] - o->low[0]));
+    if (options->low < options->high)
+        page->x = (saltus_range){options->low, options->high};
+    for (int i = 0; i < page->count; i++)
+        for (int k = 0; k < page->files[i].point_count; k++) {
+            const saltus_branch_point *point = &page->files[i].points[k];
+            for (int e = 0; speeds && page->show == SALTUS_SHOW_IMPACTS && e < point->event_count; e++)
+                if (saltus_plot_shown(page, point))
+                    saltus_range_add(&page->y, saltus_impact_speed(&point->events[e]));
+            if (saltus_plot_shown(page, point))
+                saltus_range_add(&page->y, saltus_plot_y(page, point));
+        }
+    if (speeds && page->y.low < 0.4 * page->y.high)
+        saltus_range_add(&page->y, 0);
+    saltus_range_pad(&page->y, 0.07,
+                     page->locus ? 1e-3 * (o->high[1] - o->low[1])
+                                 : 1e-3 * fmax(fabs(page->y.high), fabs(page->y.low)));
+    if (speeds && page->y.low < 0)
+        page->y.low = -0.02 * page->y.high;
+}
+
+static saltus_status draw(const saltus_branch_file *files, int count, const saltus_plot_options *options,
+                          const char *figure, saltus_message *message) {
+    saltus_system *system = NULL;
+    saltus_status status = saltus_system_new(&files[0].spec, &system, message);
+    if (status != SALTUS_OK)
+        return status;
+    saltus_plot_page page = {.files = files,
+                             .count = count,
+                             .system = system,
+                             .locus = files[0].options.locus != SALTUS_POINT_REGULAR};
+    page.show = choose_measure(&page, options->show);
+    find_ranges(&page, options);
+    if (!isfinite(page.y.high))
+        status = saltus_fail(message, SALTUS_BAD_INPUT, "there is no point from %s = %g to %g",
+                             files[0].options.key[0], page.x.low, page.x.high);
+    page.file = status == SALTUS_OK ? saltus_nameless_file() : NULL;
+    if (status == SALTUS_OK && !page.file)
+        status = saltus_fail(message, SALTUS_IO, "no temporary file can be made: %s", strerror(errno));
+    if (status == SALTUS_OK) {
+        write_script(&page, figure);
+        status = saltus_gnuplot_draw(page.file, figure, message);
+        fclose(page.file);
+    }
+    saltus_system_free(system);
+    return status;
+}
+
+saltus_plot_options saltus_plot_defaults(void) {
+    return (saltus_plot_options){.show = SALTUS_SHOW_AUTOMATIC, .low = NAN, .high = NAN};
+}
+
+/* Diagrams over each other need the same axes. */
+static saltus_status check_axes(const saltus_branch_file *a, const saltus_branch_file *b, const char *path,
+                                saltus_message *message) {
+    bool locus = a->options.locus != SALTUS_POINT_REGULAR;
+    if (a->spec.model == b->spec.model && a->dimension == b->dimension &&
+        locus == (b->options.locus != SALTUS_POINT_REGULAR) &&
+        strcmp(a->options.key[0], b->options.key[0]) == 0 &&
+        (!locus || strcmp(a->options.key[1], b->options.key[1]) == 0))
+        return SALTUS_OK;
+    return saltus_fail(message, SALTUS_BAD_INPUT,
+                       "%.200s: has not the axes of the first file (%s%s%s of the model %s)", path,
+                       a->options.key[0], locus ? " and " : "", locus ? a->options.key[1] : "",
+                       saltus_model_name(a->spec.model));
+}
+
+saltus_status saltus_plot(const char *const *paths, int count, const saltus_plot_options *options,
+                          const char *figure, saltus_message *message) {
+    saltus_branch_file files[files_max];
+    saltus_status status = SALTUS_OK;
+    int read = 0;
+    if (!saltus_gnuplot_terminal(figure))
+        return saltus_fail(message, SALTUS_BAD_INPUT, "%s: the ending must be .png, .pdf or .svg", figure);
+    if (count < 1 || count > files_max)
+        return saltus_fail(message, SALTUS_BAD_INPUT, "from 1 to %d files can be drawn over each other",
+                           files_max);
+    for (; read < count && status == SALTUS_OK; read++) {
+        status = saltus_branch_file_read(paths[read], &files[read], message);
+        if (status == SALTUS_OK)
+            status = check_axes(&files[0], &files[read], paths[read], message);
+    }
+    if (status == SALTUS_OK)
+        status = draw(files, count, options, figure, message);
+    for (int k = 0; k < read; k++)
+        saltus_branch_file_clear(&files[k]);
+    return status;
+}

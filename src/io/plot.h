@@ -1,0 +1,45 @@
+/* Private: a bifurcation diagram under way.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef SALTUS_IO_PLOT_H
+#define SALTUS_IO_PLOT_H
+
+#include "io/sheet.h"
+
+/* Branch files over each other in one pair of axes. */
+typedef struct saltus_plot_page {
+    FILE *file; /* gnuplot's script */
+    const saltus_branch_file *files;
+    int count;
+    const saltus_system *system; /* of the first file's start */
+    bool locus;                  /* a second parameter goes up the page */
+    saltus_show show;
+    saltus_range x, y;
+} saltus_plot_page;
+
+/* What a point shows along the page and up it, and whether it is on the page. */
+bool saltus_plot_shown(const saltus_plot_page *page, const saltus_branch_point *point);
+double saltus_plot_x(const saltus_branch_point *point);
+double saltus_plot_y(const saltus_plot_page *page, const saltus_branch_point *point);
+/* Speed of an event where it is an impact, otherwise NAN. */
+double saltus_impact_speed(const saltus_event *event);
+
+/* Whether a point is marked: on a curve of special points those that make it are not. */
+bool saltus_plot_marked(const saltus_branch_file *file, const saltus_branch_point *point);
+
+/* How a curve is drawn between two points. */
+typedef enum saltus_stroke {
+    SALTUS_STROKE_STABLE,
+    SALTUS_STROKE_UNSTABLE,
+    SALTUS_STROKE_FOREIGN
+} saltus_stroke;
+enum { SALTUS_STROKES = 3, SALTUS_HUES = 6 };
+
+/* Which hue a branch has: of its file where there are several, otherwise of how often it was switched. */
+int saltus_plot_hue(const saltus_plot_page *page, int file, int branch);
+
+/* plot_data.c: the datablocks $curve_HUE_STROKE and $marks_KIND. */
+void saltus_plot_data(const saltus_plot_page *page);
+/* plot_labels.c: n/p along the branches and the names of special points, as gnuplot labels. */
+void saltus_plot_labels(const saltus_plot_page *page);
+
+#endif

@@ -1,0 +1,212 @@
+/* The numbers of a bifurcation diagram, as datablocks inside gnuplot's script.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "io/plot.h"
+
+#include <math.h>
+
+double saltus_plot_x(const saltus_branch_point *point) {
+    return point->value[0];
+}
+
+bool saltus_plot_shown(const saltus_plot_page *page, const saltus_branch_point *point) {
+    double x = saltus_plot_x(point);
+    return x >= page->x.low && x <= page->x.high;
+}
+
+bool saltus_plot_marked(const saltus_branch_file *file, const saltus_branch_point *point) {
+    return point->kind != SALTUS_POINT_REGULAR && point->kind != file->options.locus;
+}
+
+double saltus_impact_speed(const saltus_event *event) {
+    return event->kind == SALTUS_IMPACT || event->kind == SALTUS_STICK ? fabs(event->velocity_before) : NAN;
+}
+
+static double largest_speed(const saltus_branch_point *point) {
+    double largest = 0;
+    for (int k = 0; k < point->event_count; k++)
+        largest = fmax(largest, saltus_impact_speed(&point->events[k]));
+    return largest;
+}
+
+/* Where all impacts are shown a grazing one is the slowest of them. */
+static double slowest(const saltus_branch_point *point) {
+    double least = INFINITY;
+    for (int k = 0; k < point->event_count; k++)
+        least = fmin(least, saltus_impact_speed(&point->events[k]));
+    return isfinite(least) ? least : 0;
+}
+
+/* The observed coordinate of displacements or velocities at phase 0. */
+static double observed(const saltus_system *system, const double *part) {
+    const double *observer = saltus_system_observer(system);
+    double sum = 0;
+    for (int i = 0; i < saltus_system_dof(system); i++)
+        sum = fma(observer[i], part[i], sum);
+    return sum;
+}
+
+double saltus_plot_y(const saltus_plot_page *page, const saltus_branch_point *point) {
+    if (page->locus)
+        return point->value[1];
+    switch (page->show) {
+    case SALTUS_SHOW_DISPLACEMENT:
+        return observed(page->system, point->state);
+    case SALTUS_SHOW_VELOCITY:
+        return observed(page->system, point->state + saltus_system_dof(page->system));
+    case SALTUS_SHOW_PERIOD:
+        return point->periods;
+    case SALTUS_SHOW_IMPACTS:
+        return point->kind == SALTUS_POINT_GR ? slowest(point) : largest_speed(point);
+    default:
+        return largest_speed(point);
+    }
+}
+
+static int parent_of(const saltus_branch_file *f, int branch) {
+    for (int k = 0; k < f->point_count; k++)
+        if (f->points[k].branch == branch)
+            return f->points[k].parent;
+    return -1;
+}
+
+int saltus_plot_hue(const saltus_plot_page *page, int file, int branch) {
+    if (page->count > 1)
+        return file % SALTUS_HUES;
+    int depth = 0;
+    for (int parent = branch; depth <= SALTUS_HUES; depth++) {
+        parent = parent_of(&page->files[file], parent);
+        if (parent < 0)
+            break;
+    }
+    return depth % SALTUS_HUES;
+}
+
+/* How the curve runs from a point to the next one: at a special point the side tells, not the point. */
+static saltus_stroke stroke_between(const saltus_branch_point *a, const saltus_branch_point *b) {
+    if (!a->admissible && !b->admissible)
+        return SALTUS_STROKE_FOREIGN;
+    const saltus_branch_point *side = a->kind == SALTUS_POINT_REGULAR ? a : b;
+    bool both = a->kind == SALTUS_POINT_REGULAR && b->kind == SALTUS_POINT_REGULAR;
+    bool stable = both ? a->stable && b->stable : side->stable;
+    return stable ? SALTUS_STROKE_STABLE : SALTUS_STROKE_UNSTABLE;
+}
+
+static void put_pieces(const saltus_plot_page *page, const saltus_branch_file *f, int branch,
+                       saltus_stroke stroke) {
+    const saltus_branch_point *last = NULL;
+    bool drawing = false;
+    for (int k = 0; k < f->point_count; k++) {
+        const saltus_branch_point *point = &f->points[k];
+        if (point->branch != branch)
+            continue;
+        bool wanted =
+            last && (page->locus ? stroke == SALTUS_STROKE_STABLE : stroke_between(last, point) == stroke);
+        if (wanted && !drawing)
+            fprintf(page->file, "\n%.12g %.9g\n", saltus_plot_x(last), saltus_plot_y(page, last));
+        if (wanted)
+            fprintf(page->file, "%.12g %.9g\n", saltus_plot_x(point), saltus_plot_y(page, point));
+        drawing = wanted;
+        last = point;
+    }
+}
+
+static int branch_count(const saltus_branch_file *f) {
+    int count = 0;
+    for (int k = 0; k < f->point_count; k++)
+        if (f->points[k].branch >= count)
+            count = f->points[k].branch + 1;
+    return count;
+}
+
+static void put_curves(const saltus_plot_page *page, int hue, saltus_stroke stroke) {
+    fprintf(page->file, "$curve_%d_%d << EOD\n# parameter, measure\n", hue, (int)stroke);
+    for (int i = 0; i < page->count; i++)
+        for (int branch = 0; branch < branch_count(&page->files[i]); branch++)
+            if (saltus_plot_hue(page, i, branch) == hue)
+                put_pieces(page, &page->files[i], branch, stroke);
+    fputs("\nEOD\n", page->file);
+}
+
+/* The impact of point b that is nearest in time to event e of point a, on the same face; -1 when there is
+ * none near. Where an impact is born or dies it has no partner. */
+static int nearest_impact(const saltus_branch_point *a, int e, const saltus_branch_point *b) {
+    const double near = 0.2; /* of a forcing period */
+    const saltus_event *from = &a->events[e];
+    double least = near, p = a->periods;
+    int nearest = -1;
+    for (int k = 0; k < b->event_count; k++) {
+        double apart =
+            fabs(remainder(saltus_time_periods(b->events[k].time) - saltus_time_periods(from->time), p));
+        if (isnan(saltus_impact_speed(&b->events[k])) || b->events[k].face != from->face || apart >= least)
+            continue;
+        least = apart;
+        nearest = k;
+    }
+    return nearest;
+}
+
+/* The same impact at the next point of a branch: each must be the other's nearest. */
+static int partner(const saltus_branch_point *a, int e, const saltus_branch_point *b) {
+    int found =
+        a->periods == b->periods && !isnan(saltus_impact_speed(&a->events[e])) ? nearest_impact(a, e, b) : -1;
+    return found >= 0 && nearest_impact(b, found, a) == e ? found : -1;
+}
+
+/* Whether the points k and k + 1 of a file follow each other on a branch of that hue with that stroke. */
+static bool linked(const saltus_plot_page *page, int file, int k, int hue, saltus_stroke stroke) {
+    const saltus_branch_file *f = &page->files[file];
+    return k >= 0 && k + 1 < f->point_count && f->points[k].branch == f->points[k + 1].branch &&
+           saltus_plot_hue(page, file, f->points[k].branch) == hue &&
+           stroke_between(&f->points[k], &f->points[k + 1]) == stroke;
+}
+
+/* An impact from the point where it begins to have this stroke to where it ends. */
+static void put_impact(const saltus_plot_page *page, int file, int k, int e, int hue, saltus_stroke stroke) {
+    const saltus_branch_point *points = page->files[file].points;
+    if (linked(page, file, k - 1, hue, stroke) && partner(&points[k], e, &points[k - 1]) >= 0)
+        return;
+    for (bool first = true; linked(page, file, k, hue, stroke); k++, first = false) {
+        int next = partner(&points[k], e, &points[k + 1]);
+        if (next < 0)
+            return;
+        if (first)
+            fprintf(page->file, "\n%.12g %.9g\n", saltus_plot_x(&points[k]),
+                    saltus_impact_speed(&points[k].events[e]));
+        e = next;
+        fprintf(page->file, "%.12g %.9g\n", saltus_plot_x(&points[k + 1]),
+                saltus_impact_speed(&points[k + 1].events[e]));
+    }
+}
+
+/* Each impact as a curve of its own. */
+static void put_impacts(const saltus_plot_page *page, int hue, saltus_stroke stroke) {
+    fprintf(page->file, "$curve_%d_%d << EOD\n# parameter, speed\n", hue, (int)stroke);
+    for (int i = 0; i < page->count; i++)
+        for (int k = 0; k < page->files[i].point_count; k++)
+            for (int e = 0; linked(page, i, k, hue, stroke) && e < page->files[i].points[k].event_count; e++)
+                put_impact(page, i, k, e, hue, stroke);
+    fputs("\nEOD\n", page->file);
+}
+
+static void put_marks(const saltus_plot_page *page, saltus_point_kind kind) {
+    fprintf(page->file, "$marks_%s << EOD\n# parameter, measure\n", saltus_point_word(kind));
+    for (int i = 0; i < page->count; i++)
+        for (int k = 0; k < page->files[i].point_count; k++) {
+            const saltus_branch_point *point = &page->files[i].points[k];
+            if (point->kind == kind && saltus_plot_marked(&page->files[i], point))
+                fprintf(page->file, "%.12g %.9g\n", saltus_plot_x(point), saltus_plot_y(page, point));
+        }
+    fputs("EOD\n", page->file);
+}
+
+void saltus_plot_data(const saltus_plot_page *page) {
+    for (int hue = 0; hue < SALTUS_HUES; hue++)
+        for (int stroke = 0; stroke < SALTUS_STROKES; stroke++) {
+            if (page->show == SALTUS_SHOW_IMPACTS && !page->locus)
+                put_impacts(page, hue, (saltus_stroke)stroke);
+            else
+                put_curves(page, hue, (saltus_stroke)stroke);
+        }
+    for (int kind = SALTUS_POINT_LP; kind < SALTUS_POINT_KINDS; kind++)
+        put_marks(page, (saltus_point_kind)kind);
+}

@@ -1,0 +1,351 @@
+/* Where branches begin: from an orbit, from a flip, from a branch point; and the moving of an orbit's base.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "orbit/branch_private.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* The null vector of the Jacobian just evaluated: the tangent but for its sign. */
+static saltus_status find_tangent(saltus_pursuit *pursuit, double *tangent, saltus_message *message) {
+    int m = saltus_pursuit_unknowns(pursuit);
+    double values[2], *vectors = calloc(2 * (size_t)m, sizeof *vectors);
+    if (!vectors)
+        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch");
+    saltus_status status = saltus_pursuit_null_plane(pursuit, vectors, values, message);
+    memcpy(tangent, vectors, (size_t)m * sizeof *tangent);
+    free(vectors);
+    return status;
+}
+
+/* Take on a sequence and put `here` on it. */
+saltus_status saltus_branch_place(saltus_branch *b, const saltus_sequence *sequence, double value,
+                                  const double *state, bool polish, saltus_message *message) {
+    int iterations = 0;
+    saltus_status status = saltus_pursuit_shape(b->pursuit, sequence, message);
+    if (status == SALTUS_OK &&
+        !saltus_solution_room(&b->here, saltus_pursuit_unknowns(b->pursuit), b->n))
+        status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch");
+    if (status == SALTUS_OK)
+        status = saltus_pursuit_fill(b->pursuit, value, state, b->here.u, message);
+    if (status == SALTUS_OK && polish)
+        status = saltus_pursuit_correct(b->pursuit, b->here.u, NULL, NULL, true, &iterations, message);
+    else if (status == SALTUS_OK)
+        status = saltus_pursuit_evaluate(b->pursuit, b->here.u, message);
+    if (status == SALTUS_OK)
+        status = find_tangent(b->pursuit, b->here.tangent, message);
+    b->here.ahead = 0;
+    b->here.iterations = iterations;
+    return status;
+}
+
+static void point_tangent(saltus_solution *s, double sense) {
+    for (int j = 0; j < s->unknowns && sense < 0; j++)
+        s->tangent[j] = -s->tangent[j];
+}
+
+saltus_status saltus_branch_begin(saltus_branch *b, const saltus_branch_start *start, saltus_message *message) {
+    b->number = b->start_next - 1;
+    b->parent = start->parent;
+    b->depth = start->depth;
+    b->points = 0;
+    b->arclength = b->shown = 0;
+    b->step = b->options.step;
+    b->fresh = start->tangent != NULL;
+    b->running = true;
+    saltus_message why = {""};
+    saltus_status status =
+        saltus_branch_place(b, &start->sequence, start->value, start->state,
+                            !start->tangent && !start->grazes, &why);
+    if (status == SALTUS_OK && start->grazes) {
+        b->running = saltus_branch_go_on(b, b->here.tangent);
+        b->last_label[0] = 0;
+        return b->running ? saltus_branch_accept(b, message) : SALTUS_OK;
+    }
+    if (status == SALTUS_OK && start->tangent)
+        memcpy(b->here.tangent, start->tangent, (size_t)start->unknowns * sizeof *start->tangent);
+    else if (status == SALTUS_OK)
+        point_tangent(&b->here, b->here.tangent[b->here.unknowns - 1] * start->heading);
+    if (status != SALTUS_OK) {
+        b->running = false;
+        return status == SALTUS_NO_MEMORY ? saltus_fail(message, status, "%s", why.text) : SALTUS_OK;
+    }
+    b->reference[0] = b->reference[1] = NAN;
+    for (int k = 0; k < SALTUS_TESTS; k++)
+        b->here.test[k] = -1;
+    if (start->tangent == NULL)
+        status = saltus_branch_test(b, &b->here, message);
+    if (status == SALTUS_OK)
+        status = saltus_branch_survey(b, &b->here, message);
+    if (status == SALTUS_OK)
+        status = saltus_branch_emit(b, &b->here, SALTUS_POINT_REGULAR, NAN, NULL, NULL, message);
+    b->points = 1;
+    saltus_branch_remember(b);
+    double bound = start->heading > 0 ? b->options.high[0] : b->options.low[0];
+    if (status == SALTUS_OK && start->heading && start->value == bound)
+        return saltus_branch_end(b, &b->here, 0, "end of the parameter's range", message);
+    return status;
+}
+
+/* The middle of the longest free flight between two marks that the flow need not find its events in; the present
+ * base if there is none. */
+static double better_base(const saltus_sequence *s) {
+    double best = 0, base = s->base;
+    unsigned held = s->contacts;
+    for (int k = 0; k < s->count; k++) {
+        const saltus_mark *mark = &s->mark[k];
+        double next = k + 1 < s->count ? s->mark[k + 1].time : s->mark[0].time + s->periods;
+        if (mark->kind == SALTUS_RELEASE)
+            held &= ~(1u << mark->face);
+        else if (mark->kind == SALTUS_STICK || mark->driven)
+            held |= 1u << mark->face;
+        if (held == 0 && next - mark->time > best) {
+            best = next - mark->time;
+            base = mark->time + 0.5 * best;
+        }
+    }
+    return base < s->base + s->periods ? base : base - s->periods;
+}
+
+/* The sequence cut open at a later time; order[k] is the place of its k-th mark in the old one. */
+static void rotate(const saltus_sequence *old, double base, saltus_sequence *fresh, int *order) {
+    int first = 0;
+    while (first < old->count && old->mark[first].time < base)
+        first++;
+    double back = base >= old->periods ? old->periods : 0;
+    *fresh = *old;
+    fresh->base = fresh->cut[0] = base - back;
+    fresh->contacts = 0;
+    fresh->driven = false;
+    for (int k = 0; k < old->count; k++) {
+        order[k] = (first + k) % old->count;
+        fresh->mark[k] = old->mark[order[k]];
+        fresh->mark[k].time += (first + k >= old->count ? old->periods : 0) - back;
+    }
+}
+
+/* Tangent after a rotation: its sign from the parameter and the times of the marks, which both have. */
+static double common_sense(const double *old, const double *fresh, const int *order, int n, int marks) {
+    double sum = old[n + marks] * fresh[n + marks];
+    for (int k = 0; k < marks; k++)
+        sum += old[n + order[k]] * fresh[n + k];
+    return sum;
+}
+
+/* The state at a later base follows through the prescribed events: it is the state at a second cut. */
+static saltus_status state_at(saltus_branch *b, const saltus_sequence *old, double base, double value,
+                              double *state, saltus_message *message) {
+    saltus_sequence cut = *old;
+    cut.cuts = 2;
+    cut.cut[1] = base;
+    saltus_status status = saltus_pursuit_shape(b->pursuit, &cut, message);
+    int m = saltus_pursuit_unknowns(b->pursuit);
+    if (status == SALTUS_OK && !saltus_solution_room(&b->trial, m, b->n))
+        status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch");
+    if (status == SALTUS_OK)
+        status = saltus_pursuit_fill(b->pursuit, value, state, b->trial.u, message);
+    for (int i = 0; i < b->n && status == SALTUS_OK; i++)
+        state[i] = b->trial.u[b->n + i] * saltus_pursuit_scale(b->pursuit)[i];
+    return status;
+}
+
+saltus_status saltus_branch_rebase(saltus_branch *b, int *tracked, saltus_message *message) {
+    saltus_sequence old, fresh;
+    int order[SALTUS_MARKS_MAX], m = b->here.unknowns;
+    saltus_pursuit_extract(b->pursuit, b->here.u, &old, b->state);
+    if (old.count == 0 || old.cuts > 1)
+        return SALTUS_OK;
+    double before = old.mark[0].time - old.base, after = old.base + old.periods - old.mark[old.count - 1].time;
+    double base = better_base(&old);
+    if (fmin(before, after) > 0.08 * (before + after) || base <= old.base)
+        return SALTUS_OK;
+    double value = saltus_pursuit_value(b->pursuit, b->here.u);
+    double *tangent = calloc((size_t)m, sizeof *tangent);
+    if (!tangent)
+        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch");
+    memcpy(tangent, b->here.tangent, (size_t)m * sizeof *tangent);
+    rotate(&old, base, &fresh, order);
+    saltus_message why = {""};
+    saltus_status status = state_at(b, &old, base, value, b->state, &why);
+    if (status == SALTUS_OK)
+        status = saltus_branch_place(b, &fresh, value, b->state, false, &why);
+    if (status == SALTUS_OK)
+        point_tangent(&b->here, common_sense(tangent, b->here.tangent, order, b->n, fresh.count));
+    for (int k = 0, was = tracked ? *tracked : -1; k < fresh.count && tracked; k++)
+        if (order[k] == was)
+            *tracked = k;
+    free(tangent);
+    return status == SALTUS_OK || status == SALTUS_NO_MEMORY
+               ? status
+               : saltus_fail(message, SALTUS_NO_CONVERGENCE, "%s", why.text);
+}
+
+/* The orbit gone through twice. */
+static void double_sequence(const saltus_sequence *s, saltus_sequence *twice) {
+    *twice = *s;
+    twice->periods = 2 * s->periods;
+    twice->count = 2 * s->count;
+    for (int k = 0; k < s->count; k++) {
+        twice->mark[s->count + k] = s->mark[k];
+        twice->mark[s->count + k].time += s->periods;
+    }
+}
+
+/* The flip's determinant of the orbit at a parameter value, relative to the first one asked for. */
+static bool flip_at(saltus_pursuit *half, double value, double *u, double *reference, double *test) {
+    int sign, iterations, m = saltus_pursuit_unknowns(half);
+    double log_modulus;
+    saltus_message ignored;
+    u[m - 1] += (value - saltus_pursuit_value(half, u)) / saltus_pursuit_scale(half)[m - 1];
+    if (saltus_pursuit_correct(half, u, NULL, NULL, false, &iterations, &ignored) != SALTUS_OK)
+        return false;
+    saltus_pursuit_flip(half, &sign, &log_modulus);
+    if (isnan(*reference))
+        *reference = log_modulus;
+    *test = sign * exp(log_modulus - *reference);
+    return true;
+}
+
+/* Secants in the parameter. */
+static bool secants_to_flip(saltus_pursuit *half, double *u, double unit, double *value, double *accuracy) {
+    enum { secants_max = 12 };
+    double reference = NAN, last = *value, now = last + 1e-5 * unit, before, test;
+    if (!flip_at(half, last, u, &reference, &before))
+        return false;
+    for (int k = 0; k < secants_max; k++) {
+        if (!flip_at(half, now, u, &reference, &test) || test == before)
+            return false;
+        double next = now - test * (now - last) / (test - before);
+        *accuracy = fabs(next - now);
+        last = now;
+        before = test;
+        now = next;
+        if (!(fabs(now - *value) < 1e-3 * unit))
+            return false;
+        if (*accuracy < 1e-12 * unit) {
+            *value = now;
+            return true;
+        }
+    }
+    return false;
+}
+
+bool saltus_branch_flip_of_half(saltus_branch *b, double *value, double *accuracy) {
+    saltus_sequence sequence;
+    saltus_pursuit *half = NULL;
+    saltus_message ignored;
+    saltus_pursuit_extract(b->pursuit, b->trial.u, &sequence, b->state);
+    *value = saltus_pursuit_value(b->pursuit, b->trial.u);
+    if (sequence.count % 2 || sequence.cuts > 1)
+        return false;
+    sequence.periods /= 2;
+    sequence.count /= 2;
+    double *u = calloc((size_t)(b->n + sequence.count + 1), sizeof *u);
+    bool found = u &&
+                 saltus_pursuit_new(&b->spec, &b->direction, b->origin, b->unit, &b->options.orbit, &half,
+                                    &ignored) == SALTUS_OK &&
+                 saltus_pursuit_shape(half, &sequence, &ignored) == SALTUS_OK &&
+                 saltus_pursuit_fill(half, *value, b->state, u, &ignored) == SALTUS_OK &&
+                 secants_to_flip(half, u, b->unit, value, accuracy);
+    saltus_pursuit_free(half);
+    free(u);
+    return found;
+}
+
+saltus_status saltus_branch_switch_grazing(saltus_branch *b, const saltus_sequence *more,
+                                           const saltus_sequence *less, double value, double *state,
+                                           saltus_message *message) {
+    saltus_sequence mixed = *more;
+    if (b->depth >= b->options.switches || more->cuts > 1 || more->count != less->count + 1 ||
+        more->count + less->count > SALTUS_MARKS_MAX)
+        return SALTUS_OK;
+    mixed.periods = 2 * more->periods;
+    mixed.count = more->count + less->count;
+    for (int k = 0; k < less->count; k++) {
+        mixed.mark[more->count + k] = less->mark[k];
+        mixed.mark[more->count + k].time += more->periods;
+    }
+    saltus_branch_start start = {.sequence = mixed,
+                                 .value = value,
+                                 .state = state,
+                                 .grazes = true,
+                                 .parent = b->number,
+                                 .depth = b->depth + 1};
+    return saltus_branch_add_start(b, &start, message);
+}
+
+/* The old tangent among the unknowns of the doubled sequence (or the same one). */
+static void spread_tangent(const saltus_sequence *s, const double *old, int copies, int n, double *tangent) {
+    memcpy(tangent, old, (size_t)n * sizeof *old);
+    for (int c = 0; c < copies; c++)
+        memcpy(tangent + n + c * s->count, old + n, (size_t)s->count * sizeof *old);
+    tangent[n + copies * s->count] = old[n + s->count];
+}
+
+/* In the null plane, the unit vector that leaves the old branch: at flips and pitchforks the one along which the
+ * parameter does not change, which is the new branch's tangent; otherwise that across the old tangent. */
+static void leaving(const double *plane, const double *old, int m, bool pitchfork, double *out) {
+    double a = 0, c = 0, size = 0;
+    for (int j = pitchfork ? m - 1 : 0; j < m; j++) {
+        a += plane[j] * (pitchfork ? 1 : old[j]);
+        c += plane[m + j] * (pitchfork ? 1 : old[j]);
+    }
+    for (int j = 0; j < m; j++) {
+        out[j] = c * plane[j] - a * plane[m + j];
+        size = hypot(size, out[j]);
+    }
+    for (int j = 0; j < m; j++)
+        out[j] /= size;
+}
+
+static saltus_status leave(saltus_branch *b, const saltus_sequence *sequence, const saltus_sequence *here,
+                           int copies, bool pitchfork, saltus_message *message) {
+    saltus_pursuit *pursuit = NULL;
+    int m = b->n + sequence->count + 1;
+    double values[2], *work = calloc(5 * (size_t)m, sizeof *work);
+    double *u = work, *plane = work + m, *old = work + 3 * (size_t)m, *tangent = work + 4 * (size_t)m;
+    double value = saltus_pursuit_value(b->pursuit, b->trial.u);
+    saltus_status status = work ? SALTUS_OK : saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch");
+    if (status == SALTUS_OK)
+        status = saltus_pursuit_new(&b->spec, &b->direction, b->origin, b->unit, &b->options.orbit, &pursuit,
+                                    message);
+    if (status == SALTUS_OK)
+        status = saltus_pursuit_shape(pursuit, sequence, message);
+    if (status == SALTUS_OK)
+        status = saltus_pursuit_fill(pursuit, value, b->state, u, message);
+    if (status == SALTUS_OK)
+        status = saltus_pursuit_evaluate(pursuit, u, message);
+    if (status == SALTUS_OK)
+        status = saltus_pursuit_null_plane(pursuit, plane, values, message);
+    if (status == SALTUS_OK) {
+        spread_tangent(here, b->trial.tangent, copies, b->n, old);
+        leaving(plane, old, m, pitchfork, tangent);
+        saltus_branch_start start = {.sequence = *sequence,
+                                     .value = value,
+                                     .state = b->state,
+                                     .tangent = tangent,
+                                     .unknowns = m,
+                                     .parent = b->number,
+                                     .depth = b->depth + 1};
+        status = saltus_branch_add_start(b, &start, message);
+        for (int j = 0; j < m; j++)
+            tangent[j] = -tangent[j];
+        if (!pitchfork && status == SALTUS_OK)
+            status = saltus_branch_add_start(b, &start, message);
+    }
+    saltus_pursuit_free(pursuit);
+    free(work);
+    return status == SALTUS_NO_MEMORY ? status : SALTUS_OK;
+}
+
+saltus_status saltus_branch_switch(saltus_branch *b, saltus_point_kind kind, saltus_message *message) {
+    saltus_sequence here, twice;
+    bool shift, mirror = saltus_system_mirror_symmetric(b->system, &shift);
+    saltus_pursuit_extract(b->pursuit, b->trial.u, &here, b->state);
+    if (b->depth >= b->options.switches || here.cuts > 1 || 2 * here.count > SALTUS_MARKS_MAX)
+        return SALTUS_OK;
+    if (kind == SALTUS_POINT_BP)
+        return leave(b, &here, &here, 1, mirror, message);
+    double_sequence(&here, &twice);
+    return leave(b, &twice, &here, 2, true, message);
+}

@@ -1,0 +1,221 @@
+/* Points of a solution curve, the functions that change sign at special ones, and where they do.
+ *
+ * A determinant is used with its modulus relative to that at the step's begin, so that it neither overflows nor
+ * loses its sign. Zeros are bracketed in arclength along the step's direction and found by Brent's method
+ * (GSL), every evaluation being a point of the curve solved to rounding.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "orbit/branch_private.h"
+
+#include "orbit/multipliers.h"
+
+#include <gsl/gsl_errno.h>
+#include <gsl/gsl_roots.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { evaluations_max = 60 };
+
+/* At special points a multiplier is on the unit circle up to this. */
+static const double on_the_circle = 1e-9;
+
+bool saltus_solution_room(saltus_solution *s, int unknowns, int dimension) {
+    s->unknowns = unknowns;
+    if (!s->multipliers)
+        s->multipliers = calloc((size_t)dimension, sizeof *s->multipliers);
+    if (unknowns > s->room) {
+        double *u = realloc(s->u, (size_t)unknowns * sizeof *u);
+        if (u)
+            s->u = u;
+        double *tangent = realloc(s->tangent, (size_t)unknowns * sizeof *tangent);
+        if (tangent)
+            s->tangent = tangent;
+        if (!u || !tangent)
+            return false;
+        s->room = unknowns;
+    }
+    return s->multipliers != NULL;
+}
+
+void saltus_solution_clear(saltus_solution *s) {
+    free(s->u);
+    free(s->tangent);
+    free(s->multipliers);
+    *s = (saltus_solution){0};
+}
+
+static double relative(int sign, double log_modulus, double *reference) {
+    if (isnan(*reference))
+        *reference = log_modulus;
+    double difference = log_modulus - *reference;
+    return sign * exp(difference < 600 ? difference : 600);
+}
+
+saltus_status saltus_branch_test(saltus_branch *b, saltus_solution *out, saltus_message *message) {
+    int sign, count;
+    double log_modulus;
+    const double *guide = out == &b->here ? out->tangent : b->here.tangent;
+    saltus_status status = saltus_pursuit_tangent(b->pursuit, guide, out->tangent, &sign, &log_modulus, message);
+    if (status != SALTUS_OK)
+        return status;
+    out->residual = saltus_pursuit_residual(b->pursuit);
+    out->test[SALTUS_TEST_BRANCH] = relative(sign, log_modulus, &b->reference[0]);
+    saltus_pursuit_flip(b->pursuit, &sign, &log_modulus);
+    out->test[SALTUS_TEST_FLIP] = relative(sign, log_modulus, &b->reference[1]);
+    out->test[SALTUS_TEST_FOLD] = out->tangent[out->unknowns - 1];
+    out->test[SALTUS_TEST_VALUE] = saltus_pursuit_value(b->pursuit, out->u) - b->target;
+    const saltus_breach *breaches = saltus_pursuit_breaches(b->pursuit, &count);
+    out->worst = (saltus_breach){.value = -INFINITY};
+    for (int k = 0; k < count; k++)
+        if (breaches[k].value > out->worst.value)
+            out->worst = breaches[k];
+    out->test[SALTUS_TEST_BREACH] = fmax(out->worst.value, -1);
+    out->surveyed = out->follows = false;
+    return status;
+}
+
+saltus_status saltus_branch_visit(saltus_branch *b, double ahead, saltus_solution *out,
+                                  saltus_message *message) {
+    int m = b->here.unknowns;
+    if (!saltus_solution_room(out, m, b->n))
+        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch");
+    for (int j = 0; j < m; j++)
+        out->u[j] = fma(ahead, b->here.tangent[j], b->here.u[j]);
+    memcpy(out->tangent, out->u, (size_t)m * sizeof *out->u);
+    out->ahead = ahead;
+    saltus_status status = saltus_pursuit_correct(b->pursuit, out->u, b->here.tangent, out->tangent, false,
+                                                  &out->iterations, message);
+    return status == SALTUS_OK ? saltus_branch_test(b, out, message) : status;
+}
+
+saltus_status saltus_branch_tune(saltus_branch *b, double value, saltus_message *message) {
+    saltus_spec spec = saltus_spec_shifted(&b->spec, &b->direction, value - b->origin);
+    saltus_system *system = NULL;
+    saltus_status status = saltus_system_new(&spec, &system, message);
+    if (status == SALTUS_OK)
+        status = saltus_flow_retune(b->flow, 0, system, message);
+    if (status != SALTUS_OK) {
+        saltus_system_free(system);
+        return status;
+    }
+    saltus_system_free(b->system);
+    b->system = system;
+    return status;
+}
+
+/* The product over all pairs of mu_i mu_j - 1: zero where a complex pair is on the unit circle. */
+static double pair_product(const saltus_multiplier *mu, int n) {
+    double re = 1, im = 0;
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < i; j++) {
+            double a = mu[i].re * mu[j].re - mu[i].im * mu[j].im - 1;
+            double c = mu[i].re * mu[j].im + mu[i].im * mu[j].re;
+            double next = re * a - im * c;
+            im = re * c + im * a;
+            re = next;
+        }
+    return re;
+}
+
+saltus_status saltus_branch_survey(saltus_branch *b, saltus_solution *s, saltus_message *message) {
+    saltus_sequence sequence;
+    saltus_pursuit_extract(b->pursuit, s->u, &sequence, b->state);
+    saltus_status status = saltus_branch_tune(b, saltus_pursuit_value(b->pursuit, s->u), message);
+    s->surveyed = true;
+    s->follows = false;
+    s->unstable = 0;
+    for (int i = 0; i < b->n; i++)
+        s->multipliers[i] = (saltus_multiplier){NAN, NAN, NAN};
+    s->test[SALTUS_TEST_PAIR] = NAN;
+    if (status != SALTUS_OK)
+        return status;
+    saltus_message ignored;
+    if (saltus_itinerary_walk(&b->itinerary, b->flow, sequence.base, b->state, sequence.periods, &ignored) !=
+        SALTUS_OK)
+        return SALTUS_OK;
+    s->follows = saltus_itinerary_follows(&b->itinerary, b->system, &sequence);
+    saltus_orbit orbit = {.dimension = b->n, .periods = sequence.periods, .state = b->state};
+    saltus_orbit_options options = b->options.orbit;
+    options.phase = sequence.base - floor(sequence.base);
+    if (saltus_orbit_multipliers(b->system, &options, &orbit, &ignored) == SALTUS_OK) {
+        memcpy(s->multipliers, orbit.multipliers, (size_t)b->n * sizeof *s->multipliers);
+        s->log_volume = orbit.log_volume;
+        s->sum_rule = orbit.sum_rule;
+        for (int i = 0; i < b->n; i++)
+            s->unstable += s->multipliers[i].log_modulus > on_the_circle;
+        s->test[SALTUS_TEST_PAIR] = pair_product(s->multipliers, b->n);
+    }
+    free(orbit.monodromy);
+    free(orbit.multipliers);
+    return SALTUS_OK;
+}
+
+bool saltus_branch_halves(saltus_branch *b, const saltus_solution *s) {
+    saltus_sequence sequence;
+    const double *scale = saltus_pursuit_scale(b->pursuit);
+    saltus_message ignored;
+    double largest = 0;
+    saltus_pursuit_extract(b->pursuit, s->u, &sequence, b->state);
+    if (sequence.periods % 2)
+        return false;
+    double *start = calloc((size_t)b->n, sizeof *start);
+    if (!start)
+        return false;
+    memcpy(start, b->state, (size_t)b->n * sizeof *start);
+    bool closes = saltus_itinerary_walk(&b->itinerary, b->flow, sequence.base, start, sequence.periods / 2,
+                                        &ignored) == SALTUS_OK;
+    for (int i = 0; i < b->n && closes; i++)
+        largest = fmax(largest, fabs(b->itinerary.end[i] - start[i]) / scale[i]);
+    free(start);
+    return closes && largest < 1e-4;
+}
+
+/* One location under way. */
+typedef struct probe {
+    saltus_branch *b;
+    saltus_test test;
+    double end, near, far; /* the bracket's other end, values at both */
+    bool failed;
+} probe;
+
+static double test_at(double ahead, void *context) {
+    probe *q = context;
+    saltus_message ignored;
+    if (ahead == 0 || ahead == q->end)
+        return ahead == 0 ? q->near : q->far;
+    if (q->failed)
+        return 0;
+    saltus_status status = saltus_branch_visit(q->b, ahead, &q->b->trial, &ignored);
+    if (status == SALTUS_OK && q->test == SALTUS_TEST_PAIR)
+        status = saltus_branch_survey(q->b, &q->b->trial, &ignored);
+    double value = q->b->trial.test[q->test];
+    q->failed = status != SALTUS_OK || !isfinite(value);
+    return q->failed ? 0 : value;
+}
+
+bool saltus_branch_locate(saltus_branch *b, saltus_test test, double ahead, double far, double *accuracy) {
+    probe q = {.b = b, .test = test, .end = ahead, .near = b->here.test[test], .far = far};
+    gsl_function function = {.function = test_at, .params = &q};
+    *accuracy = INFINITY;
+    if (!(q.near * far < 0))
+        return false;
+    gsl_root_fsolver *solver = gsl_root_fsolver_alloc(gsl_root_fsolver_brent);
+    if (!solver)
+        return false;
+    double low = 0, high = ahead, root = ahead;
+    bool going = gsl_root_fsolver_set(solver, &function, 0, ahead) == GSL_SUCCESS;
+    for (int k = 0; k < evaluations_max && going && !q.failed; k++) {
+        going = gsl_root_fsolver_iterate(solver) == GSL_SUCCESS;
+        root = gsl_root_fsolver_root(solver);
+        low = gsl_root_fsolver_x_lower(solver);
+        high = gsl_root_fsolver_x_upper(solver);
+        going = going && high - low > 1e-13 * fmax(1, fabs(root)) && b->trial.test[test] != 0;
+    }
+    gsl_root_fsolver_free(solver);
+    saltus_message ignored;
+    if (q.failed || saltus_branch_visit(b, root, &b->trial, &ignored) != SALTUS_OK)
+        return false;
+    double slope = fabs(b->trial.tangent[b->trial.unknowns - 1]) * b->unit, width = b->trial.test[test] == 0 ? 0 : high - low;
+    *accuracy = slope * width + b->unit * width * width;
+    return true;
+}

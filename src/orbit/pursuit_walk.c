@@ -1,0 +1,230 @@
+/* Once around an orbit of a prescribed sequence: residuals, Jacobian and breaches.
+ *
+ * The orbit is walked in pieces between cuts and marks. Over a piece the flow carries n tangent vectors from
+ * the identity, A, and the parameter column; how the state at hand answers to all unknowns is a matrix of n
+ * rows, which a piece multiplies by A. A mark at time t contributes the equation's gradient as a row, and to its
+ * own column the shift that a delay of t causes (saltus_strike).
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "orbit/pursuit_private.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Where the walk is. */
+typedef struct walk {
+    saltus_pursuit *p;
+    const double *u; /* unscaled */
+    double time;     /* in periods */
+    bool driven;
+    double held_since[SALTUS_FACES_MAX]; /* time at which a face began to hold */
+} walk;
+
+static saltus_time as_time(double periods) {
+    double whole = floor(periods);
+    return (saltus_time){(long long)whole, periods - whole};
+}
+
+/* The tangent vectors of a new piece: the identity, and how the state answers to the parameter. */
+static void begin_piece(saltus_pursuit *p) {
+    int n = p->n;
+    memset(p->tangents, 0, (size_t)(n * p->columns) * sizeof(double));
+    for (int i = 0; i < n; i++)
+        p->tangents[i * n + i] = 1;
+    for (int i = 0; p->has_direction && i < n; i++)
+        p->tangents[n * n + i] = p->answer[i * p->unknowns + p->equations];
+    saltus_flow_set_tangents(p->flow, 0, p->tangents);
+}
+
+/* answer = A answer, with the columns that the flow has now. */
+static void end_piece(saltus_pursuit *p) {
+    int n = p->n, m = p->unknowns;
+    saltus_flow_tangents(p->flow, 0, p->tangents);
+    memset(p->next, 0, (size_t)(n * m) * sizeof(double));
+    for (int k = 0; k < n; k++)
+        for (int i = 0; i < n; i++) {
+            double a = p->tangents[k * n + i];
+            for (int j = 0; j < p->equations; j++)
+                p->next[i * m + j] = fma(a, p->answer[k * m + j], p->next[i * m + j]);
+        }
+    for (int i = 0; p->has_direction && i < n; i++)
+        p->next[i * m + p->equations] = p->tangents[n * n + i];
+    double *swap = p->answer;
+    p->answer = p->next;
+    p->next = swap;
+}
+
+static void note_breach(saltus_pursuit *p, saltus_breach_kind kind, double value, int mark, int face,
+                        double time) {
+    if (p->breach_count < p->breach_room)
+        p->breaches[p->breach_count++] =
+            (saltus_breach){.kind = kind, .value = value, .mark = mark, .face = face, .time = time};
+}
+
+/* How far a coasting flow came to breaching: gaps of free faces, forces of holding ones. */
+static saltus_status coast(walk *w, double until, int mark, saltus_message *message) {
+    saltus_pursuit *p = w->p;
+    saltus_extreme extremes[SALTUS_FACES_MAX];
+    unsigned contacts = saltus_flow_contacts(p->flow, 0);
+    for (int f = 0; f < SALTUS_FACES_MAX; f++)
+        extremes[f].value = -INFINITY;
+    saltus_status status = saltus_flow_coast(p->flow, 0, as_time(until), extremes, message);
+    for (int f = 0; f < saltus_system_face_count(p->system) && status == SALTUS_OK; f++)
+        if (extremes[f].value > -INFINITY) {
+            bool held = contacts >> f & 1;
+            note_breach(p, held ? SALTUS_BREACH_FORCE : SALTUS_BREACH_GAP,
+                        extremes[f].value / (held ? p->force : p->length), mark, f,
+                        saltus_time_periods(extremes[f].time));
+        }
+    return status;
+}
+
+/* Flow to a time with the flow's own events; but the end of a contact is prescribed where the next mark is one:
+ * once that contact holds, the flow coasts to the mark. */
+static saltus_status drive(walk *w, double until, int mark, saltus_message *message) {
+    const saltus_sequence *s = &w->p->sequence;
+    int awaited = mark < s->count && s->mark[mark].kind == SALTUS_RELEASE ? s->mark[mark].face : -1;
+    saltus_event event;
+    saltus_status status;
+    do {
+        status = saltus_flow_advance(w->p->flow, as_time(until), SALTUS_WATCH_STICK, &event, message);
+        if (status == SALTUS_OK && event.kind == SALTUS_STICK) {
+            w->held_since[event.face] = saltus_time_periods(event.time);
+            if (event.face == awaited)
+                return coast(w, until, mark, message);
+        }
+    } while (status == SALTUS_OK && event.kind != SALTUS_REACHED);
+    return status;
+}
+
+/* Flow to a time, by coasting or with the flow's own events; `mark` is the one that follows. */
+static saltus_status run_piece(walk *w, double until, int mark, saltus_message *message) {
+    if (!(until >= w->time))
+        return saltus_fail(message, SALTUS_NO_CONVERGENCE, "prescribed events change their order");
+    begin_piece(w->p);
+    w->time = until;
+    return w->driven ? drive(w, until, mark, message) : coast(w, until, mark, message);
+}
+
+/* Start at a cut: the state there is itself unknown. */
+static saltus_status open_segment(walk *w, int cut, unsigned contacts, saltus_message *message) {
+    saltus_pursuit *p = w->p;
+    int n = p->n, m = p->unknowns;
+    w->time = p->sequence.cut[cut];
+    /* Where the flow finds its events itself, what the start touches is for it to resolve. */
+    saltus_status status =
+        w->driven && contacts == 0
+            ? saltus_flow_start(p->flow, 0, as_time(w->time), w->u + cut * n, message)
+            : saltus_flow_place(p->flow, 0, as_time(w->time), w->u + cut * n, contacts, message);
+    if (status != SALTUS_OK)
+        return status;
+    saltus_flow_tangents(p->flow, 0, p->tangents);
+    memset(p->answer, 0, (size_t)(n * m) * sizeof(double));
+    for (int i = 0; i < n; i++) {
+        for (int k = 0; k < n; k++)
+            p->answer[i * m + cut * n + k] = p->tangents[k * n + i];
+        if (p->has_direction)
+            p->answer[i * m + p->equations] = p->tangents[n * n + i];
+    }
+    return status;
+}
+
+/* The equation of a mark and its row, from the answer before the piece that led to it. */
+static void mark_row(saltus_pursuit *p, int k, const saltus_strike *strike, double scale) {
+    int n = p->n, m = p->unknowns, row = p->sequence.cuts * n + k;
+    double *gradient = p->jacobian + (size_t)row * (size_t)m, period = saltus_system_period(p->system);
+    p->residual[row] = strike->equation / scale;
+    for (int j = 0; j < m; j++)
+        gradient[j] = 0;
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < p->equations; j++)
+            gradient[j] = fma(strike->equation_gradient[i] / scale, p->answer[i * m + j], gradient[j]);
+    if (p->has_direction)
+        gradient[p->equations] = strike->equation_gradient[n] / scale;
+    gradient[row] += strike->equation_rate * period / scale;
+}
+
+/* How a contact interval and an impact stand at a mark. */
+static void mark_breaches(walk *w, int k, const saltus_strike *strike) {
+    saltus_pursuit *p = w->p;
+    const saltus_mark *mark = &p->sequence.mark[k];
+    if (mark->kind == SALTUS_RELEASE) {
+        note_breach(p, SALTUS_BREACH_HOLD, w->held_since[mark->face] - w->time, k, mark->face, w->time);
+        return;
+    }
+    note_breach(p, SALTUS_BREACH_SPEED, -strike->speed / p->speed, k, mark->face, w->time);
+    if (mark->kind == SALTUS_STICK)
+        w->held_since[mark->face] = w->time;
+}
+
+static saltus_status pass_mark(walk *w, int k, saltus_message *message) {
+    saltus_pursuit *p = w->p;
+    const saltus_mark *mark = &p->sequence.mark[k];
+    int own = p->sequence.cuts * p->n + k;
+    saltus_strike strike = {.equation_gradient = p->gradient, .shift = p->shift};
+    saltus_status status = run_piece(w, w->u[own], k, message);
+    if (status == SALTUS_OK)
+        status = saltus_flow_strike(p->flow, 0, mark->kind, mark->face, &strike, message);
+    if (status != SALTUS_OK)
+        return status;
+    mark_row(p, k, &strike, mark->kind == SALTUS_RELEASE ? p->force : p->length);
+    mark_breaches(w, k, &strike);
+    end_piece(p);
+    double period = saltus_system_period(p->system);
+    for (int i = 0; i < p->n; i++)
+        p->answer[i * p->unknowns + own] += strike.shift[i] * period;
+    w->driven = mark->driven;
+    return status;
+}
+
+/* Continuity: the state at a segment's end is that at the next cut. */
+static void match(walk *w, int cut) {
+    saltus_pursuit *p = w->p;
+    int n = p->n, m = p->unknowns, next = (cut + 1) % p->sequence.cuts;
+    const double *scale = p->scale;
+    end_piece(p);
+    saltus_flow_state(p->flow, 0, p->end);
+    for (int i = 0; i < n; i++) {
+        double *row = p->jacobian + (size_t)(cut * n + i) * (size_t)m;
+        p->residual[cut * n + i] = (p->end[i] - w->u[next * n + i]) / scale[i];
+        for (int j = 0; j < m; j++)
+            row[j] = p->answer[i * m + j] / scale[i];
+        row[next * n + i] -= 1 / scale[i];
+    }
+}
+
+static void finish(saltus_pursuit *p) {
+    p->residual_size = 0;
+    for (int i = 0; i < p->equations; i++) {
+        p->residual_size = fmax(p->residual_size, fabs(p->residual[i]));
+        for (int j = 0; j < p->unknowns; j++)
+            p->jacobian[(size_t)i * (size_t)p->unknowns + (size_t)j] *= p->scale[j];
+    }
+}
+
+saltus_status saltus_pursuit_evaluate(saltus_pursuit *p, const double *u, saltus_message *message) {
+    const saltus_sequence *s = &p->sequence;
+    for (int j = 0; j < p->unknowns; j++)
+        p->plain[j] = u[j] * p->scale[j];
+    walk w = {.p = p, .u = p->plain, .driven = s->driven};
+    unsigned contacts = s->contacts;
+    int k = 0;
+    for (int f = 0; f < SALTUS_FACES_MAX; f++)
+        w.held_since[f] = s->base;
+    p->breach_count = 0;
+    p->residual_size = INFINITY;
+    saltus_status status = saltus_pursuit_tune(p, saltus_pursuit_value(p, u), message);
+    for (int cut = 0; cut < s->cuts && status == SALTUS_OK; cut++) {
+        double until = cut + 1 < s->cuts ? s->cut[cut + 1] : s->base + s->periods;
+        status = open_segment(&w, cut, contacts, message);
+        while (status == SALTUS_OK && k < s->count && (cut + 1 == s->cuts || s->mark[k].time < until))
+            status = pass_mark(&w, k++, message);
+        if (status == SALTUS_OK)
+            status = run_piece(&w, until, k, message);
+        if (status == SALTUS_OK)
+            match(&w, cut);
+        contacts = saltus_flow_contacts(p->flow, 0);
+    }
+    if (status == SALTUS_OK)
+        finish(p);
+    return status;
+}

@@ -1,0 +1,195 @@
+/* What the tests of branches share: runs kept point by point, and the special points of closed orbits in the
+ * order in which a branch passes them.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef SALTUS_TESTS_BRANCH_CHECK_H
+#define SALTUS_TESTS_BRANCH_CHECK_H
+
+#include "closed_orbits.h"
+
+#include "saltus/branch.h"
+
+/* All points of a run, with arrays of their own. */
+typedef struct branch_record {
+    saltus_branch_point *point;
+    int count, room;
+} branch_record;
+
+static inline void *branch_copy(const void *from, size_t count, size_t size) {
+    void *copy = calloc(count + 1, size);
+    assert_non_null(copy);
+    if (count)
+        memcpy(copy, from, count * size);
+    return copy;
+}
+
+static inline void branch_keep(branch_record *record, const saltus_branch_point *point) {
+    if (record->count == record->room) {
+        record->room = record->room ? 2 * record->room : 256;
+        record->point = realloc(record->point, (size_t)record->room * sizeof *record->point);
+        assert_non_null(record->point);
+    }
+    saltus_branch_point *kept = &record->point[record->count++];
+    size_t n = (size_t)point->dimension;
+    *kept = *point;
+    kept->state = branch_copy(point->state, n, sizeof *kept->state);
+    kept->multipliers = branch_copy(point->multipliers, n, sizeof *kept->multipliers);
+    kept->events = branch_copy(point->events, (size_t)point->event_count, sizeof *kept->events);
+}
+
+static inline void branch_forget(branch_record *record) {
+    for (int k = 0; k < record->count; k++) {
+        free(record->point[k].state);
+        free(record->point[k].multipliers);
+        free(record->point[k].events);
+    }
+    free(record->point);
+    *record = (branch_record){0};
+}
+
+/* The points that a branch still has to give, `most` of them at most. */
+static inline branch_record branch_collect(saltus_branch *branch, int most) {
+    branch_record record = {0};
+    saltus_message message = {""};
+    const saltus_branch_point *point;
+    while (record.count < most) {
+        check_ok(saltus_branch_step(branch, &point, &message), &message);
+        if (!point)
+            break;
+        branch_keep(&record, point);
+    }
+    return record;
+}
+
+enum { branch_points_max = 20000 };
+
+static inline branch_record branch_run(const saltus_spec *spec, int periods, const double *state,
+                                       const saltus_branch_options *options) {
+    saltus_message message = {""};
+    saltus_branch *branch = NULL;
+    check_ok(saltus_branch_new(spec, periods, state, options, &branch, &message), &message);
+    branch_record record = branch_collect(branch, branch_points_max);
+    saltus_branch_free(branch);
+    return record;
+}
+
+static inline saltus_branch_options branch_along(const char *key, double low, double high) {
+    saltus_branch_options options = saltus_branch_defaults();
+    snprintf(options.key[0], sizeof options.key[0], "%s", key);
+    options.low[0] = low;
+    options.high[0] = high;
+    return options;
+}
+
+/* Points that say something about the orbits, not about the run. */
+static inline bool branch_special(const saltus_branch_point *point) {
+    return point->kind != SALTUS_POINT_REGULAR && point->kind != SALTUS_POINT_UZ &&
+           point->kind != SALTUS_POINT_EP;
+}
+
+/* The next special point of a branch from index `from` on, or NULL; `from` moves beyond it. */
+static inline const saltus_branch_point *branch_next_special(const branch_record *record, int branch,
+                                                             int *from) {
+    while (*from < record->count) {
+        const saltus_branch_point *point = &record->point[(*from)++];
+        if (point->branch == branch && branch_special(point))
+            return point;
+    }
+    return NULL;
+}
+
+/* Two runs pass the same special points in the same order, with values that agree. */
+static inline void branch_check_same(const branch_record *one, const branch_record *other, double tolerance) {
+    for (int branch = 0; branch < 16; branch++)
+        for (int i = 0, j = 0;;) {
+            const saltus_branch_point *a = branch_next_special(one, branch, &i);
+            const saltus_branch_point *b = branch_next_special(other, branch, &j);
+            if (!a && !b)
+                break;
+            if (!a || !b || a->kind != b->kind)
+                fail_msg("branch %d: %s at %.12g against %s at %.12g", branch,
+                         a ? saltus_point_word(a->kind) : "no point", a ? a->value[0] : NAN,
+                         b ? saltus_point_word(b->kind) : "no point", b ? b->value[0] : NAN);
+            check_near(a->value[0], b->value[0], tolerance);
+            assert_string_equal(a->label, b->label);
+            assert_string_equal(a->label_after, b->label_after);
+        }
+}
+
+/* A special point of closed orbits. */
+typedef struct closed_special {
+    saltus_point_kind kind;
+    long double value;
+    closed_orbit orbit;
+    bool touch; /* grazing between the impacts, not at one of no speed */
+} closed_special;
+
+enum { closed_specials_max = 16, closed_cells = 400 };
+
+/* The sheet of a branch between two folds: the larger (1) or the smaller (-1) root for the speed. */
+typedef struct closed_place {
+    long double value;
+    int sheet, heading;
+} closed_place;
+
+static inline bool closed_on_sheet(const closed_special *s, int sheet) {
+    closed_orbit orbit;
+    return s->kind == SALTUS_POINT_LP ||
+           (closed_orbit_at(&s->orbit.oscillator, sheet, &orbit) &&
+            fabsl(orbit.impact[0].speed - s->orbit.impact[0].speed) < 1e-9L);
+}
+
+/* The special points between two values, in order away from `from`. */
+static inline int closed_cell(const closed_oscillator *o, const char *key, long double from, long double to,
+                              int sheet, closed_special *found) {
+    closed_special s[4] = {{.kind = SALTUS_POINT_LP},
+                           {.kind = o->mirrored ? SALTUS_POINT_BP : SALTUS_POINT_PD},
+                           {.kind = SALTUS_POINT_GR},
+                           {.kind = SALTUS_POINT_GR, .touch = true}};
+    bool there[4] = {closed_fold(o, key, from, to, &s[0].orbit),
+                     (o->mirrored ? closed_pitchfork : closed_flip)(o, key, from, to, &s[1].orbit),
+                     closed_grazing(o, key, from, to, &s[2].orbit),
+                     closed_touch(o, key, from, to, sheet, &s[3].orbit)};
+    int count = 0;
+    for (int i = 0; i < 4; i++) {
+        if (!there[i] || !closed_on_sheet(&s[i], sheet))
+            continue;
+        s[i].value = *closed_value(&s[i].orbit.oscillator, key);
+        int k = count++;
+        for (; k > 0 && fabsl(found[k - 1].value - from) > fabsl(s[i].value - from); k--)
+            found[k] = found[k - 1];
+        found[k] = s[i];
+    }
+    return count;
+}
+
+/* Walk from an orbit with the same number of impacts through folds to the first grazing, or to the end of the
+ * range; `place` becomes where that is. Returns the number of special points. */
+static inline int closed_walk(const closed_oscillator *start, const char *key, long double lo, long double hi,
+                              closed_place *place, closed_special *list) {
+    long double width = (hi - lo) / closed_cells;
+    int count = 0;
+    closed_oscillator o = *start;
+    while (place->value > lo && place->value < hi) {
+        closed_special found[4];
+        long double next = fminl(fmaxl(place->value + place->heading * width, lo), hi);
+        int here = closed_cell(&o, key, place->value, next, place->sheet, found);
+        place->value = next;
+        for (int k = 0; k < here; k++) {
+            assert_true(count < closed_specials_max);
+            list[count++] = found[k];
+            if (found[k].kind == SALTUS_POINT_GR) {
+                place->value = found[k].value;
+                return count;
+            }
+            if (found[k].kind != SALTUS_POINT_LP)
+                continue;
+            place->sheet = -place->sheet;
+            place->heading = -place->heading;
+            place->value = found[k].value + place->heading * 1e-9L * width;
+            break;
+        }
+    }
+    return count;
+}
+
+#endif
