@@ -213,6 +213,26 @@ static void check_point(const saltus_branch_point *a, const saltus_branch_point 
     }
 }
 
+static void check_options(const saltus_branch_options *a, const saltus_branch_options *b) {
+    same(key);
+    same(low);
+    same(high);
+    same(step);
+    same(step_max);
+    same(points);
+    same(direction);
+    same(switches);
+    same(locus);
+    same(orbit.flow.rtol);
+    same(orbit.flow.atol);
+    same(orbit.flow.integrator);
+    same(orbit.flow.order);
+    same(orbit.phase);
+    same(orbit.iterations);
+    same(orbit.tolerance);
+    same(orbit.segments);
+}
+
 static void points_read_back(void **state) {
     const fixture *f = *state;
     saltus_message message = {""};
@@ -228,8 +248,7 @@ static void points_read_back(void **state) {
     assert_memory_equal(file.state, f->states[0], sizeof f->states[0]);
     assert_memory_equal(file.options.values, f->values, sizeof f->values);
     assert_int_equal(file.options.value_count, 2);
-    file.options.values = f->options.values;
-    assert_memory_equal(&file.options, &f->options, sizeof f->options);
+    check_options(&file.options, &f->options);
     assert_int_equal(file.point_count, point_count);
     for (int k = 0; k < point_count; k++)
         check_point(&file.points[k], &f->points[k]);

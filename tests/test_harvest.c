@@ -36,7 +36,8 @@ static void walks_again(const saltus_system *system, const saltus_harvest_orbit 
     advance(flow, found->orbit.periods, 0);
     saltus_flow_state(flow, 0, end);
     check_near(scaled_distance(system, 1, end, found->orbit.state), 0, 1e-11 * (1 + growth));
-    assert_int_equal(saltus_flow_information(flow, 0).impacts, found->impacts);
+    if (found->impacts >= 0)
+        assert_int_equal(saltus_flow_information(flow, 0).impacts, found->impacts);
     saltus_flow_free(flow);
     flow = open_flow(system, &options, 0, found->orbit.state);
     advance(flow, 0.37, 0);
@@ -49,10 +50,11 @@ static void walks_again(const saltus_system *system, const saltus_harvest_orbit 
     saltus_flow_free(flow);
 }
 
-/* A small displacement along the leading eigenvector grows by the largest multiplier. */
+/* A displacement along the leading eigenvector, small at the beginning and at the end, grows by the largest
+ * multiplier. */
 static void grows_as_told(const saltus_system *system, const saltus_harvest_orbit *found) {
-    const double small = 1e-8;
     const saltus_orbit *orbit = &found->orbit;
+    double small = 1e-6 * exp(-0.5 * orbit->multipliers[0].log_modulus);
     int n = orbit->dimension;
     saltus_orbit_options options = saltus_orbit_defaults();
     saltus_message message = {""};
@@ -102,8 +104,8 @@ static void orbits_of_chaos(void **unused) {
     saltus_message message = {""};
     saltus_harvest harvest;
     int unstable = 0;
-    options.periods = 2500;
-    options.tries = 25;
+    options.periods = 2000;
+    options.tries = 20;
     options.recurrence = 0.2;
     check_ok(saltus_harvest_run(system, &options, &harvest, &message), &message);
     distinct(system, &harvest);
@@ -112,7 +114,8 @@ static void orbits_of_chaos(void **unused) {
         const saltus_harvest_orbit *found = &harvest.orbits[k];
         assert_true(found->orbit.residual < 1e-11);
         assert_int_equal(found->mirror, -1);
-        assert_int_equal(found->impacts_by_face[0], found->impacts);
+        if (found->impacts >= 0)
+            assert_int_equal(found->impacts_by_face[0], found->impacts);
         unstable += found->orbit.multipliers[0].log_modulus > 0;
         if (!found->orbit.sticks)
             check_near(found->orbit.log_volume, found->orbit.sum_rule, 1e-9 * fabs(found->orbit.sum_rule));

@@ -180,6 +180,10 @@ saltus_status saltus_flow_strike(saltus_flow *flow, int lane, saltus_event_kind 
 double saltus_flow_step_length(const saltus_flow *flow, int lane);
 saltus_time saltus_flow_step_begin(const saltus_flow *flow, int lane);
 void saltus_flow_dense(const saltus_flow *flow, int lane, double since, double *state);
+/* The time derivative of the tangent vectors now (`columns` vectors of length dimension), contacts held: of the
+ * first columns of the identity, the Jacobian of the vector field by columns. Dense output of the last step is
+ * lost. */
+void saltus_flow_tangent_field(saltus_flow *flow, int lane, double *derivatives);
 
 #ifdef __cplusplus
 }

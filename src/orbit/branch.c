@@ -313,7 +313,8 @@ saltus_status saltus_branch_accept(saltus_branch *b, saltus_message *message) {
     b->fresh = false;
     if (status == SALTUS_OK && b->points >= b->options.points)
         return saltus_branch_end(b, &b->here, NAN, "as many points as asked for", message);
-    return status == SALTUS_OK ? saltus_branch_rebase(b, NULL, message) : status;
+    bool changed;
+    return status == SALTUS_OK ? saltus_branch_reframe(b, NULL, &changed, message) : status;
 }
 
 /* Evaluate `here` again as the beginning of a step: its determinants relative to themselves. */

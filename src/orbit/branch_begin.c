@@ -75,10 +75,13 @@ saltus_status saltus_branch_begin(saltus_branch *b, const saltus_branch_start *s
         b->here.test[k] = -1;
     if (start->tangent == NULL)
         status = saltus_branch_test(b, &b->here, message);
+    bool changed;
     if (status == SALTUS_OK)
         status = saltus_branch_survey(b, &b->here, message);
     if (status == SALTUS_OK)
         status = saltus_branch_emit(b, &b->here, SALTUS_POINT_REGULAR, NAN, NULL, NULL, message);
+    if (status == SALTUS_OK && !start->tangent)
+        status = saltus_branch_reframe(b, NULL, &changed, message);
     b->points = 1;
     saltus_branch_remember(b);
     double bound = start->heading > 0 ? b->options.high[0] : b->options.low[0];
@@ -87,21 +90,51 @@ saltus_status saltus_branch_begin(saltus_branch *b, const saltus_branch_start *s
     return status;
 }
 
-/* The middle of the longest free flight between two marks that the flow need not find its events in; the present
- * base if there is none. */
-static double better_base(const saltus_sequence *s) {
-    double best = 0, base = s->base;
+/* Whether a face holds, or the flow finds its own events, just after each mark. */
+static void find_bound(const saltus_sequence *s, bool *bound) {
     unsigned held = s->contacts;
     for (int k = 0; k < s->count; k++) {
         const saltus_mark *mark = &s->mark[k];
-        double next = k + 1 < s->count ? s->mark[k + 1].time : s->mark[0].time + s->periods;
         if (mark->kind == SALTUS_RELEASE)
             held &= ~(1u << mark->face);
         else if (mark->kind == SALTUS_STICK || mark->driven)
             held |= 1u << mark->face;
-        if (held == 0 && next - mark->time > best) {
-            best = next - mark->time;
-            base = mark->time + 0.5 * best;
+        bound[k] = held != 0;
+    }
+}
+
+/* Cuts at about equal distances, in free flight and away from marks. */
+static void cut_evenly(saltus_sequence *s, int cuts) {
+    bool bound[SALTUS_MARKS_MAX];
+    find_bound(s, bound);
+    s->cuts = 1;
+    s->cut[0] = s->base;
+    if (s->driven || s->contacts)
+        return;
+    for (int j = 1; j < cuts; j++) {
+        double at = s->base + (double)j * s->periods / cuts;
+        int k = s->count - 1;
+        while (k >= 0 && s->mark[k].time > at)
+            k--;
+        double from = k < 0 ? s->base : s->mark[k].time;
+        double to = k + 1 < s->count ? s->mark[k + 1].time : s->base + s->periods;
+        at = fmin(fmax(at, from + 0.2 * (to - from)), to - 0.2 * (to - from));
+        if ((k < 0 || !bound[k]) && at > s->cut[s->cuts - 1] + 0.02)
+            s->cut[s->cuts++] = at;
+    }
+}
+
+/* The middle of the longest free flight between two marks that the flow need not find its events in; the present
+ * base if there is none. */
+static double better_base(const saltus_sequence *s) {
+    double best = 0, base = s->base;
+    bool bound[SALTUS_MARKS_MAX];
+    find_bound(s, bound);
+    for (int k = 0; k < s->count; k++) {
+        double next = k + 1 < s->count ? s->mark[k + 1].time : s->mark[0].time + s->periods;
+        if (!bound[k] && next - s->mark[k].time > best) {
+            best = next - s->mark[k].time;
+            base = s->mark[k].time + 0.5 * best;
         }
     }
     return base < s->base + s->periods ? base : base - s->periods;
@@ -124,11 +157,16 @@ static void rotate(const saltus_sequence *old, double base, saltus_sequence *fre
     }
 }
 
-/* Tangent after a rotation: its sign from the parameter and the times of the marks, which both have. */
-static double common_sense(const double *old, const double *fresh, const int *order, int n, int marks) {
-    double sum = old[n + marks] * fresh[n + marks];
-    for (int k = 0; k < marks; k++)
-        sum += old[n + order[k]] * fresh[n + k];
+/* The sign of a new tangent from what it has in common with the old one: the parameter, the times of the marks
+ * and, at the same base, the state. */
+static double common_sense(const saltus_sequence *old, const double *before, const saltus_sequence *fresh,
+                           const double *after, const int *order, int n) {
+    const double *old_times = before + old->cuts * n, *times = after + fresh->cuts * n;
+    double sum = old_times[old->count] * times[fresh->count];
+    for (int k = 0; k < fresh->count; k++)
+        sum += old_times[order[k]] * times[k];
+    for (int i = 0; i < n && fresh->base == old->base; i++)
+        sum += before[i] * after[i];
     return sum;
 }
 
@@ -137,6 +175,7 @@ static saltus_status state_at(saltus_branch *b, const saltus_sequence *old, doub
                               double *state, saltus_message *message) {
     saltus_sequence cut = *old;
     cut.cuts = 2;
+    cut.cut[0] = old->base;
     cut.cut[1] = base;
     saltus_status status = saltus_pursuit_shape(b->pursuit, &cut, message);
     int m = saltus_pursuit_unknowns(b->pursuit);
@@ -149,28 +188,47 @@ static saltus_status state_at(saltus_branch *b, const saltus_sequence *old, doub
     return status;
 }
 
-saltus_status saltus_branch_rebase(saltus_branch *b, int *tracked, saltus_message *message) {
+/* The sequence that `here` should have; false if it is good as it is. */
+static bool better_frame(const saltus_branch *b, const saltus_sequence *old, saltus_sequence *fresh, int *order) {
+    const double growth_max = 1e4;
+    double base = old->base;
+    bool crowded = saltus_pursuit_growth(b->pursuit) > growth_max && 2 * old->cuts <= SALTUS_CUTS_MAX / 2;
+    if (old->count > 0) {
+        double before = old->mark[0].time - old->base;
+        double after = old->base + old->periods - old->mark[old->count - 1].time;
+        if (fmin(before, after) <= 0.08 * (before + after))
+            base = fmax(base, better_base(old));
+    }
+    rotate(old, base, fresh, order);
+    if (base == old->base) {
+        fresh->contacts = old->contacts;
+        fresh->driven = old->driven;
+    }
+    cut_evenly(fresh, crowded ? 2 * old->cuts : old->cuts);
+    return base != old->base || fresh->cuts > old->cuts;
+}
+
+saltus_status saltus_branch_reframe(saltus_branch *b, int *tracked, bool *changed, saltus_message *message) {
     saltus_sequence old, fresh;
     int order[SALTUS_MARKS_MAX], m = b->here.unknowns;
     saltus_pursuit_extract(b->pursuit, b->here.u, &old, b->state);
-    if (old.count == 0 || old.cuts > 1)
-        return SALTUS_OK;
-    double before = old.mark[0].time - old.base, after = old.base + old.periods - old.mark[old.count - 1].time;
-    double base = better_base(&old);
-    if (fmin(before, after) > 0.08 * (before + after) || base <= old.base)
+    *changed = better_frame(b, &old, &fresh, order);
+    if (!*changed)
         return SALTUS_OK;
     double value = saltus_pursuit_value(b->pursuit, b->here.u);
     double *tangent = calloc((size_t)m, sizeof *tangent);
     if (!tangent)
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch");
     memcpy(tangent, b->here.tangent, (size_t)m * sizeof *tangent);
-    rotate(&old, base, &fresh, order);
     saltus_message why = {""};
-    saltus_status status = state_at(b, &old, base, value, b->state, &why);
+    saltus_status status = SALTUS_OK;
+    double ahead = fresh.base < old.base ? fresh.base + old.periods : fresh.base;
+    if (ahead != old.base)
+        status = state_at(b, &old, ahead, value, b->state, &why);
     if (status == SALTUS_OK)
         status = saltus_branch_place(b, &fresh, value, b->state, false, &why);
     if (status == SALTUS_OK)
-        point_tangent(&b->here, common_sense(tangent, b->here.tangent, order, b->n, fresh.count));
+        point_tangent(&b->here, common_sense(&old, tangent, &fresh, b->here.tangent, order, b->n));
     for (int k = 0, was = tracked ? *tracked : -1; k < fresh.count && tracked; k++)
         if (order[k] == was)
             *tracked = k;
@@ -236,8 +294,9 @@ bool saltus_branch_flip_of_half(saltus_branch *b, double *value, double *accurac
     saltus_message ignored;
     saltus_pursuit_extract(b->pursuit, b->trial.u, &sequence, b->state);
     *value = saltus_pursuit_value(b->pursuit, b->trial.u);
-    if (sequence.count % 2 || sequence.cuts > 1)
+    if (sequence.count % 2)
         return false;
+    sequence.cuts = 1;
     sequence.periods /= 2;
     sequence.count /= 2;
     double *u = calloc((size_t)(b->n + sequence.count + 1), sizeof *u);
@@ -256,9 +315,10 @@ saltus_status saltus_branch_switch_grazing(saltus_branch *b, const saltus_sequen
                                            const saltus_sequence *less, double value, double *state,
                                            saltus_message *message) {
     saltus_sequence mixed = *more;
-    if (b->depth >= b->options.switches || more->cuts > 1 || more->count != less->count + 1 ||
+    if (b->depth >= b->options.switches || more->count != less->count + 1 ||
         more->count + less->count > SALTUS_MARKS_MAX)
         return SALTUS_OK;
+    mixed.cuts = 1;
     mixed.periods = 2 * more->periods;
     mixed.count = more->count + less->count;
     for (int k = 0; k < less->count; k++) {
@@ -274,12 +334,15 @@ saltus_status saltus_branch_switch_grazing(saltus_branch *b, const saltus_sequen
     return saltus_branch_add_start(b, &start, message);
 }
 
-/* The old tangent among the unknowns of the doubled sequence (or the same one). */
-static void spread_tangent(const saltus_sequence *s, const double *old, int copies, int n, double *tangent) {
+/* The old tangent, of a sequence with `cuts` cuts, among the unknowns of the sequence doubled (or the same one)
+ * without them. */
+static void spread_tangent(const saltus_sequence *s, int cuts, const double *old, int copies, int n,
+                           double *tangent) {
+    const double *times = old + cuts * n;
     memcpy(tangent, old, (size_t)n * sizeof *old);
     for (int c = 0; c < copies; c++)
-        memcpy(tangent + n + c * s->count, old + n, (size_t)s->count * sizeof *old);
-    tangent[n + copies * s->count] = old[n + s->count];
+        memcpy(tangent + n + c * s->count, times, (size_t)s->count * sizeof *old);
+    tangent[n + copies * s->count] = times[s->count];
 }
 
 /* In the null plane, the unit vector that leaves the old branch: at flips and pitchforks the one along which the
@@ -299,7 +362,7 @@ static void leaving(const double *plane, const double *old, int m, bool pitchfor
 }
 
 static saltus_status leave(saltus_branch *b, const saltus_sequence *sequence, const saltus_sequence *here,
-                           int copies, bool pitchfork, saltus_message *message) {
+                           int cuts, int copies, bool pitchfork, saltus_message *message) {
     saltus_pursuit *pursuit = NULL;
     int m = b->n + sequence->count + 1;
     double values[2], *work = calloc(5 * (size_t)m, sizeof *work);
@@ -318,7 +381,7 @@ static saltus_status leave(saltus_branch *b, const saltus_sequence *sequence, co
     if (status == SALTUS_OK)
         status = saltus_pursuit_null_plane(pursuit, plane, values, message);
     if (status == SALTUS_OK) {
-        spread_tangent(here, b->trial.tangent, copies, b->n, old);
+        spread_tangent(here, cuts, b->trial.tangent, copies, b->n, old);
         leaving(plane, old, m, pitchfork, tangent);
         saltus_branch_start start = {.sequence = *sequence,
                                      .value = value,
@@ -342,10 +405,12 @@ saltus_status saltus_branch_switch(saltus_branch *b, saltus_point_kind kind, sal
     saltus_sequence here, twice;
     bool shift, mirror = saltus_system_mirror_symmetric(b->system, &shift);
     saltus_pursuit_extract(b->pursuit, b->trial.u, &here, b->state);
-    if (b->depth >= b->options.switches || here.cuts > 1 || 2 * here.count > SALTUS_MARKS_MAX)
+    int cuts = here.cuts;
+    here.cuts = 1;
+    if (b->depth >= b->options.switches || 2 * here.count > SALTUS_MARKS_MAX)
         return SALTUS_OK;
     if (kind == SALTUS_POINT_BP)
-        return leave(b, &here, &here, 1, mirror, message);
+        return leave(b, &here, &here, cuts, 1, mirror, message);
     double_sequence(&here, &twice);
-    return leave(b, &twice, &here, 2, true, message);
+    return leave(b, &twice, &here, cuts, 2, true, message);
 }

@@ -239,6 +239,12 @@ static saltus_status resettle(saltus_branch *b, double heading, saltus_message *
     return status;
 }
 
+/* A leap over a difficulty of the continuation that is no change of events. */
+static bool same_events(const saltus_branch_point *before, const saltus_itinerary *after) {
+    return before->impacts == after->impacts && before->impacts >= 0 &&
+           before->sticking_intervals == after->sticking_intervals;
+}
+
 saltus_status saltus_branch_leap(saltus_branch *b, double ahead, const char *why, saltus_message *message) {
     static const double reach[] = {1e-6, 1e-5, 1e-4, 1e-3, 3e-3, 1e-2};
     saltus_sequence old, fresh;
@@ -259,7 +265,7 @@ saltus_status saltus_branch_leap(saltus_branch *b, double ahead, const char *why
     saltus_status status =
         saltus_branch_emit(b, &b->trial, SALTUS_POINT_GR, width * fabs(heading) * b->unit, NULL, why, message);
     size_t index = (size_t)b->queue_count - 1;
-    bool found = false;
+    bool found = false, nothing = false;
     for (size_t k = 0; k < sizeof reach / sizeof reach[0] && !found && status == SALTUS_OK; k++) {
         double distance = copysign(reach[k], heading), at = value + distance * b->unit;
         if (at < b->options.low[0] || at > b->options.high[0])
@@ -270,6 +276,7 @@ saltus_status saltus_branch_leap(saltus_branch *b, double ahead, const char *why
         if (found) {
             b->queue[index].kind = kind_of_change(&b->queue[index], &b->itinerary);
             complete_label(b, index, why, false);
+            nothing = same_events(&b->queue[index], &b->itinerary);
             saltus_message ignored;
             found = saltus_branch_place(b, &fresh, at, b->state, true, &ignored) == SALTUS_OK;
             b->arclength += b->trial.ahead + reach[k];
@@ -278,6 +285,8 @@ saltus_status saltus_branch_leap(saltus_branch *b, double ahead, const char *why
     free(base);
     if (status != SALTUS_OK)
         return status;
+    if (found && nothing)
+        saltus_branch_point_clear(&b->queue[--b->queue_count]);
     if (found)
         return resettle(b, heading, message);
     b->queue[index].kind = SALTUS_POINT_EP;

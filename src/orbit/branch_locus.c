@@ -292,12 +292,12 @@ static bool is_good(saltus_branch *b, const double *plane, double *place, double
     return b->options.locus == SALTUS_POINT_GR ? breach < 1e-9 : b->trial.follows;
 }
 
-/* After the base has moved the last point but one is of no use. */
-static saltus_status rebase(saltus_branch *b, saltus_message *message) {
+/* When the unknowns have become others the last point but one is of no use. */
+static saltus_status reframe(saltus_branch *b, saltus_message *message) {
     saltus_locus *l = &b->locus;
-    double base = saltus_pursuit_sequence(b->pursuit)->base;
-    saltus_status status = saltus_branch_rebase(b, &l->mark, message);
-    if (status != SALTUS_OK || saltus_pursuit_sequence(b->pursuit)->base == base)
+    bool changed;
+    saltus_status status = saltus_branch_reframe(b, &l->mark, &changed, message);
+    if (status != SALTUS_OK || !changed)
         return status;
     free(l->before);
     l->before = NULL;
@@ -353,5 +353,5 @@ saltus_status saltus_locus_advance(saltus_branch *b, saltus_message *message) {
                         l->edge ? "end of the parameters' range" : ends ? "as many points as asked for" : NULL,
                         message);
     b->step = fmin(b->step * 1.3, b->options.step_max);
-    return status == SALTUS_OK && b->running ? rebase(b, message) : status;
+    return status == SALTUS_OK && b->running ? reframe(b, message) : status;
 }

@@ -137,9 +137,10 @@ saltus_status saltus_branch_begin(saltus_branch *b, const saltus_branch_start *s
  * evaluated. */
 saltus_status saltus_branch_place(saltus_branch *b, const saltus_sequence *sequence, double value,
                                   const double *state, bool polish, saltus_message *message);
-/* Move the base of `here` to the middle of the longest flight when an event comes near it. `tracked` (may be NULL)
- * is a mark whose index follows. */
-saltus_status saltus_branch_rebase(saltus_branch *b, int *tracked, saltus_message *message);
+/* Move the base of `here` to the middle of the longest flight when an event comes near it, and cut the orbit into
+ * more segments when perturbations grow too much over one. `tracked` (may be NULL) is a mark whose index follows;
+ * *changed says whether the unknowns are others now. */
+saltus_status saltus_branch_reframe(saltus_branch *b, int *tracked, bool *changed, saltus_message *message);
 /* Try both ways along the tangent of `here`, the one nearer to `old` first: whether the flow follows the sequence a
  * little way on; then `next` is a point there. */
 bool saltus_branch_go_on(saltus_branch *b, const double *old);

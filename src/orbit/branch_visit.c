@@ -130,8 +130,8 @@ saltus_status saltus_branch_survey(saltus_branch *b, saltus_solution *s, saltus_
     if (status != SALTUS_OK)
         return status;
     saltus_message ignored;
-    if (saltus_itinerary_walk(&b->itinerary, b->flow, sequence.base, b->state, sequence.periods, &ignored) !=
-        SALTUS_OK)
+    if (saltus_itinerary_walk_cuts(&b->itinerary, b->flow, &sequence, saltus_pursuit_states(b->pursuit, s->u),
+                                   &ignored) != SALTUS_OK)
         return SALTUS_OK;
     s->follows = saltus_itinerary_follows(&b->itinerary, b->system, &sequence);
     saltus_orbit orbit = {.dimension = b->n, .periods = sequence.periods, .state = b->state};

@@ -234,19 +234,21 @@ static int least_period(const saltus_system *system, const saltus_harvest_orbit 
     return periods;
 }
 
-/* Whether the orbit passes through a state at section phase 0. */
-static bool passes(const saltus_system *system, const saltus_harvest_orbit *found, const double *state) {
+/* Whether the orbit passes nearer than `distance` to a state at section phase 0. */
+static bool passes(const saltus_system *system, const saltus_harvest_orbit *found, const double *state,
+                   double distance) {
     for (int k = 0; k < found->orbit.periods; k++)
         if (distance_between(system, 1, found->section_states + (size_t)(k * found->orbit.dimension), state) <
-            same_point)
+            distance)
             return true;
     return false;
 }
 
 static int find_known(const saltus_system *system, const saltus_harvest *harvest, int periods,
-                      const double *state) {
+                      const double *state, double distance) {
     for (int k = 0; k < harvest->count; k++)
-        if (harvest->orbits[k].orbit.periods == periods && passes(system, &harvest->orbits[k], state))
+        if (harvest->orbits[k].orbit.periods == periods &&
+            passes(system, &harvest->orbits[k], state, distance))
             return k;
     return -1;
 }
@@ -256,10 +258,12 @@ static int find_known(const saltus_system *system, const saltus_harvest *harvest
 static saltus_status polish(const saltus_system *system, saltus_flow *flow,
                             const saltus_harvest_options *options, int periods, const double *guess,
                             saltus_harvest_orbit *found, saltus_message *message) {
+    enum { iterations_max = 10 }; /* a guess that needs more is none */
     saltus_orbit_options shooting = saltus_orbit_defaults();
     saltus_message reason;
     shooting.flow = options->flow;
     shooting.tolerance = options->tolerance;
+    shooting.iterations = iterations_max;
     *found = (saltus_harvest_orbit){.mirror = -1};
     saltus_status status = saltus_orbit_find(system, periods, guess, &shooting, &found->orbit, &reason);
     if (status == SALTUS_OK)
@@ -280,7 +284,7 @@ static saltus_status polish(const saltus_system *system, saltus_flow *flow,
 static saltus_status sort_in(const saltus_system *system, const saltus_harvest_options *options,
                              saltus_harvest *harvest, saltus_harvest_orbit *found, saltus_message *message) {
     if (found->orbit.periods == 0 || harvest->count == options->most ||
-        find_known(system, harvest, found->orbit.periods, found->orbit.state) >= 0) {
+        find_known(system, harvest, found->orbit.periods, found->orbit.state, same_point) >= 0) {
         clear_orbit(found);
         return SALTUS_OK;
     }
@@ -329,7 +333,7 @@ static saltus_status try_guess(const saltus_system *system, saltus_flow *flow,
         return status;
     const saltus_harvest_orbit *taken = &harvest->orbits[before];
     if (mirror_image(system, flow, taken->orbit.state, image, NULL) != SALTUS_OK ||
-        passes(system, taken, image))
+        passes(system, taken, image, same_point))
         return SALTUS_OK;
     status = polish(system, flow, options, taken->orbit.periods, image, &found, message);
     return status == SALTUS_OK ? sort_in(system, options, harvest, &found, message) : status;
@@ -358,7 +362,9 @@ static saltus_status polish_returns(const saltus_system *system, const saltus_ha
         for (int slot = closest_slot(r, p); slot >= 0 && status == SALTUS_OK && wanted;
              slot = closest_slot(r, p)) {
             wanted = harvest->count < options->most && goes_on(options, 0.5 + 0.5 * (p - 1) / r->longest);
-            if (wanted)
+            /* What recurs far less closely than it is near a known orbit shadows that one. */
+            double distance = 0.3 * *distance_at(r, p, slot);
+            if (wanted && find_known(system, harvest, p, state_at(r, p, slot), distance) < 0)
                 status = try_guess(system, flow, options, p, state_at(r, p, slot), harvest, image, message);
             *distance_at(r, p, slot) = INFINITY;
         }
@@ -400,7 +406,7 @@ static saltus_status arrange(const saltus_system *system, const saltus_harvest_o
         const saltus_orbit *orbit = &harvest->orbits[k].orbit;
         status = mirror_image(system, flow, orbit->state, image, message);
         if (status == SALTUS_OK)
-            harvest->orbits[k].mirror = find_known(system, harvest, orbit->periods, image);
+            harvest->orbits[k].mirror = find_known(system, harvest, orbit->periods, image, same_point);
     }
     free(image);
     saltus_flow_free(flow);

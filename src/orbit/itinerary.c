@@ -62,34 +62,47 @@ static saltus_time as_time(double periods) {
     return (saltus_time){(long long)whole, periods - whole};
 }
 
-saltus_status saltus_itinerary_walk(saltus_itinerary *it, saltus_flow *flow, double start,
-                                    const double *state, int periods, saltus_message *message) {
-    saltus_time begin = as_time(start), end = {begin.cycle + periods, begin.phase};
-    saltus_time section = {(long long)(ceil(start / periods) * periods), 0};
-    bool seen = (double)section.cycle == start;
+/* Run to a time, keeping the events on the way. */
+static saltus_status run_to(saltus_itinerary *it, saltus_flow *flow, saltus_time until, saltus_message *message) {
+    saltus_event event;
+    saltus_status status;
+    do {
+        status = saltus_flow_advance(flow, until, SALTUS_WATCH_CONTACT, &event, message);
+        if (status == SALTUS_OK && event.kind != SALTUS_REACHED && !append(it, &event))
+            status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory to walk an orbit");
+    } while (status == SALTUS_OK && event.kind != SALTUS_REACHED);
+    return status;
+}
+
+saltus_status saltus_itinerary_walk_cuts(saltus_itinerary *it, saltus_flow *flow, const saltus_sequence *s,
+                                         const double *states, saltus_message *message) {
+    double section = ceil(s->base / s->periods) * s->periods;
+    saltus_status status = SALTUS_OK;
     it->count = 0;
-    it->periods = periods;
-    memcpy(it->state, state, (size_t)it->dimension * sizeof *state);
-    saltus_status status = saltus_flow_start(flow, 0, begin, state, message);
-    while (status == SALTUS_OK) {
-        saltus_event event;
-        status = saltus_flow_advance(flow, seen ? end : section, SALTUS_WATCH_CONTACT, &event, message);
-        if (status != SALTUS_OK)
-            break;
-        if (event.kind != SALTUS_REACHED) {
-            if (!append(it, &event))
-                status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory to walk an orbit");
-        } else if (seen) {
-            break;
-        } else {
+    it->periods = s->periods;
+    for (int cut = 0; cut < s->cuts && status == SALTUS_OK; cut++) {
+        const double *state = states + (size_t)cut * (size_t)it->dimension;
+        double from = s->cut[cut], to = cut + 1 < s->cuts ? s->cut[cut + 1] : s->base + s->periods;
+        if (section == from)
+            memcpy(it->state, state, (size_t)it->dimension * sizeof *state);
+        status = saltus_flow_start(flow, 0, as_time(from), state, message);
+        if (status == SALTUS_OK && section > from && section <= to) {
+            status = run_to(it, flow, (saltus_time){(long long)section, 0}, message);
             saltus_flow_state(flow, 0, it->state);
-            seen = true;
         }
+        if (status == SALTUS_OK)
+            status = run_to(it, flow, as_time(to), message);
     }
     saltus_flow_state(flow, 0, it->end);
     it->contacts = saltus_flow_contacts(flow, 0);
     tally(it, saltus_flow_system(flow, 0));
     return status;
+}
+
+saltus_status saltus_itinerary_walk(saltus_itinerary *it, saltus_flow *flow, double start,
+                                    const double *state, int periods, saltus_message *message) {
+    saltus_sequence whole = {.periods = periods, .base = start, .cuts = 1, .cut = {start}};
+    return saltus_itinerary_walk_cuts(it, flow, &whole, state, message);
 }
 
 /* The middle of the longest free flight between events of a walk from section phase 0; the walk's own ends join

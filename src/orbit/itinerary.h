@@ -22,6 +22,11 @@ void saltus_itinerary_close(saltus_itinerary *itinerary);
 /* Walk `periods` periods with a flow from a time (in periods) and state. */
 saltus_status saltus_itinerary_walk(saltus_itinerary *itinerary, saltus_flow *flow, double start,
                                     const double *state, int periods, saltus_message *message);
+/* Walk once around an orbit that is known at the cuts of its sequence: `states` has one state for each. The flow
+ * starts anew at each cut, so that strong growth does not lead it astray. */
+saltus_status saltus_itinerary_walk_cuts(saltus_itinerary *itinerary, saltus_flow *flow,
+                                         const saltus_sequence *sequence, const double *states,
+                                         saltus_message *message);
 /* The sequence of a motion near an orbit of `periods` periods through `state` at section phase 0: base in the
  * middle of the longest free flight, marks from the walk from there. `state` becomes the one at the base. */
 saltus_status saltus_itinerary_sequence(saltus_itinerary *itinerary, saltus_flow *flow, int periods,

@@ -559,7 +559,7 @@ saltus_status saltus_cocycle_vectors(const double *segments, int n, int count, i
         for (size_t k = 0; k < length; k++)
             vector[k] = NAN;
         if (i < resolved && !find_vector(&it, &found[i], path, growth, vector))
-            status = no_convergence(message);
+            status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the eigenvectors");
     }
     for (int i = 0; i < n && status == SALTUS_OK; i++)
         out[i] = found[i].value;

@@ -169,6 +169,12 @@ double saltus_pursuit_value(const saltus_pursuit *p, const double *u) {
     return p->origin + p->unit * u[p->equations];
 }
 
+const double *saltus_pursuit_states(saltus_pursuit *p, const double *u) {
+    for (int j = 0; j < p->sequence.cuts * p->n; j++)
+        p->plain[j] = u[j] * p->scale[j];
+    return p->plain;
+}
+
 void saltus_pursuit_extract(const saltus_pursuit *p, const double *u, saltus_sequence *sequence,
                             double *state) {
     *sequence = p->sequence;

@@ -82,6 +82,9 @@ saltus_status saltus_pursuit_fill(saltus_pursuit *pursuit, double value, const d
 void saltus_pursuit_extract(const saltus_pursuit *pursuit, const double *u, saltus_sequence *sequence,
                             double *state);
 
+/* The states at the cuts (cuts x dimension, the pursuit's own), unscaled. */
+const double *saltus_pursuit_states(saltus_pursuit *pursuit, const double *u);
+
 /* Residuals and Jacobian at u. Errors: those of the flow; marks out of order. */
 saltus_status saltus_pursuit_evaluate(saltus_pursuit *pursuit, const double *u, saltus_message *message);
 double saltus_pursuit_residual(const saltus_pursuit *pursuit);
