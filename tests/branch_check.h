@@ -123,7 +123,7 @@ typedef struct closed_special {
     bool touch; /* grazing between the impacts, not at one of no speed */
 } closed_special;
 
-enum { closed_specials_max = 16, closed_cells = 400 };
+enum { closed_specials_max = 16, closed_cells = 100 };
 
 /* The sheet of a branch between two folds: the larger (1) or the smaller (-1) root for the speed. */
 typedef struct closed_place {
@@ -133,9 +133,8 @@ typedef struct closed_place {
 
 static inline bool closed_on_sheet(const closed_special *s, int sheet) {
     closed_orbit orbit;
-    return s->kind == SALTUS_POINT_LP ||
-           (closed_orbit_at(&s->orbit.oscillator, sheet, &orbit) &&
-            fabsl(orbit.impact[0].speed - s->orbit.impact[0].speed) < 1e-9L);
+    return s->kind == SALTUS_POINT_LP || (closed_orbit_at(&s->orbit.oscillator, sheet, &orbit) &&
+                                          fabsl(orbit.impact[0].speed - s->orbit.impact[0].speed) < 1e-9L);
 }
 
 /* The special points between two values, in order away from `from`. */
@@ -151,7 +150,9 @@ static inline int closed_cell(const closed_oscillator *o, const char *key, long 
                      closed_touch(o, key, from, to, sheet, &s[3].orbit)};
     int count = 0;
     for (int i = 0; i < 4; i++) {
-        if (!there[i] || !closed_on_sheet(&s[i], sheet))
+        /* Where an impact without speed touches, that is one grazing, not two. */
+        bool twice = s[i].touch && fabsl(s[i].orbit.impact[0].speed) < 1e-9L;
+        if (!there[i] || twice || !closed_on_sheet(&s[i], sheet))
             continue;
         s[i].value = *closed_value(&s[i].orbit.oscillator, key);
         int k = count++;

@@ -98,7 +98,7 @@ refuse 2 "binary.yaml" orbit fig7d --from binary.yaml
 refuse 2 "empty.yaml" orbit fig7d --from empty.yaml
 refuse 2 "folder" orbit fig7d --from folder
 refuse 2 "mirror" orbit fig7d --periods 4 --mirror
-refuse 1 "Newton" orbit fig7a --periods 3 --transient 3
+refuse 1 "Newton" orbit fig7a --periods 9 --transient 11
 refuse 2 "--in" continue fig7d -o branch.h5
 refuse 2 "-o" continue fig7d --in omega=35:56
 refuse 2 "--in omega" continue fig7d --in omega -o branch.h5
@@ -193,6 +193,15 @@ accept "4/4" orbit fig7d --from points.json:2
 accept "branch.h5:PD1" orbit --help
 accept "branch.png" plot branch.h5 -o branch.png
 accept "branch.svg" plot branch.h5 branch.h5 -o branch.svg --show impacts --range omega=41:41.3
+keep flip.txt continue fig7d --from orbit.json --in omega=41:42.5 --locus PD --and d=0.0348:0.0352 -o flip.h5
+keep turned.txt continue fig7d --from orbit.json --in d=0.0348:0.0353 --locus PD --and omega=41:42.5 -o turned.h5
+grep -q "PD of 4/4" flip.txt || fail "continue does not say what it follows: $(cat flip.txt)"
+accept "plane.png" plot flip.h5 turned.h5 -o plane.png --label d=0.035,omega=42,4/4 --range d=0.0349:0.0352
+refuse 2 "axes" plot branch.h5 flip.h5 -o x.png
+refuse 2 "--label 4/4" plot flip.h5 -o x.png --label 4/4
+refuse 2 "two parameters" plot branch.h5 -o x.png --label omega=42,d=0.035,4/4
+refuse 2 "shows omega and d" plot flip.h5 -o x.png --range r=0.5:0.9
+refuse 2 "--range omega" plot flip.h5 -o x.png --range omega
 refuse 2 "--show colours" plot branch.h5 -o x.png --show colours
 refuse 2 "no point" plot branch.h5 -o x.png --range omega=50:51
 refuse 2 "run.h5" plot run.h5 -o x.png
@@ -208,7 +217,7 @@ refuse 2 "cut off" continue fig7d --from cut.json --in omega=35:56 -o branch.h5
 head -c 9000 branch.h5 >cut.h5
 refuse 2 "cut off" continue fig7d --from cut.h5:1 --in omega=35:56 -o branch.h5
 refuse 2 "cut off" plot cut.h5 -o x.png
-accept "PD" continue fig7d --in omega=41:42.5 -o branch.h5 --resume
+accept "PD     41.1105994075" continue fig7d --in omega=41:42.5 -o branch.h5 --resume
 
 # wait_for FILE: until the first points are in it.
 wait_for() {

@@ -667,16 +667,30 @@ static void mirror_images_are_motions(void **state) {
     saltus_system_free(system);
 }
 
+static void refuse_plot(const fixture *f, const char *const *paths, int count, const saltus_plot_options *how,
+                        const char *name, const char *word) {
+    saltus_message message = {""};
+    char figure[160];
+    assert_int_equal(saltus_plot(paths, count, how, path_in(f, name, figure), &message), SALTUS_BAD_INPUT);
+    assert_non_null(strstr(message.text, word));
+    assert_int_not_equal(access(figure, F_OK), 0);
+}
+
+static bool have_gnuplot(void) {
+    return system("gnuplot --version >/dev/null 2>&1") == 0;
+}
+
 static void diagrams_are_drawn(void **state) {
-    const fixture *f = *state;
+    fixture *f = *state;
     static const char *const names[] = {"d.png", "d.pdf", "d.svg"}, *const heads[] = {"\x89PNG", "%PDF",
                                                                                       "<?xml"};
     saltus_message message = {""};
-    char path[160], figure[160];
+    char path[160], figure[160], second[160];
     const char *paths[2] = {path, path};
     saltus_plot_options how = saltus_plot_defaults();
+    saltus_plot_part part = {"omega", 10, 20};
     size_t length;
-    if (system("gnuplot --version >/dev/null 2>&1") != 0)
+    if (!have_gnuplot())
         skip();
     write_branch(f, path_in(f, "b.h5", path), point_count, true);
     for (int k = 0; k < 3; k++) {
@@ -686,20 +700,117 @@ static void diagrams_are_drawn(void **state) {
         assert_true(length > 5000);
         assert_memory_equal(picture, heads[k], 4);
         free(picture);
+        remove(figure);
     }
-    assert_int_equal(saltus_plot(paths, 1, &how, path_in(f, "d.bmp", figure), &message), SALTUS_BAD_INPUT);
-    how.low = 10;
-    how.high = 20;
-    assert_int_equal(saltus_plot(paths, 1, &how, path_in(f, "d.png", figure), &message), SALTUS_BAD_INPUT);
-    assert_non_null(strstr(message.text, "no point"));
-    fixture *other = *state;
-    strcpy(other->options.key[0], "u0");
-    char second[160];
-    write_branch(other, path_in(f, "c.h5", second), 3, true);
-    strcpy(other->options.key[0], "omega");
+    refuse_plot(f, paths, 1, &how, "d.bmp", "ending");
+    how.parts = &part;
+    how.part_count = 1;
+    refuse_plot(f, paths, 1, &how, "d.png", "no point");
+    strcpy(part.key, "d");
+    refuse_plot(f, paths, 1, &how, "d.png", "shows omega");
+    how.part_count = 0;
+    strcpy(f->options.key[0], "u0");
+    write_branch(f, path_in(f, "c.h5", second), 3, true);
+    strcpy(f->options.key[0], "omega");
     paths[1] = second;
-    assert_int_equal(saltus_plot(paths, 2, &how, path_in(f, "d.png", figure), &message), SALTUS_BAD_INPUT);
-    assert_non_null(strstr(message.text, "axes"));
+    refuse_plot(f, paths, 2, &how, "d.png", "axes");
+    refuse_plot(f, paths, 0, &how, "d.png", "no file");
+    files_in(f, true);
+}
+
+/* A made-up curve of folds in two parameters; `turned`: the same curve with the parameters in the other
+ * order. */
+static void write_locus(fixture *f, const char *path, bool turned) {
+    const saltus_branch_options usual = f->options;
+    strcpy(f->options.key[turned], "omega");
+    strcpy(f->options.key[!turned], "d");
+    f->options.low[turned] = 35;
+    f->options.high[turned] = 56;
+    f->options.low[!turned] = 0.02;
+    f->options.high[!turned] = 0.05;
+    f->options.locus = SALTUS_POINT_LP;
+    f->options.value_count = 0;
+    for (int k = 0; k < point_count; k++) {
+        saltus_branch_point *p = &f->points[k];
+        p->kind = SALTUS_POINT_LP;
+        p->value[turned] = 42 + 0.1 * k;
+        p->value[!turned] = 0.03 + 1e-5 * k * (50 - k);
+        f->multipliers[k][0] = (saltus_multiplier){1, 0, 0};
+    }
+    write_branch(f, path, point_count, true);
+    f->options = usual;
+    for (int k = 0; k < point_count; k++)
+        make_point(f, k);
+}
+
+static char *draw_text(const fixture *f, const char *const *paths, int count,
+                       const saltus_plot_options *how) {
+    saltus_message message = {""};
+    char figure[160];
+    size_t length;
+    check_ok(saltus_plot(paths, count, how, path_in(f, "d.svg", figure), &message), &message);
+    char *picture = read_all(figure, &length);
+    remove(figure);
+    return picture;
+}
+
+static void curves_share_a_plane(void **state) {
+    fixture *f = *state;
+    char straight[160], turned[160], branch[160];
+    const char *same[2] = {straight, straight}, *mixed[2] = {straight, turned},
+               *wrong[2] = {straight, branch};
+    saltus_plot_label label = {{"omega", "d"}, {45, 0.032}, "own_name"};
+    saltus_plot_options how = saltus_plot_defaults();
+    if (!have_gnuplot())
+        skip();
+    write_locus(f, path_in(f, "s.h5", straight), false);
+    write_locus(f, path_in(f, "t.h5", turned), true);
+    write_branch(f, path_in(f, "b.h5", branch), point_count, true);
+    how.labels = &label;
+    how.label_count = 1;
+    char *first = draw_text(f, same, 2, &how), *second = draw_text(f, mixed, 2, &how);
+    assert_string_equal(first, second);
+    assert_non_null(strstr(first, "own_name"));
+    assert_non_null(strstr(first, "LP 4/4"));
+    free(second);
+    label = (saltus_plot_label){{"d", "omega"}, {0.032, 45}, "own_name"};
+    second = draw_text(f, mixed, 2, &how);
+    assert_string_equal(first, second);
+    free(first);
+    free(second);
+    refuse_plot(f, wrong, 2, &how, "d.png", "axes");
+    refuse_plot(f, &wrong[1], 1, &how, "d.png", "own_name");
+    label = (saltus_plot_label){{"d", "d"}, {0.032, 0.032}, "own_name"};
+    refuse_plot(f, same, 2, &how, "d.png", "own_name");
+    files_in(f, true);
+}
+
+/* Every special point has its line, none of the others has one, and the next point tells what is beyond. */
+static void special_points_are_listed(void **state) {
+    fixture *f = *state;
+    saltus_message message = {""};
+    saltus_branch_file file;
+    char path[160], *text = NULL, row[32];
+    size_t length;
+    write_branch(f, path_in(f, "b.h5", path), point_count, true);
+    check_ok(saltus_branch_file_read(path, &file, &message), &message);
+    FILE *out = open_memstream(&text, &length);
+    saltus_write_branch_text(out, &file);
+    fclose(out);
+    for (int k = 0; k < point_count; k++) {
+        const saltus_branch_point *p = &f->points[k];
+        snprintf(row, sizeof row, "\n%7d  %-5s", k + 1, saltus_point_word(p->kind));
+        const char *line = strstr(text, row);
+        assert_int_equal(line != NULL, p->kind != SALTUS_POINT_REGULAR);
+        if (!line || k + 1 == point_count || p[1].branch != p->branch)
+            continue;
+        const char *word = strstr(line, p[1].stable ? "  stable" : "  unstable");
+        assert_true(word && word < line + strcspn(line + 1, "\n") + 1);
+    }
+    assert_non_null(strstr(text, "branch 2, off branch 0, from omega = 47"));
+    assert_null(strstr(text, " \n"));
+    free(text);
+    saltus_branch_file_clear(&file);
     files_in(f, true);
 }
 
@@ -720,6 +831,8 @@ int main(void) {
         cmocka_unit_test(orbits_are_described_as_classified),
         cmocka_unit_test(mirror_images_are_motions),
         cmocka_unit_test(diagrams_are_drawn),
+        cmocka_unit_test(curves_share_a_plane),
+        cmocka_unit_test(special_points_are_listed),
     };
     return cmocka_run_group_tests(tests, open_fixture, close_fixture);
 }

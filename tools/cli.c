@@ -50,6 +50,15 @@ const cli_option cli_from = {
     "--from", CLI_TEXT, PLACE(from), 0,
     0,        0,        "orbit",     "start from this orbit: file.json, branch.h5:12 or branch.h5:PD1"};
 
+static bool add_to_list(const cli_option *option, const char *text, cli_list *list) {
+    if (list->count == CLI_LIST_MAX) {
+        fprintf(stderr, "saltus: %s %s: only %d can be given\n", option->name, text, CLI_LIST_MAX);
+        return false;
+    }
+    list->items[list->count++] = text;
+    return true;
+}
+
 static bool parse_value(const cli_option *option, const char *text, cli_request *request) {
     char *place = (char *)request + option->offset, *end = NULL;
     errno = 0;
@@ -57,6 +66,8 @@ static bool parse_value(const cli_option *option, const char *text, cli_request 
         *(const char **)(void *)place = text;
         return true;
     }
+    if (option->kind == CLI_LIST)
+        return add_to_list(option, text, (cli_list *)(void *)place);
     double value = strtod(text, &end);
     bool number = end != text && *end == '\0' && isfinite(value);
     bool whole = option->kind != CLI_WHOLE || (number && value == floor(value));
@@ -131,6 +142,20 @@ static int take_option(const cli_command *command, int count, char **arguments, 
     return parse_value(option, arguments[1], request) ? 2 : 0;
 }
 
+/* An argument without an option: the scene, or one of the files. */
+static bool take_input(const cli_command *command, const char *text, cli_request *request) {
+    int room = command->inputs ? command->inputs : 1;
+    if (request->input_count < room) {
+        request->inputs[request->input_count++] = text;
+        return true;
+    }
+    if (command->inputs)
+        fprintf(stderr, "saltus: %s: only %d files can be given\n", text, room);
+    else
+        fprintf(stderr, "saltus: %s: unexpected; the scene is already %s\n", text, request->inputs[0]);
+    return false;
+}
+
 bool cli_parse(const cli_command *command, int count, char **arguments, cli_request *request) {
     set_defaults(command, request);
     for (int k = 0; k < count;) {
@@ -139,13 +164,8 @@ bool cli_parse(const cli_command *command, int count, char **arguments, cli_requ
             if (used == 0)
                 return false;
             k += used;
-        } else if (request->input_count < (command->inputs ? command->inputs : 1)) {
-            request->inputs[request->input_count++] = arguments[k++];
-        } else {
-            fprintf(stderr, "saltus: %s: unexpected; the %s is already %s\n", arguments[k],
-                    command->inputs ? "last file" : "scene", request->inputs[request->input_count - 1]);
+        } else if (!take_input(command, arguments[k++], request))
             return false;
-        }
     }
     request->scene = request->inputs[0];
     if (command->needs_scene && !request->scene && !request->help) {

@@ -5,7 +5,20 @@
 
 #include "saltus/saltus.h"
 
-enum { CLI_DONE = 0, CLI_FAILED = 1, CLI_BAD_INPUT = 2, CLI_SETTINGS_MAX = 256, CLI_INPUTS_MAX = 2 };
+enum {
+    CLI_DONE = 0,
+    CLI_FAILED = 1,
+    CLI_BAD_INPUT = 2,
+    CLI_SETTINGS_MAX = 256,
+    CLI_INPUTS_MAX = 256,
+    CLI_LIST_MAX = 64
+};
+
+/* The values of an option that may be repeated. */
+typedef struct cli_list {
+    const char *items[CLI_LIST_MAX];
+    int count;
+} cli_list;
 
 /* Everything any subcommand can be told; each accepts a part of it. */
 typedef struct cli_request {
@@ -16,11 +29,12 @@ typedef struct cli_request {
     int setting_count;
     bool json, quiet, help, unstable, mirror, verbose, resume;
     const char *output, *data, *integrator, *from, *range, *second_range, *locus, *direction, *values, *show;
+    cli_list parts, labels;
     long seeds, seed, transient, longest, periods, samples, segments, points, switches, most, search;
     double rtol, atol, step, step_max;
 } cli_request;
 
-typedef enum cli_kind { CLI_FLAG, CLI_TEXT, CLI_WHOLE, CLI_REAL, CLI_SETTINGS } cli_kind;
+typedef enum cli_kind { CLI_FLAG, CLI_TEXT, CLI_WHOLE, CLI_REAL, CLI_SETTINGS, CLI_LIST } cli_kind;
 
 /* One option: it gives the parser, the range check, the default and a line of --help. */
 typedef struct cli_option {

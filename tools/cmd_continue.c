@@ -14,8 +14,14 @@ enum { values_max = 256 };
 
 static const cli_option range = {
     "--in", CLI_TEXT, PLACE(range), 0, 0, 0, "key=lo:hi", "the parameter to continue in, and its range"};
-static const cli_option locus = {
-    "--locus", CLI_TEXT, PLACE(locus), 0, 0, 0, "kind", "follow LP, PD, NS, BP or GR in two parameters"};
+static const cli_option locus = {"--locus",
+                                 CLI_TEXT,
+                                 PLACE(locus),
+                                 0,
+                                 0,
+                                 0,
+                                 "kind",
+                                 "follow the first LP, PD, NS, BP or GR met on the way in two parameters"};
 static const cli_option second_range = {
     "--and", CLI_TEXT, PLACE(second_range), 0, 0, 0, "key=lo:hi", "the second parameter of a locus"};
 static const cli_option periods = {"--periods",
@@ -25,32 +31,30 @@ static const cli_option periods = {"--periods",
                                    1,
                                    1e6,
                                    "p",
-                                   "period of the start, where it is not the file's"};
+                                   "period of the orbit to start from, where it is not that of --from"};
 static const cli_option step = {"--step", CLI_REAL, PLACE(step), 0.005,
-                                1e-9,     1,        "s",         "first step, in parts of the range"};
-static const cli_option step_max = {"--step-max", CLI_REAL,      PLACE(step_max), 0.03, 1e-9, 1,
-                                    "s",          "largest step"};
+                                1e-9,     1,        "s",         "first step, where the whole range is 1"};
+static const cli_option step_max = {
+    "--step-max", CLI_REAL, PLACE(step_max), 0.03, 1e-9, 1, "s", "largest step, likewise"};
 static const cli_option points = {"--points", CLI_WHOLE, PLACE(points), 2000,
                                   1,          1e7,       "n",           "points at most, on each branch"};
 static const cli_option direction = {
     "--direction", CLI_TEXT, PLACE(direction), 0, 0, 0, "way", "up, down or both (default both)"};
-static const cli_option switches = {"--switch",
-                                    CLI_WHOLE,
-                                    PLACE(switches),
-                                    0,
-                                    0,
-                                    1000,
-                                    "k",
-                                    "how often to switch branches at flips and branch points"};
+static const cli_option switches = {
+    "--switch", CLI_WHOLE, PLACE(switches), 0, 0, 1000, "k", "also follow what branches off, to this depth"};
 static const cli_option values = {
-    "--at", CLI_TEXT, PLACE(values), 0, 0, 0, "v[,v...]", "values of the parameter to compute points at"};
+    "--at", CLI_TEXT, PLACE(values), 0,
+    0,      0,        "v[,v...]",    "values of the parameter to compute a point (UZ) at"};
 static const cli_option resume = {
     "--resume", CLI_FLAG, PLACE(resume), 0, 0, 0, NULL, "go on with the interrupted run in the file of -o"};
+
+static const cli_option json = {"--json", CLI_FLAG, PLACE(json), 0,
+                                0,        0,        NULL,        "one JSON object for each point on stdout"};
 
 static const cli_option *const options[] = {
     &cli_set,  &cli_from,      &range,          &locus,     &second_range, &periods,
     &step,     &step_max,      &points,         &direction, &switches,     &values,
-    &resume,   &cli_transient, &cli_longest,    &cli_json,  &cli_quiet,    &cli_output,
+    &resume,   &cli_transient, &cli_longest,    &json,      &cli_quiet,    &cli_output,
     &cli_rtol, &cli_atol,      &cli_integrator, NULL};
 
 /* One run: what it starts from, where it goes and what it has made. */
@@ -64,9 +68,6 @@ typedef struct run_state {
     saltus_branch *branch;
     saltus_branch_output *output;
     saltus_branch_file earlier; /* what an interrupted run left */
-    FILE *table;                /* of the special points, into `table_text` */
-    char *table_text;
-    size_t table_length;
     int rows, branches;
     bool interrupted;
 } run_state;
@@ -265,7 +266,6 @@ static saltus_status keep(run_state *run, const saltus_branch_point *point, salt
     run->rows++;
     if (point->branch >= run->branches)
         run->branches = point->branch + 1;
-    saltus_write_special_point(run->table, &run->options, point, run->rows);
     if (run->request->json)
         saltus_write_point_json(stdout, &run->scene, run->system, point);
     return saltus_branch_output_add(run->output, point, message);
@@ -314,17 +314,20 @@ static int open_branch(run_state *run, saltus_message *message) {
     if (status == SALTUS_OK)
         status = saltus_branch_output_open(run->request->output, &run->scene, start->periods, start->state,
                                            &run->options, &run->output, message);
-    if (status == SALTUS_OK && !(run->table = open_memstream(&run->table_text, &run->table_length)))
-        status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the table of special points");
-    if (status == SALTUS_OK)
-        saltus_write_special_heading(run->table, &run->options);
     return cli_report(status, message);
 }
 
-static void print_table(run_state *run) {
-    fflush(run->table);
-    printf("%s: %d points on %d branch%s in %s\n%s", run->scene.name, run->rows, run->branches,
-           run->branches == 1 ? "" : "es", run->request->output, run->table_text);
+/* What the file holds, for people. */
+static saltus_status print_table(const run_state *run, saltus_message *message) {
+    saltus_branch_file file = {.point_count = 0};
+    saltus_status status = saltus_branch_file_read(run->request->output, &file, message);
+    if (status != SALTUS_OK)
+        return status;
+    printf("%s: %d point%s on %d branch%s in %s\n", run->scene.name, run->rows, run->rows == 1 ? "" : "s",
+           run->branches, run->branches == 1 ? "" : "es", run->request->output);
+    saltus_write_branch_text(stdout, &file);
+    saltus_branch_file_clear(&file);
+    return status;
 }
 
 static int compute(run_state *run) {
@@ -341,8 +344,8 @@ static int compute(run_state *run) {
     bool complete = status == SALTUS_OK && !run->interrupted && !ferror(stdout);
     saltus_status written = saltus_branch_output_close(run->output, complete, &closing);
     run->output = NULL;
-    if (!run->request->json && status == SALTUS_OK)
-        print_table(run);
+    if (!run->request->json && status == SALTUS_OK && written == SALTUS_OK && run->rows)
+        status = print_table(run, &message);
     if (status != SALTUS_OK || written != SALTUS_OK)
         return cli_report(status != SALTUS_OK ? status : written, status != SALTUS_OK ? &message : &closing);
     if (run->interrupted)
@@ -361,9 +364,6 @@ static int run(const cli_request *request) {
     state->request = request;
     code = read_options(state) ? compute(state) : CLI_BAD_INPUT;
     saltus_branch_output_close(state->output, false, NULL);
-    if (state->table)
-        fclose(state->table);
-    free(state->table_text);
     saltus_branch_free(state->branch);
     saltus_branch_file_clear(&state->earlier);
     saltus_system_free(state->system);
@@ -373,17 +373,20 @@ static int run(const cli_request *request) {
 
 const cli_command cmd_continue = {
     .name = "continue",
-    .usage = "SCENE [--from orbit] --in omega=lo:hi [--locus PD --and d=lo:hi] -o branch.h5 [--json]",
-    .help =
-        "Follow a periodic orbit as a parameter changes, stable or not, and find where it folds (LP), flips "
-        "(PD),\n"
-        "bifurcates to a torus (NS), meets another branch (BP), grazes (GR), where chatter completes (CH) or "
-        "sticking\n"
-        "changes (ST). Without --from the start is the orbit that the scene settles on; with it, the file's "
-        "parameters\n"
-        "hold where --set does not say otherwise. The file can be plotted, and read, while it grows. With "
-        "--resume the\n"
-        "options are those of the interrupted run.",
+    .usage =
+        "SCENE [--set key=value ...] [--from orbit] --in omega=lo:hi [--locus PD --and d=lo:hi] -o branch.h5 "
+        "[--json]",
+    .help = "Follow a periodic orbit as a parameter changes, stable or not, and find where it folds (LP), "
+            "flips (PD),\n"
+            "bifurcates to a torus (NS), meets another branch (BP) or grazes a stop (GR), and where chatter "
+            "completes\n"
+            "(CH) or sticking changes (ST). Without --from the start is the orbit that the scene settles on; "
+            "with it, the\n"
+            "file's parameters hold where --set does not say otherwise. With --locus such points are "
+            "followed in two\n"
+            "parameters. The file can be plotted, and read, while it grows; with --resume the options are "
+            "those of the\n"
+            "interrupted run.",
     .needs_scene = true,
     .options = options,
     .run = run,

@@ -31,7 +31,7 @@ static const cli_option unstable = {
     0,
     0,
     NULL,
-    "list the orbits of periods up to p (default 8) along the trajectory, unstable ones too"};
+    "instead list all orbits, stable or not, of periods up to p (default 8) near the trajectory"};
 static const cli_option search = {
     "--search", CLI_WHOLE, PLACE(search), 5000,
     10,         1e9,       "n",           "with --unstable: periods searched for close returns"};
@@ -174,12 +174,13 @@ static int run(const cli_request *request) {
 const cli_command cmd_orbit = {
     .name = "orbit",
     .usage = "SCENE [--set key=value ...] --periods p [--from orbit] [--unstable] [--json]",
-    .help =
-        "Find a periodic orbit by Newton's method and report it as classify does, stable or not. It begins "
-        "with the\n"
-        "scene's settled trajectory, or with an orbit of classify, orbit or continue --json or of a branch "
-        "file, whose\n"
-        "parameters are taken where --set does not say otherwise.",
+    .help = "Find a periodic orbit by Newton's method and report it as classify does, stable or not. It "
+            "begins with the\n"
+            "scene's settled trajectory, or with the orbit of a file (of classify, orbit or continue --json, "
+            "or a branch),\n"
+            "whose parameters hold where --set does not say otherwise. With --unstable --json there is one "
+            "orbit on each\n"
+            "line; orbits.json:3 then names the third.",
     .needs_scene = true,
     .options = options,
     .run = run,

@@ -2,6 +2,8 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "cli.h"
 
+#include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 static const cli_option show = {
@@ -15,15 +17,30 @@ static const cli_option show = {
     "speed (largest of an orbit), impacts (the speed of each), displacement, velocity or period"};
 
 static const cli_option range = {"--range",
-                                 CLI_TEXT,
-                                 offsetof(cli_request, range),
+                                 CLI_LIST,
+                                 offsetof(cli_request, parts),
                                  0,
                                  0,
                                  0,
                                  "key=lo:hi",
-                                 "the part of the parameter's range that is drawn"};
+                                 "part of a parameter's range to draw; once for each parameter"};
 
-static const cli_option *const options[] = {&cli_output, &show, &range, NULL};
+static const cli_option label = {"--label",
+                                 CLI_LIST,
+                                 offsetof(cli_request, labels),
+                                 0,
+                                 0,
+                                 0,
+                                 "place,text",
+                                 "write text in the plane, such as omega=42,d=0.035,4/4; may be repeated"};
+
+static const cli_option *const options[] = {&cli_output, &show, &range, &label, NULL};
+
+/* What the options point to. */
+typedef struct plot_wishes {
+    saltus_plot_part parts[CLI_LIST_MAX];
+    saltus_plot_label labels[CLI_LIST_MAX];
+} plot_wishes;
 
 static bool read_show(const char *text, saltus_show *wanted) {
     static const char *const words[] = {[SALTUS_SHOW_SPEED] = "speed",
@@ -41,17 +58,53 @@ static bool read_show(const char *text, saltus_show *wanted) {
     return false;
 }
 
+/* "key=value," at the beginning of a text; what follows it, or NULL. */
+static const char *read_place(const char *text, char key[SALTUS_KEY_MAX], double *value) {
+    size_t length = strcspn(text, "=,");
+    char *end = NULL;
+    if (length == 0 || length >= SALTUS_KEY_MAX || text[length] != '=')
+        return NULL;
+    memcpy(key, text, length);
+    key[length] = '\0';
+    *value = strtod(text + length + 1, &end);
+    return end != text + length + 1 && *end == ',' && isfinite(*value) ? end + 1 : NULL;
+}
+
+static bool read_wishes(const cli_request *request, plot_wishes *wishes) {
+    for (int k = 0; k < request->parts.count; k++) {
+        saltus_plot_part *part = &wishes->parts[k];
+        if (!cli_parse_range(range.name, request->parts.items[k], part->key, &part->low, &part->high))
+            return false;
+    }
+    for (int k = 0; k < request->labels.count; k++) {
+        saltus_plot_label *wanted = &wishes->labels[k];
+        const char *rest = request->labels.items[k];
+        for (int axis = 0; axis < 2 && rest; axis++)
+            rest = read_place(rest, wanted->key[axis], &wanted->value[axis]);
+        if (!rest || !*rest) {
+            fprintf(stderr, "saltus: --label %s: must have the form key=value,key=value,text\n",
+                    request->labels.items[k]);
+            return false;
+        }
+        wanted->text = rest;
+    }
+    return true;
+}
+
 static int run(const cli_request *request) {
     saltus_message message = {""};
     saltus_plot_options how = saltus_plot_defaults();
-    char key[SALTUS_KEY_MAX];
+    plot_wishes wishes;
     if (!request->input_count || !request->output) {
         fprintf(stderr, "saltus: plot: needs a file and -o figure.png, figure.pdf or figure.svg\n");
         return CLI_BAD_INPUT;
     }
-    if (!read_show(request->show, &how.show) ||
-        (request->range && !cli_parse_range("--range", request->range, key, &how.low, &how.high)))
+    if (!read_show(request->show, &how.show) || !read_wishes(request, &wishes))
         return CLI_BAD_INPUT;
+    how.parts = wishes.parts;
+    how.part_count = request->parts.count;
+    how.labels = wishes.labels;
+    how.label_count = request->labels.count;
     saltus_status status =
         saltus_plot(request->inputs, request->input_count, &how, request->output, &message);
     if (status == SALTUS_OK)
@@ -61,11 +114,13 @@ static int run(const cli_request *request) {
 
 const cli_command cmd_plot = {
     .name = "plot",
-    .usage = "FILE.h5 [FILE2.h5] -o figure.png|pdf|svg [--show what] [--range key=lo:hi]",
-    .help =
-        "Draw branches of periodic orbits: solid where stable, dashed where not, n/p along them, special "
-        "points marked.\n"
-        "Curves of special points are drawn over their two parameters. Two files are laid over each other.",
+    .usage =
+        "FILE.h5 [FILE.h5 ...] -o figure.png|pdf|svg [--show what] [--range key=lo:hi] [--label place,text]",
+    .help = "Draw files of saltus continue. Branches of periodic orbits: solid where stable, dashed where "
+            "not, n/p\n"
+            "along them, special points marked. Curves of special points, over their two parameters: solid "
+            "where\n"
+            "they bound stable orbits, dotted where not. Several files of one sort are laid over each other.",
     .inputs = CLI_INPUTS_MAX,
     .options = options,
     .run = run,

@@ -1,10 +1,10 @@
-/* Branches of periodic orbits: pseudo-arclength continuation in a parameter, special points, branch switching,
- * and curves of special points in two parameters.
+/* Branches of periodic orbits: pseudo-arclength continuation in a parameter, special points, branch
+ * switching, and curves of special points in two parameters.
  *
- * An orbit is followed with its sequence of events taken as given and the event times among the unknowns, which
- * is smooth where impacts are born or die; the event-driven flow then checks every point: no gap beyond a stop,
- * no contact force that pulls. Where that check fails the point of change is located, and the branch goes on
- * with the new sequence, or ends there and says why.
+ * An orbit is followed with its sequence of events taken as given and the event times among the unknowns,
+ * which is smooth where impacts are born or die; the event-driven flow then checks every point: no gap beyond
+ * a stop, no contact force that pulls. Where that check fails the point of change is located, and the branch
+ * goes on with the new sequence, or ends there and says why.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_BRANCH_H
 #define SALTUS_BRANCH_H
@@ -37,30 +37,30 @@ const char *saltus_point_word(saltus_point_kind kind);
 /* One point of a branch. Arrays belong to the branch and last until its next step. */
 typedef struct saltus_branch_point {
     saltus_point_kind kind;
-    int branch;          /* 0 up from the start, 1 down from it, 2 ... switched to */
-    int parent;          /* switched: the branch it left; otherwise -1 */
-    int step;            /* counted along the branch */
-    double arclength;    /* along the branch, 0 at its start */
-    double value[2];     /* of the continued parameters (the second one: loci only, otherwise NAN) */
-    double heading;      /* d value[0] / d arclength */
-    saltus_spec spec;    /* all parameters */
+    int branch;       /* 0 up from the start, 1 down from it, 2 ... switched to */
+    int parent;       /* switched: the branch it left; otherwise -1 */
+    int step;         /* counted along the branch */
+    double arclength; /* along the branch, 0 at its start */
+    double value[2];  /* of the continued parameters (the second one: loci only, otherwise NAN) */
+    double heading;   /* d value[0] / d arclength */
+    saltus_spec spec; /* all parameters */
     int periods;
-    long long impacts;   /* n per orbit; -1 with complete chatter */
+    long long impacts; /* n per orbit; -1 with complete chatter */
     int sticking_intervals;
     char label[SALTUS_LABEL_MAX];       /* "4/4", "chatter/2": as classify says it */
     char label_after[SALTUS_LABEL_MAX]; /* GR, CH, ST: n/p beyond the point; "" where the branch ends */
     int dimension;
-    double *state;       /* at section phase 0 */
+    double *state;        /* at section phase 0 */
     saltus_event *events; /* of one orbit, times in periods from phase 0 */
     int event_count;
     saltus_multiplier *multipliers; /* dimension of them */
-    int unstable;        /* multipliers outside the unit circle */
+    int unstable;                   /* multipliers outside the unit circle */
     bool stable;
-    bool admissible;     /* the event-driven flow closes on this orbit with this sequence of events */
-    double residual;     /* scaled */
-    int iterations;      /* Newton steps */
+    bool admissible;             /* the event-driven flow closes on this orbit with this sequence of events */
+    double residual;             /* scaled */
+    int iterations;              /* Newton steps */
     double log_volume, sum_rule; /* as in saltus_orbit */
-    double accuracy;     /* special points: bound on the error of value[0] from the last bracket */
+    double accuracy;             /* special points: bound on the error of value[0] from the last bracket */
     char reason[SALTUS_REASON_MAX]; /* EP: why; GR, CH, ST: what changes */
 } saltus_branch_point;
 
@@ -68,15 +68,15 @@ typedef struct saltus_branch_options {
     saltus_orbit_options orbit;
     char key[2][SALTUS_KEY_MAX]; /* continued parameters, as in --set; the second one for loci, else "" */
     double low[2], high[2];      /* their ranges */
-    double step, step_max;       /* first and largest step of arclength: the parameter in units of its range, the
-                                    state in units of the system's scale */
-    int points;                  /* at most, per branch */
-    int direction;               /* +1 up first and only, -1 down only, 0 both */
-    int switches;                /* how often to switch branches: at flips and branch points, and at grazing to
-                                    orbits of twice the period that graze in one half only; 0 ... */
-    const double *values;        /* where UZ points are wanted; caller's */
+    double step, step_max; /* first and largest step of arclength: the parameter in units of its range, the
+                              state in units of the system's scale */
+    int points;            /* at most, per branch */
+    int direction;         /* +1 up first and only, -1 down only, 0 both */
+    int switches;          /* how often to switch branches: at flips and branch points, and at grazing to
+                              orbits of twice the period that graze in one half only; 0 ... */
+    const double *values;  /* where UZ points are wanted; caller's */
     int value_count;
-    saltus_point_kind locus;     /* LP, PD, NS, BP or GR: follow such points in both parameters; else REGULAR */
+    saltus_point_kind locus; /* LP, PD, NS, BP or GR: follow such points in both parameters; else REGULAR */
 } saltus_branch_options;
 
 /* step 0.005, step_max 0.02, 2000 points, both directions, no switching. */
@@ -84,24 +84,25 @@ saltus_branch_options saltus_branch_defaults(void);
 
 typedef struct saltus_branch saltus_branch;
 
-/* A branch through the periodic orbit near `state` (phase 0, length dimension) of p = `periods`. With a locus the
- * first point of its kind is sought along key[0], then followed. Errors: SALTUS_BAD_INPUT (unknown key, range
- * that excludes the start, ...), those of saltus_orbit_find. */
+/* A branch through the periodic orbit near `state` (phase 0, length dimension) of p = `periods`. With a locus
+ * the first point of its kind is sought along key[0], then followed. Errors: SALTUS_BAD_INPUT (unknown key,
+ * range that excludes the start, ...), those of saltus_orbit_find. */
 saltus_status saltus_branch_new(const saltus_spec *spec, int periods, const double *state,
                                 const saltus_branch_options *options, saltus_branch **branch,
                                 saltus_message *message);
 /* NULL is accepted. */
 void saltus_branch_free(saltus_branch *branch);
 /* The next point, in order along each branch; *point is NULL when all is done. Special points come between
- * regular ones, at their place. Errors: SALTUS_NO_MEMORY; difficulties of the continuation itself end a branch
- * with an EP point and its reason. */
+ * regular ones, at their place. Errors: SALTUS_NO_MEMORY; difficulties of the continuation itself end a
+ * branch with an EP point and its reason. */
 saltus_status saltus_branch_step(saltus_branch *branch, const saltus_branch_point **point,
                                  saltus_message *message);
 /* Go on where a run was interrupted, given all `count` points that it gave out, in order. Call after
- * saltus_branch_new with the run's start and options, before the first step. The first *kept points stand; those
- * after them are made again: all of them for loci and where branches are switched. Errors: SALTUS_BAD_INPUT (points of another run). */
-saltus_status saltus_branch_resume(saltus_branch *branch, const saltus_branch_point *points, int count, int *kept,
-                                   saltus_message *message);
+ * saltus_branch_new with the run's start and options, before the first step. The first *kept points stand;
+ * those after them are made again: all of them for loci and where branches are switched. Errors:
+ * SALTUS_BAD_INPUT (points of another run). */
+saltus_status saltus_branch_resume(saltus_branch *branch, const saltus_branch_point *points, int count,
+                                   int *kept, saltus_message *message);
 
 #ifdef __cplusplus
 }

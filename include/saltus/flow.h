@@ -161,8 +161,8 @@ saltus_status saltus_flow_coast(saltus_flow *flow, int lane, saltus_time until, 
 
 /* A prescribed event: what it asks of the state before it, and what a change of its time does. */
 typedef struct saltus_strike {
-    double equation;     /* to be zero: the gap (impact, stick) or the contact force n.f (release) */
-    double equation_rate; /* its time derivative: n.q' or d(n.f)/dt */
+    double equation;           /* to be zero: the gap (impact, stick) or the contact force n.f (release) */
+    double equation_rate;      /* its time derivative: n.q' or d(n.f)/dt */
     double *equation_gradient; /* per column (length columns; the caller's) */
     double speed;              /* n.q' before */
     double acceleration;       /* n.q'' before */
@@ -170,8 +170,9 @@ typedef struct saltus_strike {
                       dimension; the caller's) */
 } saltus_strike;
 
-/* Apply a prescribed event now: SALTUS_IMPACT rebounds at the face, SALTUS_STICK makes it hold, SALTUS_RELEASE
- * lets go. Tangent vectors pass at the fixed time of the event. The flow may then coast on or advance. */
+/* Apply a prescribed event now: SALTUS_IMPACT rebounds at the face, SALTUS_STICK makes it hold,
+ * SALTUS_RELEASE lets go. Tangent vectors pass at the fixed time of the event. The flow may then coast on or
+ * advance. */
 saltus_status saltus_flow_strike(saltus_flow *flow, int lane, saltus_event_kind kind, int face,
                                  saltus_strike *strike, saltus_message *message);
 
@@ -180,9 +181,9 @@ saltus_status saltus_flow_strike(saltus_flow *flow, int lane, saltus_event_kind 
 double saltus_flow_step_length(const saltus_flow *flow, int lane);
 saltus_time saltus_flow_step_begin(const saltus_flow *flow, int lane);
 void saltus_flow_dense(const saltus_flow *flow, int lane, double since, double *state);
-/* The time derivative of the tangent vectors now (`columns` vectors of length dimension), contacts held: of the
- * first columns of the identity, the Jacobian of the vector field by columns. Dense output of the last step is
- * lost. */
+/* The time derivative of the tangent vectors now (`columns` vectors of length dimension), contacts held: of
+ * the first columns of the identity, the Jacobian of the vector field by columns. Dense output of the last
+ * step is lost. */
 void saltus_flow_tangent_field(saltus_flow *flow, int lane, double *derivatives);
 
 #ifdef __cplusplus

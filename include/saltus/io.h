@@ -97,27 +97,22 @@ saltus_status saltus_start_apply(const saltus_start *start, const char *source, 
 /* A point of a branch as one JSON object and a newline; `system` is one of the branch, for its stops. */
 void saltus_write_point_json(FILE *file, const saltus_scene *scene, const saltus_system *system,
                              const saltus_branch_point *point);
-/* A table of a branch's special points for people: its heading, and a line for a point that is special; `row`
- * is the point's number in the file, from 1. */
-void saltus_write_special_heading(FILE *file, const saltus_branch_options *options);
-void saltus_write_special_point(FILE *file, const saltus_branch_options *options,
-                                const saltus_branch_point *point, long long row);
-
 /* A branch with all that is needed to go on from any of its points. Layout of the file (.h5), with attributes
  * `units` and `description` on every dataset:
  *
- *     /                 attributes kind = "branch", version, scene, title, model, complete (0: interrupted)
- *     /parameters       an attribute for each parameter of the start; /parameters/stop_1, ... for the stops
- *     /start            attribute periods; dataset state
- *     /continuation     the options as attributes: key1, low1, high1, key2, low2, high2, locus, step, ...;
- * the dataset `values` where points were asked for /points           one row per point, in the order of
- * computation: kind (enumeration regular, LP, PD, ...), branch, parent, step, arclength, value[2], heading,
- * parameters[names], stops[stop][xi, weight1, weight2, d, r], periods, impacts (-1: complete chatter),
- * sticking_intervals, motion, motion_after, reason, state, multipliers[k][re, im], log_moduli, unstable,
- *                       stable, admissible, residual, iterations, log_volume, sum_rule, accuracy, event_first
- * and event_count: which rows of /events are its own (counted from 0) /events           the orbits' events
- * one after the other: kind, stop, side, time (in T, from phase 0), phase, velocity_before, velocity_after,
- * displacement
+ *     /               attributes kind = "branch", version, scene, title, model, complete (0: interrupted)
+ *     /parameters     an attribute for each parameter of the start; /parameters/stop_1, ... for the stops
+ *     /start          attribute periods; dataset state
+ *     /continuation   the options as attributes: key1, low1, high1, key2, low2, high2, locus, step, ...;
+ *                     the dataset `values` where points were asked for
+ *     /points         one row per point, in the order of computation: kind (enumeration regular, LP, ...),
+ *                     branch, parent, step, arclength, value[2], heading, parameters[names],
+ *                     stops[stop][xi, weight1, weight2, d, r], periods, impacts (-1: complete chatter),
+ *                     sticking_intervals, motion, motion_after, reason, state, multipliers[k][re, im],
+ *                     log_moduli, unstable, stable, admissible, residual, iterations, log_volume,
+ *                     sum_rule, accuracy, event_first and event_count (its own rows of /events, from 0)
+ *     /events         the orbits' events one after the other: kind, stop, side, time (in T, from phase
+ *                     0), phase, velocity_before, velocity_after, displacement
  */
 typedef struct saltus_branch_file {
     char version[16];
@@ -137,6 +132,9 @@ typedef struct saltus_branch_file {
 /* Read a branch file. On success it is to be cleared. Errors: SALTUS_BAD_INPUT (no file, another kind of
  * file, a damaged one), SALTUS_NO_MEMORY. */
 saltus_status saltus_branch_file_read(const char *path, saltus_branch_file *file, saltus_message *message);
+/* The special points of a branch file for people: a table for each branch, `row` is the point's in the file.
+ */
+void saltus_write_branch_text(FILE *out, const saltus_branch_file *file);
 /* Free the arrays; a zeroed one is accepted. */
 void saltus_branch_file_clear(saltus_branch_file *file);
 
@@ -168,18 +166,34 @@ typedef enum saltus_show {
     SALTUS_SHOW_PERIOD
 } saltus_show;
 
+/* A part of an axis. */
+typedef struct saltus_plot_part {
+    char key[SALTUS_KEY_MAX];
+    double low, high;
+} saltus_plot_part;
+
+/* A name written at a place in the plane of two parameters, such as n/p into its region. */
+typedef struct saltus_plot_label {
+    char key[2][SALTUS_KEY_MAX];
+    double value[2];
+    const char *text; /* the caller's */
+} saltus_plot_label;
+
 typedef struct saltus_plot_options {
     saltus_show show;
-    double low, high; /* part of the parameter's range that is shown; NAN: all there is */
+    const saltus_plot_part *parts; /* shown of the parameters' ranges, one for each at most; the caller's */
+    int part_count;
+    const saltus_plot_label *labels; /* the caller's */
+    int label_count;
 } saltus_plot_options;
 
-/* Automatic measure, whole range. */
+/* Automatic measure, whole ranges, no labels. */
 saltus_plot_options saltus_plot_defaults(void);
 
-/* Draw branch files over each other, with the parameter across the page; curves of special points over their
- * two parameters. `figure` ends in .png, .pdf or .svg. Errors: SALTUS_BAD_INPUT (files that cannot be read,
- * do not fit together or have no point in the range), SALTUS_IO (gnuplot absent or failed, figure not
- * writable). */
+/* Draw branch files over each other, with the parameter across the page; or curves of special points over
+ * their two parameters, which need not come in the same order in all files. `figure` ends in .png, .pdf or
+ * .svg. Errors: SALTUS_BAD_INPUT (files that cannot be read, do not fit together or have no point in the
+ * range), SALTUS_IO (gnuplot absent or failed, figure not writable), SALTUS_NO_MEMORY. */
 saltus_status saltus_plot(const char *const *paths, int count, const saltus_plot_options *options,
                           const char *figure, saltus_message *message);
 

@@ -141,7 +141,8 @@ static void search_turning(saltus_flow *flow, int lane, double step, double *fir
         propose(self, SALTUS_TURNING, -1, root * step, first);
 }
 
-/* Shift a polynomial's origin to `root`, an odd zero of it, and rescale what is left of [0, 1] to the whole. */
+/* Shift a polynomial's origin to `root`, an odd zero of it, and rescale what is left of [0, 1] to the whole.
+ */
 static void restart_at_zero(double *c, int degree, double root) {
     double factor = 1;
     for (int k = 0; k < degree; k++)
@@ -170,7 +171,8 @@ static void collect_maxima(const saltus_lane *self, const double *c, int degree,
         for (int k = degree - 1; k >= 0; k--)
             value = fma(value, begin, c[k]);
         if (sign < 0 && value > extreme->value)
-            *extreme = (saltus_extreme){value, saltus_time_after(self->now, begin * step / self->system->period)};
+            *extreme =
+                (saltus_extreme){value, saltus_time_after(self->now, begin * step / self->system->period)};
         restart_at_zero(slope, degree - 1, root);
         for (int k = 0; k < degree; k++)
             slope[k] *= sign;

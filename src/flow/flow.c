@@ -44,7 +44,8 @@ static saltus_status resolve_start(saltus_flow *flow, int lane) {
         if (saltus_system_gap(system, f, self->state) < -4e-16 * (size + fabs(system->faces[f].d)))
             continue;
         double velocity = saltus_face_normal(system, f, self->state + system->dof);
-        if (fabs(velocity) <= 1e-15 * (speed + flow->work.omega_unit[lane] * (size + fabs(system->faces[f].d))))
+        if (fabs(velocity) <=
+            1e-15 * (speed + flow->work.omega_unit[lane] * (size + fabs(system->faces[f].d))))
             resting |= 1u << f;
         self->face[f] = (saltus_face_state){.touch = 1};
     }

@@ -19,8 +19,8 @@ typedef struct saltus_contact_map {
                    SALTUS_FACES_MAX]; /* of n_k . push_j: shares gaps out among the directions */
 } saltus_contact_map;
 
-/* A direction in parameter space that a parameter column follows: how the system changes, and the projection of
- * the contacts that hold. */
+/* A direction in parameter space that a parameter column follows: how the system changes, and the projection
+ * of the contacts that hold. */
 typedef struct saltus_parameter_column {
     saltus_direction direction;
     saltus_variation variation;
@@ -41,11 +41,11 @@ typedef struct saltus_lane {
     const saltus_system *system;
     saltus_time now, begin, until;
     unsigned watch;
-    bool aimed, ended; /* under way; its event waits to be fetched */
-    bool coasting;     /* events are prescribed from outside: none is searched for */
+    bool aimed, ended;        /* under way; its event waits to be fetched */
+    bool coasting;            /* events are prescribed from outside: none is searched for */
     saltus_extreme *extremes; /* coasting: where largest gaps and smallest forces are collected, or NULL */
-    bool turned;       /* the observer's velocity is zero now, by a turning event */
-    double step;       /* length of the last step, for dense output */
+    bool turned;              /* the observer's velocity is zero now, by a turning event */
+    double step;              /* length of the last step, for dense output */
     double land;       /* phase at the end of the step under way, if it lands on the target: -1 otherwise */
     unsigned contacts; /* faces in lasting contact */
     saltus_contact_map hold;
@@ -117,7 +117,8 @@ void saltus_contacts_rest(saltus_flow *flow, int lane, unsigned resting);
 /* Impact on the face of the pending event; complete chatter; tangent vectors. */
 saltus_status saltus_contacts_impact(saltus_flow *flow, int lane, int face, saltus_event *event);
 void saltus_contacts_release(saltus_flow *flow, int lane, int face);
-/* Change the lasting contacts: faces that hold from now on, the map with it; false if they cannot hold together.
+/* Change the lasting contacts: faces that hold from now on, the map with it; false if they cannot hold
+ * together.
  */
 bool saltus_contacts_set(saltus_flow *flow, int lane, unsigned contacts);
 /* Field at a state with given contacts. */
@@ -137,8 +138,8 @@ void saltus_directions_publish(saltus_flow *flow);
 void saltus_columns_rephase(saltus_flow *flow, int lane, double step);
 /* Bring a tangent vector onto the held contacts' constraints, as a state is (saltus_contact_map_settle). */
 void saltus_column_settle(saltus_flow *flow, int lane, int column);
-/* How a face's gap answers to a tangent vector: n . delta_q, and for a parameter column the change of the stop
- * itself. */
+/* How a face's gap answers to a tangent vector: n . delta_q, and for a parameter column the change of the
+ * stop itself. */
 double saltus_column_gap(const saltus_flow *flow, int lane, int face, int column);
 /* How side * n.vector answers to a tangent vector under which `vector` (length dof) changes by `delta`. */
 double saltus_column_normal(const saltus_flow *flow, int lane, int face, int column, const double *vector,
@@ -147,8 +148,8 @@ double saltus_column_normal(const saltus_flow *flow, int lane, int face, int col
  * column the change of the law; `velocity` is the trajectory's before it, faces in `elastic` rebound. */
 void saltus_column_impact(saltus_flow *flow, int lane, const saltus_contact_map *map, unsigned elastic,
                           const double *velocity, int column);
-/* How the observer's row itself changes with a tangent vector, times a vector: zero but for a parameter column
- * that moves the first stop. */
+/* How the observer's row itself changes with a tangent vector, times a vector: zero but for a parameter
+ * column that moves the first stop. */
 double saltus_column_observer(const saltus_flow *flow, int column, const double *vector);
 
 /* events.c */

@@ -1,10 +1,10 @@
 /* Prescribed events: the flow through a sequence of events that is given, not found.
  *
- * Between prescribed events the stops are no obstacle, so everything here depends smoothly on the state, on the
- * parameters and on the times of the events, through grazing too. An event at time t asks an equation of the
- * state before it (its gap or force is zero there) and acts by its law P; a tangent vector passes it by DP at
- * fixed t, and a delay of t moves the state after it by DP f- - f+. With the equation solved for t these make
- * the saltation matrix of contact.c.
+ * Between prescribed events the stops are no obstacle, so everything here depends smoothly on the state, on
+ * the parameters and on the times of the events, through grazing too. An event at time t asks an equation of
+ * the state before it (its gap or force is zero there) and acts by its law P; a tangent vector passes it by
+ * DP at fixed t, and a delay of t moves the state after it by DP f- - f+. With the equation solved for t
+ * these make the saltation matrix of contact.c.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "flow/flow.h"
 
@@ -39,8 +39,8 @@ saltus_status saltus_flow_coast(saltus_flow *flow, int lane, saltus_time until, 
     return status;
 }
 
-/* The acceleration towards a holding face if it let go, its rate, and how it answers to the columns. The other
- * contacts go on. */
+/* The acceleration towards a holding face if it let go, its rate, and how it answers to the columns. The
+ * other contacts go on. */
 static bool release_equation(saltus_flow *flow, int lane, int face, saltus_strike *strike) {
     saltus_lane *self = &flow->lane[lane];
     saltus_work *w = &flow->work;

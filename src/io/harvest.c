@@ -21,7 +21,7 @@ static void put_orbit(FILE *file, const saltus_harvest *harvest, int k) {
         snprintf(name, sizeof name, "chatter/%d", o->orbit.periods);
     else
         snprintf(name, sizeof name, "%lld/%d", o->impacts, o->orbit.periods);
-    fprintf(file, "%5d  %-12s %9.3g  %8d  %9.1e", k + 1, name, exp(o->orbit.multipliers[0].log_modulus),
+    fprintf(file, "%5d  %-12s %9.3g  %11d  %9.1e", k + 1, name, exp(o->orbit.multipliers[0].log_modulus),
             unstable, o->orbit.residual);
     put_mirror(file, harvest, k);
     fputc('\n', file);
@@ -29,10 +29,13 @@ static void put_orbit(FILE *file, const saltus_harvest *harvest, int k) {
 
 void saltus_write_harvest_text(FILE *file, const saltus_scene *scene, const saltus_system *system,
                                const saltus_harvest *harvest) {
-    fprintf(file, "%s: %d periodic orbits from %lld close returns in %lld periods\n", scene->name,
-            harvest->count, harvest->candidates, harvest->periods);
+    fprintf(file, "%s: %d periodic orbit%s from %lld close returns in %lld periods\n", scene->name,
+            harvest->count, harvest->count == 1 ? "" : "s", harvest->candidates, harvest->periods);
     saltus_put_scene(file, scene, system);
-    fprintf(file, "%5s  %-12s %9s  %8s  %9s\n", "", "n/p", "largest", "unstable", "residual");
+    if (harvest->count)
+        fprintf(file, "%5s  %-12s %9s  %11s  %9s\n", "", "n/p", "largest", "outside the", "residual");
+    if (harvest->count)
+        fprintf(file, "%5s  %-12s %9s  %11s\n", "", "", "|mu|", "unit circle");
     for (int k = 0; k < harvest->count; k++)
         put_orbit(file, harvest, k);
 }

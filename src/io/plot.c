@@ -14,8 +14,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { files_max = 8 };
-
 static const char *const hues[SALTUS_HUES] = {"#2c5f8a", "#c44e2a", "#2f8f6f",
                                               "#8a5aa0", "#b08a00", "#555555"};
 
@@ -35,6 +33,10 @@ static const struct {
     [SALTUS_POINT_UZ] = {6, 1.1, "#404040", "UZ  wanted"},
     [SALTUS_POINT_EP] = {2, 1.1, "#606060", "EP  end"},
 };
+
+static const char *hue_colour(const saltus_plot_page *page, int hue) {
+    return page->locus ? marks[SALTUS_POINT_LP + hue].colour : hues[hue];
+}
 
 static void put_style(FILE *file) {
     fputs("set encoding utf8\n"
@@ -100,9 +102,40 @@ static void put_axes(const saltus_plot_page *page) {
             page->y.high);
 }
 
+/* Whether any point of a hue exists. */
+static bool has_hue(const saltus_plot_page *page, int hue) {
+    for (int i = 0; i < page->count; i++)
+        for (int k = 0; k < page->files[i].point_count; k++)
+            if (saltus_plot_hue(page, i, page->files[i].points[k].branch) == hue)
+                return true;
+    return false;
+}
+
+/* Whether any point of a kind is marked. */
+static bool has_kind(const saltus_plot_page *page, saltus_point_kind kind) {
+    for (int i = 0; i < page->count; i++)
+        for (int k = 0; k < page->files[i].point_count; k++)
+            if (page->files[i].points[k].kind == kind &&
+                saltus_plot_marked(&page->files[i], &page->files[i].points[k]))
+                return true;
+    return false;
+}
+
+/* How many things the legend explains. */
+static int legend_entries(const saltus_plot_page *page) {
+    int count = page->locus ? 1 : page->count == 1 ? 2 : 2 + page->count;
+    for (int hue = 0; hue < SALTUS_HUES; hue++)
+        count += page->locus && has_hue(page, hue);
+    for (int kind = SALTUS_POINT_LP; kind < SALTUS_POINT_KINDS; kind++)
+        count += has_kind(page, (saltus_point_kind)kind);
+    return count;
+}
+
 static void put_caption(const saltus_plot_page *page) {
     const saltus_branch_options *o = &page->files[0].options;
-    const char *const varied[2] = {o->key[0], page->locus ? o->key[1] : NULL};
+    char other[SALTUS_KEY_MAX];
+    saltus_plot_difference(page, 0, other);
+    const char *const varied[2] = {o->key[0], page->locus ? o->key[1] : *other ? other : NULL};
     saltus_line head = {.length = 0}, parameters = {.length = 0};
     double height = 0.932;
     saltus_line_plain(&head, page->files[0].scene);
@@ -118,38 +151,23 @@ static void put_caption(const saltus_plot_page *page) {
     fputs("set label 'Saltus " SALTUS_VERSION
           "' at screen 0.985,0.012 right tc rgb '#909090' font ',9' front\n",
           page->file);
+    bool long_names = page->locus || page->count > 1;
+    int columns = long_names ? 5 : 8, rows = (legend_entries(page) + columns - 1) / columns;
     fprintf(page->file,
             "set tmargin at screen %.4f\n"
-            "set key at screen 0.03, screen %.4f left center horizontal Left reverse samplen 1.8 width 1 "
-            "maxrows 1 "
-            "font ',11' textcolor rgb '#303030'\n",
-            height - 0.05, height - 0.008);
-}
-
-/* Whether any point of a hue exists, and any of a stroke. */
-static bool has_hue(const saltus_plot_page *page, int hue) {
-    for (int i = 0; i < page->count; i++)
-        for (int k = 0; k < page->files[i].point_count; k++)
-            if (saltus_plot_hue(page, i, page->files[i].points[k].branch) == hue)
-                return true;
-    return false;
+            "set key at screen 0.03, screen %.4f left top horizontal Left reverse samplen 1.8 width 1 "
+            "maxrows %d font ',11' textcolor rgb '#303030'\n",
+            height - 0.026 - 0.024 * rows, height + 0.008, rows);
 }
 
 static void put_curves(const saltus_plot_page *page) {
     static const char *const look[SALTUS_STROKES] = {"lw 2.6", "dt (9,6) lw 1.9", "dt (2,5) lw 1.3"};
-    for (int hue = 0; hue < SALTUS_HUES; hue++)
-        for (int stroke = 0; has_hue(page, hue) && stroke < SALTUS_STROKES; stroke++)
-            fprintf(page->file, "     $curve_%d_%d using 1:2 with lines %s lc rgb '%s' notitle, \\\n", hue,
-                    stroke, look[stroke], hues[hue]);
-}
-
-static bool has_kind(const saltus_plot_page *page, saltus_point_kind kind) {
-    for (int i = 0; i < page->count; i++)
-        for (int k = 0; k < page->files[i].point_count; k++)
-            if (page->files[i].points[k].kind == kind &&
-                saltus_plot_marked(&page->files[i], &page->files[i].points[k]))
-                return true;
-    return false;
+    static const char *const border[SALTUS_STROKES] = {"lw 2.6", "dt (7,9) lw 1.2", "lw 1"};
+    for (int stroke = SALTUS_STROKES - 1; stroke >= 0; stroke--)
+        for (int hue = 0; hue < SALTUS_HUES; hue++)
+            if (has_hue(page, hue))
+                fprintf(page->file, "     $curve_%d_%d using 1:2 with lines %s lc rgb '%s' notitle, \\\n",
+                        hue, stroke, (page->locus ? border : look)[stroke], hue_colour(page, hue));
 }
 
 /* Marks with a white rim, which lifts them off the curves; those that often lie under others come last. */
@@ -169,19 +187,28 @@ static void put_marks(const saltus_plot_page *page) {
     }
 }
 
-static void put_legend(const saltus_plot_page *page) {
-    for (int i = 0; i < page->count && page->count > 1; i++) {
+/* What the lines are: kinds of special points, or files. */
+static void put_line_legend(const saltus_plot_page *page) {
+    static const char *const line = "     NaN with lines %s lc rgb '%s' title '%s', \\\n";
+    for (int hue = 0; hue < SALTUS_HUES && page->locus; hue++)
+        if (has_hue(page, hue))
+            fprintf(page->file, line, "lw 2.6", hue_colour(page, hue), marks[SALTUS_POINT_LP + hue].meaning);
+    for (int i = 0; i < page->count && page->count > 1 && !page->locus; i++) {
         saltus_line name = {.length = 0};
         saltus_line_plain(&name, page->files[i].scene);
-        if (page->locus)
-            saltus_line_add(&name, ", %s", saltus_point_word(page->files[i].options.locus));
-        fprintf(page->file, "     NaN with lines lw 2.6 lc rgb '%s' title '%s', \\\n", hues[i % SALTUS_HUES],
-                name.text);
+        saltus_plot_add_differences(page, i, &name);
+        fprintf(page->file, line, "lw 2.6", hues[i % SALTUS_HUES], name.text);
     }
-    if (!page->locus)
-        fputs("     NaN with lines lw 2.6 lc rgb '#404040' title 'stable', \\\n"
-              "     NaN with lines dt (9,6) lw 1.9 lc rgb '#404040' title 'unstable', \\\n",
-              page->file);
+    if (page->locus)
+        fprintf(page->file, line, "dt (7,9) lw 1.2", "#404040", "bounds no stable orbit");
+    else {
+        fprintf(page->file, line, "lw 2.6", "#404040", "stable");
+        fprintf(page->file, line, "dt (9,6) lw 1.9", "#404040", "unstable");
+    }
+}
+
+static void put_legend(const saltus_plot_page *page) {
+    put_line_legend(page);
     for (int kind = SALTUS_POINT_LP; kind < SALTUS_POINT_KINDS; kind++)
         if (has_kind(page, (saltus_point_kind)kind))
             fprintf(page->file, "     NaN with points pt %d ps %g lw 1.6 lc rgb '%s' title '%s', \\\n",
@@ -213,26 +240,54 @@ static saltus_show choose_measure(const saltus_plot_page *page, saltus_show want
     return SALTUS_SHOW_DISPLACEMENT;
 }
 
-/* The parameter's range, then that of what is shown in it. */
-static void find_ranges(saltus_plot_page *page, const saltus_plot_options *options) {
-    const saltus_branch_options *o = &page->files[0].options;
-    bool speeds = !page->locus && (page->show == SALTUS_SHOW_SPEED || page->show == SALTUS_SHOW_IMPACTS);
-    page->x = page->y = (saltus_range){INFINITY, -INFINITY};
-    for (int i = 0; i < page->count; i++)
-        for (int k = 0; k < page->files[i].point_count; k++)
-            saltus_range_add(&page->x, saltus_plot_x(&page->files[i].points[k]));
-    saltus_range_pad(&page->x, 0.03, 1e-3 * (o->high[0] - o->low[0]));
-    if (options->low < options->high)
-        page->x = (saltus_range){options->low, options->high};
+/* The part of a parameter's range that was asked for; false where none was. */
+static bool asked_for(const saltus_plot_page *page, int axis, saltus_range *range) {
+    const char *key = page->files[0].options.key[axis];
+    for (int k = 0; k < page->options->part_count; k++) {
+        const saltus_plot_part *part = &page->options->parts[k];
+        if (strcmp(part->key, key) != 0)
+            continue;
+        *range = (saltus_range){part->low, part->high};
+        return true;
+    }
+    return false;
+}
+
+/* What is shown up the page of a point. */
+static void add_measures(saltus_plot_page *page, const saltus_branch_point *point, saltus_range *range) {
+    for (int e = 0; page->show == SALTUS_SHOW_IMPACTS && !page->locus && e < point->event_count; e++)
+        saltus_range_add(range, saltus_impact_speed(&point->events[e]));
+    saltus_range_add(range, saltus_plot_y(page, point));
+}
+
+/* The range of an axis, of the points that are within what was asked for of the other. */
+static void find_range(saltus_plot_page *page, int axis, saltus_range *range) {
+    saltus_range found = {INFINITY, -INFINITY};
     for (int i = 0; i < page->count; i++)
         for (int k = 0; k < page->files[i].point_count; k++) {
             const saltus_branch_point *point = &page->files[i].points[k];
-            for (int e = 0; speeds && page->show == SALTUS_SHOW_IMPACTS && e < point->event_count; e++)
-                if (saltus_plot_shown(page, point))
-                    saltus_range_add(&page->y, saltus_impact_speed(&point->events[e]));
-            if (saltus_plot_shown(page, point))
-                saltus_range_add(&page->y, saltus_plot_y(page, point));
+            if (!saltus_plot_shown(page, point))
+                continue;
+            if (axis == 0)
+                saltus_range_add(&found, saltus_plot_x(point));
+            else
+                add_measures(page, point, &found);
         }
+    *range = found;
+}
+
+static void find_ranges(saltus_plot_page *page) {
+    const saltus_branch_options *o = &page->files[0].options;
+    bool speeds = !page->locus && (page->show == SALTUS_SHOW_SPEED || page->show == SALTUS_SHOW_IMPACTS);
+    page->x = page->y = (saltus_range){-INFINITY, INFINITY};
+    bool part[2] = {asked_for(page, 0, &page->x), page->locus && asked_for(page, 1, &page->y)};
+    if (!part[0]) {
+        find_range(page, 0, &page->x);
+        saltus_range_pad(&page->x, 0.03, 1e-3 * (o->high[0] - o->low[0]));
+    }
+    if (part[1])
+        return;
+    find_range(page, 1, &page->y);
     if (speeds && page->y.low < 0.4 * page->y.high)
         saltus_range_add(&page->y, 0);
     saltus_range_pad(&page->y, 0.07,
@@ -240,6 +295,19 @@ static void find_ranges(saltus_plot_page *page, const saltus_plot_options *optio
                                  : 1e-3 * fmax(fabs(page->y.high), fabs(page->y.low)));
     if (speeds && page->y.low < 0)
         page->y.low = -0.02 * page->y.high;
+}
+
+static saltus_status check_points(const saltus_plot_page *page, saltus_message *message) {
+    const saltus_branch_options *o = &page->files[0].options;
+    for (int i = 0; i < page->count; i++)
+        for (int k = 0; k < page->files[i].point_count; k++)
+            if (saltus_plot_shown(page, &page->files[i].points[k]))
+                return SALTUS_OK;
+    if (page->locus)
+        return saltus_fail(message, SALTUS_BAD_INPUT, "there is no point from %s = %g to %g, %s = %g to %g",
+                           o->key[0], page->x.low, page->x.high, o->key[1], page->y.low, page->y.high);
+    return saltus_fail(message, SALTUS_BAD_INPUT, "there is no point from %s = %g to %g", o->key[0],
+                       page->x.low, page->x.high);
 }
 
 static saltus_status draw(const saltus_branch_file *files, int count, const saltus_plot_options *options,
@@ -251,12 +319,11 @@ static saltus_status draw(const saltus_branch_file *files, int count, const salt
     saltus_plot_page page = {.files = files,
                              .count = count,
                              .system = system,
+                             .options = options,
                              .locus = files[0].options.locus != SALTUS_POINT_REGULAR};
     page.show = choose_measure(&page, options->show);
-    find_ranges(&page, options);
-    if (!isfinite(page.y.high))
-        status = saltus_fail(message, SALTUS_BAD_INPUT, "there is no point from %s = %g to %g",
-                             files[0].options.key[0], page.x.low, page.x.high);
+    find_ranges(&page);
+    status = check_points(&page, message);
     page.file = status == SALTUS_OK ? saltus_nameless_file() : NULL;
     if (status == SALTUS_OK && !page.file)
         status = saltus_fail(message, SALTUS_IO, "no temporary file can be made: %s", strerror(errno));
@@ -270,42 +337,95 @@ static saltus_status draw(const saltus_branch_file *files, int count, const salt
 }
 
 saltus_plot_options saltus_plot_defaults(void) {
-    return (saltus_plot_options){.show = SALTUS_SHOW_AUTOMATIC, .low = NAN, .high = NAN};
+    return (saltus_plot_options){.show = SALTUS_SHOW_AUTOMATIC};
+}
+
+static bool is_axis(const saltus_branch_options *o, const char *key) {
+    return strcmp(key, o->key[0]) == 0 || (o->key[1][0] && strcmp(key, o->key[1]) == 0);
+}
+
+/* Exchange the two parameters of a curve of special points. */
+static void turn_axes(saltus_branch_file *file) {
+    saltus_branch_options *o = &file->options;
+    char key[SALTUS_KEY_MAX];
+    double low = o->low[0], high = o->high[0];
+    memcpy(key, o->key[0], sizeof key);
+    memcpy(o->key[0], o->key[1], sizeof key);
+    memcpy(o->key[1], key, sizeof key);
+    o->low[0] = o->low[1];
+    o->high[0] = o->high[1];
+    o->low[1] = low;
+    o->high[1] = high;
+    for (int k = 0; k < file->point_count; k++) {
+        double *value = file->points[k].value, first = value[0];
+        value[0] = value[1];
+        value[1] = first;
+    }
 }
 
 /* Diagrams over each other need the same axes. */
-static saltus_status check_axes(const saltus_branch_file *a, const saltus_branch_file *b, const char *path,
+static saltus_status match_axes(const saltus_branch_file *a, saltus_branch_file *b, const char *path,
                                 saltus_message *message) {
-    bool locus = a->options.locus != SALTUS_POINT_REGULAR;
-    if (a->spec.model == b->spec.model && a->dimension == b->dimension &&
-        locus == (b->options.locus != SALTUS_POINT_REGULAR) &&
-        strcmp(a->options.key[0], b->options.key[0]) == 0 &&
-        (!locus || strcmp(a->options.key[1], b->options.key[1]) == 0))
-        return SALTUS_OK;
-    return saltus_fail(message, SALTUS_BAD_INPUT,
-                       "%.200s: has not the axes of the first file (%s%s%s of the model %s)", path,
-                       a->options.key[0], locus ? " and " : "", locus ? a->options.key[1] : "",
-                       saltus_model_name(a->spec.model));
+    const saltus_branch_options *o = &a->options, *p = &b->options;
+    bool locus = o->locus != SALTUS_POINT_REGULAR, same = is_axis(o, p->key[0]);
+    if (a->spec.model != b->spec.model || a->dimension != b->dimension ||
+        a->spec.stop_count != b->spec.stop_count)
+        return saltus_fail(message, SALTUS_BAD_INPUT,
+                           "%.200s: is of another structure than the first file (model, N or stops differ)",
+                           path);
+    if (locus != (p->locus != SALTUS_POINT_REGULAR) || !same || (locus && !is_axis(o, p->key[1])))
+        return saltus_fail(message, SALTUS_BAD_INPUT, "%.200s: has the axes %s%s%s, the first file %s%s%s",
+                           path, p->key[0], *p->key[1] ? " and " : "", p->key[1], o->key[0],
+                           *o->key[1] ? " and " : "", o->key[1]);
+    if (strcmp(o->key[0], p->key[0]) != 0)
+        turn_axes(b);
+    return SALTUS_OK;
+}
+
+/* Whether what the options say of parameters is of parameters that the figure shows. */
+static saltus_status check_options(const saltus_branch_file *file, const saltus_plot_options *options,
+                                   saltus_message *message) {
+    const saltus_branch_options *o = &file->options;
+    for (int k = 0; k < options->part_count; k++)
+        if (!is_axis(o, options->parts[k].key))
+            return saltus_fail(message, SALTUS_BAD_INPUT, "%s=%g:%g: the figure shows %s%s%s",
+                               options->parts[k].key, options->parts[k].low, options->parts[k].high,
+                               o->key[0], *o->key[1] ? " and " : "", o->key[1]);
+    for (int k = 0; k < options->label_count; k++) {
+        const saltus_plot_label *label = &options->labels[k];
+        if (!is_axis(o, label->key[0]) || !is_axis(o, label->key[1]) ||
+            strcmp(label->key[0], label->key[1]) == 0)
+            return saltus_fail(
+                message, SALTUS_BAD_INPUT,
+                "label %.60s: its place must be in two parameters that the figure shows; it shows "
+                "%s%s%s",
+                label->text, o->key[0], *o->key[1] ? " and " : "", o->key[1]);
+    }
+    return SALTUS_OK;
 }
 
 saltus_status saltus_plot(const char *const *paths, int count, const saltus_plot_options *options,
                           const char *figure, saltus_message *message) {
-    saltus_branch_file files[files_max];
     saltus_status status = SALTUS_OK;
     int read = 0;
     if (!saltus_gnuplot_terminal(figure))
         return saltus_fail(message, SALTUS_BAD_INPUT, "%s: the ending must be .png, .pdf or .svg", figure);
-    if (count < 1 || count > files_max)
-        return saltus_fail(message, SALTUS_BAD_INPUT, "from 1 to %d files can be drawn over each other",
-                           files_max);
+    if (count < 1)
+        return saltus_fail(message, SALTUS_BAD_INPUT, "there is no file to draw");
+    saltus_branch_file *files = calloc((size_t)count, sizeof *files);
+    if (!files)
+        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for %d branch files", count);
     for (; read < count && status == SALTUS_OK; read++) {
         status = saltus_branch_file_read(paths[read], &files[read], message);
         if (status == SALTUS_OK)
-            status = check_axes(&files[0], &files[read], paths[read], message);
+            status = match_axes(&files[0], &files[read], paths[read], message);
     }
+    if (status == SALTUS_OK)
+        status = check_options(&files[0], options, message);
     if (status == SALTUS_OK)
         status = draw(files, count, options, figure, message);
     for (int k = 0; k < read; k++)
         saltus_branch_file_clear(&files[k]);
+    free(files);
     return status;
 }

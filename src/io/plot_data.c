@@ -9,12 +9,19 @@ double saltus_plot_x(const saltus_branch_point *point) {
 }
 
 bool saltus_plot_shown(const saltus_plot_page *page, const saltus_branch_point *point) {
-    double x = saltus_plot_x(point);
-    return x >= page->x.low && x <= page->x.high;
+    double x = saltus_plot_x(point), y = page->locus ? point->value[1] : page->y.low;
+    return x >= page->x.low && x <= page->x.high && y >= page->y.low && y <= page->y.high;
 }
 
-bool saltus_plot_marked(const saltus_branch_file *file, const saltus_branch_point *point) {
-    return point->kind != SALTUS_POINT_REGULAR && point->kind != file->options.locus;
+/* Whether a point lies on the border of what was asked for. */
+static bool on_border(const saltus_branch_options *o, const saltus_branch_point *point) {
+    for (int k = 0; k < 2; k++) {
+        double near = 1e-9 * (o->high[k] - o->low[k]);
+        if (o->key[k][0] &&
+            (fabs(point->value[k] - o->low[k]) <= near || fabs(point->value[k] - o->high[k]) <= near))
+            return true;
+    }
+    return false;
 }
 
 double saltus_impact_speed(const saltus_event *event) {
@@ -70,6 +77,8 @@ static int parent_of(const saltus_branch_file *f, int branch) {
 }
 
 int saltus_plot_hue(const saltus_plot_page *page, int file, int branch) {
+    if (page->locus)
+        return (page->files[file].options.locus - SALTUS_POINT_LP) % SALTUS_HUES;
     if (page->count > 1)
         return file % SALTUS_HUES;
     int depth = 0;
@@ -81,8 +90,69 @@ int saltus_plot_hue(const saltus_plot_page *page, int file, int branch) {
     return depth % SALTUS_HUES;
 }
 
+/* How far a multiplier is from making a point one of that kind. */
+static double from_critical(const saltus_multiplier *m, saltus_point_kind kind) {
+    if (kind == SALTUS_POINT_NS)
+        return m->im != 0 ? fabs(m->log_modulus) : INFINITY;
+    return hypot(m->re - (kind == SALTUS_POINT_PD ? -1 : 1), m->im);
+}
+
+/* Whether multipliers are outside the unit circle other than those that make the point special. */
+static bool others_outside(const saltus_branch_point *point, saltus_point_kind kind) {
+    const double inside = 1e-6;
+    int critical = 0, outside = 0;
+    for (int k = 1; k < point->dimension; k++)
+        if (from_critical(&point->multipliers[k], kind) < from_critical(&point->multipliers[critical], kind))
+            critical = k;
+    for (int k = 0; k < point->dimension; k++)
+        if (k != critical && !(kind == SALTUS_POINT_NS && k == critical + 1))
+            outside += !(point->multipliers[k].log_modulus < inside);
+    return outside > 0;
+}
+
+/* A grazing point bounds stable orbits when the orbit is stable without the impact that grazes. With it the
+ * largest multiplier has no bound, and the others tell nothing of those without it. */
+static bool counts_grazing_impact(const saltus_branch_point *point) {
+    const double huge = 1e3;
+    return point->dimension > 0 && !(exp(point->multipliers[0].log_modulus) < huge);
+}
+
+/* Whether a point of a curve of special points bounds stable orbits; where its multipliers do not tell, what
+ * those of the nearest point that do tell. */
+static bool bounds_stable(const saltus_branch_file *f, int k) {
+    const saltus_branch_point *points = f->points;
+    if (f->options.locus != SALTUS_POINT_GR)
+        return !others_outside(&points[k], f->options.locus);
+    for (int reach = 0; reach < f->point_count; reach++)
+        for (int side = -1; side <= 1; side += 2) {
+            int j = k + side * reach;
+            if (j >= 0 && j < f->point_count && points[j].branch == points[k].branch &&
+                !counts_grazing_impact(&points[j]))
+                return points[j].dimension == 0 || points[j].multipliers[0].log_modulus < 0;
+        }
+    return true;
+}
+
+/* Whether an end is worth a mark: not that of the range, nor one of a curve that bounds nothing stable. */
+static bool ends_early(const saltus_branch_file *f, const saltus_branch_point *point) {
+    int k = (int)(point - f->points);
+    if (on_border(&f->options, point))
+        return false;
+    return f->options.locus == SALTUS_POINT_REGULAR ||
+           (k > 0 && f->points[k - 1].branch == point->branch && bounds_stable(f, k - 1));
+}
+
+bool saltus_plot_marked(const saltus_branch_file *file, const saltus_branch_point *point) {
+    if (point->kind == SALTUS_POINT_EP)
+        return ends_early(file, point);
+    return point->kind != SALTUS_POINT_REGULAR && point->kind != file->options.locus;
+}
+
 /* How the curve runs from a point to the next one: at a special point the side tells, not the point. */
-static saltus_stroke stroke_between(const saltus_branch_point *a, const saltus_branch_point *b) {
+static saltus_stroke stroke_between(const saltus_branch_file *f, int from, int to) {
+    const saltus_branch_point *a = &f->points[from], *b = &f->points[to];
+    if (f->options.locus != SALTUS_POINT_REGULAR)
+        return bounds_stable(f, from) && bounds_stable(f, to) ? SALTUS_STROKE_STABLE : SALTUS_STROKE_UNSTABLE;
     if (!a->admissible && !b->admissible)
         return SALTUS_STROKE_FOREIGN;
     const saltus_branch_point *side = a->kind == SALTUS_POINT_REGULAR ? a : b;
@@ -93,20 +163,20 @@ static saltus_stroke stroke_between(const saltus_branch_point *a, const saltus_b
 
 static void put_pieces(const saltus_plot_page *page, const saltus_branch_file *f, int branch,
                        saltus_stroke stroke) {
-    const saltus_branch_point *last = NULL;
+    int last = -1;
     bool drawing = false;
     for (int k = 0; k < f->point_count; k++) {
         const saltus_branch_point *point = &f->points[k];
         if (point->branch != branch)
             continue;
-        bool wanted =
-            last && (page->locus ? stroke == SALTUS_STROKE_STABLE : stroke_between(last, point) == stroke);
+        bool wanted = last >= 0 && stroke_between(f, last, k) == stroke;
         if (wanted && !drawing)
-            fprintf(page->file, "\n%.12g %.9g\n", saltus_plot_x(last), saltus_plot_y(page, last));
+            fprintf(page->file, "\n%.12g %.9g\n", saltus_plot_x(&f->points[last]),
+                    saltus_plot_y(page, &f->points[last]));
         if (wanted)
             fprintf(page->file, "%.12g %.9g\n", saltus_plot_x(point), saltus_plot_y(page, point));
         drawing = wanted;
-        last = point;
+        last = k;
     }
 }
 
@@ -156,8 +226,7 @@ static int partner(const saltus_branch_point *a, int e, const saltus_branch_poin
 static bool linked(const saltus_plot_page *page, int file, int k, int hue, saltus_stroke stroke) {
     const saltus_branch_file *f = &page->files[file];
     return k >= 0 && k + 1 < f->point_count && f->points[k].branch == f->points[k + 1].branch &&
-           saltus_plot_hue(page, file, f->points[k].branch) == hue &&
-           stroke_between(&f->points[k], &f->points[k + 1]) == stroke;
+           saltus_plot_hue(page, file, f->points[k].branch) == hue && stroke_between(f, k, k + 1) == stroke;
 }
 
 /* An impact from the point where it begins to have this stroke to where it ends. */

@@ -38,10 +38,8 @@ static bool is_free(const places *all, place wanted) {
     return true;
 }
 
-static void put_label(const saltus_plot_page *page, const char *text, place where, const char *style) {
-    saltus_line line = {.length = 0};
-    saltus_line_plain(&line, text);
-    fprintf(page->file, "set label '%s' at graph %.4f,%.4f %s\n", line.text, where.x / page_width,
+static void put_label(const saltus_plot_page *page, const saltus_line *line, place where, const char *style) {
+    fprintf(page->file, "set label '%s' at graph %.4f,%.4f %s\n", line->text, where.x / page_width,
             where.y / page_height, style);
 }
 
@@ -105,7 +103,9 @@ static void name_point(const saltus_plot_page *page, const saltus_branch_point *
     }
     if (widest == 0)
         return;
-    put_label(page, word, best, "center front tc rgb '#303030' font ',10'");
+    saltus_line line = {.length = 0};
+    saltus_line_plain(&line, word);
+    put_label(page, &line, best, "center front tc rgb '#303030' font ',10'");
     take_place(all, best);
 }
 
@@ -141,23 +141,36 @@ static int row_at(const saltus_plot_page *page, const saltus_branch_file *f, str
     return s.first;
 }
 
-static void name_stretch(const saltus_plot_page *page, const saltus_branch_file *f, stretch s, int hue,
-                         places *all) {
+/* What a stretch is called: n/p, with the kind of point and what the files differ in on curves of these. */
+static int stretch_name(const saltus_plot_page *page, int file, stretch s, saltus_line *name) {
+    const saltus_branch_file *f = &page->files[file];
+    if (page->locus)
+        saltus_line_add(name, "%s ", saltus_point_word(f->options.locus));
+    saltus_line_plain(name, f->points[s.first].label);
+    int letters = (int)name->length;
+    if (page->locus)
+        saltus_plot_add_differences(page, file, name);
+    return (int)name->length > letters ? letters + 10 : letters;
+}
+
+static void name_stretch(const saltus_plot_page *page, int file, stretch s, places *all) {
     static const double parts[] = {0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8, 0.1, 0.9};
     static const char *const colour[SALTUS_HUES] = {"#1d4566", "#8f3719", "#1f6650",
                                                     "#634078", "#7a5c00", "#444444"};
-    char name[SALTUS_LABEL_MAX + 8];
-    snprintf(name, sizeof name, "%s%s%s", saltus_point_word(f->options.locus), page->locus ? " " : "",
-             f->points[s.first].label);
+    const saltus_branch_file *f = &page->files[file];
+    saltus_line name = {.length = 0};
+    int letters = stretch_name(page, file, s, &name);
+    int hue = saltus_plot_hue(page, file, f->points[s.first].branch);
     char style[96];
-    snprintf(style, sizeof style, "center front boxed tc rgb '%s' font ',11'", colour[hue]);
-    if (s.length < 1.5 * letter_width * (double)strlen(name) + 1)
+    snprintf(style, sizeof style, "center front boxed tc rgb '%s' font ',11'",
+             page->locus ? "#202020" : colour[hue]);
+    if (s.length < 1.5 * letter_width * letters + 1)
         return;
     for (size_t k = 0; k < sizeof parts / sizeof parts[0]; k++) {
-        place wanted = place_of(page, &f->points[row_at(page, f, s, parts[k])], strlen(name) + 1);
+        place wanted = place_of(page, &f->points[row_at(page, f, s, parts[k])], (size_t)letters + 1);
         if (!is_free(all, wanted))
             continue;
-        put_label(page, name, wanted, style);
+        put_label(page, &name, wanted, style);
         take_place(all, wanted);
         return;
     }
@@ -178,15 +191,99 @@ static void name_points(const saltus_plot_page *page, places *all) {
             }
 }
 
+/* The names asked for, in letters that stand out from the curves' own. */
+static void name_regions(const saltus_plot_page *page, places *all) {
+    const char *first = page->files[0].options.key[0];
+    for (int k = 0; k < page->options->label_count; k++) {
+        const saltus_plot_label *label = &page->options->labels[k];
+        bool turned = strcmp(label->key[0], first) != 0;
+        double x = label->value[turned], y = label->value[!turned];
+        saltus_line line = {.length = 0};
+        place where = {page_width * (x - page->x.low) / (page->x.high - page->x.low),
+                       page_height * (y - page->y.low) / (page->y.high - page->y.low),
+                       letter_width * (double)strlen(label->text) + 0.5};
+        if (x < page->x.low || x > page->x.high || y < page->y.low || y > page->y.high)
+            continue;
+        saltus_line_plain(&line, label->text);
+        put_label(page, &line, where, "center front tc rgb '#101010' font ':Bold,17'");
+        take_place(all, where);
+    }
+}
+
+static double stop_value(const saltus_stop *stop, int which) {
+    return which == 0 ? stop->xi : which == 1 ? stop->d : stop->r;
+}
+
+/* Values of the k-th parameter or key of a stop, and its key; false beyond the last. */
+static bool value_of(const saltus_spec *spec, int k, char key[SALTUS_KEY_MAX], double *value) {
+    int count, keys;
+    const saltus_parameter *p = saltus_model_parameters(spec->model, &count);
+    const saltus_parameter *s = saltus_stop_parameters(&keys);
+    int stop = k < count ? 0 : (k - count) / keys;
+    if (k < count) {
+        snprintf(key, SALTUS_KEY_MAX, "%s", p[k].name);
+        *value = spec->parameters[k];
+    } else if (stop < spec->stop_count) {
+        snprintf(key, SALTUS_KEY_MAX, "%s", s[(k - count) % keys].name);
+        if (spec->stop_count > 1)
+            snprintf(key, SALTUS_KEY_MAX, "%s%d", s[(k - count) % keys].name, stop + 1);
+        *value = stop_value(&spec->stops[stop], (k - count) % keys);
+    }
+    return k < count || stop < spec->stop_count;
+}
+
+/* Whether a key names an axis, perhaps of all stops at once. */
+static bool on_axis(const saltus_plot_page *page, const char *key) {
+    for (int axis = 0; axis < 2; axis++) {
+        const char *own = page->files[0].options.key[axis];
+        size_t length = strlen(own);
+        if (length && strncmp(key, own, length) == 0 &&
+            strspn(key + length, "0123456789") == strlen(key + length))
+            return true;
+    }
+    return false;
+}
+
+static bool differs(const saltus_plot_page *page, int k, const char *key, double value) {
+    char other_key[SALTUS_KEY_MAX];
+    double other = NAN;
+    for (int i = 1; i < page->count && !on_axis(page, key); i++)
+        if (value_of(&page->files[i].spec, k, other_key, &other) && other != value)
+            return true;
+    return false;
+}
+
+void saltus_plot_difference(const saltus_plot_page *page, int rank, char key[SALTUS_KEY_MAX]) {
+    double value = NAN;
+    for (int k = 0; value_of(&page->files[0].spec, k, key, &value); k++)
+        if (differs(page, k, key, value) && rank-- == 0)
+            return;
+    key[0] = '\0';
+}
+
+void saltus_plot_add_differences(const saltus_plot_page *page, int file, saltus_line *line) {
+    char key[SALTUS_KEY_MAX];
+    double value = NAN, own = NAN;
+    for (int k = 0; value_of(&page->files[0].spec, k, key, &value); k++) {
+        if (!differs(page, k, key, value) || !value_of(&page->files[file].spec, k, key, &own))
+            continue;
+        saltus_line_add(line, ", ");
+        saltus_line_symbol(line, key);
+        saltus_line_add(line, " = ");
+        saltus_line_number(line, "%.6g", own);
+    }
+}
+
 void saltus_plot_labels(const saltus_plot_page *page) {
     places all = {.count = 0};
     fputs("set style textbox opaque noborder fillcolor '#ffffff' margins 0.4,0.2\n", page->file);
+    name_regions(page, &all);
     name_points(page, &all);
     for (int i = 0; i < page->count; i++) {
         const saltus_branch_file *f = &page->files[i];
         for (int k = 0; k < f->point_count;) {
             stretch s = find_stretch(page, f, k);
-            name_stretch(page, f, s, saltus_plot_hue(page, i, f->points[k].branch), &all);
+            name_stretch(page, i, s, &all);
             k = s.last + 1;
         }
     }

@@ -8,11 +8,14 @@
 #include <string.h>
 
 /* State and omega together; on success the system is the one with the period found. */
-static saltus_status relax(const saltus_spec *spec, const saltus_direction *omega, double value, double *state,
-                           const saltus_orbit_options *options, saltus_orbit *orbit, double *found,
-                           saltus_message *message) {
-    saltus_sequence sequence = {
-        .periods = orbit->periods, .base = options->phase, .driven = true, .cuts = 1, .cut = {options->phase}};
+static saltus_status relax(const saltus_spec *spec, const saltus_direction *omega, double value,
+                           double *state, const saltus_orbit_options *options, saltus_orbit *orbit,
+                           double *found, saltus_message *message) {
+    saltus_sequence sequence = {.periods = orbit->periods,
+                                .base = options->phase,
+                                .driven = true,
+                                .cuts = 1,
+                                .cut = {options->phase}};
     saltus_pursuit *pursuit = NULL;
     double *u = calloc((size_t)orbit->dimension + 1, sizeof *u);
     saltus_status status = u ? saltus_pursuit_new(spec, omega, value, value, options, &pursuit, message)
@@ -43,7 +46,8 @@ saltus_status saltus_orbit_find_period(const saltus_spec *spec, int periods, con
     *found = *spec;
     saltus_status status = saltus_system_new(spec, &system, message);
     if (status == SALTUS_OK && saltus_system_forced(system))
-        status = saltus_fail(message, SALTUS_BAD_INPUT, "the scene is forced: its orbits have the forcing's period");
+        status = saltus_fail(message, SALTUS_BAD_INPUT,
+                             "the scene is forced: its orbits have the forcing's period");
     if (status == SALTUS_OK)
         status = saltus_spec_direction(spec, "omega", &omega, &value, message);
     if (status == SALTUS_OK) {

@@ -1,10 +1,11 @@
 /* Continuation of periodic orbits.
  *
- * Pseudo-arclength steps (Keller, 1977) on the equations of a prescribed sequence of events: predict along the
- * tangent, correct on the hyperplane across it, adapt the step to Newton's effort and to the turn of the tangent.
- * After each step the tests of branch_private.h are compared with those before; every zero is located and given
- * out in its place. A breach, an impact of no speed, a free maximum on a stop, a contact force of zero, ends the
- * sequence: see branch_change.c. The event-driven flow has the last word on every point.
+ * Pseudo-arclength steps (Keller, 1977) on the equations of a prescribed sequence of events: predict along
+ * the tangent, correct on the hyperplane across it, adapt the step to Newton's effort and to the turn of the
+ * tangent. After each step the tests of branch_private.h are compared with those before; every zero is
+ * located and given out in its place. A breach, an impact of no speed, a free maximum on a stop, a contact
+ * force of zero, ends the sequence: see branch_change.c. The event-driven flow has the last word on every
+ * point.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "orbit/branch_private.h"
 
@@ -15,6 +16,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+enum { values_max = 1000 };
+
 static const double step_min = 1e-7, turn_min = 0.92; /* least cosine between tangents a step apart */
 
 saltus_branch_options saltus_branch_defaults(void) {
@@ -24,8 +27,8 @@ saltus_branch_options saltus_branch_defaults(void) {
 
 static saltus_status check_options(const saltus_branch_options *o, double value, saltus_message *message) {
     if (!(o->low[0] < o->high[0]))
-        return saltus_fail(message, SALTUS_BAD_INPUT, "%s=%g:%g: the range must go from low to high", o->key[0],
-                           o->low[0], o->high[0]);
+        return saltus_fail(message, SALTUS_BAD_INPUT, "%s=%g:%g: the range must go from low to high",
+                           o->key[0], o->low[0], o->high[0]);
     if (!(value >= o->low[0] && value <= o->high[0]))
         return saltus_fail(message, SALTUS_BAD_INPUT, "%s=%g:%g: the range must hold the start, %s = %.12g",
                            o->key[0], o->low[0], o->high[0], o->key[0], value);
@@ -35,13 +38,16 @@ static saltus_status check_options(const saltus_branch_options *o, double value,
                            o->step, o->step_max);
     if (o->points < 1)
         return saltus_fail(message, SALTUS_BAD_INPUT, "points = %d: must be at least 1", o->points);
+    if (o->value_count < 0 || o->value_count > values_max)
+        return saltus_fail(message, SALTUS_BAD_INPUT, "%d values asked for: at most %d are possible",
+                           o->value_count, values_max);
     return SALTUS_OK;
 }
 
 saltus_status saltus_branch_add_start(saltus_branch *b, const saltus_branch_start *start,
                                       saltus_message *message) {
-    saltus_branch_start *grown =
-        realloc(b->starts, ((size_t)b->start_count + 1) * sizeof *grown), *place = NULL;
+    saltus_branch_start *grown = realloc(b->starts, ((size_t)b->start_count + 1) * sizeof *grown),
+                        *place = NULL;
     if (grown) {
         b->starts = grown;
         place = &grown[b->start_count];
@@ -77,13 +83,14 @@ static saltus_status open_parts(saltus_branch *b, saltus_message *message) {
     if (status == SALTUS_OK)
         status = saltus_itinerary_open(&b->itinerary, b->n, message);
     if (status == SALTUS_OK)
-        status = saltus_pursuit_new(&b->spec, &b->direction, b->origin, b->unit, &b->options.orbit, &b->pursuit,
-                                    message);
+        status = saltus_pursuit_new(&b->spec, &b->direction, b->origin, b->unit, &b->options.orbit,
+                                    &b->pursuit, message);
     return status;
 }
 
 /* The given state is made an orbit, and its sequence the start of both ways. */
-static saltus_status open_starts(saltus_branch *b, int periods, const double *state, saltus_message *message) {
+static saltus_status open_starts(saltus_branch *b, int periods, const double *state,
+                                 saltus_message *message) {
     saltus_orbit orbit = {0};
     saltus_orbit_options options = b->options.orbit;
     options.phase = 0;
@@ -91,7 +98,8 @@ static saltus_status open_starts(saltus_branch *b, int periods, const double *st
     saltus_status status = saltus_orbit_find(b->system, periods, state, &options, &orbit, message);
     if (status == SALTUS_OK) {
         memcpy(b->state, orbit.state, (size_t)b->n * sizeof *b->state);
-        status = saltus_itinerary_sequence(&b->itinerary, b->flow, periods, b->state, &start.sequence, message);
+        status =
+            saltus_itinerary_sequence(&b->itinerary, b->flow, periods, b->state, &start.sequence, message);
     }
     for (int heading = 1; heading >= -1 && status == SALTUS_OK; heading -= 2)
         if (b->options.direction * heading >= 0) {
@@ -112,8 +120,7 @@ saltus_status saltus_branch_new(const saltus_spec *spec, int periods, const doub
     b->spec = *spec;
     b->options = *options;
     b->unit = options->high[0] - options->low[0];
-    saltus_status status =
-        saltus_spec_direction(spec, options->key[0], &b->direction, &b->origin, message);
+    saltus_status status = saltus_spec_direction(spec, options->key[0], &b->direction, &b->origin, message);
     if (status == SALTUS_OK)
         status = check_options(options, b->origin, message);
     if (status == SALTUS_OK && options->locus)
@@ -151,11 +158,12 @@ void saltus_branch_free(saltus_branch *b) {
     saltus_system_free(b->system);
     saltus_itinerary_close(&b->itinerary);
     free(b->state);
+    free(b->first);
     free(b);
 }
 
-saltus_status saltus_branch_end(saltus_branch *b, const saltus_solution *s, double accuracy, const char *reason,
-                                saltus_message *message) {
+saltus_status saltus_branch_end(saltus_branch *b, const saltus_solution *s, double accuracy,
+                                const char *reason, saltus_message *message) {
     b->running = false;
     return saltus_branch_emit(b, s, SALTUS_POINT_EP, accuracy, NULL, reason, message);
 }
@@ -170,8 +178,9 @@ static saltus_status take_step(saltus_branch *b, saltus_message *message) {
         if (status == SALTUS_NO_MEMORY || (status == SALTUS_OK && cosine > turn_min))
             return status;
         if (b->step < step_min)
-            return status == SALTUS_OK ? saltus_fail(message, SALTUS_NO_CONVERGENCE, "the branch has a corner")
-                                       : status;
+            return status == SALTUS_OK
+                       ? saltus_fail(message, SALTUS_NO_CONVERGENCE, "the branch has a corner")
+                       : status;
         b->step *= 0.5;
     }
 }
@@ -184,7 +193,8 @@ static void adapt_step(saltus_branch *b) {
     b->step = fmin(b->step, b->options.step_max);
 }
 
-/* A special point between `here` and `next`. */
+/* A special point between `here` and `next`; a regular one where the branch may have come back to its begin.
+ */
 typedef struct find {
     saltus_point_kind kind;
     saltus_test test;
@@ -198,16 +208,20 @@ static bool crosses(double a, double c) {
 /* Locate one; insert in order of arclength. */
 static int add_find(saltus_branch *b, find *finds, int count, saltus_point_kind kind, saltus_test test,
                     double target) {
-    double far = test == SALTUS_TEST_VALUE ? saltus_pursuit_value(b->pursuit, b->next.u) - target
-                                           : b->next.test[test];
+    double far =
+        test == SALTUS_TEST_VALUE ? saltus_pursuit_value(b->pursuit, b->next.u) - target : b->next.test[test];
     find f = {.kind = kind, .test = test, .target = target};
     b->target = target;
     b->here.test[SALTUS_TEST_VALUE] = saltus_pursuit_value(b->pursuit, b->here.u) - target;
     if (!crosses(b->here.test[test], far))
         return count;
-    if (!saltus_branch_locate(b, test, b->next.ahead, far, &f.accuracy))
+    double near = b->here.test[test];
+    if (saltus_branch_locate(b, test, b->next.ahead, far, &f.accuracy))
+        f.ahead = b->trial.ahead;
+    else if (kind == SALTUS_POINT_BP) /* singular there: found by interpolation later */
+        f.ahead = b->next.ahead * near / (near - far);
+    else
         return count;
-    f.ahead = b->trial.ahead;
     int k = count;
     for (; k > 0 && finds[k - 1].ahead > f.ahead; k--)
         finds[k] = finds[k - 1];
@@ -215,9 +229,8 @@ static int add_find(saltus_branch *b, find *finds, int count, saltus_point_kind 
     return count + 1;
 }
 
-/* A complex pair on the unit circle, not two real multipliers whose product is 1. */
-static bool pair_is_complex(const saltus_solution *s, int n) {
-    for (int i = 0; i < n; i++)
+bool saltus_branch_pair_on_circle(const saltus_branch *b, const saltus_solution *s) {
+    for (int i = 0; i < b->n; i++)
         if (fabs(s->multipliers[i].log_modulus) < 1e-6 && s->multipliers[i].im != 0)
             return true;
     return false;
@@ -239,22 +252,49 @@ static saltus_status give_join(saltus_branch *b, const find *f, saltus_message *
     return status;
 }
 
-static saltus_status give_find(saltus_branch *b, const find *f, saltus_message *message) {
+/* Whether `trial` is where the branch joins that of half the period. So near to it the equations say little
+ * about where; a flip of half the period in this very place tells. */
+static bool is_join(saltus_branch *b) {
+    double apart = saltus_branch_half_distance(b, &b->trial), value, accuracy;
+    double here = saltus_pursuit_value(b->pursuit, b->trial.u);
+    return apart < 1e-4 || (apart < 2e-2 && saltus_branch_flip_of_half(b, &value, &accuracy) &&
+                            fabs(value - here) < 1e-6 * b->unit);
+}
+
+/* The point found becomes `trial` again. */
+static bool revisit(saltus_branch *b, find *f) {
+    saltus_message ignored;
+    if (f->kind == SALTUS_POINT_BP && saltus_branch_crossing(b, f->ahead, &f->accuracy))
+        return true;
+    return saltus_branch_visit(b, f->ahead, &b->trial, &ignored) == SALTUS_OK;
+}
+
+static saltus_status give_find(saltus_branch *b, find *f, saltus_message *message) {
     b->target = f->target;
-    saltus_status status = saltus_branch_visit(b, f->ahead, &b->trial, message);
-    if (status != SALTUS_OK)
+    if (!revisit(b, f))
         return SALTUS_OK;
-    status = saltus_branch_survey(b, &b->trial, message);
+    saltus_status status = saltus_branch_survey(b, &b->trial, message);
     if (status != SALTUS_OK)
         return status;
-    if (f->kind == SALTUS_POINT_NS && !pair_is_complex(&b->trial, b->n))
+    if (f->kind == SALTUS_POINT_NS && !saltus_branch_pair_on_circle(b, &b->trial))
         return SALTUS_OK;
-    if (f->kind == SALTUS_POINT_LP && saltus_branch_halves(b, &b->trial))
-        return give_join(b, f, message);
-    if (f->kind == SALTUS_POINT_LP)
-        saltus_branch_survey(b, &b->trial, message);
-    if (b->options.locus == f->kind)
+    if (f->kind == SALTUS_POINT_LP || f->kind == SALTUS_POINT_BP) {
+        if (is_join(b))
+            return give_join(b, f, message);
+        status = saltus_branch_survey(b, &b->trial, message);
+        if (status != SALTUS_OK)
+            return status;
+    }
+    if (b->options.locus && b->options.locus == f->kind)
         return saltus_locus_capture(b, -1, message);
+    if (f->kind == SALTUS_POINT_REGULAR && !saltus_branch_is_first(b))
+        return status;
+    if (f->kind == SALTUS_POINT_REGULAR) {
+        /* The other way from the same start leads around the same branch. */
+        b->start_next += b->start_next == 1 && b->start_count > 1 && b->starts[1].heading;
+        return saltus_branch_end(b, &b->trial, f->accuracy, "the branch is closed: it has come back",
+                                 message);
+    }
     if (f->kind == SALTUS_POINT_EP)
         return saltus_branch_end(b, &b->trial, f->accuracy, "end of the parameter's range", message);
     status = saltus_branch_emit(b, &b->trial, f->kind, f->accuracy, NULL, NULL, message);
@@ -263,11 +303,10 @@ static saltus_status give_find(saltus_branch *b, const find *f, saltus_message *
     return status;
 }
 
-/* All special points of the step, in order; the end of the range is one. At the begin of a branch that was switched
- * to, the determinants are zero to rounding and tell nothing. */
+/* All special points of the step, in order; the end of the range is one. At the begin of a branch that was
+ * switched to, the determinants are zero to rounding and tell nothing. */
 static saltus_status give_finds(saltus_branch *b, int *given, saltus_message *message) {
-    enum { values_max = 16 };
-    find finds[6 + values_max];
+    find finds[7 + values_max];
     int count = 0;
     saltus_status status = SALTUS_OK;
     if (!b->fresh) {
@@ -278,7 +317,9 @@ static saltus_status give_finds(saltus_branch *b, int *given, saltus_message *me
     }
     count = add_find(b, finds, count, SALTUS_POINT_EP, SALTUS_TEST_VALUE, b->options.low[0]);
     count = add_find(b, finds, count, SALTUS_POINT_EP, SALTUS_TEST_VALUE, b->options.high[0]);
-    for (int k = 0; k < b->options.value_count && k < values_max; k++)
+    if (b->first_count && b->points > 10)
+        count = add_find(b, finds, count, SALTUS_POINT_REGULAR, SALTUS_TEST_VALUE, b->first_value);
+    for (int k = 0; k < b->options.value_count; k++)
         count = add_find(b, finds, count, SALTUS_POINT_UZ, SALTUS_TEST_VALUE, b->options.values[k]);
     for (int k = 0; k < count && status == SALTUS_OK && b->running; k++)
         status = give_find(b, &finds[k], message);
@@ -298,11 +339,17 @@ void saltus_branch_remember(saltus_branch *b) {
     b->last_sticks = b->itinerary.sticking_intervals;
 }
 
+/* Special points do not count, unless there is no end of them. */
+static bool has_enough(const saltus_branch *b) {
+    return b->points >= b->options.points || b->made >= 3 * b->options.points;
+}
+
 saltus_status saltus_branch_accept(saltus_branch *b, saltus_message *message) {
     saltus_status status = SALTUS_OK;
     double apart = b->arclength + b->next.ahead - b->shown;
-    if (apart >= 0.02 * b->options.step_max || b->points == 0) {
-        status = saltus_branch_emit(b, &b->next, SALTUS_POINT_REGULAR, NAN, NULL, NULL, message);
+    if (apart >= 0.02 * b->options.step_max || b->points == 0 || b->tail_changed) {
+        const char *reason = b->tail_changed ? "impacts in the tail of a long run come or go" : NULL;
+        status = saltus_branch_emit(b, &b->next, SALTUS_POINT_REGULAR, NAN, NULL, reason, message);
         b->shown = b->arclength + b->next.ahead;
         b->points++;
     }
@@ -310,8 +357,8 @@ saltus_status saltus_branch_accept(saltus_branch *b, saltus_message *message) {
     b->arclength += b->next.ahead;
     saltus_solution_swap(&b->here, &b->next);
     b->here.ahead = 0;
-    b->fresh = false;
-    if (status == SALTUS_OK && b->points >= b->options.points)
+    b->fresh = b->tail_changed = false;
+    if (status == SALTUS_OK && has_enough(b))
         return saltus_branch_end(b, &b->here, NAN, "as many points as asked for", message);
     bool changed;
     return status == SALTUS_OK ? saltus_branch_reframe(b, NULL, &changed, message) : status;
@@ -335,16 +382,31 @@ static saltus_status begin_step(saltus_branch *b, saltus_message *message) {
 
 /* The step's end, or the place on the way where a breach begins. */
 static bool shorten_to_breach(saltus_branch *b, double *accuracy) {
-    if (!saltus_branch_locate(b, SALTUS_TEST_BREACH, b->next.ahead, b->next.test[SALTUS_TEST_BREACH], accuracy))
+    if (!saltus_branch_locate(b, SALTUS_TEST_BREACH, b->next.ahead, b->next.test[SALTUS_TEST_BREACH],
+                              accuracy))
         return false;
     saltus_solution_swap(&b->next, &b->trial);
     return true;
+}
+
+/* Contacts that begin or end where the sequence is left to the flow are located; of the many impacts in the
+ * tail of a long run, which come and go all the time, only the number is told. */
+static saltus_status settle_label(saltus_branch *b, saltus_message *message) {
+    const saltus_itinerary *it = &b->itinerary;
+    bool chatter = (it->impacts < 0) != (b->last_impacts < 0);
+    b->tail_changed = b->last_label[0] && strcmp(b->last_label, it->label) != 0;
+    if (!b->last_label[0] || (!chatter && it->sticking_intervals == b->last_sticks))
+        return SALTUS_OK;
+    saltus_status status = saltus_branch_relabel(b, message);
+    return status == SALTUS_OK ? saltus_branch_survey(b, &b->next, message) : status;
 }
 
 static saltus_status advance(saltus_branch *b, saltus_message *message) {
     saltus_message why = {""};
     double accuracy = NAN;
     int given = 0;
+    if (has_enough(b))
+        return saltus_branch_end(b, &b->here, NAN, "as many points as asked for", message);
     saltus_status status = begin_step(b, &why);
     if (status == SALTUS_OK)
         status = take_step(b, &why);
@@ -370,7 +432,12 @@ static saltus_status advance(saltus_branch *b, saltus_message *message) {
     }
     if (given)
         status = saltus_branch_survey(b, &b->next, message);
-    return status == SALTUS_OK ? saltus_branch_accept(b, message) : status;
+    bool completes = b->last_label[0] && b->itinerary.impacts < 0 && b->last_impacts >= 0;
+    if (status == SALTUS_OK)
+        status = settle_label(b, message);
+    if (status == SALTUS_OK)
+        status = saltus_branch_accept(b, message);
+    return status == SALTUS_OK && completes && b->running ? saltus_branch_retrace(b, message) : status;
 }
 
 static saltus_status begin(saltus_branch *b, const saltus_branch_start *start, saltus_message *message) {

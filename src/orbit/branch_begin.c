@@ -23,8 +23,7 @@ saltus_status saltus_branch_place(saltus_branch *b, const saltus_sequence *seque
                                   const double *state, bool polish, saltus_message *message) {
     int iterations = 0;
     saltus_status status = saltus_pursuit_shape(b->pursuit, sequence, message);
-    if (status == SALTUS_OK &&
-        !saltus_solution_room(&b->here, saltus_pursuit_unknowns(b->pursuit), b->n))
+    if (status == SALTUS_OK && !saltus_solution_room(&b->here, saltus_pursuit_unknowns(b->pursuit), b->n))
         status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch");
     if (status == SALTUS_OK)
         status = saltus_pursuit_fill(b->pursuit, value, state, b->here.u, message);
@@ -44,19 +43,52 @@ static void point_tangent(saltus_solution *s, double sense) {
         s->tangent[j] = -s->tangent[j];
 }
 
-saltus_status saltus_branch_begin(saltus_branch *b, const saltus_branch_start *start, saltus_message *message) {
+/* Keep the section points of the orbit just walked as those of the branch's first. */
+static saltus_status keep_first(saltus_branch *b, double value, saltus_message *message) {
+    int n = b->n, periods = b->itinerary.periods;
+    saltus_event event;
+    double *grown = realloc(b->first, (size_t)(n * periods) * sizeof *grown);
+    if (!grown)
+        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch");
+    b->first = grown;
+    b->first_count = 1;
+    b->first_value = value;
+    memcpy(grown, b->itinerary.state, (size_t)n * sizeof *grown);
+    saltus_message ignored;
+    saltus_status status = saltus_flow_start(b->flow, 0, (saltus_time){0, 0}, grown, &ignored);
+    for (int k = 1; k < periods && status == SALTUS_OK; k++) {
+        status = saltus_flow_advance(b->flow, (saltus_time){k, 0}, 0, &event, &ignored);
+        saltus_flow_state(b->flow, 0, grown + k * n);
+        b->first_count += status == SALTUS_OK;
+    }
+    return SALTUS_OK;
+}
+
+bool saltus_branch_is_first(const saltus_branch *b) {
+    const double *scale = saltus_system_scale(b->system);
+    for (int k = 0; k < b->first_count; k++) {
+        double largest = 0;
+        for (int i = 0; i < b->n; i++)
+            largest = fmax(largest, fabs(b->itinerary.state[i] - b->first[k * b->n + i]) / scale[i]);
+        if (largest < 1e-6)
+            return true;
+    }
+    return false;
+}
+
+saltus_status saltus_branch_begin(saltus_branch *b, const saltus_branch_start *start,
+                                  saltus_message *message) {
     b->number = b->start_next - 1;
     b->parent = start->parent;
     b->depth = start->depth;
-    b->points = 0;
+    b->points = b->made = b->first_count = 0;
     b->arclength = b->shown = 0;
     b->step = b->options.step;
     b->fresh = start->tangent != NULL;
     b->running = true;
     saltus_message why = {""};
-    saltus_status status =
-        saltus_branch_place(b, &start->sequence, start->value, start->state,
-                            !start->tangent && !start->grazes, &why);
+    saltus_status status = saltus_branch_place(b, &start->sequence, start->value, start->state,
+                                               !start->tangent && !start->grazes, &why);
     if (status == SALTUS_OK && start->grazes) {
         b->running = saltus_branch_go_on(b, b->here.tangent);
         b->last_label[0] = 0;
@@ -80,6 +112,8 @@ saltus_status saltus_branch_begin(saltus_branch *b, const saltus_branch_start *s
         status = saltus_branch_survey(b, &b->here, message);
     if (status == SALTUS_OK)
         status = saltus_branch_emit(b, &b->here, SALTUS_POINT_REGULAR, NAN, NULL, NULL, message);
+    if (status == SALTUS_OK)
+        status = keep_first(b, start->value, message);
     if (status == SALTUS_OK && !start->tangent)
         status = saltus_branch_reframe(b, NULL, &changed, message);
     b->points = 1;
@@ -124,8 +158,8 @@ static void cut_evenly(saltus_sequence *s, int cuts) {
     }
 }
 
-/* The middle of the longest free flight between two marks that the flow need not find its events in; the present
- * base if there is none. */
+/* The middle of the longest free flight between two marks that the flow need not find its events in; the
+ * present base if there is none. */
 static double better_base(const saltus_sequence *s) {
     double best = 0, base = s->base;
     bool bound[SALTUS_MARKS_MAX];
@@ -157,8 +191,8 @@ static void rotate(const saltus_sequence *old, double base, saltus_sequence *fre
     }
 }
 
-/* The sign of a new tangent from what it has in common with the old one: the parameter, the times of the marks
- * and, at the same base, the state. */
+/* The sign of a new tangent from what it has in common with the old one: the parameter, the times of the
+ * marks and, at the same base, the state. */
 static double common_sense(const saltus_sequence *old, const double *before, const saltus_sequence *fresh,
                            const double *after, const int *order, int n) {
     const double *old_times = before + old->cuts * n, *times = after + fresh->cuts * n;
@@ -188,8 +222,29 @@ static saltus_status state_at(saltus_branch *b, const saltus_sequence *old, doub
     return status;
 }
 
+/* Leave the tail of a long run of ever slower impacts to the flow (itinerary.h). `order` follows. */
+static bool trim_runs(const saltus_branch *b, saltus_sequence *s, int *order) {
+    double speed[SALTUS_MARKS_MAX];
+    int count = s->count, kept = 0;
+    for (int k = 0; k < count; k++)
+        speed[k] = saltus_pursuit_speed(b->pursuit, order[k]);
+    for (int k = 0; k < count; k++) {
+        if (kept > 0 && saltus_sequence_in_tail(s, speed, kept, s->mark[k].face, speed[k]) &&
+            s->mark[k].kind == SALTUS_IMPACT && !s->mark[k].driven) {
+            s->mark[kept - 1].driven = true;
+            continue;
+        }
+        s->mark[kept] = s->mark[k];
+        speed[kept] = speed[k];
+        order[kept++] = order[k];
+    }
+    s->count = kept;
+    return kept < count;
+}
+
 /* The sequence that `here` should have; false if it is good as it is. */
-static bool better_frame(const saltus_branch *b, const saltus_sequence *old, saltus_sequence *fresh, int *order) {
+static bool better_frame(const saltus_branch *b, const saltus_sequence *old, saltus_sequence *fresh,
+                         int *order) {
     const double growth_max = 1e4;
     double base = old->base;
     bool crowded = saltus_pursuit_growth(b->pursuit) > growth_max && 2 * old->cuts <= SALTUS_CUTS_MAX / 2;
@@ -204,8 +259,9 @@ static bool better_frame(const saltus_branch *b, const saltus_sequence *old, sal
         fresh->contacts = old->contacts;
         fresh->driven = old->driven;
     }
+    bool trimmed = b->options.locus != SALTUS_POINT_GR && trim_runs(b, fresh, order);
     cut_evenly(fresh, crowded ? 2 * old->cuts : old->cuts);
-    return base != old->base || fresh->cuts > old->cuts;
+    return trimmed || base != old->base || fresh->cuts > old->cuts;
 }
 
 saltus_status saltus_branch_reframe(saltus_branch *b, int *tracked, bool *changed, saltus_message *message) {
@@ -334,8 +390,8 @@ saltus_status saltus_branch_switch_grazing(saltus_branch *b, const saltus_sequen
     return saltus_branch_add_start(b, &start, message);
 }
 
-/* The old tangent, of a sequence with `cuts` cuts, among the unknowns of the sequence doubled (or the same one)
- * without them. */
+/* The old tangent, of a sequence with `cuts` cuts, among the unknowns of the sequence doubled (or the same
+ * one) without them. */
 static void spread_tangent(const saltus_sequence *s, int cuts, const double *old, int copies, int n,
                            double *tangent) {
     const double *times = old + cuts * n;
@@ -345,8 +401,8 @@ static void spread_tangent(const saltus_sequence *s, int cuts, const double *old
     tangent[n + copies * s->count] = times[s->count];
 }
 
-/* In the null plane, the unit vector that leaves the old branch: at flips and pitchforks the one along which the
- * parameter does not change, which is the new branch's tangent; otherwise that across the old tangent. */
+/* In the null plane, the unit vector that leaves the old branch: at flips and pitchforks the one along which
+ * the parameter does not change, which is the new branch's tangent; otherwise that across the old tangent. */
 static void leaving(const double *plane, const double *old, int m, bool pitchfork, double *out) {
     double a = 0, c = 0, size = 0;
     for (int j = pitchfork ? m - 1 : 0; j < m; j++) {
@@ -368,7 +424,8 @@ static saltus_status leave(saltus_branch *b, const saltus_sequence *sequence, co
     double values[2], *work = calloc(5 * (size_t)m, sizeof *work);
     double *u = work, *plane = work + m, *old = work + 3 * (size_t)m, *tangent = work + 4 * (size_t)m;
     double value = saltus_pursuit_value(b->pursuit, b->trial.u);
-    saltus_status status = work ? SALTUS_OK : saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch");
+    saltus_status status =
+        work ? SALTUS_OK : saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch");
     if (status == SALTUS_OK)
         status = saltus_pursuit_new(&b->spec, &b->direction, b->origin, b->unit, &b->options.orbit, &pursuit,
                                     message);

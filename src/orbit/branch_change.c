@@ -1,11 +1,11 @@
 /* Changes of the sequence of events along a branch.
  *
- * Where an impact's speed falls to zero the impact is taken out; where a free maximum touches a stop one is put
- * in: the orbit is the same on both sides of the change, and its new tangent follows from the new equations. Of
- * the two ways along it those are admissible on which the event-driven flow follows the new sequence; often it is
- * one, and it may lead back in the parameter (a non-smooth fold). Where chatter completes, or a contact ends or
- * splits, the sequences on the two sides share no unknowns: the orbit beyond is sought by shooting with the flow's
- * own events, a little further on in the parameter.
+ * Where an impact's speed falls to zero the impact is taken out; where a free maximum touches a stop one is
+ * put in: the orbit is the same on both sides of the change, and its new tangent follows from the new
+ * equations. Of the two ways along it those are admissible on which the event-driven flow follows the new
+ * sequence; often it is one, and it may lead back in the parameter (a non-smooth fold). Where chatter
+ * completes, or a contact ends or splits, the sequences on the two sides share no unknowns: the orbit beyond
+ * is sought by shooting with the flow's own events, a little further on in the parameter.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "orbit/branch_private.h"
 
@@ -64,11 +64,12 @@ static void regraze(const saltus_breach *breaches, int count, int n, saltus_sequ
             insert_mark(s, tangent, n, &breaches[k]);
             born++;
         }
-    snprintf(reason, REASON_MAX, "%s", born && dead ? "impacts are born and die"
-                                              : born > 1   ? "impacts are born"
-                                              : born       ? "an impact is born"
-                                              : dead > 1   ? "impacts die"
-                                                           : "an impact dies");
+    snprintf(reason, REASON_MAX, "%s",
+             born && dead ? "impacts are born and die"
+             : born > 1   ? "impacts are born"
+             : born       ? "an impact is born"
+             : dead > 1   ? "impacts die"
+                          : "an impact dies");
 }
 
 /* Whether the flow follows the new sequence a little way along the tangent; then `next` is a point there. */
@@ -76,8 +77,8 @@ static bool leads_on(saltus_branch *b, double ahead) {
     saltus_message ignored;
     b->reference[0] = b->reference[1] = NAN;
     return saltus_branch_visit(b, ahead, &b->next, &ignored) == SALTUS_OK &&
-           b->next.test[SALTUS_TEST_BREACH] < 0 &&
-           saltus_branch_survey(b, &b->next, &ignored) == SALTUS_OK && b->next.follows;
+           b->next.test[SALTUS_TEST_BREACH] < 0 && saltus_branch_survey(b, &b->next, &ignored) == SALTUS_OK &&
+           b->next.follows;
 }
 
 bool saltus_branch_go_on(saltus_branch *b, const double *old) {
@@ -129,12 +130,13 @@ saltus_status saltus_branch_change(saltus_branch *b, double accuracy, saltus_mes
     double old_heading = b->trial.tangent[b->trial.unknowns - 1];
     if (kind == SALTUS_BREACH_HOLD || kind == SALTUS_BREACH_FORCE)
         return saltus_branch_leap(b, b->trial.ahead, "the contact changes", message);
-    bool joins = saltus_branch_halves(b, &b->trial);
+    bool joins = saltus_branch_half_distance(b, &b->trial) < 1e-4;
     saltus_status status = saltus_branch_survey(b, &b->trial, message);
     if (status == SALTUS_OK)
         status = saltus_branch_emit(b, &b->trial, SALTUS_POINT_GR, accuracy, NULL, NULL, message);
     if (status == SALTUS_OK && joins)
-        return saltus_branch_end(b, &b->trial, NAN, "joins the orbits of half the period at their grazing", message);
+        return saltus_branch_end(b, &b->trial, NAN, "joins the orbits of half the period at their grazing",
+                                 message);
     if (status == SALTUS_OK)
         status = saltus_pursuit_evaluate(b->pursuit, b->trial.u, message);
     double *old = calloc((size_t)b->trial.unknowns + SALTUS_MARKS_MAX, sizeof *old);
@@ -178,25 +180,34 @@ saltus_status saltus_branch_change(saltus_branch *b, double accuracy, saltus_mes
     return saltus_branch_accept(b, message);
 }
 
-/* The last point before `ahead` that the flow follows, as `trial`; the width of the bracket. */
-static double bracket_change(saltus_branch *b, double ahead) {
+/* Whether the walk has as much chatter and sticking as the last point given out. */
+static bool keeps_contacts(const saltus_branch *b) {
+    return (b->itinerary.impacts < 0) == (b->last_impacts < 0) &&
+           b->itinerary.sticking_intervals == b->last_sticks;
+}
+
+/* The last point before `ahead` that the flow follows, as `trial`, with the contacts of the last point given
+ * out if that is asked for; the width of the bracket. */
+static double bracket_change(saltus_branch *b, double ahead, bool same_contacts) {
     enum { halvings = 50 };
     double low = 0, high = ahead;
     saltus_message ignored;
-    for (int k = 0; k < halvings && high - low > 1e-12; k++) {
+    for (int k = 0; k < halvings && fabs(high - low) > 1e-12; k++) {
         double middle = 0.5 * (low + high);
         bool sound = saltus_branch_visit(b, middle, &b->trial, &ignored) == SALTUS_OK &&
                      !(b->trial.test[SALTUS_TEST_BREACH] > 0) &&
-                     saltus_branch_survey(b, &b->trial, &ignored) == SALTUS_OK && b->trial.follows;
+                     saltus_branch_walk(b, &b->trial, &ignored) == SALTUS_OK && b->trial.follows &&
+                     (!same_contacts || keeps_contacts(b));
         *(sound ? &low : &high) = middle;
     }
     if (saltus_branch_visit(b, low, &b->trial, &ignored) != SALTUS_OK)
         return NAN;
     saltus_branch_survey(b, &b->trial, &ignored);
-    return high - low;
+    return fabs(high - low);
 }
 
-/* Shooting with the flow's own events at a parameter a little beyond; the new sequence and state at its base. */
+/* Shooting with the flow's own events at a parameter a little beyond; the new sequence and state at its base.
+ */
 static bool shoot_beyond(saltus_branch *b, double value, const double *state, const saltus_sequence *old,
                          saltus_sequence *fresh) {
     saltus_sequence driven = {.periods = old->periods, .base = old->base, .driven = true, .cuts = 1};
@@ -241,14 +252,65 @@ static saltus_status resettle(saltus_branch *b, double heading, saltus_message *
 
 /* A leap over a difficulty of the continuation that is no change of events. */
 static bool same_events(const saltus_branch_point *before, const saltus_itinerary *after) {
-    return before->impacts == after->impacts && before->impacts >= 0 &&
-           before->sticking_intervals == after->sticking_intervals;
+    return before->impacts == after->impacts && before->sticking_intervals == after->sticking_intervals;
+}
+
+/* On the side where chatter is complete its end is the place where the contact after it vanishes: sharper
+ * than what the flow, with its tolerance, takes for complete. */
+static void sharpen_chatter(saltus_branch *b, size_t index) {
+    const double back = 1e-3;
+    double width = bracket_change(b, -back, false);
+    double value = isnan(width) ? NAN : saltus_pursuit_value(b->pursuit, b->trial.u);
+    if (b->trial.ahead > -0.9 * back && fabs(value - b->queue[index].value[0]) < 1e-4 * b->unit) {
+        b->queue[index].value[0] = value;
+        b->queue[index].accuracy = width * fabs(b->trial.tangent[b->trial.unknowns - 1]) * b->unit;
+    }
+}
+
+saltus_status saltus_branch_retrace(saltus_branch *b, saltus_message *message) {
+    saltus_sequence old, fresh;
+    saltus_message why = {""};
+    int m = b->here.unknowns;
+    double heading = b->here.tangent[m - 1], value = saltus_pursuit_value(b->pursuit, b->here.u);
+    saltus_pursuit_extract(b->pursuit, b->here.u, &old, b->state);
+    saltus_status status = saltus_branch_walk(b, &b->here, message);
+    if (status != SALTUS_OK)
+        return status;
+    memcpy(b->state, b->itinerary.state, (size_t)b->n * sizeof *b->state);
+    status = saltus_itinerary_sequence(&b->itinerary, b->flow, old.periods, b->state, &fresh, &why);
+    if (status == SALTUS_OK)
+        status = saltus_branch_place(b, &fresh, value, b->state, true, &why);
+    m = b->here.unknowns;
+    bool backward = status == SALTUS_OK && heading * b->here.tangent[m - 1] < 0;
+    for (int j = 0; j < m && backward; j++)
+        b->here.tangent[j] = -b->here.tangent[j];
+    for (int k = b->queue_count - 1; k >= b->queue_next && status == SALTUS_OK; k--)
+        if (b->queue[k].kind == SALTUS_POINT_CH) {
+            sharpen_chatter(b, (size_t)k);
+            break;
+        }
+    return status == SALTUS_OK || status == SALTUS_NO_MEMORY
+               ? status
+               : saltus_fail(message, SALTUS_NO_CONVERGENCE, "%s", why.text);
+}
+
+saltus_status saltus_branch_relabel(saltus_branch *b, saltus_message *message) {
+    bool chatter = (b->itinerary.impacts < 0) != (b->last_impacts < 0);
+    char after[SALTUS_LABEL_MAX];
+    memcpy(after, b->itinerary.label, sizeof after);
+    double width = bracket_change(b, b->next.ahead, true);
+    if (isnan(width))
+        return SALTUS_OK;
+    double slope = fabs(b->trial.tangent[b->trial.unknowns - 1]) * b->unit;
+    return saltus_branch_emit(b, &b->trial, chatter ? SALTUS_POINT_CH : SALTUS_POINT_ST, width * slope, after,
+                              chatter ? "chatter completes or ceases to" : "a contact begins or ends",
+                              message);
 }
 
 saltus_status saltus_branch_leap(saltus_branch *b, double ahead, const char *why, saltus_message *message) {
     static const double reach[] = {1e-6, 1e-5, 1e-4, 1e-3, 3e-3, 1e-2};
     saltus_sequence old, fresh;
-    double width = bracket_change(b, ahead);
+    double width = bracket_change(b, ahead, false);
     if (isnan(width)) {
         saltus_branch_survey(b, &b->here, message);
         return saltus_branch_end(b, &b->here, NAN, why, message);
@@ -262,8 +324,8 @@ saltus_status saltus_branch_leap(saltus_branch *b, double ahead, const char *why
     saltus_pursuit_extract(b->pursuit, b->trial.u, &old, base);
     for (int i = 0; i < b->n; i++)
         rate[i] = b->trial.tangent[i] * saltus_pursuit_scale(b->pursuit)[i] / heading;
-    saltus_status status =
-        saltus_branch_emit(b, &b->trial, SALTUS_POINT_GR, width * fabs(heading) * b->unit, NULL, why, message);
+    saltus_status status = saltus_branch_emit(b, &b->trial, SALTUS_POINT_GR, width * fabs(heading) * b->unit,
+                                              NULL, why, message);
     size_t index = (size_t)b->queue_count - 1;
     bool found = false, nothing = false;
     for (size_t k = 0; k < sizeof reach / sizeof reach[0] && !found && status == SALTUS_OK; k++) {
@@ -290,7 +352,8 @@ saltus_status saltus_branch_leap(saltus_branch *b, double ahead, const char *why
     if (found)
         return resettle(b, heading, message);
     b->queue[index].kind = SALTUS_POINT_EP;
-    snprintf(b->queue[index].reason, SALTUS_REASON_MAX, "%s; beyond it no orbit of this period was found", why);
+    snprintf(b->queue[index].reason, SALTUS_REASON_MAX, "%s; beyond it no orbit of this period was found",
+             why);
     b->running = false;
     return SALTUS_OK;
 }

@@ -1,9 +1,9 @@
 /* Curves of folds, flips, Neimark-Sacker, branch and grazing points in the plane of two parameters.
  *
- * Across the curve at its predicted next point goes a line; the orbits with parameters on that line form a branch
- * of one parameter, and the special point is a zero of the same test function on it that finds special points
- * along ordinary branches. So a locus needs no derivative of the test functions, and what is found lies on the
- * curve to rounding. The zero is found by the secant rule along the inner branch's tangent.
+ * Across the curve at its predicted next point goes a line; the orbits with parameters on that line form a
+ * branch of one parameter, and the special point is a zero of the same test function on it that finds special
+ * points along ordinary branches. So a locus needs no derivative of the test functions, and what is found
+ * lies on the curve to rounding. The zero is found by the secant rule along the inner branch's tangent.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "orbit/branch_private.h"
 
@@ -58,8 +58,8 @@ saltus_status saltus_locus_open(saltus_branch *b, saltus_message *message) {
     if (status != SALTUS_OK)
         return status;
     if (!(l->unit[1] > 0))
-        return saltus_fail(message, SALTUS_BAD_INPUT, "%s=%g:%g: the range must go from low to high", o->key[1],
-                           o->low[1], o->high[1]);
+        return saltus_fail(message, SALTUS_BAD_INPUT, "%s=%g:%g: the range must go from low to high",
+                           o->key[1], o->low[1], o->high[1]);
     if (!(l->origin[1] >= o->low[1] && l->origin[1] <= o->high[1]))
         return saltus_fail(message, SALTUS_BAD_INPUT, "%s=%g:%g: the range must hold the start, %s = %.12g",
                            o->key[1], o->low[1], o->high[1], o->key[1], l->origin[1]);
@@ -85,8 +85,10 @@ static void add_direction(saltus_direction *sum, const saltus_direction *d, doub
 /* Point the inner branch along `normal` through a point of the plane. */
 static saltus_status point_inner(saltus_branch *b, const double *plane, saltus_message *message) {
     saltus_locus *l = &b->locus;
-    b->spec = saltus_spec_shifted(&l->spec, &l->direction[0], plane[0] * l->unit[0] - (l->origin[0] - b->options.low[0]));
-    b->spec = saltus_spec_shifted(&b->spec, &l->direction[1], plane[1] * l->unit[1] - (l->origin[1] - b->options.low[1]));
+    b->spec = saltus_spec_shifted(&l->spec, &l->direction[0],
+                                  plane[0] * l->unit[0] - (l->origin[0] - b->options.low[0]));
+    b->spec = saltus_spec_shifted(&b->spec, &l->direction[1],
+                                  plane[1] * l->unit[1] - (l->origin[1] - b->options.low[1]));
     memset(&b->direction, 0, sizeof b->direction);
     for (int k = 0; k < 2; k++)
         add_direction(&b->direction, &l->direction[k], l->normal[k] * l->unit[k]);
@@ -102,7 +104,8 @@ static saltus_test test_of(saltus_point_kind kind) {
                                      : SALTUS_TEST_BRANCH;
 }
 
-/* The test function of the locus at a solution that the pursuit has just evaluated; NaN where there is none. */
+/* The test function of the locus at a solution that the pursuit has just evaluated; NaN where there is none.
+ */
 static double locus_test(saltus_branch *b, saltus_solution *s) {
     saltus_message ignored;
     int count;
@@ -164,7 +167,8 @@ static saltus_status give_point(saltus_branch *b, saltus_point_kind kind, const 
     return status;
 }
 
-saltus_status saltus_locus_begin(saltus_branch *b, const saltus_branch_start *start, saltus_message *message) {
+saltus_status saltus_locus_begin(saltus_branch *b, const saltus_branch_start *start,
+                                 saltus_message *message) {
     saltus_locus *l = &b->locus;
     b->number = l->made++;
     b->parent = -1;
@@ -176,6 +180,7 @@ saltus_status saltus_locus_begin(saltus_branch *b, const saltus_branch_start *st
     l->mark = start->mark;
     l->plane[0] = (start->value - b->options.low[0]) / l->unit[0];
     l->plane[1] = (l->origin[1] - b->options.low[1]) / l->unit[1];
+    memcpy(l->first, l->plane, sizeof l->plane);
     l->tangent[0] = 0;
     l->tangent[1] = start->heading;
     l->normal[0] = 1;
@@ -289,7 +294,19 @@ static bool is_good(saltus_branch *b, const double *plane, double *place, double
     double breach = other_breach(b, &b->trial);
     if (saltus_branch_survey(b, &b->trial, &ignored) != SALTUS_OK)
         return false;
+    if (b->options.locus == SALTUS_POINT_NS && !saltus_branch_pair_on_circle(b, &b->trial))
+        return false;
     return b->options.locus == SALTUS_POINT_GR ? breach < 1e-9 : b->trial.follows;
+}
+
+/* Whether the curve has come back to its first point, the same way. */
+static bool is_closed(saltus_branch *b) {
+    saltus_locus *l = &b->locus;
+    if (b->points == 1)
+        memcpy(l->first_way, l->tangent, sizeof l->tangent);
+    double apart = hypot(l->plane[0] - l->first[0], l->plane[1] - l->first[1]);
+    double along = l->tangent[0] * l->first_way[0] + l->tangent[1] * l->first_way[1];
+    return b->points > 10 && apart < 0.6 * l->stride && along > turn_min;
 }
 
 /* When the unknowns have become others the last point but one is of no use. */
@@ -326,18 +343,21 @@ saltus_status saltus_locus_advance(saltus_branch *b, saltus_message *message) {
         memcpy(l->normal, old_normal, sizeof old_normal);
         status = point_inner(b, l->plane, message);
         memcpy(b->here.u, last, (size_t)m * sizeof *last);
+        b->here.u[m - 1] = 0;
         if (status == SALTUS_OK)
             status = saltus_pursuit_evaluate(b->pursuit, b->here.u, message);
         if (status == SALTUS_OK)
             status = saltus_branch_survey(b, &b->here, message);
         free(last);
-        return status == SALTUS_OK ? give_point(b, SALTUS_POINT_EP,
-                                                "the curve ends: its orbit changes its events or the curve has a "
-                                                "corner",
-                                                message)
-                                   : status;
+        return status == SALTUS_OK
+                   ? give_point(b, SALTUS_POINT_EP,
+                                "the curve ends: its orbit changes its events or the curve has a "
+                                "corner",
+                                message)
+                   : status;
     }
-    if (status == SALTUS_OK && !(keep_vector(&l->before, last, m) && keep_vector(&l->inner, b->trial.tangent, m)))
+    if (status == SALTUS_OK &&
+        !(keep_vector(&l->before, last, m) && keep_vector(&l->inner, b->trial.tangent, m)))
         status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a locus");
     free(last);
     if (status != SALTUS_OK)
@@ -348,9 +368,13 @@ saltus_status saltus_locus_advance(saltus_branch *b, saltus_message *message) {
     memcpy(l->plane, place, sizeof place);
     memcpy(l->tangent, way, sizeof way);
     l->stride = stride;
-    bool ends = l->edge || b->points >= b->options.points;
+    bool closed = is_closed(b);
+    bool ends = l->edge || closed || b->points >= b->options.points;
     status = give_point(b, ends ? SALTUS_POINT_EP : b->options.locus,
-                        l->edge ? "end of the parameters' range" : ends ? "as many points as asked for" : NULL,
+                        closed    ? "the curve is closed: it has come back"
+                        : l->edge ? "end of the parameters' range"
+                        : ends    ? "as many points as asked for"
+                                  : NULL,
                         message);
     b->step = fmin(b->step * 1.3, b->options.step_max);
     return status == SALTUS_OK && b->running ? reframe(b, message) : status;

@@ -42,8 +42,8 @@ static void fold_events(saltus_event *events, int count, int periods) {
     for (int k = 0; k < count; k++)
         events[k].time.cycle = ((events[k].time.cycle % periods) + periods) % periods;
     for (int k = 1; k < count; k++)
-        for (int j = k; j > 0 && saltus_time_periods(events[j].time) < saltus_time_periods(events[j - 1].time);
-             j--) {
+        for (int j = k;
+             j > 0 && saltus_time_periods(events[j].time) < saltus_time_periods(events[j - 1].time); j--) {
             saltus_event swap = events[j];
             events[j] = events[j - 1];
             events[j - 1] = swap;
@@ -146,5 +146,6 @@ saltus_status saltus_branch_emit(saltus_branch *b, const saltus_solution *s, sal
     snprintf(point->label_after, sizeof point->label_after, "%s", after ? after : "");
     snprintf(point->reason, sizeof point->reason, "%s", reason ? reason : "");
     b->queue_count++;
+    b->made++;
     return SALTUS_OK;
 }

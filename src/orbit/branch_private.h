@@ -26,7 +26,7 @@ typedef struct saltus_solution {
     double residual;
     double test[SALTUS_TESTS];
     saltus_breach worst;
-    double speed; /* loci of grazing: minus the tracked impact's speed */
+    double speed;  /* loci of grazing: minus the tracked impact's speed */
     bool surveyed; /* walk and multipliers are there */
     bool follows;  /* the event-driven flow follows the sequence */
     saltus_multiplier *multipliers;
@@ -43,8 +43,8 @@ typedef struct saltus_branch_start {
     int unknowns;
     int heading, parent, depth;
     bool grazes; /* doubled at grazing: the impact without speed in one half only */
-    bool locus; /* the first point of a locus, with its inner tangent; */
-    int mark;   /* of grazing: the impact that has no speed */
+    bool locus;  /* the first point of a locus, with its inner tangent; */
+    int mark;    /* of grazing: the impact that has no speed */
 } saltus_branch_start;
 
 /* A curve of special points in the plane of two parameters, in units of their ranges. The orbits along a line
@@ -52,15 +52,16 @@ typedef struct saltus_branch_start {
 typedef struct saltus_locus {
     bool on;
     saltus_direction direction[2];
-    saltus_spec spec;   /* as the run began */
+    saltus_spec spec; /* as the run began */
     double origin[2], unit[2];
     double plane[2], tangent[2], normal[2];
-    double value[2];    /* the same point in the parameters' own units */
-    double *before;     /* unknowns of the last point but one, `stride` from the last; NULL: none */
-    double *inner;      /* tangent of the inner branch */
+    double first[2], first_way[2]; /* the first point, and the way taken from it */
+    double value[2];               /* the same point in the parameters' own units */
+    double *before; /* unknowns of the last point but one, `stride` from the last; NULL: none */
+    double *inner;  /* tangent of the inner branch */
     double stride;
     int mark, made;
-    bool edge;          /* the next point lies on the border of the range */
+    bool edge; /* the next point lies on the border of the range */
 } saltus_locus;
 
 struct saltus_branch {
@@ -69,26 +70,31 @@ struct saltus_branch {
     saltus_direction direction;
     double origin, unit;
     saltus_pursuit *pursuit;
-    saltus_flow *flow; /* event-driven, without tangent vectors */
+    saltus_flow *flow;     /* event-driven, without tangent vectors */
     saltus_system *system; /* of the flow */
     saltus_itinerary itinerary;
     int n;
     saltus_branch_start *starts;
     int start_count, start_next;
     saltus_solution here, next, trial;
-    double target, reference[2]; /* of VALUE; log moduli of the determinants at the step's begin */
-    double step, arclength, shown; /* `shown`: arclength of the last regular point given out */
+    double target, reference[2];       /* of VALUE; log moduli of the determinants at the step's begin */
+    double step, arclength, shown;     /* `shown`: arclength of the last regular point given out */
     char last_label[SALTUS_LABEL_MAX]; /* of the last accepted point */
     long long last_impacts;
     int last_sticks;
     bool fresh; /* no step made since the branch was switched to */
     int number, parent, depth, points;
+    double *first; /* the first orbit's points at section phase 0 (first_count of them) and its parameter */
+    int first_count;
+    double first_value;
+    int made; /* points given out on this branch, special ones too */
+    bool tail_changed;
     bool running;
-    double *state;               /* n */
-    saltus_branch_point *queue;  /* points made but not yet given out */
+    double *state;              /* n */
+    saltus_branch_point *queue; /* points made but not yet given out */
     int queue_count, queue_next, queue_room;
     saltus_branch_point given;
-    const double *outer;         /* loci: both parameters now */
+    const double *outer; /* loci: both parameters now */
     saltus_locus locus;
 };
 
@@ -102,13 +108,20 @@ saltus_status saltus_branch_visit(saltus_branch *b, double ahead, saltus_solutio
 saltus_status saltus_branch_test(saltus_branch *b, saltus_solution *out, saltus_message *message);
 /* The system of the event-driven flow becomes that of a parameter value. */
 saltus_status saltus_branch_tune(saltus_branch *b, double value, saltus_message *message);
-/* Let the event-driven flow judge a solution: walk, multipliers. */
+/* Let the event-driven flow judge a solution. */
+saltus_status saltus_branch_walk(saltus_branch *b, saltus_solution *solution, saltus_message *message);
+/* Walk, and multipliers. */
 saltus_status saltus_branch_survey(saltus_branch *b, saltus_solution *solution, saltus_message *message);
-/* Whether an orbit of an even period has come to close after half of it. Leaves another walk in the itinerary. */
-bool saltus_branch_halves(saltus_branch *b, const saltus_solution *solution);
+/* How far an orbit of an even period is from closing after half of it, scaled; INFINITY for an odd one.
+ * Leaves another walk in the itinerary. */
+double saltus_branch_half_distance(saltus_branch *b, const saltus_solution *solution);
 /* The zero of a test between `here` and `ahead`, at which the test has the value `far`; `trial` becomes the
  * point there. False if it cannot be had. */
 bool saltus_branch_locate(saltus_branch *b, saltus_test test, double ahead, double far, double *accuracy);
+
+/* The point where branches cross near `ahead`, as `trial`: its equations are singular, so it is interpolated
+ * from points around it. */
+bool saltus_branch_crossing(saltus_branch *b, double ahead, double *accuracy);
 
 /* branch_point.c */
 /* Put a surveyed solution into the queue. */
@@ -120,6 +133,8 @@ void saltus_branch_point_clear(saltus_branch_point *point);
 void saltus_branch_drop_queue(saltus_branch *b);
 
 /* branch.c */
+/* Whether a complex pair of multipliers is on the unit circle, not two real ones whose product is 1. */
+bool saltus_branch_pair_on_circle(const saltus_branch *b, const saltus_solution *solution);
 void saltus_solution_swap(saltus_solution *a, saltus_solution *c);
 saltus_status saltus_branch_add_start(saltus_branch *b, const saltus_branch_start *start,
                                       saltus_message *message);
@@ -132,25 +147,28 @@ saltus_status saltus_branch_end(saltus_branch *b, const saltus_solution *solutio
 
 /* branch_begin.c */
 /* Begin at a start; where there is no orbit, the branch has no point. */
-saltus_status saltus_branch_begin(saltus_branch *b, const saltus_branch_start *start, saltus_message *message);
+saltus_status saltus_branch_begin(saltus_branch *b, const saltus_branch_start *start,
+                                  saltus_message *message);
 /* Take on a sequence and put `here` on it, with a tangent of either sign; polished at this parameter, or only
  * evaluated. */
 saltus_status saltus_branch_place(saltus_branch *b, const saltus_sequence *sequence, double value,
                                   const double *state, bool polish, saltus_message *message);
-/* Move the base of `here` to the middle of the longest flight when an event comes near it, and cut the orbit into
- * more segments when perturbations grow too much over one. `tracked` (may be NULL) is a mark whose index follows;
- * *changed says whether the unknowns are others now. */
+/* Whether the orbit just walked is the one that the branch began with. */
+bool saltus_branch_is_first(const saltus_branch *b);
+/* Move the base of `here` to the middle of the longest flight when an event comes near it, and cut the orbit
+ * into more segments when perturbations grow too much over one. `tracked` (may be NULL) is a mark whose index
+ * follows; *changed says whether the unknowns are others now. */
 saltus_status saltus_branch_reframe(saltus_branch *b, int *tracked, bool *changed, saltus_message *message);
-/* Try both ways along the tangent of `here`, the one nearer to `old` first: whether the flow follows the sequence a
- * little way on; then `next` is a point there. */
+/* Try both ways along the tangent of `here`, the one nearer to `old` first: whether the flow follows the
+ * sequence a little way on; then `next` is a point there. */
 bool saltus_branch_go_on(saltus_branch *b, const double *old);
-/* The start of a branch of twice the period at a grazing point, with an impact more in one of its halves: `more`
- * and `less` are the sequences on the two sides of grazing. */
+/* The start of a branch of twice the period at a grazing point, with an impact more in one of its halves:
+ * `more` and `less` are the sequences on the two sides of grazing. */
 saltus_status saltus_branch_switch_grazing(saltus_branch *b, const saltus_sequence *more,
                                            const saltus_sequence *less, double value, double *state,
                                            saltus_message *message);
-/* Where `trial` joins the orbits of half the period its equations are singular: the flip's place on the branch of
- * half the period. False if there is none near. */
+/* Where `trial` joins the orbits of half the period its equations are singular: the flip's place on the
+ * branch of half the period. False if there is none near. */
 bool saltus_branch_flip_of_half(saltus_branch *b, double *value, double *accuracy);
 /* Starts of branches that leave at `trial`, which the pursuit has just evaluated. */
 saltus_status saltus_branch_switch(saltus_branch *b, saltus_point_kind kind, saltus_message *message);
@@ -159,9 +177,13 @@ saltus_status saltus_branch_switch(saltus_branch *b, saltus_point_kind kind, sal
 /* Go on with another sequence of events at `trial`, where the present one ceases to be admissible, or end the
  * branch. */
 saltus_status saltus_branch_change(saltus_branch *b, double accuracy, saltus_message *message);
+/* Where between `here` and `next` the label changes though the prescribed events stay: in the part of the
+ * sequence that is left to the flow. Gives the point out. */
+saltus_status saltus_branch_relabel(saltus_branch *b, saltus_message *message);
+/* Make the sequence of `here` anew from what the flow does, where chatter has become complete. */
+saltus_status saltus_branch_retrace(saltus_branch *b, saltus_message *message);
 /* The same where the flow's events cannot be followed between `here` and `ahead`. */
 saltus_status saltus_branch_leap(saltus_branch *b, double ahead, const char *why, saltus_message *message);
-
 
 /* branch_locus.c */
 /* Keep the special point at `trial` as the first one of a locus; `mark` for grazing, else -1. */

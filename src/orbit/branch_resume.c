@@ -6,13 +6,13 @@
 #include <string.h>
 
 /* `here` becomes the orbit of a point, heading as it did. */
-static saltus_status restore(saltus_branch *b, const saltus_branch_point *point,
-                             saltus_message *message) {
+static saltus_status restore(saltus_branch *b, const saltus_branch_point *point, saltus_message *message) {
     saltus_sequence sequence;
     memcpy(b->state, point->state, (size_t)b->n * sizeof *b->state);
     saltus_status status = saltus_branch_tune(b, point->value[0], message);
     if (status == SALTUS_OK)
-        status = saltus_itinerary_sequence(&b->itinerary, b->flow, point->periods, b->state, &sequence, message);
+        status =
+            saltus_itinerary_sequence(&b->itinerary, b->flow, point->periods, b->state, &sequence, message);
     if (status == SALTUS_OK)
         status = saltus_branch_place(b, &sequence, point->value[0], b->state, true, message);
     if (status != SALTUS_OK)

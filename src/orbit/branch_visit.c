@@ -1,7 +1,7 @@
 /* Points of a solution curve, the functions that change sign at special ones, and where they do.
  *
- * A determinant is used with its modulus relative to that at the step's begin, so that it neither overflows nor
- * loses its sign. Zeros are bracketed in arclength along the step's direction and found by Brent's method
+ * A determinant is used with its modulus relative to that at the step's begin, so that it neither overflows
+ * nor loses its sign. Zeros are bracketed in arclength along the step's direction and found by Brent's method
  * (GSL), every evaluation being a point of the curve solved to rounding.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "orbit/branch_private.h"
@@ -55,7 +55,8 @@ saltus_status saltus_branch_test(saltus_branch *b, saltus_solution *out, saltus_
     int sign, count;
     double log_modulus;
     const double *guide = out == &b->here ? out->tangent : b->here.tangent;
-    saltus_status status = saltus_pursuit_tangent(b->pursuit, guide, out->tangent, &sign, &log_modulus, message);
+    saltus_status status =
+        saltus_pursuit_tangent(b->pursuit, guide, out->tangent, &sign, &log_modulus, message);
     if (status != SALTUS_OK)
         return status;
     out->residual = saltus_pursuit_residual(b->pursuit);
@@ -117,26 +118,34 @@ static double pair_product(const saltus_multiplier *mu, int n) {
     return re;
 }
 
-saltus_status saltus_branch_survey(saltus_branch *b, saltus_solution *s, saltus_message *message) {
+saltus_status saltus_branch_walk(saltus_branch *b, saltus_solution *s, saltus_message *message) {
     saltus_sequence sequence;
-    saltus_pursuit_extract(b->pursuit, s->u, &sequence, b->state);
-    saltus_status status = saltus_branch_tune(b, saltus_pursuit_value(b->pursuit, s->u), message);
-    s->surveyed = true;
+    saltus_message ignored;
     s->follows = false;
+    saltus_status status = saltus_branch_tune(b, saltus_pursuit_value(b->pursuit, s->u), message);
+    if (status != SALTUS_OK)
+        return status;
+    saltus_pursuit_extract(b->pursuit, s->u, &sequence, b->state);
+    status = saltus_itinerary_walk_cuts(&b->itinerary, b->flow, &sequence,
+                                        saltus_pursuit_states(b->pursuit, s->u), &ignored);
+    s->follows = status == SALTUS_OK && saltus_itinerary_follows(&b->itinerary, b->system, &sequence);
+    return status == SALTUS_NO_MEMORY ? saltus_fail(message, status, "%s", ignored.text) : SALTUS_OK;
+}
+
+saltus_status saltus_branch_survey(saltus_branch *b, saltus_solution *s, saltus_message *message) {
+    saltus_message ignored;
+    saltus_status status = saltus_branch_walk(b, s, message);
+    s->surveyed = true;
     s->unstable = 0;
     for (int i = 0; i < b->n; i++)
         s->multipliers[i] = (saltus_multiplier){NAN, NAN, NAN};
-    s->test[SALTUS_TEST_PAIR] = NAN;
+    s->log_volume = s->sum_rule = s->test[SALTUS_TEST_PAIR] = NAN;
     if (status != SALTUS_OK)
         return status;
-    saltus_message ignored;
-    if (saltus_itinerary_walk_cuts(&b->itinerary, b->flow, &sequence, saltus_pursuit_states(b->pursuit, s->u),
-                                   &ignored) != SALTUS_OK)
-        return SALTUS_OK;
-    s->follows = saltus_itinerary_follows(&b->itinerary, b->system, &sequence);
-    saltus_orbit orbit = {.dimension = b->n, .periods = sequence.periods, .state = b->state};
+    const saltus_sequence *sequence = saltus_pursuit_sequence(b->pursuit);
+    saltus_orbit orbit = {.dimension = b->n, .periods = sequence->periods, .state = b->state};
     saltus_orbit_options options = b->options.orbit;
-    options.phase = sequence.base - floor(sequence.base);
+    options.phase = sequence->base - floor(sequence->base);
     if (saltus_orbit_multipliers(b->system, &options, &orbit, &ignored) == SALTUS_OK) {
         memcpy(s->multipliers, orbit.multipliers, (size_t)b->n * sizeof *s->multipliers);
         s->log_volume = orbit.log_volume;
@@ -150,24 +159,24 @@ saltus_status saltus_branch_survey(saltus_branch *b, saltus_solution *s, saltus_
     return SALTUS_OK;
 }
 
-bool saltus_branch_halves(saltus_branch *b, const saltus_solution *s) {
+double saltus_branch_half_distance(saltus_branch *b, const saltus_solution *s) {
     saltus_sequence sequence;
     const double *scale = saltus_pursuit_scale(b->pursuit);
     saltus_message ignored;
     double largest = 0;
     saltus_pursuit_extract(b->pursuit, s->u, &sequence, b->state);
     if (sequence.periods % 2)
-        return false;
+        return INFINITY;
     double *start = calloc((size_t)b->n, sizeof *start);
     if (!start)
-        return false;
+        return INFINITY;
     memcpy(start, b->state, (size_t)b->n * sizeof *start);
     bool closes = saltus_itinerary_walk(&b->itinerary, b->flow, sequence.base, start, sequence.periods / 2,
                                         &ignored) == SALTUS_OK;
     for (int i = 0; i < b->n && closes; i++)
         largest = fmax(largest, fabs(b->itinerary.end[i] - start[i]) / scale[i]);
     free(start);
-    return closes && largest < 1e-4;
+    return closes ? largest : INFINITY;
 }
 
 /* One location under way. */
@@ -215,7 +224,59 @@ bool saltus_branch_locate(saltus_branch *b, saltus_test test, double ahead, doub
     saltus_message ignored;
     if (q.failed || saltus_branch_visit(b, root, &b->trial, &ignored) != SALTUS_OK)
         return false;
-    double slope = fabs(b->trial.tangent[b->trial.unknowns - 1]) * b->unit, width = b->trial.test[test] == 0 ? 0 : high - low;
+    double slope = fabs(b->trial.tangent[b->trial.unknowns - 1]) * b->unit,
+           width = b->trial.test[test] == 0 ? 0 : high - low;
     *accuracy = slope * width + b->unit * width * width;
     return true;
+}
+
+/* The polynomial through (x_k, y_k) at zero (Neville). */
+static double neville_at_zero(const double *x, const double *y, int count) {
+    double p[8];
+    memcpy(p, y, (size_t)count * sizeof *p);
+    for (int level = 1; level < count; level++)
+        for (int k = 0; k + level < count; k++)
+            p[k] = (x[k + level] * p[k] - x[k] * p[k + 1]) / (x[k + level] - x[k]);
+    return p[0];
+}
+
+enum { crossing_samples = 6 };
+
+/* Points on both sides of an expected crossing: tests and unknowns (crossing_samples x m). */
+static bool sample_crossing(saltus_branch *b, double middle, double apart, double *test, double *u) {
+    static const double place[crossing_samples] = {-1, 1, -2, 2, -3, 3};
+    int m = b->here.unknowns;
+    saltus_message ignored;
+    for (int k = 0; k < crossing_samples; k++) {
+        if (saltus_branch_visit(b, middle + place[k] * apart, &b->trial, &ignored) != SALTUS_OK)
+            return false;
+        test[k] = b->trial.test[SALTUS_TEST_BRANCH];
+        for (int j = 0; j < m; j++)
+            u[j * crossing_samples + k] = b->trial.u[j];
+        if (k % 2 && !(test[k] * test[k - 1] < 0))
+            return false;
+    }
+    return true;
+}
+
+bool saltus_branch_crossing(saltus_branch *b, double ahead, double *accuracy) {
+    int m = b->here.unknowns, last = (m - 1) * crossing_samples;
+    double test[crossing_samples], *u = calloc((size_t)(m * crossing_samples), sizeof *u);
+    saltus_message ignored;
+    bool found = u && sample_crossing(b, ahead, 0.1 * b->next.ahead, test, u);
+    for (int pass = 0; pass < 2 && found; pass++) {
+        double middle = 0;
+        for (int j = 0; j < m; j++)
+            b->trial.u[j] = neville_at_zero(test, u + j * crossing_samples, crossing_samples);
+        for (int j = 0; j < m; j++)
+            middle += (b->trial.u[j] - b->here.u[j]) * b->here.tangent[j];
+        b->trial.ahead = middle;
+        *accuracy = b->unit * fabs(b->trial.u[m - 1] - neville_at_zero(test, u + last, crossing_samples - 2));
+        if (pass == 0)
+            found = sample_crossing(b, middle, fmin(4e-4, 0.1 * b->next.ahead), test, u);
+    }
+    found = found && saltus_pursuit_evaluate(b->pursuit, b->trial.u, &ignored) == SALTUS_OK;
+    b->trial.residual = saltus_pursuit_residual(b->pursuit);
+    free(u);
+    return found;
 }

@@ -45,7 +45,8 @@ static void tally(saltus_itinerary *it, const saltus_system *system) {
         const saltus_event *event = &it->events[k];
         it->impacts += is_impact(event);
         it->sticking_intervals += event->kind == SALTUS_STICK;
-        chatter |= event->kind == SALTUS_STICK && saltus_system_face(system, event->face).r > 0 && it->count > 2;
+        chatter |=
+            event->kind == SALTUS_STICK && saltus_system_face(system, event->face).r > 0 && it->count > 2;
     }
     if (chatter)
         it->impacts = -1;
@@ -63,7 +64,8 @@ static saltus_time as_time(double periods) {
 }
 
 /* Run to a time, keeping the events on the way. */
-static saltus_status run_to(saltus_itinerary *it, saltus_flow *flow, saltus_time until, saltus_message *message) {
+static saltus_status run_to(saltus_itinerary *it, saltus_flow *flow, saltus_time until,
+                            saltus_message *message) {
     saltus_event event;
     saltus_status status;
     do {
@@ -105,8 +107,8 @@ saltus_status saltus_itinerary_walk(saltus_itinerary *it, saltus_flow *flow, dou
     return saltus_itinerary_walk_cuts(it, flow, &whole, state, message);
 }
 
-/* The middle of the longest free flight between events of a walk from section phase 0; the walk's own ends join
- * into one flight. In contact all the time: 0. */
+/* The middle of the longest free flight between events of a walk from section phase 0; the walk's own ends
+ * join into one flight. In contact all the time: 0. */
 static double longest_flight(const saltus_itinerary *it) {
     double best = -1, base = 0;
     int held = 0;
@@ -143,18 +145,14 @@ static void close_burst(saltus_sequence *s, const double *speed, const saltus_ev
     s->count = first + 1;
 }
 
-/* A long run of ever slower impacts on one face, chatter that nearly completes: its tail, where impacts come and go
- * with the slightest change, is left to the flow. */
-static bool tail_of_run(const saltus_sequence *s, const double *speed, const saltus_event *event) {
+bool saltus_sequence_in_tail(const saltus_sequence *s, const double *speed, int count, int face,
+                             double next_speed) {
     enum { prescribed_at_most = 24 };
     int run = 0;
-    while (run < s->count && s->mark[s->count - 1 - run].kind == SALTUS_IMPACT &&
-           s->mark[s->count - 1 - run].face == event->face &&
-           (run == 0 || speed[s->count - 1 - run] > speed[s->count - run]))
+    while (run < count && s->mark[count - 1 - run].kind == SALTUS_IMPACT &&
+           s->mark[count - 1 - run].face == face && (run == 0 || speed[count - 1 - run] > speed[count - run]))
         run++;
-    return run >= prescribed_at_most && event->kind == SALTUS_IMPACT &&
-           s->mark[s->count - 1].face == event->face &&
-           fabs(event->velocity_before) < speed[s->count - 1];
+    return run >= prescribed_at_most && s->mark[count - 1].face == face && next_speed < speed[count - 1];
 }
 
 static void make_marks(const saltus_itinerary *it, const saltus_system *system, saltus_sequence *s) {
@@ -168,7 +166,8 @@ static void make_marks(const saltus_itinerary *it, const saltus_system *system, 
             close_burst(s, speed, event);
             continue;
         }
-        bool tail = s->count && tail_of_run(s, speed, event);
+        bool tail = event->kind == SALTUS_IMPACT && s->count &&
+                    saltus_sequence_in_tail(s, speed, s->count, event->face, fabs(event->velocity_before));
         if (tail || s->count == SALTUS_MARKS_MAX) {
             s->mark[s->count - 1].driven = true;
             if (!tail)
@@ -176,7 +175,8 @@ static void make_marks(const saltus_itinerary *it, const saltus_system *system, 
             continue;
         }
         speed[s->count] = fabs(event->velocity_before);
-        s->mark[s->count++] = (saltus_mark){event->kind, event->face, saltus_time_periods(event->time), false};
+        s->mark[s->count++] =
+            (saltus_mark){event->kind, event->face, saltus_time_periods(event->time), false};
     }
 }
 

@@ -9,6 +9,7 @@
 static void reserve(saltus_pursuit *p) {
     size_t n = (size_t)p->n;
     p->state = saltus_arena_doubles(&p->arena, n);
+    p->state_scale = saltus_arena_doubles(&p->arena, n);
     p->end = saltus_arena_doubles(&p->arena, n);
     p->field = saltus_arena_doubles(&p->arena, n);
     p->shift = saltus_arena_doubles(&p->arena, n);
@@ -69,6 +70,8 @@ saltus_status saltus_pursuit_new(const saltus_spec *spec, const saltus_direction
     }
     const double *scale = saltus_system_scale(p->system);
     double frequency = 2 * 3.14159265358979323846 / saltus_system_period(p->system);
+    /* The metric stays that of the first system, however the parameter changes. */
+    memcpy(p->state_scale, scale, (size_t)p->n * sizeof *scale);
     p->length = scale[0];
     p->speed = scale[saltus_system_dof(p->system)];
     p->force = p->speed * fmax(frequency, p->speed / p->length);
@@ -123,7 +126,7 @@ saltus_status saltus_pursuit_shape(saltus_pursuit *p, const saltus_sequence *seq
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a sequence of %d events", marks);
     reserve_shape(p);
     for (int j = 0; j < cuts; j++)
-        memcpy(p->scale + j * p->n, saltus_system_scale(p->system), (size_t)p->n * sizeof(double));
+        memcpy(p->scale + j * p->n, p->state_scale, (size_t)p->n * sizeof(double));
     for (int k = 0; k < marks; k++)
         p->scale[cuts * p->n + k] = 1;
     p->scale[p->equations] = p->unit;

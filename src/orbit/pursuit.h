@@ -1,11 +1,11 @@
 /* Private: periodic orbits of a prescribed sequence of events, with the event times among the unknowns.
  *
- * The unknowns are the states at the cuts (one cut: single shooting), the times of the marks and the parameter.
- * The equations are continuity around the orbit and one for each mark: zero gap at impacts and sticks, zero
- * force at releases. All of them are smooth in the unknowns, also where the speed of an impact passes through
- * zero, which is why orbits near grazing are found and followed in this form (the literature's "formulation
- * with unknowns at the impacts"). Whether stops are respected between the marks is another question, answered
- * by the extremes collected on the way.
+ * The unknowns are the states at the cuts (one cut: single shooting), the times of the marks and the
+ * parameter. The equations are continuity around the orbit and one for each mark: zero gap at impacts and
+ * sticks, zero force at releases. All of them are smooth in the unknowns, also where the speed of an impact
+ * passes through zero, which is why orbits near grazing are found and followed in this form (the literature's
+ * "formulation with unknowns at the impacts"). Whether stops are respected between the marks is another
+ * question, answered by the extremes collected on the way.
  *
  * A mark may be `driven`: from there to the next mark the flow finds its events itself, as it must through
  * complete chatter. A sequence without marks, driven from its base, is ordinary shooting.
@@ -101,19 +101,19 @@ double saltus_pursuit_speed(const saltus_pursuit *pursuit, int mark);
 saltus_status saltus_pursuit_correct(saltus_pursuit *pursuit, double *u, const double *normal,
                                      const double *anchor, bool damped, int *iterations,
                                      saltus_message *message);
-/* Newton's iteration in all unknowns, the parameter among them, by the shortest steps: for equations that leave
- * directions open. Damped. */
+/* Newton's iteration in all unknowns, the parameter among them, by the shortest steps: for equations that
+ * leave directions open. Damped. */
 saltus_status saltus_pursuit_relax(saltus_pursuit *pursuit, double *u, int *iterations,
                                    saltus_message *message);
-/* Unit tangent of the solution curve at the last evaluated point, with tangent . guide > 0; the determinant of
- * the Jacobian bordered by `guide` as sign and log modulus. */
+/* Unit tangent of the solution curve at the last evaluated point, with tangent . guide > 0; the determinant
+ * of the Jacobian bordered by `guide` as sign and log modulus. */
 saltus_status saltus_pursuit_tangent(saltus_pursuit *pursuit, const double *guide, double *tangent, int *sign,
                                      double *log_determinant, saltus_message *message);
-/* The determinant of the equations with x(pT) + x(0) in place of x(pT) - x(0): zero where a multiplier is -1, and
- * smooth through grazing. */
+/* The determinant of the equations with x(pT) + x(0) in place of x(pT) - x(0): zero where a multiplier is -1,
+ * and smooth through grazing. */
 void saltus_pursuit_flip(saltus_pursuit *pursuit, int *sign, double *log_determinant);
-/* Two orthonormal vectors (2 x unknowns) that belong to the smallest singular values of the Jacobian of the last
- * evaluated point, and these: at a branch point both are zero. */
+/* Two orthonormal vectors (2 x unknowns) that belong to the smallest singular values of the Jacobian of the
+ * last evaluated point, and these: at a branch point both are zero. */
 saltus_status saltus_pursuit_null_plane(saltus_pursuit *pursuit, double *vectors, double values[2],
                                         saltus_message *message);
 

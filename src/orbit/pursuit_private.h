@@ -8,8 +8,8 @@
 #include "orbit/pursuit.h"
 
 struct saltus_pursuit {
-    saltus_arena arena;        /* of the vectors that depend on the state's dimension alone */
-    saltus_arena shape_arena;  /* of those that depend on the sequence */
+    saltus_arena arena;       /* of the vectors that depend on the state's dimension alone */
+    saltus_arena shape_arena; /* of those that depend on the sequence */
     saltus_spec spec;
     saltus_direction direction;
     bool has_direction;
@@ -23,13 +23,13 @@ struct saltus_pursuit {
     int unknowns, equations;
     double length, speed, force; /* scales of gaps, normal speeds, normal accelerations */
     /* n-sized */
-    double *state, *end, *field, *tangents, *gradient, *shift;
+    double *state_scale, *state, *end, *field, *tangents, *gradient, *shift;
     /* sequence-sized */
-    double *scale;         /* unknowns */
-    double *plain;         /* unknowns unscaled */
-    double *residual;      /* equations */
-    double *jacobian;      /* equations x unknowns */
-    double *answer, *next; /* n x unknowns: how the state at hand answers to the unknowns */
+    double *scale;                        /* unknowns */
+    double *plain;                        /* unknowns unscaled */
+    double *residual;                     /* equations */
+    double *jacobian;                     /* equations x unknowns */
+    double *answer, *next;                /* n x unknowns: how the state at hand answers to the unknowns */
     double *matrix, *step, *trial, *kept; /* for Newton's method */
     saltus_dense_lu lu;
     double residual_size;

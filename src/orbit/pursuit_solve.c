@@ -8,8 +8,8 @@
 
 enum { halvings_max = 8 };
 
-/* The Jacobian with one row more: a normal, or the parameter held fixed; with `turned`, the orbit closes on minus
- * its begin. */
+/* The Jacobian with one row more: a normal, or the parameter held fixed; with `turned`, the orbit closes on
+ * minus its begin. */
 static bool factor_bordered(saltus_pursuit *p, const double *normal, bool turned) {
     int m = p->unknowns;
     memcpy(p->matrix, p->jacobian, (size_t)(p->equations * m) * sizeof(double));
@@ -54,9 +54,8 @@ static bool take_step(saltus_pursuit *p, double *u, bool damped, double before, 
 
 /* Quadratic convergence costs one step more and gives all the digits there are: the iteration ends when the
  * residual no longer falls. */
-saltus_status saltus_pursuit_correct(saltus_pursuit *p, double *u, const double *normal,
-                                     const double *anchor, bool damped, int *iterations,
-                                     saltus_message *message) {
+saltus_status saltus_pursuit_correct(saltus_pursuit *p, double *u, const double *normal, const double *anchor,
+                                     bool damped, int *iterations, saltus_message *message) {
     saltus_status status = saltus_pursuit_evaluate(p, u, message);
     double tolerance = p->options.tolerance, best = p->residual_size;
     *iterations = 0;
@@ -168,7 +167,8 @@ saltus_status saltus_pursuit_fill(saltus_pursuit *p, double value, const double 
     u[p->equations] = (value - p->origin) / p->unit;
     saltus_status status = SALTUS_OK;
     for (int cut = 1; cut < s->cuts && status == SALTUS_OK; cut++) {
-        /* The residual of the segment before this cut is the state at its end less the unknown, still zero. */
+        /* The residual of the segment before this cut is the state at its end less the unknown, still zero.
+         */
         status = saltus_pursuit_evaluate(p, u, message);
         for (int i = 0; i < n && status == SALTUS_OK; i++)
             u[cut * n + i] += p->residual[(cut - 1) * n + i];

@@ -2,8 +2,8 @@
  *
  * The orbit is walked in pieces between cuts and marks. Over a piece the flow carries n tangent vectors from
  * the identity, A, and the parameter column; how the state at hand answers to all unknowns is a matrix of n
- * rows, which a piece multiplies by A. A mark at time t contributes the equation's gradient as a row, and to its
- * own column the shift that a delay of t causes (saltus_strike).
+ * rows, which a piece multiplies by A. A mark at time t contributes the equation's gradient as a row, and to
+ * its own column the shift that a delay of t causes (saltus_strike).
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "orbit/pursuit_private.h"
 
@@ -78,8 +78,8 @@ static saltus_status coast(walk *w, double until, int mark, saltus_message *mess
     return status;
 }
 
-/* Flow to a time with the flow's own events; but the end of a contact is prescribed where the next mark is one:
- * once that contact holds, the flow coasts to the mark. */
+/* Flow to a time with the flow's own events; but the end of a contact is prescribed where the next mark is
+ * one: once that contact holds, the flow coasts to the mark. */
 static saltus_status drive(walk *w, double until, int mark, saltus_message *message) {
     const saltus_sequence *s = &w->p->sequence;
     int awaited = mark < s->count && s->mark[mark].kind == SALTUS_RELEASE ? s->mark[mark].face : -1;

@@ -1,7 +1,7 @@
 /* Newton shooting for periodic orbits.
  *
- * First the flow finds its events itself: x(pT) - x(0) = 0 with the exact derivative through all events, which
- * lets the sequence of impacts change on the way. Where that fails, as it must near grazing, where the
+ * First the flow finds its events itself: x(pT) - x(0) = 0 with the exact derivative through all events,
+ * which lets the sequence of impacts change on the way. Where that fails, as it must near grazing, where the
  * derivative grows without bound, the events of the best iterate are prescribed and their times become
  * unknowns; the orbit found so is accepted if the flow follows it. The two take turns. Strong growth of the
  * tangent vectors cuts the orbit into segments (multiple shooting).
@@ -117,30 +117,38 @@ static saltus_status solve_prescribed(search *s, int periods, const saltus_orbit
     return status;
 }
 
+/* The cause that a failure names: an orbit found that passes through a stop says more than a residual. */
+static saltus_status blame(saltus_status status, const saltus_message *plain,
+                           const saltus_message *prescribed, saltus_message *message) {
+    bool grazes = strstr(prescribed->text, "grazes") != NULL;
+    return saltus_fail(message, grazes ? SALTUS_NO_CONVERGENCE : status, "%s",
+                       grazes ? prescribed->text : plain->text);
+}
+
 static saltus_status hunt(search *s, int periods, const double *guess, const saltus_orbit_options *options,
                           saltus_message *message) {
     saltus_sequence driven = {.periods = periods, .base = options->phase, .driven = true};
-    int n = s->itinerary.dimension;
-    saltus_message first = {""};
-    saltus_status status = SALTUS_OK, whole = SALTUS_OK;
-    memcpy(s->state, guess, (size_t)n * sizeof *guess);
+    saltus_message plain = {""}, later = {""}, prescribed = {""};
+    saltus_status first = SALTUS_OK;
+    memcpy(s->state, guess, (size_t)s->itinerary.dimension * sizeof *guess);
     for (int turn = 0; turn < turns_max; turn++) {
-        whole = solve(s, &driven, options, turn ? message : &first);
-        if (whole == SALTUS_OK || whole == SALTUS_NO_MEMORY || whole == SALTUS_BAD_INPUT)
-            break;
-        if (saltus_system_face_count(saltus_pursuit_system(s->pursuit)) == 0)
-            break;
-        status = to_section(s, 0, periods, message);
+        saltus_status status = solve(s, &driven, options, turn ? &later : &plain);
         if (status == SALTUS_OK)
-            status = solve_prescribed(s, periods, options, message);
+            return status;
+        if (turn == 0)
+            first = status;
+        if (first == SALTUS_NO_MEMORY || first == SALTUS_BAD_INPUT ||
+            saltus_system_face_count(saltus_pursuit_system(s->pursuit)) == 0)
+            break;
+        status = to_section(s, 0, periods, &later);
+        if (status == SALTUS_OK)
+            status = solve_prescribed(s, periods, options, &prescribed);
         if (status == SALTUS_OK)
             return to_section(s, options->phase, periods, message);
-        if (!(s->residual < INFINITY))
+        if (!(s->residual < INFINITY) || to_section(s, options->phase, periods, &later) != SALTUS_OK)
             break;
     }
-    if (whole != SALTUS_OK && message)
-        *message = first;
-    return whole;
+    return blame(first, &plain, &prescribed, message);
 }
 
 static saltus_status open_search(search *s, const saltus_system *system, const saltus_orbit_options *options,
