@@ -754,7 +754,7 @@ static void window_of_two_periods(void **unused) {
             assert_string_equal(point->label_after, labels[++grazing]);
     }
     assert_int_equal(grazing, 3);
-    check_kinds(&record, 0, "GR GR PD GR PD ");
+    check_kinds(&record, 0, "GR NS GR PD GR PD ");
     check_kinds(&record, 1, "LP GR LP GR PD ");
     check_pipe_branch(&record, "omega", 1e-4, 6);
     branch_forget(&record);

@@ -49,4 +49,5 @@ follow 4-5-fold-low --from "$place/4-5.h5:LP1" --in $d --locus LP --and $omega
 cd "$place"
 "$saltus" plot 4-4-fold.h5 4-4-fold-*.h5 4-4-birth*.h5 4-4-death.h5 4-4-flip.h5 5-2-*.h5 3-5-*.h5 4-5-*.h5 \
     --range omega=14:55 --range d=0.0275:0.04 -o regions.png \
-    --label omega=26,d=0.0377,5/2 --label omega=45,d=0.0354,4/4 --label omega=43.2,d=0.0302,3/5 --label omega=42,d=0.0294,4/5
+    --label omega=26,d=0.0377,5/2 --label omega=45,d=0.0354,4/4 \
+    --label omega=43.2,d=0.0302,3/5 --label omega=42,d=0.0294,4/5

@@ -45,11 +45,11 @@ static const char *stability(const saltus_branch_point *point) {
     return point->stable ? "stable" : "unstable";
 }
 
-/* Stability beyond a special point: that of the next regular one before another special point. */
+/* Stability beyond a special point: that of the next point, where that is no place of change. */
 static const char *stability_beyond(const saltus_branch_file *file, int row) {
     const saltus_branch_point *here = &file->points[row], *next = here + 1;
     bool known = row + 1 < file->point_count && next->branch == here->branch &&
-                 next->kind == SALTUS_POINT_REGULAR && !is_locus(file);
+                 (next->kind == SALTUS_POINT_REGULAR || next->kind == SALTUS_POINT_UZ) && !is_locus(file);
     return known ? stability(next) : "";
 }
 
@@ -95,7 +95,7 @@ static void put_point(FILE *out, const saltus_branch_file *file, int row) {
              changes ? point->label_after : "");
     add(&line, motion_width, text);
     text[0] = '\0';
-    if (point->kind != SALTUS_POINT_GR)
+    if (point->kind != SALTUS_POINT_GR && file->options.locus != SALTUS_POINT_GR)
         name_multipliers(point, text, sizeof text);
     add(&line, multiplier_width, text);
     if (!is_locus(file))

@@ -111,13 +111,15 @@ static bool has_hue(const saltus_plot_page *page, int hue) {
     return false;
 }
 
-/* Whether any point of a kind is marked. */
+/* Whether any point of a kind is marked on the page. */
 static bool has_kind(const saltus_plot_page *page, saltus_point_kind kind) {
     for (int i = 0; i < page->count; i++)
-        for (int k = 0; k < page->files[i].point_count; k++)
-            if (page->files[i].points[k].kind == kind &&
-                saltus_plot_marked(&page->files[i], &page->files[i].points[k]))
+        for (int k = 0; k < page->files[i].point_count; k++) {
+            const saltus_branch_point *point = &page->files[i].points[k];
+            if (point->kind == kind && saltus_plot_shown(page, point) &&
+                saltus_plot_marked(&page->files[i], point))
                 return true;
+        }
     return false;
 }
 
@@ -131,11 +133,20 @@ static int legend_entries(const saltus_plot_page *page) {
     return count;
 }
 
+/* The parameters that all files share, and those of the first where they do not. */
+static void add_parameters(const saltus_plot_page *page, saltus_line *line) {
+    const saltus_branch_options *o = &page->files[0].options;
+    char first[SALTUS_KEY_MAX], second[SALTUS_KEY_MAX];
+    saltus_plot_difference(page, 0, first);
+    saltus_plot_difference(page, 1, second);
+    const char *const varied[2] = {o->key[0], page->locus ? o->key[1] : *first ? first : NULL};
+    saltus_line_parameters(line, page->system, varied);
+    if (page->locus ? *first : *second)
+        saltus_line_add(line, ", where nothing else is said");
+}
+
 static void put_caption(const saltus_plot_page *page) {
     const saltus_branch_options *o = &page->files[0].options;
-    char other[SALTUS_KEY_MAX];
-    saltus_plot_difference(page, 0, other);
-    const char *const varied[2] = {o->key[0], page->locus ? o->key[1] : *other ? other : NULL};
     saltus_line head = {.length = 0}, parameters = {.length = 0};
     double height = 0.932;
     saltus_line_plain(&head, page->files[0].scene);
@@ -145,7 +156,7 @@ static void put_caption(const saltus_plot_page *page) {
         saltus_line_add(&head, " and ");
         saltus_line_symbol(&head, o->key[1]);
     }
-    saltus_line_parameters(&parameters, page->system, varied);
+    add_parameters(page, &parameters);
     fprintf(page->file, "set label '{/=20:Bold %s}' at screen 0.03,0.967 left front\n", head.text);
     saltus_line_put(page->file, &parameters, "#202020", &height);
     fputs("set label 'Saltus " SALTUS_VERSION

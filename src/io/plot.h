@@ -47,8 +47,8 @@ void saltus_plot_data(const saltus_plot_page *page);
 /* plot_labels.c: names of regions, n/p along the branches and the names of special points, as gnuplot labels.
  */
 void saltus_plot_labels(const saltus_plot_page *page);
-/* A parameter in which the files differ, other than those of the axes, as a key of --set; "" where they do
- * not. The `rank`-th of them. */
+/* The rank-th parameter (from 0) in which the files differ, other than those of the axes, as a key of --set;
+ * "" where there are not so many. */
 void saltus_plot_difference(const saltus_plot_page *page, int rank, char key[SALTUS_KEY_MAX]);
 /* Add ", key = value" for each such parameter of a file. */
 void saltus_plot_add_differences(const saltus_plot_page *page, int file, saltus_line *line);

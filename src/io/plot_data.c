@@ -113,7 +113,7 @@ static bool others_outside(const saltus_branch_point *point, saltus_point_kind k
 /* A grazing point bounds stable orbits when the orbit is stable without the impact that grazes. With it the
  * largest multiplier has no bound, and the others tell nothing of those without it. */
 static bool counts_grazing_impact(const saltus_branch_point *point) {
-    const double huge = 1e3;
+    const double huge = 50;
     return point->dimension > 0 && !(exp(point->multipliers[0].log_modulus) < huge);
 }
 
@@ -148,6 +148,12 @@ bool saltus_plot_marked(const saltus_branch_file *file, const saltus_branch_poin
     return point->kind != SALTUS_POINT_REGULAR && point->kind != file->options.locus;
 }
 
+/* Whether a point of a branch is as stable as its neighbours: not one at which that changes. */
+static bool tells(const saltus_branch_point *point) {
+    return point->kind == SALTUS_POINT_REGULAR || point->kind == SALTUS_POINT_UZ ||
+           point->kind == SALTUS_POINT_EP;
+}
+
 /* How the curve runs from a point to the next one: at a special point the side tells, not the point. */
 static saltus_stroke stroke_between(const saltus_branch_file *f, int from, int to) {
     const saltus_branch_point *a = &f->points[from], *b = &f->points[to];
@@ -155,9 +161,8 @@ static saltus_stroke stroke_between(const saltus_branch_file *f, int from, int t
         return bounds_stable(f, from) && bounds_stable(f, to) ? SALTUS_STROKE_STABLE : SALTUS_STROKE_UNSTABLE;
     if (!a->admissible && !b->admissible)
         return SALTUS_STROKE_FOREIGN;
-    const saltus_branch_point *side = a->kind == SALTUS_POINT_REGULAR ? a : b;
-    bool both = a->kind == SALTUS_POINT_REGULAR && b->kind == SALTUS_POINT_REGULAR;
-    bool stable = both ? a->stable && b->stable : side->stable;
+    const saltus_branch_point *side = tells(a) ? a : b;
+    bool stable = tells(a) && tells(b) ? a->stable && b->stable : side->stable;
     return stable ? SALTUS_STROKE_STABLE : SALTUS_STROKE_UNSTABLE;
 }
 

@@ -216,7 +216,9 @@ static int add_find(saltus_branch *b, find *finds, int count, saltus_point_kind 
     if (!crosses(b->here.test[test], far))
         return count;
     double near = b->here.test[test];
-    if (saltus_branch_locate(b, test, b->next.ahead, far, &f.accuracy))
+    if (far == 0)
+        f.ahead = b->next.ahead;
+    else if (saltus_branch_locate(b, test, b->next.ahead, far, &f.accuracy))
         f.ahead = b->trial.ahead;
     else if (kind == SALTUS_POINT_BP) /* singular there: found by interpolation later */
         f.ahead = b->next.ahead * near / (near - far);
@@ -255,10 +257,28 @@ static saltus_status give_join(saltus_branch *b, const find *f, saltus_message *
 /* Whether `trial` is where the branch joins that of half the period. So near to it the equations say little
  * about where; a flip of half the period in this very place tells. */
 static bool is_join(saltus_branch *b) {
-    double apart = saltus_branch_half_distance(b, &b->trial), value, accuracy;
+    double apart = saltus_branch_half_distance(b, &b->trial, false), value, accuracy;
     double here = saltus_pursuit_value(b->pursuit, b->trial.u);
     return apart < 1e-4 || (apart < 2e-2 && saltus_branch_flip_of_half(b, &value, &accuracy) &&
                             fabs(value - here) < 1e-6 * b->unit);
+}
+
+/* Whether `trial`, a fold, is where orbits that are not their own mirror images become so: the branch of
+ * symmetric orbits. */
+static bool is_own_image(saltus_branch *b) {
+    bool shift;
+    if (!saltus_system_mirror_symmetric(b->system, &shift))
+        return false;
+    double apart = saltus_branch_half_distance(b, &b->trial, true);
+    return apart < 1e-3 && apart < 0.05 * saltus_branch_half_distance(b, &b->here, true);
+}
+
+static saltus_status give_image(saltus_branch *b, const find *f, saltus_message *message) {
+    static const char reason[] = "joins the orbits that are their own mirror images";
+    saltus_status status = saltus_branch_survey(b, &b->trial, message);
+    if (status == SALTUS_OK)
+        status = saltus_branch_emit(b, &b->trial, SALTUS_POINT_BP, f->accuracy, NULL, reason, message);
+    return status == SALTUS_OK ? saltus_branch_end(b, &b->trial, NAN, reason, message) : status;
 }
 
 /* The point found becomes `trial` again. */
@@ -281,6 +301,8 @@ static saltus_status give_find(saltus_branch *b, find *f, saltus_message *messag
     if (f->kind == SALTUS_POINT_LP || f->kind == SALTUS_POINT_BP) {
         if (is_join(b))
             return give_join(b, f, message);
+        if (is_own_image(b))
+            return give_image(b, f, message);
         status = saltus_branch_survey(b, &b->trial, message);
         if (status != SALTUS_OK)
             return status;
@@ -401,6 +423,25 @@ static saltus_status settle_label(saltus_branch *b, saltus_message *message) {
     return status == SALTUS_OK ? saltus_branch_survey(b, &b->next, message) : status;
 }
 
+/* At grazing itself the flow meets the impact or not by chance: the multipliers are those just before. */
+static saltus_status survey_before(saltus_branch *b, saltus_message *message) {
+    const double back = 1e-7;
+    saltus_message ignored;
+    saltus_status status = SALTUS_OK;
+    if (b->next.ahead > 10 * back &&
+        saltus_branch_visit(b, b->next.ahead - back, &b->trial, &ignored) == SALTUS_OK) {
+        status = saltus_branch_survey(b, &b->trial, message);
+        memcpy(b->next.multipliers, b->trial.multipliers, (size_t)b->n * sizeof *b->trial.multipliers);
+        b->next.test[SALTUS_TEST_PAIR] = b->trial.test[SALTUS_TEST_PAIR];
+        b->next.unstable = b->trial.unstable;
+        b->next.log_volume = b->trial.log_volume;
+        b->next.sum_rule = b->trial.sum_rule;
+        b->next.surveyed = true;
+        return status;
+    }
+    return saltus_branch_survey(b, &b->next, message);
+}
+
 static saltus_status advance(saltus_branch *b, saltus_message *message) {
     saltus_message why = {""};
     double accuracy = NAN;
@@ -417,7 +458,7 @@ static saltus_status advance(saltus_branch *b, saltus_message *message) {
     bool breached = b->next.test[SALTUS_TEST_BREACH] > 0;
     if (breached && !shorten_to_breach(b, &accuracy))
         return saltus_branch_leap(b, b->next.ahead, "events change", message);
-    status = saltus_branch_survey(b, &b->next, message);
+    status = breached ? survey_before(b, message) : saltus_branch_survey(b, &b->next, message);
     bool lost = status == SALTUS_OK && !breached && !b->next.follows;
     if (lost)
         return saltus_branch_leap(b, b->next.ahead, "events change", message);
@@ -438,6 +479,28 @@ static saltus_status advance(saltus_branch *b, saltus_message *message) {
     if (status == SALTUS_OK)
         status = saltus_branch_accept(b, message);
     return status == SALTUS_OK && completes && b->running ? saltus_branch_retrace(b, message) : status;
+}
+
+saltus_status saltus_branch_finish_change(saltus_branch *b, saltus_message *message) {
+    double ahead = b->next.ahead;
+    int given;
+    b->here.test[SALTUS_TEST_PAIR] = NAN;
+    saltus_message why = {""};
+    saltus_status status = begin_step(b, &why);
+    b->here.test[SALTUS_TEST_PAIR] = NAN;
+    if (status == SALTUS_OK)
+        status = saltus_branch_visit(b, ahead, &b->next, &why);
+    if (status == SALTUS_OK)
+        status = saltus_branch_survey(b, &b->next, message);
+    else
+        return saltus_branch_end(b, &b->here, NAN, why.text, message);
+    if (status == SALTUS_OK)
+        status = give_finds(b, &given, message);
+    if (status != SALTUS_OK || !b->running)
+        return status;
+    if (given)
+        status = saltus_branch_survey(b, &b->next, message);
+    return status == SALTUS_OK ? saltus_branch_accept(b, message) : status;
 }
 
 static saltus_status begin(saltus_branch *b, const saltus_branch_start *start, saltus_message *message) {

@@ -112,6 +112,9 @@ saltus_status saltus_branch_begin(saltus_branch *b, const saltus_branch_start *s
         status = saltus_branch_survey(b, &b->here, message);
     if (status == SALTUS_OK)
         status = saltus_branch_emit(b, &b->here, SALTUS_POINT_REGULAR, NAN, NULL, NULL, message);
+    for (int k = 0; k < b->options.value_count && status == SALTUS_OK; k++)
+        if (b->options.values[k] == start->value)
+            status = saltus_branch_emit(b, &b->here, SALTUS_POINT_UZ, 0, NULL, NULL, message);
     if (status == SALTUS_OK)
         status = keep_first(b, start->value, message);
     if (status == SALTUS_OK && !start->tangent)

@@ -82,7 +82,7 @@ static bool leads_on(saltus_branch *b, double ahead) {
 }
 
 bool saltus_branch_go_on(saltus_branch *b, const double *old) {
-    static const double ahead[] = {1e-3, 1e-4, 1e-2, 1e-5};
+    static const double ahead[] = {1e-4, 1e-3, 1e-5, 1e-2};
     double sense = 0;
     int m = b->here.unknowns;
     for (int j = 0; j < m; j++)
@@ -130,8 +130,8 @@ saltus_status saltus_branch_change(saltus_branch *b, double accuracy, saltus_mes
     double old_heading = b->trial.tangent[b->trial.unknowns - 1];
     if (kind == SALTUS_BREACH_HOLD || kind == SALTUS_BREACH_FORCE)
         return saltus_branch_leap(b, b->trial.ahead, "the contact changes", message);
-    bool joins = saltus_branch_half_distance(b, &b->trial) < 1e-4;
-    saltus_status status = saltus_branch_survey(b, &b->trial, message);
+    bool joins = saltus_branch_half_distance(b, &b->trial, false) < 1e-4;
+    saltus_status status = saltus_branch_walk(b, &b->trial, message);
     if (status == SALTUS_OK)
         status = saltus_branch_emit(b, &b->trial, SALTUS_POINT_GR, accuracy, NULL, NULL, message);
     if (status == SALTUS_OK && joins)
@@ -177,7 +177,7 @@ saltus_status saltus_branch_change(saltus_branch *b, double accuracy, saltus_mes
     }
     complete_label(b, index, reason, old_heading * b->here.tangent[b->here.unknowns - 1] < 0);
     b->step = fmax(b->next.ahead, 0.25 * b->step);
-    return saltus_branch_accept(b, message);
+    return saltus_branch_finish_change(b, message);
 }
 
 /* Whether the walk has as much chatter and sticking as the last point given out. */

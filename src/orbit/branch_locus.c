@@ -14,7 +14,7 @@
 
 enum { secants_max = 14 };
 
-static const double stride_min = 1e-5, turn_min = 0.9;
+static const double stride_min = 1e-5, turn_min = 0.9, crossing_aside = 3e-3;
 
 saltus_status saltus_locus_capture(saltus_branch *b, int mark, saltus_message *message) {
     saltus_sequence sequence;
@@ -176,7 +176,7 @@ saltus_status saltus_locus_begin(saltus_branch *b, const saltus_branch_start *st
     b->arclength = 0;
     b->running = true;
     b->last_label[0] = 0;
-    b->step = b->options.step;
+    b->step = 0.1 * b->options.step;
     l->mark = start->mark;
     l->plane[0] = (start->value - b->options.low[0]) / l->unit[0];
     l->plane[1] = (l->origin[1] - b->options.low[1]) / l->unit[1];
@@ -232,6 +232,8 @@ static void predict(saltus_branch *b, double *plane) {
 static bool find_zero(saltus_branch *b) {
     saltus_message ignored;
     double s0 = 0, s1 = 0.01 * b->step, near = locus_test(b, &b->here), far;
+    /* Which way the curve goes is not known at first. */
+    double reach = b->points < 2 ? 50 : 2;
     int m = b->here.unknowns;
     for (int k = 0; k < secants_max; k++) {
         if (saltus_branch_visit(b, s1, &b->trial, &ignored) != SALTUS_OK)
@@ -242,14 +244,28 @@ static bool find_zero(saltus_branch *b) {
         double next = far == near ? s1 : s1 - far * (s1 - s0) / (far - near);
         bool arrived = far == 0 || fabs(next - s1) < 1e-12 * fmax(1, fabs(s1));
         if (arrived && k > 0)
-            return fabs(b->trial.u[m - 1]) < 2 * b->step + 1e-6;
-        if (fabs(next) > 20 * b->step + 1e-3)
+            return fabs(b->trial.u[m - 1]) < reach * b->step + 1e-6;
+        if (fabs(next) > 10 * reach * b->step + 1e-3)
             return false;
         s0 = s1;
         near = far;
         s1 = next;
     }
     return false;
+}
+
+/* The same where branches cross: its equations are singular, so the place is first estimated from two points,
+ * then interpolated. */
+static bool find_crossing(saltus_branch *b) {
+    const double ahead = -2 * crossing_aside;
+    double near = b->here.test[SALTUS_TEST_BRANCH], accuracy;
+    saltus_message ignored;
+    if (saltus_branch_visit(b, ahead, &b->trial, &ignored) != SALTUS_OK)
+        return false;
+    double far = b->trial.test[SALTUS_TEST_BRANCH], place = ahead - far * ahead / (far - near);
+    b->next.ahead = crossing_aside;
+    return isfinite(place) && fabs(place) < 20 * b->step + 10 * crossing_aside &&
+           saltus_branch_crossing(b, place, &accuracy);
 }
 
 /* From the prediction onto the inner branch, then to its special point. */
@@ -265,12 +281,16 @@ static bool correct(saltus_branch *b, const double *plane, const double *last, d
     b->here.u[m - 1] = 0;
     if (!saltus_solution_room(&b->next, m, b->n))
         return false;
+    /* Where branches cross, begin a little aside, where the equations are regular. */
+    for (int j = 0; j < m && b->options.locus == SALTUS_POINT_BP; j++)
+        b->here.u[j] += crossing_aside * l->inner[j];
     memcpy(b->next.u, b->here.u, (size_t)m * sizeof *b->here.u);
     memcpy(b->here.tangent, l->inner, (size_t)m * sizeof *l->inner);
     b->reference[0] = b->reference[1] = NAN;
     return saltus_pursuit_correct(b->pursuit, b->here.u, l->inner, b->next.u, false, &iterations, &ignored) ==
                SALTUS_OK &&
-           saltus_branch_test(b, &b->here, &ignored) == SALTUS_OK && find_zero(b);
+           saltus_branch_test(b, &b->here, &ignored) == SALTUS_OK &&
+           (b->options.locus == SALTUS_POINT_BP ? find_crossing(b) : find_zero(b));
 }
 
 /* Whether the point found lies ahead on a smooth curve and is an orbit; its place and the way there. */

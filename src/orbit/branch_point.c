@@ -76,7 +76,8 @@ static void fill_motion(saltus_branch *b, const saltus_solution *s, saltus_branc
         point->sticking_intervals = it->sticking_intervals;
         point->event_count = it->count;
         memcpy(point->label, it->label, sizeof point->label);
-        memcpy(point->events, it->events, (size_t)it->count * sizeof *it->events);
+        for (int k = 0; k < it->count; k++)
+            point->events[k] = it->events[k];
         memcpy(point->state, it->state, n);
     } else {
         saltus_message ignored;

@@ -114,7 +114,7 @@ saltus_status saltus_branch_walk(saltus_branch *b, saltus_solution *solution, sa
 saltus_status saltus_branch_survey(saltus_branch *b, saltus_solution *solution, saltus_message *message);
 /* How far an orbit of an even period is from closing after half of it, scaled; INFINITY for an odd one.
  * Leaves another walk in the itinerary. */
-double saltus_branch_half_distance(saltus_branch *b, const saltus_solution *solution);
+double saltus_branch_half_distance(saltus_branch *b, const saltus_solution *solution, bool mirrored);
 /* The zero of a test between `here` and `ahead`, at which the test has the value `far`; `trial` becomes the
  * point there. False if it cannot be had. */
 bool saltus_branch_locate(saltus_branch *b, saltus_test test, double ahead, double far, double *accuracy);
@@ -142,6 +142,8 @@ saltus_status saltus_branch_add_start(saltus_branch *b, const saltus_branch_star
 void saltus_branch_remember(saltus_branch *b);
 /* `next` becomes `here`, and a regular point where it is far enough from the last. */
 saltus_status saltus_branch_accept(saltus_branch *b, saltus_message *message);
+/* The short way from a change of events at `here` to `next`, special points on it included. */
+saltus_status saltus_branch_finish_change(saltus_branch *b, saltus_message *message);
 saltus_status saltus_branch_end(saltus_branch *b, const saltus_solution *solution, double accuracy,
                                 const char *reason, saltus_message *message);
 

@@ -32,9 +32,19 @@ static saltus_status restore(saltus_branch *b, const saltus_branch_point *point,
 }
 
 static bool same_run(const saltus_branch *b, const saltus_branch_point *points, int count) {
-    for (int k = 0; k < count; k++)
-        if (points[k].dimension != b->n || points[k].spec.model != b->spec.model || !points[k].state)
+    enum { periods_max = 100000 };
+    for (int k = 0; k < count; k++) {
+        const saltus_branch_point *p = &points[k];
+        bool sound = p->dimension == b->n && p->spec.model == b->spec.model && p->state &&
+                     p->kind >= SALTUS_POINT_REGULAR && p->kind < SALTUS_POINT_KINDS && p->branch >= 0 &&
+                     p->branch < b->start_count + count && p->step >= 0 && p->periods >= 1 &&
+                     p->periods <= periods_max && isfinite(p->value[0]) && isfinite(p->arclength) &&
+                     isfinite(p->heading);
+        for (int i = 0; i < b->n && sound; i++)
+            sound = isfinite(p->state[i]);
+        if (!sound)
             return false;
+    }
     return count > 0;
 }
 
@@ -42,7 +52,8 @@ saltus_status saltus_branch_resume(saltus_branch *b, const saltus_branch_point *
                                    saltus_message *message) {
     *kept = 0;
     if (!same_run(b, points, count))
-        return saltus_fail(message, SALTUS_BAD_INPUT, "the points to resume from belong to another run");
+        return saltus_fail(message, SALTUS_BAD_INPUT,
+                           "the points to resume from are unsound or belong to another run");
     if (b->options.locus || b->options.switches)
         return SALTUS_OK;
     int last = count - 1;
@@ -52,6 +63,8 @@ saltus_status saltus_branch_resume(saltus_branch *b, const saltus_branch_point *
     *kept = last + 1;
     if (last < 0)
         return status;
+    if (points[last].branch >= b->start_count)
+        return saltus_fail(message, SALTUS_BAD_INPUT, "the points to resume from belong to another run");
     b->start_next = points[last].branch + 1;
     if (points[last].kind == SALTUS_POINT_EP)
         return status;

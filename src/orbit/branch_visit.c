@@ -159,24 +159,30 @@ saltus_status saltus_branch_survey(saltus_branch *b, saltus_solution *s, saltus_
     return SALTUS_OK;
 }
 
-double saltus_branch_half_distance(saltus_branch *b, const saltus_solution *s) {
+double saltus_branch_half_distance(saltus_branch *b, const saltus_solution *s, bool mirrored) {
     saltus_sequence sequence;
-    const double *scale = saltus_pursuit_scale(b->pursuit);
+    saltus_pursuit *pursuit = NULL;
     saltus_message ignored;
-    double largest = 0;
+    double largest = INFINITY;
     saltus_pursuit_extract(b->pursuit, s->u, &sequence, b->state);
-    if (sequence.periods % 2)
-        return INFINITY;
-    double *start = calloc((size_t)b->n, sizeof *start);
-    if (!start)
-        return INFINITY;
-    memcpy(start, b->state, (size_t)b->n * sizeof *start);
-    bool closes = saltus_itinerary_walk(&b->itinerary, b->flow, sequence.base, start, sequence.periods / 2,
-                                        &ignored) == SALTUS_OK;
-    for (int i = 0; i < b->n && closes; i++)
-        largest = fmax(largest, fabs(b->itinerary.end[i] - start[i]) / scale[i]);
-    free(start);
-    return closes ? largest : INFINITY;
+    if (sequence.periods % 2 && !mirrored)
+        return largest;
+    sequence.cuts = 2;
+    sequence.cut[1] = sequence.base + 0.5 * sequence.periods;
+    double *u = calloc((size_t)(2 * b->n + sequence.count + 1), sizeof *u);
+    if (u &&
+        saltus_pursuit_new(&b->spec, &b->direction, b->origin, b->unit, &b->options.orbit, &pursuit,
+                           &ignored) == SALTUS_OK &&
+        saltus_pursuit_shape(pursuit, &sequence, &ignored) == SALTUS_OK &&
+        saltus_pursuit_fill(pursuit, saltus_pursuit_value(b->pursuit, s->u), b->state, u, &ignored) ==
+            SALTUS_OK) {
+        largest = 0;
+        for (int i = 0; i < b->n; i++)
+            largest = fmax(largest, fabs(u[b->n + i] + (mirrored ? u[i] : -u[i])));
+    }
+    saltus_pursuit_free(pursuit);
+    free(u);
+    return largest;
 }
 
 /* One location under way. */
@@ -195,6 +201,9 @@ static double test_at(double ahead, void *context) {
     if (q->failed)
         return 0;
     saltus_status status = saltus_branch_visit(q->b, ahead, &q->b->trial, &ignored);
+    /* In the very place the equations may be singular. */
+    for (int side = -1; side <= 1 && status != SALTUS_OK; side += 2)
+        status = saltus_branch_visit(q->b, ahead + side * 1e-5 * q->end, &q->b->trial, &ignored);
     if (status == SALTUS_OK && q->test == SALTUS_TEST_PAIR)
         status = saltus_branch_survey(q->b, &q->b->trial, &ignored);
     double value = q->b->trial.test[q->test];

@@ -65,11 +65,14 @@ static saltus_status coast(walk *w, double until, int mark, saltus_message *mess
     saltus_pursuit *p = w->p;
     saltus_extreme extremes[SALTUS_FACES_MAX];
     unsigned contacts = saltus_flow_contacts(p->flow, 0);
+    double begin = saltus_time_periods(saltus_flow_time(p->flow, 0));
     for (int f = 0; f < SALTUS_FACES_MAX; f++)
         extremes[f].value = -INFINITY;
     saltus_status status = saltus_flow_coast(p->flow, 0, as_time(until), extremes, message);
     for (int f = 0; f < saltus_system_face_count(p->system) && status == SALTUS_OK; f++)
-        if (extremes[f].value > -INFINITY) {
+        /* Just after a release or an impact without rebound the gap is zero: its maximum there is rounding.
+         */
+        if (extremes[f].value > -INFINITY && saltus_time_periods(extremes[f].time) - begin > 1e-6) {
             bool held = contacts >> f & 1;
             note_breach(p, held ? SALTUS_BREACH_FORCE : SALTUS_BREACH_GAP,
                         extremes[f].value / (held ? p->force : p->length), mark, f,

@@ -29,7 +29,7 @@ typedef struct search {
     saltus_flow *flow; /* event-driven, without tangent vectors */
     saltus_itinerary itinerary;
     saltus_sequence sequence;
-    double *state, *u;
+    double *state, *start, *u; /* `start`: of a sequence under trial */
     int unknowns_room;
     double residual;
     int iterations;
@@ -98,31 +98,79 @@ static saltus_status to_section(search *s, double phase, int periods, saltus_mes
     return status;
 }
 
-/* The event times become unknowns; accepted if the event-driven flow follows the sequence found. */
+/* One sequence from the state at its base; accepted if the event-driven flow follows the orbit found. */
+static saltus_status solve_sequence(search *s, const saltus_sequence *sequence,
+                                    const saltus_orbit_options *options, saltus_message *message) {
+    saltus_status status = solve(s, sequence, options, message);
+    if (status != SALTUS_OK)
+        return status;
+    status =
+        saltus_itinerary_walk(&s->itinerary, s->flow, sequence->base, s->state, sequence->periods, message);
+    bool follows = status == SALTUS_OK &&
+                   saltus_itinerary_follows(&s->itinerary, saltus_pursuit_system(s->pursuit), &s->sequence);
+    if (follows || status == SALTUS_NO_MEMORY)
+        return status;
+    return saltus_fail(message, SALTUS_NO_CONVERGENCE,
+                       "an impact grazes: the orbit with these %d events passes through a stop",
+                       s->sequence.count);
+}
+
+/* The event times become unknowns. */
 static saltus_status solve_prescribed(search *s, int periods, const saltus_orbit_options *options,
                                       saltus_message *message) {
     saltus_sequence sequence;
     saltus_status status =
         saltus_itinerary_sequence(&s->itinerary, s->flow, periods, s->state, &sequence, message);
-    if (status == SALTUS_OK)
-        status = solve(s, &sequence, options, message);
-    if (status != SALTUS_OK)
-        return status;
-    status = saltus_itinerary_walk(&s->itinerary, s->flow, sequence.base, s->state, periods, message);
-    if (status == SALTUS_OK &&
-        !saltus_itinerary_follows(&s->itinerary, saltus_pursuit_system(s->pursuit), &s->sequence))
-        return saltus_fail(message, SALTUS_NO_CONVERGENCE,
-                           "an impact grazes: the orbit with these %d events passes through a stop",
-                           s->sequence.count);
-    return status;
+    return status == SALTUS_OK ? solve_sequence(s, &sequence, options, message) : status;
+}
+
+static bool grazes(const saltus_message *message) {
+    return strstr(message->text, "grazes") != NULL;
+}
+
+/* How far the search has gone from its start, scaled. */
+static double moved(const search *s) {
+    const double *scale = saltus_system_scale(saltus_pursuit_system(s->pursuit));
+    double largest = 0;
+    for (int i = 0; i < s->itinerary.dimension; i++)
+        largest = fmax(largest, fabs(s->state[i] - s->start[i]) / scale[i]);
+    return largest;
+}
+
+/* Whether near the guess there is an orbit with one impact less than the flow meets, which it cannot follow:
+ * then that impact is to blame. */
+static bool passes_through(search *s, int periods, const double *guess, const saltus_orbit_options *options,
+                           saltus_message *message) {
+    enum { tries = 8 };
+    const double nearby = 0.3;
+    size_t bytes = (size_t)s->itinerary.dimension * sizeof *guess;
+    saltus_sequence met = {.periods = periods, .base = options->phase, .driven = true};
+    memcpy(s->state, guess, bytes);
+    s->sequence = met;
+    if (to_section(s, 0, periods, message) != SALTUS_OK ||
+        saltus_itinerary_sequence(&s->itinerary, s->flow, periods, s->state, &met, message) != SALTUS_OK)
+        return false;
+    memcpy(s->start, s->state, bytes);
+    for (int out = 0; out < met.count && out < tries; out++) {
+        saltus_sequence fewer = met;
+        for (int k = out; k + 1 < fewer.count; k++)
+            fewer.mark[k] = fewer.mark[k + 1];
+        fewer.count--;
+        memcpy(s->state, s->start, bytes);
+        if (solve_sequence(s, &fewer, options, message) != SALTUS_OK && grazes(message) && moved(s) < nearby)
+            return true;
+    }
+    return false;
 }
 
 /* The cause that a failure names: an orbit found that passes through a stop says more than a residual. */
-static saltus_status blame(saltus_status status, const saltus_message *plain,
-                           const saltus_message *prescribed, saltus_message *message) {
-    bool grazes = strstr(prescribed->text, "grazes") != NULL;
-    return saltus_fail(message, grazes ? SALTUS_NO_CONVERGENCE : status, "%s",
-                       grazes ? prescribed->text : plain->text);
+static saltus_status blame(search *s, int periods, const double *guess, const saltus_orbit_options *options,
+                           saltus_status status, const saltus_message *plain, saltus_message *prescribed,
+                           saltus_message *message) {
+    bool tell = grazes(prescribed) || (status != SALTUS_NO_MEMORY && status != SALTUS_BAD_INPUT &&
+                                       passes_through(s, periods, guess, options, prescribed));
+    return saltus_fail(message, tell ? SALTUS_NO_CONVERGENCE : status, "%s",
+                       tell ? prescribed->text : plain->text);
 }
 
 static saltus_status hunt(search *s, int periods, const double *guess, const saltus_orbit_options *options,
@@ -142,13 +190,13 @@ static saltus_status hunt(search *s, int periods, const double *guess, const sal
             break;
         status = to_section(s, 0, periods, &later);
         if (status == SALTUS_OK)
-            status = solve_prescribed(s, periods, options, &prescribed);
+            status = solve_prescribed(s, periods, options, grazes(&prescribed) ? &later : &prescribed);
         if (status == SALTUS_OK)
             return to_section(s, options->phase, periods, message);
         if (!(s->residual < INFINITY) || to_section(s, options->phase, periods, &later) != SALTUS_OK)
             break;
     }
-    return blame(first, &plain, &prescribed, message);
+    return blame(s, periods, guess, options, first, &plain, &prescribed, message);
 }
 
 static saltus_status open_search(search *s, const saltus_system *system, const saltus_orbit_options *options,
@@ -156,7 +204,8 @@ static saltus_status open_search(search *s, const saltus_system *system, const s
     int n = saltus_system_dimension(system);
     saltus_flow_options flow = options->flow;
     flow.columns = flow.directions = 0;
-    s->state = calloc((size_t)n, sizeof *s->state);
+    s->state = calloc(2 * (size_t)n, sizeof *s->state);
+    s->start = s->state ? s->state + n : NULL;
     saltus_status status =
         s->state ? SALTUS_OK : saltus_fail(message, SALTUS_NO_MEMORY, "no memory for shooting");
     if (status == SALTUS_OK)
