@@ -165,7 +165,6 @@ typedef struct saltus_strike {
     double equation_rate;      /* its time derivative: n.q' or d(n.f)/dt */
     double *equation_gradient; /* per column (length columns; the caller's) */
     double speed;              /* n.q' before */
-    double acceleration;       /* n.q'' before */
     double *shift; /* d(state after, at a fixed later time) / d(time of the event): DP f- - f+ (length
                       dimension; the caller's) */
 } saltus_strike;

@@ -108,7 +108,6 @@ saltus_status saltus_flow_strike(saltus_flow *flow, int lane, saltus_event_kind 
     saltus_lane_gather_all(flow, lane);
     saltus_field_at(flow, lane, self->state, self->now.phase, &self->hold, self->before);
     strike->speed = saltus_face_normal(self->system, face, self->state + flow->dof);
-    strike->acceleration = saltus_face_normal(self->system, face, self->before + flow->dof);
     bool sound = true;
     if (kind == SALTUS_RELEASE)
         sound = self->contacts >> face & 1 && release_equation(flow, lane, face, strike);

@@ -389,7 +389,7 @@ saltus_status saltus_branch_accept(saltus_branch *b, saltus_message *message) {
 /* Evaluate `here` again as the beginning of a step: its determinants relative to themselves. */
 static saltus_status begin_step(saltus_branch *b, saltus_message *message) {
     double pair = b->here.test[SALTUS_TEST_PAIR];
-    bool surveyed = b->here.surveyed, follows = b->here.follows;
+    bool follows = b->here.follows;
     b->reference[0] = b->reference[1] = NAN;
     saltus_status status = saltus_pursuit_evaluate(b->pursuit, b->here.u, message);
     /* Where branches cross the equations leave the tangent open; it is the one that was chosen. */
@@ -397,7 +397,6 @@ static saltus_status begin_step(saltus_branch *b, saltus_message *message) {
         status = saltus_branch_test(b, &b->here, message);
     b->here.test[SALTUS_TEST_BREACH] = fmin(b->here.test[SALTUS_TEST_BREACH], -1e-300);
     b->here.test[SALTUS_TEST_PAIR] = pair;
-    b->here.surveyed = surveyed;
     b->here.follows = follows;
     return status;
 }
@@ -436,7 +435,6 @@ static saltus_status survey_before(saltus_branch *b, saltus_message *message) {
         b->next.unstable = b->trial.unstable;
         b->next.log_volume = b->trial.log_volume;
         b->next.sum_rule = b->trial.sum_rule;
-        b->next.surveyed = true;
         return status;
     }
     return saltus_branch_survey(b, &b->next, message);

@@ -216,7 +216,6 @@ static bool shoot_beyond(saltus_branch *b, double value, const double *state, co
     driven.contacts = old->contacts;
     if (saltus_branch_place(b, &driven, value, state, true, &ignored) != SALTUS_OK)
         return false;
-    b->here.surveyed = false;
     if (saltus_branch_survey(b, &b->here, &ignored) != SALTUS_OK || !b->here.follows)
         return false;
     memcpy(b->state, b->itinerary.state, (size_t)b->n * sizeof *b->state);

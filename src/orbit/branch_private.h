@@ -26,9 +26,8 @@ typedef struct saltus_solution {
     double residual;
     double test[SALTUS_TESTS];
     saltus_breach worst;
-    double speed;  /* loci of grazing: minus the tracked impact's speed */
-    bool surveyed; /* walk and multipliers are there */
-    bool follows;  /* the event-driven flow follows the sequence */
+    double speed; /* loci of grazing: minus the tracked impact's speed */
+    bool follows; /* the event-driven flow follows the sequence */
     saltus_multiplier *multipliers;
     double log_volume, sum_rule;
     int unstable;
@@ -43,7 +42,7 @@ typedef struct saltus_branch_start {
     int unknowns;
     int heading, parent, depth;
     bool grazes; /* doubled at grazing: the impact without speed in one half only */
-    bool locus;  /* the first point of a locus, with its inner tangent; */
+    bool locus;  /* the first point of a locus, with its inner tangent */
     int mark;    /* of grazing: the impact that has no speed */
 } saltus_branch_start;
 

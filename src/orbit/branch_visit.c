@@ -71,7 +71,7 @@ saltus_status saltus_branch_test(saltus_branch *b, saltus_solution *out, saltus_
         if (breaches[k].value > out->worst.value)
             out->worst = breaches[k];
     out->test[SALTUS_TEST_BREACH] = fmax(out->worst.value, -1);
-    out->surveyed = out->follows = false;
+    out->follows = false;
     return status;
 }
 
@@ -128,14 +128,13 @@ saltus_status saltus_branch_walk(saltus_branch *b, saltus_solution *s, saltus_me
     saltus_pursuit_extract(b->pursuit, s->u, &sequence, b->state);
     status = saltus_itinerary_walk_cuts(&b->itinerary, b->flow, &sequence,
                                         saltus_pursuit_states(b->pursuit, s->u), &ignored);
-    s->follows = status == SALTUS_OK && saltus_itinerary_follows(&b->itinerary, b->system, &sequence);
+    s->follows = status == SALTUS_OK && saltus_itinerary_follows(&b->itinerary, &sequence);
     return status == SALTUS_NO_MEMORY ? saltus_fail(message, status, "%s", ignored.text) : SALTUS_OK;
 }
 
 saltus_status saltus_branch_survey(saltus_branch *b, saltus_solution *s, saltus_message *message) {
     saltus_message ignored;
     saltus_status status = saltus_branch_walk(b, s, message);
-    s->surveyed = true;
     s->unstable = 0;
     for (int i = 0; i < b->n; i++)
         s->multipliers[i] = (saltus_multiplier){NAN, NAN, NAN};

@@ -204,12 +204,10 @@ saltus_status saltus_itinerary_sequence(saltus_itinerary *it, saltus_flow *flow,
     return status;
 }
 
-bool saltus_itinerary_follows(const saltus_itinerary *it, const saltus_system *system,
-                              const saltus_sequence *s) {
+bool saltus_itinerary_follows(const saltus_itinerary *it, const saltus_sequence *s) {
     const double close = 1e-6 * s->periods;
     bool driven = s->driven;
     int k = 0;
-    (void)system;
     for (int e = 0; e < it->count; e++) {
         const saltus_event *event = &it->events[e];
         const saltus_mark *mark = k < s->count ? &s->mark[k] : NULL;

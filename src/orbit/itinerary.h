@@ -38,7 +38,6 @@ bool saltus_sequence_in_tail(const saltus_sequence *sequence, const double *spee
                              double next_speed);
 /* Whether the walk met the sequence's marks, in order and at their times; between a driven mark and the next
  * anything may happen. */
-bool saltus_itinerary_follows(const saltus_itinerary *itinerary, const saltus_system *system,
-                              const saltus_sequence *sequence);
+bool saltus_itinerary_follows(const saltus_itinerary *itinerary, const saltus_sequence *sequence);
 
 #endif

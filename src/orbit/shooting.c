@@ -106,8 +106,7 @@ static saltus_status solve_sequence(search *s, const saltus_sequence *sequence,
         return status;
     status =
         saltus_itinerary_walk(&s->itinerary, s->flow, sequence->base, s->state, sequence->periods, message);
-    bool follows = status == SALTUS_OK &&
-                   saltus_itinerary_follows(&s->itinerary, saltus_pursuit_system(s->pursuit), &s->sequence);
+    bool follows = status == SALTUS_OK && saltus_itinerary_follows(&s->itinerary, &s->sequence);
     if (follows || status == SALTUS_NO_MEMORY)
         return status;
     return saltus_fail(message, SALTUS_NO_CONVERGENCE,
