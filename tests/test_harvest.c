@@ -129,42 +129,54 @@ static void orbits_of_chaos(void **unused) {
     saltus_system_free(system);
 }
 
-/* Between two stops every orbit has a mirror image in the list: another one, or itself half an orbit later.
- */
-static void mirror_images(void **unused) {
-    (void)unused;
-    saltus_system *system = scene_system("fig3", "d=0.02");
-    saltus_harvest_options options = saltus_harvest_defaults();
-    saltus_message message = {""};
-    saltus_harvest harvest, again;
-    int pairs = 0, own = 0;
-    options.longest = 4;
-    options.periods = 2000;
-    options.tries = 20;
-    check_ok(saltus_harvest_run(system, &options, &harvest, &message), &message);
-    check_ok(saltus_harvest_run(system, &options, &again, &message), &message);
-    distinct(system, &harvest);
-    sorted(&harvest);
-    assert_true(harvest.count >= 10);
-    assert_int_equal(harvest.count, again.count);
-    for (int k = 0; k < harvest.count; k++) {
-        const saltus_harvest_orbit *found = &harvest.orbits[k];
-        assert_memory_equal(found->orbit.state, again.orbits[k].orbit.state, 2 * sizeof(double));
-        assert_in_range(found->mirror, 0, harvest.count - 1);
-        const saltus_harvest_orbit *image = &harvest.orbits[found->mirror];
+/* Every orbit of a harvest has its mirror image in the list: another one, or itself half an orbit later. */
+static void check_mirrors(const saltus_system *system, const saltus_harvest *harvest, int *pairs, int *own) {
+    for (int k = 0; k < harvest->count; k++) {
+        const saltus_harvest_orbit *found = &harvest->orbits[k];
+        assert_in_range(found->mirror, 0, harvest->count - 1);
+        const saltus_harvest_orbit *image = &harvest->orbits[found->mirror];
         double closest = INFINITY;
         for (int p = 0; p < image->orbit.periods; p++)
             closest = fmin(closest, scaled_distance(system, -1, section_point(image, p), found->orbit.state));
         check_near(closest, 0, 1e-8);
         assert_int_equal(image->mirror, k);
         assert_int_equal(found->impacts_by_face[0], image->impacts_by_face[1]);
-        pairs += found->mirror != k;
-        own += found->mirror == k;
+        *pairs += found->mirror != k;
+        *own += found->mirror == k;
+    }
+}
+
+/* Between two stops. Which orbits a chaotic trajectory passes is chance: several scenes, until both kinds
+ * have been met. */
+static void mirror_images(void **unused) {
+    (void)unused;
+    static const char *const settings[] = {"d=0.02", "d=0.0202", "d=0.0204", "d=0.0206", "d=0.0208"};
+    saltus_harvest_options options = saltus_harvest_defaults();
+    saltus_message message = {""};
+    int pairs = 0, own = 0;
+    options.longest = 4;
+    options.periods = 2000;
+    options.tries = 20;
+    for (int k = 0; k < 5 && !(pairs && own); k++) {
+        saltus_system *system = scene_system("fig3", settings[k]);
+        saltus_harvest harvest, again;
+        check_ok(saltus_harvest_run(system, &options, &harvest, &message), &message);
+        distinct(system, &harvest);
+        sorted(&harvest);
+        assert_true(harvest.count >= 10);
+        check_mirrors(system, &harvest, &pairs, &own);
+        if (k == 0) {
+            check_ok(saltus_harvest_run(system, &options, &again, &message), &message);
+            assert_int_equal(harvest.count, again.count);
+            for (int o = 0; o < harvest.count; o++)
+                assert_memory_equal(harvest.orbits[o].orbit.state, again.orbits[o].orbit.state,
+                                    2 * sizeof(double));
+            saltus_harvest_clear(&again);
+        }
+        saltus_harvest_clear(&harvest);
+        saltus_system_free(system);
     }
     assert_true(pairs > 0 && own > 0);
-    saltus_harvest_clear(&again);
-    saltus_harvest_clear(&harvest);
-    saltus_system_free(system);
 }
 
 /* A motion that settles leaves its own orbit, once, with its least period. */

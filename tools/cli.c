@@ -192,11 +192,14 @@ void cli_help(const cli_command *command) {
     }
 }
 
+int cli_code(saltus_status status) {
+    return status == SALTUS_OK ? CLI_DONE : status == SALTUS_BAD_INPUT ? CLI_BAD_INPUT : CLI_FAILED;
+}
+
 int cli_report(saltus_status status, const saltus_message *message) {
-    if (status == SALTUS_OK)
-        return CLI_DONE;
-    fprintf(stderr, "saltus: %s\n", message->text[0] ? message->text : saltus_status_name(status));
-    return status == SALTUS_BAD_INPUT ? CLI_BAD_INPUT : CLI_FAILED;
+    if (status != SALTUS_OK)
+        fprintf(stderr, "saltus: %s\n", message->text[0] ? message->text : saltus_status_name(status));
+    return cli_code(status);
 }
 
 saltus_status cli_apply_settings(const cli_request *request, saltus_scene *scene, saltus_message *message) {
@@ -227,6 +230,14 @@ static saltus_status initial_state(const saltus_scene *scene, const saltus_syste
     return saltus_system_check_state(system, state, message);
 }
 
+static saltus_status check_integrator(const cli_request *request, saltus_message *message) {
+    if (!request->integrator || strcmp(request->integrator, "automatic") == 0 ||
+        strcmp(request->integrator, "taylor") == 0 || strcmp(request->integrator, "radau") == 0)
+        return SALTUS_OK;
+    return saltus_fail(message, SALTUS_BAD_INPUT, "--integrator %.100s: must be automatic, taylor or radau",
+                       request->integrator);
+}
+
 static saltus_status load_scene(const cli_request *request, saltus_scene *scene, saltus_message *message) {
     saltus_status status = saltus_scene_load(request->scene, scene, message);
     if (status == SALTUS_IO)
@@ -234,12 +245,9 @@ static saltus_status load_scene(const cli_request *request, saltus_scene *scene,
     return status == SALTUS_OK ? cli_apply_settings(request, scene, message) : status;
 }
 
-static saltus_status check_integrator(const cli_request *request, saltus_message *message) {
-    if (!request->integrator || strcmp(request->integrator, "automatic") == 0 ||
-        strcmp(request->integrator, "taylor") == 0 || strcmp(request->integrator, "radau") == 0)
-        return SALTUS_OK;
-    return saltus_fail(message, SALTUS_BAD_INPUT, "--integrator %.100s: must be automatic, taylor or radau",
-                       request->integrator);
+saltus_status cli_load_scene(const cli_request *request, saltus_scene *scene, saltus_message *message) {
+    saltus_status status = load_scene(request, scene, message);
+    return status == SALTUS_OK ? check_integrator(request, message) : status;
 }
 
 /* The exit code of a build; a system that came to nothing is freed. */

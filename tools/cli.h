@@ -27,10 +27,12 @@ typedef struct cli_request {
     int input_count;
     const char *settings[CLI_SETTINGS_MAX];
     int setting_count;
-    bool json, quiet, help, unstable, mirror, verbose, resume;
+    bool json, quiet, help, unstable, mirror, verbose, resume, quick;
     const char *output, *data, *integrator, *from, *range, *second_range, *locus, *direction, *values, *show;
-    cli_list parts, labels;
+    const char *start, *what, *table, *figure, *format, *view, *title;
+    cli_list parts, labels, over;
     long seeds, seed, transient, longest, periods, samples, segments, points, switches, most, search;
+    long record, lanes, threads;
     double rtol, atol, step, step_max;
 } cli_request;
 
@@ -52,13 +54,14 @@ typedef struct cli_command {
     const char *usage; /* what follows the name */
     const char *help;
     bool needs_scene;
+    bool together;                    /* several ranks share its work */
     int inputs;                       /* how many files it takes; 0: one */
     const cli_option *const *options; /* NULL-terminated */
     int (*run)(const cli_request *request);
 } cli_command;
 
 extern const cli_command cmd_classify, cmd_diagnose, cmd_simulate, cmd_scenes, cmd_check, cmd_orbit,
-    cmd_continue, cmd_plot;
+    cmd_continue, cmd_plot, cmd_sweep, cmd_basins, cmd_export, cmd_paper;
 
 extern const cli_option cli_set, cli_json, cli_quiet, cli_output, cli_data, cli_integrator, cli_seeds,
     cli_seed, cli_transient, cli_longest, cli_periods, cli_samples, cli_settle, cli_rtol, cli_atol, cli_from;
@@ -66,6 +69,8 @@ extern const cli_option cli_set, cli_json, cli_quiet, cli_output, cli_data, cli_
 /* Fill a request from the arguments after the subcommand; false after a message on stderr. */
 bool cli_parse(const cli_command *command, int count, char **arguments, cli_request *request);
 void cli_help(const cli_command *command);
+/* The exit code that belongs to a status. */
+int cli_code(saltus_status status);
 /* "saltus: ..." on stderr; returns the exit code that belongs to the status. */
 int cli_report(saltus_status status, const saltus_message *message);
 /* The scene with all --set applied, the system, and its initial state (SALTUS_SCENE_STATE_MAX entries). On
@@ -75,6 +80,8 @@ int cli_build(const cli_request *request, saltus_scene *scene, saltus_system **s
  * does not set them. */
 int cli_build_from(const cli_request *request, saltus_scene *scene, saltus_system **system,
                    saltus_start *start);
+/* The scene with all --set applied; --integrator is checked too. */
+saltus_status cli_load_scene(const cli_request *request, saltus_scene *scene, saltus_message *message);
 /* Apply all --set to a scene. */
 saltus_status cli_apply_settings(const cli_request *request, saltus_scene *scene, saltus_message *message);
 /* "key=low:high"; false after a message that names the option. */

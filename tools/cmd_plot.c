@@ -23,7 +23,8 @@ static const cli_option range = {"--range",
                                  0,
                                  0,
                                  "key=lo:hi",
-                                 "part of a parameter's range to draw; once for each parameter"};
+                                 "part of a parameter's range to draw; once for each parameter, and for a "
+                                 "sweep's view (its name as key)"};
 
 static const cli_option label = {"--label",
                                  CLI_LIST,
@@ -34,7 +35,30 @@ static const cli_option label = {"--label",
                                  "place,text",
                                  "write text in the plane, such as omega=42,d=0.035,4/4; may be repeated"};
 
-static const cli_option *const options[] = {&cli_output, &show, &range, &label, NULL};
+static const cli_option view = {
+    "--view",
+    CLI_TEXT,
+    offsetof(cli_request, view),
+    0,
+    0,
+    0,
+    "name",
+    "of a sweep: turning, impacts, stroboscopic (over one axis), class, attractors, largest, speed, rate, "
+    "contact, lyapunov or settled"};
+
+static const cli_option title = {"--title", CLI_TEXT, offsetof(cli_request, title), 0, 0,
+                                 0,         "text",   "heading of a sweep's figure"};
+
+static const cli_option over = {"--over",
+                                CLI_LIST,
+                                offsetof(cli_request, over),
+                                0,
+                                0,
+                                0,
+                                "branch.h5",
+                                "draw a file of saltus continue over a sweep's diagram; may be repeated"};
+
+static const cli_option *const options[] = {&cli_output, &show, &range, &label, &view, &title, &over, NULL};
 
 /* What the options point to. */
 typedef struct plot_wishes {
@@ -55,6 +79,32 @@ static bool read_show(const char *text, saltus_show *wanted) {
     if (!text || *wanted != SALTUS_SHOW_AUTOMATIC)
         return true;
     fprintf(stderr, "saltus: --show %s: must be speed, impacts, displacement, velocity or period\n", text);
+    return false;
+}
+
+static bool read_view(const char *text, saltus_view *wanted) {
+    static const char *const words[] = {[SALTUS_VIEW_TURNING] = "turning",
+                                        [SALTUS_VIEW_IMPACTS] = "impacts",
+                                        [SALTUS_VIEW_STROBOSCOPIC] = "stroboscopic",
+                                        [SALTUS_VIEW_CLASS] = "class",
+                                        [SALTUS_VIEW_ATTRACTORS] = "attractors",
+                                        [SALTUS_VIEW_LARGEST] = "largest",
+                                        [SALTUS_VIEW_SPEED] = "speed",
+                                        [SALTUS_VIEW_RATE] = "rate",
+                                        [SALTUS_VIEW_CONTACT] = "contact",
+                                        [SALTUS_VIEW_LYAPUNOV] = "lyapunov",
+                                        [SALTUS_VIEW_SETTLED] = "settled"};
+    *wanted = SALTUS_VIEW_AUTOMATIC;
+    for (int k = SALTUS_VIEW_TURNING; text && k <= SALTUS_VIEW_SETTLED; k++)
+        if (strcmp(text, words[k]) == 0)
+            *wanted = (saltus_view)k;
+    if (!text || *wanted != SALTUS_VIEW_AUTOMATIC)
+        return true;
+    fprintf(
+        stderr,
+        "saltus: --view %s: must be turning, impacts, stroboscopic, class, attractors, largest, speed, rate, "
+        "contact, lyapunov or settled\n",
+        text);
     return false;
 }
 
@@ -91,6 +141,27 @@ static bool read_wishes(const cli_request *request, plot_wishes *wishes) {
     return true;
 }
 
+/* What only a sweep can be asked for. */
+static int draw_sweep(const cli_request *request, const plot_wishes *wishes) {
+    saltus_message message = {""};
+    saltus_sweep_view how = {.title = request->title,
+                             .parts = wishes->parts,
+                             .part_count = request->parts.count,
+                             .branches = request->over.items,
+                             .branch_count = request->over.count};
+    if (!read_view(request->view, &how.view))
+        return CLI_BAD_INPUT;
+    if (request->input_count > 1 || request->show || request->labels.count) {
+        fprintf(stderr, "saltus: plot: --view, --title and --over are of one sweep, --show and --label of "
+                        "files of saltus continue\n");
+        return CLI_BAD_INPUT;
+    }
+    saltus_status status = saltus_plot_sweep(request->inputs[0], &how, request->output, &message);
+    if (status == SALTUS_OK)
+        printf("figure: %s\n", request->output);
+    return cli_report(status, &message);
+}
+
 static int run(const cli_request *request) {
     saltus_message message = {""};
     saltus_plot_options how = saltus_plot_defaults();
@@ -101,6 +172,8 @@ static int run(const cli_request *request) {
     }
     if (!read_show(request->show, &how.show) || !read_wishes(request, &wishes))
         return CLI_BAD_INPUT;
+    if (request->view || request->title || request->over.count)
+        return draw_sweep(request, &wishes);
     how.parts = wishes.parts;
     how.part_count = request->parts.count;
     how.labels = wishes.labels;
@@ -115,12 +188,15 @@ static int run(const cli_request *request) {
 const cli_command cmd_plot = {
     .name = "plot",
     .usage =
-        "FILE.h5 [FILE.h5 ...] -o figure.png|pdf|svg [--show what] [--range key=lo:hi] [--label place,text]",
-    .help = "Draw files of saltus continue. Branches of periodic orbits: solid where stable, dashed where "
-            "not, n/p\n"
-            "along them, special points marked. Curves of special points, over their two parameters: solid "
-            "where\n"
-            "they bound stable orbits, dotted where not. Several files of one sort are laid over each other.",
+        "FILE.h5 [FILE.h5 ...] -o figure.png|pdf|svg [--show what | --view name] [--range key=lo:hi] ...",
+    .help =
+        "Draw a file of saltus sweep or basins: a diagram over one axis with the class of motion along it, "
+        "a map over\n"
+        "two; or files of saltus continue. Branches of periodic orbits: solid where stable, dashed where "
+        "not, n/p\n"
+        "along them, special points marked. Curves of special points, over their two parameters: solid "
+        "where\n"
+        "they bound stable orbits, dotted where not. Several files of one sort are laid over each other.",
     .inputs = CLI_INPUTS_MAX,
     .options = options,
     .run = run,

@@ -1,11 +1,13 @@
 /* saltus: the command line. Every subcommand is a thin filter around the library.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "cli.h"
+#include "ranks.h"
 
 #include <string.h>
 
 static const cli_command *const commands[] = {&cmd_classify, &cmd_diagnose, &cmd_simulate, &cmd_orbit,
-                                              &cmd_continue, &cmd_plot,     &cmd_scenes,   &cmd_check};
+                                              &cmd_continue, &cmd_sweep,    &cmd_basins,   &cmd_plot,
+                                              &cmd_export,   &cmd_paper,    &cmd_scenes,   &cmd_check};
 
 enum { command_count = sizeof commands / sizeof commands[0] };
 
@@ -15,6 +17,18 @@ static void print_usage(FILE *file) {
         fprintf(file, "  saltus %-9s %s\n", commands[k]->name, commands[k]->usage);
     fprintf(file, "\nSCENE is a YAML file or the name of a built-in scene (saltus scenes).\n"
                   "saltus COMMAND --help tells more.\n");
+}
+
+static int run_command(const cli_command *command, int count, char **arguments) {
+    cli_request request;
+    if (!cli_parse(command, count, arguments, &request))
+        return CLI_BAD_INPUT;
+    if (request.help) {
+        cli_help(command);
+        return cli_finish();
+    }
+    int code = command->run(&request), written = cli_finish();
+    return code ? code : written;
 }
 
 int main(int count, char **arguments) {
@@ -32,17 +46,13 @@ int main(int count, char **arguments) {
         return cli_finish();
     }
     for (int k = 0; k < command_count; k++) {
-        cli_request request;
         if (strcmp(commands[k]->name, name) != 0)
             continue;
-        if (!cli_parse(commands[k], count - 2, arguments + 2, &request))
-            return CLI_BAD_INPUT;
-        if (request.help) {
-            cli_help(commands[k]);
-            return cli_finish();
-        }
-        int code = commands[k]->run(&request), written = cli_finish();
-        return code ? code : written;
+        int code = CLI_FAILED;
+        if (!commands[k]->together || ranks_join())
+            code = run_command(commands[k], count - 2, arguments + 2);
+        ranks_leave();
+        return code;
     }
     fprintf(stderr, "saltus: %s: unknown command; saltus --help lists them\n", name);
     return CLI_BAD_INPUT;

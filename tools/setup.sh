@@ -1,5 +1,6 @@
 #!/bin/sh
-# Installs what is missing to build, test and draw on Debian. Sourced by demo.sh and test.sh.
+# Installs what is missing to build, test and draw on Debian. Sourced by demo.sh, paper.sh and test.sh.
+# MPI is optional: sweeps run over several machines where it is there (libopenmpi-dev, openmpi-bin) before the build.
 # SPDX-License-Identifier: GPL-3.0-or-later
 set -eu
 needed="gcc cmake ninja-build pkgconf libgsl-dev liblapacke-dev libcyaml-dev libhdf5-dev gnuplot-nox fonts-dejavu-core"

@@ -129,6 +129,9 @@ void saltus_flow_forces(saltus_flow *flow, int lane, double *forces);
 /* Faces now in lasting contact, as bits. */
 unsigned saltus_flow_contacts(const saltus_flow *flow, int lane);
 saltus_flow_info saltus_flow_information(const saltus_flow *flow, int lane);
+/* Floating-point operations of one lane in one step of the Taylor integrator without an event, a fused
+ * multiply and add counted as two; 0 for the stiff integrator. */
+double saltus_flow_operations(const saltus_flow *flow);
 
 /* Give a lane its next target: advance to time `until` (not before now) or to the first watched event. */
 void saltus_flow_aim(saltus_flow *flow, int lane, saltus_time until, unsigned watch);

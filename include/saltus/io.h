@@ -8,6 +8,7 @@
 #include "saltus/harvest.h"
 #include "saltus/motion.h"
 #include "saltus/scene.h"
+#include "saltus/sweep.h"
 
 #include <stdio.h>
 
@@ -196,6 +197,120 @@ saltus_plot_options saltus_plot_defaults(void);
  * range), SALTUS_IO (gnuplot absent or failed, figure not writable), SALTUS_NO_MEMORY. */
 saltus_status saltus_plot(const char *const *paths, int count, const saltus_plot_options *options,
                           const char *figure, saltus_message *message);
+
+/* A sweep written as an HDF5 file. While the sweep runs every result is appended to a journal beside the file
+ * (`path` with ".journal" added), and every few seconds the file is made anew from it and put in place of the
+ * old one, so that at any time there is a complete, readable file of the results so far, however the run may
+ * end. The finished file depends on the results alone, not on the order in which they came or on how often
+ * the run was interrupted; the journal is then removed. Layout of the file, with attributes `units` and
+ * `description` on every dataset:
+ *
+ *     /               attributes kind = "sweep" or "basins", version, scene, title, model, complete (0:
+ *                     interrupted)
+ *     /parameters     an attribute for each parameter of the scene; /parameters/stop_1, ... for the stops
+ *     /sweep          the options as attributes: keep, seeds, seed, adaptive, transient, record, longest,
+ *                     rtol, atol, order, integrator, dimension, passes ("reset,up,down"), axes, key1,
+ *                     spacing1, key2, spacing2; dataset initial
+ *     /axes           datasets axis1 and axis2 (where there are two): the values
+ *     /rows           one dataset for each member of saltus_sweep_row, of shape [pass][axis2][axis1][seed]
+ *                     (axis2 has length 1 where there is one axis): verdict (enumeration pending,
+ *                     periodic, ...), impacts, periods, sticking, attractor, settled, ..., lyapunov; and
+ *                     `attractors`, the number of distinct ones, of shape [pass][axis2][axis1]
+ *     /turning        where kept: first and count (of shape [pass][axis2][axis1][seed]) point into
+ *                     displacement
+ *     /impacts        first, count, phase, speed, face
+ *     /stroboscopic   first, count, state
+ *     /attractors     of basins: label, impacts, periods, stable, largest_multiplier, first and count
+ *                     into state, the orbits' points at phase 0
+ */
+typedef struct saltus_sweep_output saltus_sweep_output;
+
+/* With `resume` an interrupted run's journal is taken up (none there: an unfinished file without journal and
+ * a file of another sweep are refused with a sentence that names the difference; a finished file of the same
+ * sweep counts as all done). With `basins` the rows' attractors are those of the whole plane. Errors:
+ * SALTUS_BAD_INPUT, SALTUS_IO, SALTUS_NO_MEMORY. */
+saltus_status saltus_sweep_output_open(const char *path, const saltus_sweep *sweep, bool basins, bool resume,
+                                       saltus_sweep_output **output, saltus_message *message);
+/* Whether the result of a place is there already. */
+bool saltus_sweep_output_has(const saltus_sweep_output *output, long long place);
+/* Errors: SALTUS_IO (what was written before stays), SALTUS_NO_MEMORY. A place that is there already is left
+ * as it is. */
+saltus_status saltus_sweep_output_take(saltus_sweep_output *output, const saltus_sweep_result *result,
+                                       saltus_message *message);
+/* Bring the file up to date and free the output (NULL is accepted). The file is complete when all places are
+ * there, and only then the journal is removed. Errors: SALTUS_IO. */
+saltus_status saltus_sweep_output_close(saltus_sweep_output *output, saltus_message *message);
+
+/* A sweep file read back. */
+typedef struct saltus_sweep_file {
+    char version[16];
+    char scene[128], title[160];
+    bool basins, complete;
+    saltus_spec spec; /* of the scene; the axes' keys vary */
+    int axis_count;
+    saltus_axis axes[SALTUS_AXES_MAX]; /* `list` holds all values, whatever the spacing */
+    saltus_sweep_options options;
+    int pass_count;
+    saltus_pass passes[SALTUS_PASSES];
+    long long points, row_count;
+    saltus_sweep_row *rows;
+    int dimension;
+    /* Clouds where kept, otherwise NULL: entries first[row] ... first[row] + count[row] - 1. */
+    long long *turning_first, *turning_count, *impact_first, *impact_count, *strobe_first, *strobe_count;
+    double *turning, *strobes;
+    saltus_sweep_impact *impacts;
+    /* Basins: name, largest multiplier's modulus and points at phase 0 of each attractor. */
+    int attractor_count;
+    char (*attractor_label)[32];
+    double *attractor_multiplier;
+    long long *attractor_first, *attractor_points;
+    double *attractor_states;
+} saltus_sweep_file;
+
+/* On success to be cleared. Errors: SALTUS_BAD_INPUT, SALTUS_NO_MEMORY. */
+saltus_status saltus_sweep_file_read(const char *path, saltus_sweep_file *file, saltus_message *message);
+void saltus_sweep_file_clear(saltus_sweep_file *file);
+
+/* Which table of a sweep file goes to CSV. */
+typedef enum saltus_table {
+    SALTUS_TABLE_ROWS,
+    SALTUS_TABLE_TURNING,
+    SALTUS_TABLE_IMPACTS,
+    SALTUS_TABLE_STROBES
+} saltus_table;
+/* One line per row or cloud point, the axes' values, pass and seed first. Complete or not at all. Errors:
+ * SALTUS_BAD_INPUT where the file does not hold the table, SALTUS_IO. */
+saltus_status saltus_sweep_file_csv(const saltus_sweep_file *file, saltus_table table, const char *path,
+                                    saltus_message *message);
+
+/* What a figure of a sweep shows. */
+typedef enum saltus_view {
+    SALTUS_VIEW_AUTOMATIC, /* clouds over one axis, classes over two, attractors of basins */
+    SALTUS_VIEW_TURNING,   /* displacement diagram */
+    SALTUS_VIEW_IMPACTS,   /* velocity diagram */
+    SALTUS_VIEW_STROBOSCOPIC,
+    SALTUS_VIEW_CLASS,      /* n/p */
+    SALTUS_VIEW_ATTRACTORS, /* how many, or which one of basins */
+    SALTUS_VIEW_LARGEST,    /* displacement */
+    SALTUS_VIEW_SPEED,      /* largest impact speed */
+    SALTUS_VIEW_RATE,       /* impacts per period */
+    SALTUS_VIEW_CONTACT,    /* part of the time in contact */
+    SALTUS_VIEW_LYAPUNOV,
+    SALTUS_VIEW_SETTLED /* periods until the verdict */
+} saltus_view;
+
+typedef struct saltus_sweep_view {
+    saltus_view view;
+    const char *title;             /* NULL: the scene's */
+    const saltus_plot_part *parts; /* shown of the axes' ranges; the caller's */
+    int part_count;
+    const char *const *branches; /* branch files drawn over a diagram; the caller's */
+    int branch_count;
+} saltus_sweep_view;
+
+/* Draw a sweep file. Errors as saltus_plot. */
+saltus_status saltus_plot_sweep(const char *path, const saltus_sweep_view *view, const char *figure,
+                                saltus_message *message);
 
 #ifdef __cplusplus
 }

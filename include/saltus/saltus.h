@@ -13,6 +13,7 @@
 #include "saltus/orbit.h"
 #include "saltus/scene.h"
 #include "saltus/status.h"
+#include "saltus/sweep.h"
 #include "saltus/system.h"
 
 #endif

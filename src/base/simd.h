@@ -17,7 +17,14 @@
 #define SALTUS_PACK 2
 #endif
 
+#if defined(__AVX512F__) || defined(__aarch64__)
+#define SALTUS_PACK_REGISTERS 32
+#else
+#define SALTUS_PACK_REGISTERS 16
+#endif
+
 typedef double saltus_pack __attribute__((vector_size(8 * SALTUS_PACK), may_alias));
+typedef unsigned long long saltus_pack_word __attribute__((vector_size(8 * SALTUS_PACK), may_alias));
 
 /* a * b + c: one rounding where the instruction set has it. */
 static inline saltus_pack saltus_pack_fma(saltus_pack a, saltus_pack b, saltus_pack c) {
@@ -98,6 +105,17 @@ static inline saltus_pack saltus_pack_max_size(saltus_pack a, saltus_pack b) {
         a[i] = size > a[i] ? size : a[i];
     }
     return a;
+#endif
+}
+
+/* a < b ? yes : no, element by element. */
+static inline saltus_pack saltus_pack_if_less(saltus_pack a, saltus_pack b, saltus_pack yes, saltus_pack no) {
+#if defined(__AVX512F__)
+    __mmask8 less = _mm512_cmp_pd_mask((__m512d)a, (__m512d)b, _CMP_LT_OQ);
+    return (saltus_pack)_mm512_mask_blend_pd(less, (__m512d)no, (__m512d)yes);
+#else
+    saltus_pack_word less = (saltus_pack_word)(a < b);
+    return (saltus_pack)((less & (saltus_pack_word)yes) | (~less & (saltus_pack_word)no));
 #endif
 }
 

@@ -81,6 +81,14 @@ void saltus_work_forget(saltus_work *work) {
     memset(work->drive, 0, work->drive_size * sizeof *work->drive);
 }
 
+void saltus_work_clear_states(saltus_work *work) {
+    size_t all = (size_t)work->columns + 1;
+    memset(work->xq, 0, all * (size_t)work->row * sizeof *work->xq);
+    memset(work->xv, 0, all * (size_t)work->row * sizeof *work->xv);
+    if (work->extra_row)
+        memset(work->xe, 0, all * (size_t)work->extra_row * sizeof *work->xe);
+}
+
 void saltus_work_close(saltus_work *work) {
     saltus_arena_close(&work->arena);
 }

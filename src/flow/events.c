@@ -69,37 +69,17 @@ static void propose(saltus_lane *self, saltus_event_kind kind, int face, double 
     self->pending.face = face;
 }
 
-/* The same without forming the polynomial, for a face of which nothing is known beyond its gap's series: the
- * bound in two chains of Horner's rule. Most faces of most steps end here. */
-static bool surely_open(const saltus_flow *flow, int lane, int face, double step) {
-    saltus_face f = flow->lane[lane].system->faces[face];
-    const saltus_face_state *known = &flow->lane[lane].face[face];
-    const double *series =
-        flow->work.gap + (size_t)f.stop * (size_t)(flow->work.order + 2) * (size_t)flow->lanes + lane;
-    if (known->touch || known->shadow)
-        return false;
-    const double square = step * step, start = f.side * series[0] - f.d;
-    const int stride = flow->lanes, degree = degree_of(flow);
-    double odd = 0, even = degree % 2 ? 0 : fmax(0, f.side * series[degree * stride]);
-    for (int k = (degree - 1) / 2 * 2 + 1; k >= 1; k -= 2) {
-        double lift = f.side * series[k * stride], before = k > 1 ? f.side * series[(k - 1) * stride] : 0;
-        odd = odd * square + (lift > 0 ? lift : 0);
-        even = even * square + (before > 0 ? before : 0);
-    }
-    return start + odd * step + even < -1e-14 * fabs(start);
-}
-
 static void search_gaps(saltus_flow *flow, int lane, double step, double *first) {
     saltus_lane *self = &flow->lane[lane];
     int degree = degree_of(flow);
     double c[SALTUS_DEGREE_MAX + 1], root;
     for (int f = 0; f < self->system->face_count; f++) {
-        if (self->contacts >> f & 1 || surely_open(flow, lane, f, step))
+        const saltus_face_state *known = &self->face[f];
+        bool open = known->touch == 0 && !known->shadow && flow->work.margin[f * flow->lanes + lane] < 0;
+        if (self->contacts >> f & 1 || open)
             continue;
         gap_polynomial(flow, lane, f, step, c);
-        if (self->face[f].touch == 0 && surely_negative(c, degree))
-            continue;
-        if (first_rise(c, degree, self->face[f].touch, &root))
+        if (first_rise(c, degree, known->touch, &root))
             propose(self, SALTUS_IMPACT, f, root * step, first);
     }
 }
@@ -197,9 +177,21 @@ void saltus_events_extremes(saltus_flow *flow, int lane, double step) {
     }
 }
 
+/* Whether nothing but a face that may be reached could happen to a lane: none is touched, close or held. */
+static bool undisturbed(const saltus_lane *self) {
+    bool close = self->contacts != 0 || self->coasting || self->watch & SALTUS_WATCH_TURNING;
+    for (int f = 0; f < self->system->face_count; f++)
+        close |= self->face[f].touch != 0 || self->face[f].shadow;
+    return !close;
+}
+
 double saltus_events_first(saltus_flow *flow, int lane, double step) {
     saltus_lane *self = &flow->lane[lane];
     double first = step;
+    self->pending.kind = SALTUS_STEP;
+    self->calm = undisturbed(self);
+    if (self->calm && flow->work.near[lane] < 0)
+        return first;
     self->pending = (saltus_event){.kind = SALTUS_STEP, .face = -1};
     if (self->coasting) {
         if (self->extremes)

@@ -65,7 +65,8 @@ void saltus_flow_restart(saltus_flow *flow, int lane, saltus_time time, const do
     saltus_lane *self = &flow->lane[lane];
     int steady = flow->options.columns - flow->options.directions;
     self->now = self->begin = self->until = saltus_time_after(time, 0);
-    self->aimed = self->turned = self->coasting = false;
+    self->aimed = self->ended = self->turned = self->coasting = false;
+    self->failure = SALTUS_OK;
     self->step = 0;
     self->contacts = 0;
     self->hold.count = 0;
@@ -77,6 +78,8 @@ void saltus_flow_restart(saltus_flow *flow, int lane, saltus_time time, const do
     memset(self->tangents, 0, (size_t)(flow->dimension * flow->options.columns) * sizeof *state);
     for (int c = 0; c < steady && c < flow->dimension; c++)
         self->tangents[c * flow->dimension + c] = 1;
+    if (flow->lanes == 1)
+        saltus_work_clear_states(&flow->work);
     if (flow->radau)
         saltus_radau_reset(flow->radau);
 }
@@ -110,27 +113,22 @@ void saltus_flow_aim(saltus_flow *flow, int lane, saltus_time until, unsigned wa
         flow->work.stops = turning;
 }
 
-/* The step a lane takes: its own, or what is left to the target, or half of that when a sliver would remain.
- */
-static double plan_step(saltus_lane *self, double step) {
-    double left = remaining(self) * self->system->period;
-    self->land = -1;
-    if (step >= left) {
-        self->land = self->until.phase;
-        return left;
+static void set_out(saltus_flow *flow) {
+    saltus_work *w = &flow->work;
+    for (int l = 0; l < flow->lanes; l++) {
+        const saltus_lane *self = &flow->lane[l];
+        w->phase[l] = self->now.phase;
+        w->left[l] = self->aimed ? remaining(self) * self->system->period : 0;
     }
-    return step > 0.5 * left ? 0.5 * left : step;
 }
 
 /* Jets of all lanes, and where each lane's step ends: at its own length, the target or the first event. */
 static saltus_status expand_lanes(saltus_flow *flow, saltus_message *message) {
     saltus_work *w = &flow->work;
-    for (int l = 0; l < flow->lanes; l++)
-        w->phase[l] = flow->lane[l].now.phase;
+    set_out(flow);
     if (flow->integrator == SALTUS_RADAU) {
         saltus_lane *self = &flow->lane[0];
-        double left = remaining(self) * self->system->period;
-        saltus_status status = saltus_radau_step(flow->radau, w, left, &self->info.field_evaluations);
+        saltus_status status = saltus_radau_step(flow->radau, w, w->left[0], &self->info.field_evaluations);
         if (status != SALTUS_OK)
             return saltus_fail(message, status, "no step of the stiff integrator converges at %.15g periods",
                                saltus_time_periods(self->now));
@@ -138,20 +136,28 @@ static saltus_status expand_lanes(saltus_flow *flow, saltus_message *message) {
         flow->kernel->expand(w, w->order);
         flow->kernel->measure(w);
     }
+    flow->kernel->plan(w);
     for (int l = 0; l < flow->lanes; l++) {
         saltus_lane *self = &flow->lane[l];
-        w->advance[l] = 0;
         if (!self->aimed)
             continue;
-        double planned = plan_step(self, w->step[l]);
-        bool moves = planned > 0 && self->now.phase + planned / self->system->period != self->now.phase;
-        if (!moves && remaining(self) > 0)
-            return saltus_fail(message, SALTUS_STALLED,
-                               "the step falls to %.3g at %.15g periods: the motion grows without bound",
-                               planned, saltus_time_periods(self->now));
-        w->advance[l] = saltus_events_first(flow, l, planned);
-        if (self->pending.kind != SALTUS_STEP && w->advance[l] < planned)
-            self->land = -1;
+        const double planned = w->advance[l];
+        bool moves = planned > 0 && self->now.phase + w->passing[l] != self->now.phase;
+        if (!moves && w->left[l] > 0) {
+            self->failure =
+                saltus_fail(&self->why, SALTUS_STALLED,
+                            "the step falls to %.3g at %.15g periods: the motion grows without bound",
+                            planned, saltus_time_periods(self->now));
+            w->advance[l] = w->passing[l] = 0;
+            continue;
+        }
+        const double first = saltus_events_first(flow, l, planned);
+        bool whole = self->pending.kind == SALTUS_STEP || first >= planned;
+        self->lands = planned == w->left[l] && whole;
+        if (first != planned) {
+            w->advance[l] = first;
+            w->passing[l] = first / self->system->period;
+        }
     }
     flow->kernel->evaluate(w, w->order);
     return SALTUS_OK;
@@ -198,41 +204,62 @@ void saltus_flow_keep_contacts(saltus_flow *flow, int lane) {
         saltus_column_settle(flow, lane, c);
 }
 
-/* Move a lane's clock and contact knowledge to the end of its step and apply the event there. */
-static saltus_status conclude(saltus_flow *flow, int lane, saltus_message *message) {
+static saltus_status stalled(const saltus_flow *flow, int lane, bool endless, double gap,
+                             saltus_message *message) {
+    const saltus_lane *self = &flow->lane[lane];
+    return saltus_fail(message, SALTUS_STALLED, "the flow stalls at %.15g periods (%s): gap %.3g, speed %.3g",
+                       saltus_time_periods(self->now),
+                       endless ? "bounces without end; a restitution of 1 never comes to rest under pressure"
+                               : "a gap is passed or an impact has no solution",
+                       gap, self->last_speed);
+}
+
+/* Move a lane's clock to the end of its step. */
+static void pass_time(const saltus_flow *flow, int lane, bool contact_event) {
     saltus_lane *self = &flow->lane[lane];
-    double step = flow->work.advance[lane], gap = 0;
-    bool contact_event = self->pending.kind == SALTUS_IMPACT || self->pending.kind == SALTUS_RELEASE;
-    bool sound = saltus_events_carry(flow, lane, step, contact_event ? self->pending.face : -1, &gap);
+    const double phase = self->now.phase + flow->work.passing[lane];
     self->begin = self->now;
-    self->step = step;
-    self->now = self->land >= 0 ? self->until : saltus_time_after(self->now, step / self->system->period);
-    if (flow->options.directions)
-        saltus_columns_rephase(flow, lane, step);
+    self->step = flow->work.advance[lane];
+    if (self->lands)
+        self->now = self->until;
+    else if (phase < 1)
+        self->now.phase = phase;
+    else
+        self->now = saltus_time_after(self->now, flow->work.passing[lane]);
     self->info.steps++;
     if (flow->integrator == SALTUS_TAYLOR)
         self->info.field_evaluations += flow->work.order;
     self->turned = self->pending.kind == SALTUS_TURNING;
     self->idle_events = contact_event && self->now.phase == self->begin.phase ? self->idle_events + 1 : 0;
     self->cycle_events = self->now.cycle == self->begin.cycle ? self->cycle_events + contact_event : 0;
-    bool goes_on = self->idle_events < idle_events_max && self->cycle_events < impacts_per_period_max;
-    saltus_status status = sound && goes_on ? SALTUS_OK : SALTUS_STALLED;
-    if (status == SALTUS_OK && (self->contacts || self->pending.kind != SALTUS_STEP)) {
+}
+
+/* Move a lane's clock and contact knowledge to the end of its step and apply the event there. */
+static saltus_status conclude(saltus_flow *flow, int lane, saltus_message *message) {
+    saltus_lane *self = &flow->lane[lane];
+    double step = flow->work.advance[lane], gap = 0;
+    bool contact_event = self->pending.kind == SALTUS_IMPACT || self->pending.kind == SALTUS_RELEASE;
+    bool quiet = self->calm && self->pending.kind == SALTUS_STEP;
+    bool sound =
+        quiet || saltus_events_carry(flow, lane, step, contact_event ? self->pending.face : -1, &gap);
+    pass_time(flow, lane, contact_event);
+    if (flow->options.directions)
+        saltus_columns_rephase(flow, lane, step);
+    if (quiet)
+        return SALTUS_OK;
+    bool endless = self->idle_events >= idle_events_max || self->cycle_events >= impacts_per_period_max;
+    if (!sound || endless)
+        return stalled(flow, lane, endless, gap, message);
+    if (self->contacts || self->pending.kind != SALTUS_STEP) {
         saltus_lane_gather_all(flow, lane);
         saltus_flow_keep_contacts(flow, lane);
-        if (self->pending.kind != SALTUS_STEP)
-            status = apply_event(flow, lane);
+        saltus_status status = self->pending.kind != SALTUS_STEP ? apply_event(flow, lane) : SALTUS_OK;
         if (contact_event)
             self->last_speed = self->pending.velocity_before;
         saltus_lane_scatter_all(flow, lane);
+        if (status != SALTUS_OK)
+            return stalled(flow, lane, false, gap, message);
     }
-    if (status != SALTUS_OK)
-        return saltus_fail(message, status, "the flow stalls at %.15g periods (%s): gap %.3g, speed %.3g",
-                           saltus_time_periods(self->now),
-                           goes_on
-                               ? "a gap is passed or an impact has no solution"
-                               : "bounces without end; a restitution of 1 never comes to rest under pressure",
-                           gap, self->last_speed);
     return SALTUS_OK;
 }
 
@@ -277,6 +304,15 @@ static bool next_queued(saltus_flow *flow, int *lane, saltus_event *event) {
     return false;
 }
 
+/* The end of a lane's step. A failure is kept until the lane's turn comes, so that the others finish theirs.
+ */
+static void finish_step(saltus_flow *flow, int lane) {
+    saltus_lane *self = &flow->lane[lane];
+    if (self->failure == SALTUS_OK)
+        self->failure = conclude(flow, lane, &self->why);
+    self->ended = self->failure != SALTUS_OK || finished(self);
+}
+
 saltus_status saltus_flow_run(saltus_flow *flow, int *lane, saltus_event *event, saltus_message *message) {
     if (next_queued(flow, lane, event))
         return SALTUS_OK;
@@ -284,25 +320,24 @@ saltus_status saltus_flow_run(saltus_flow *flow, int *lane, saltus_event *event,
     while (ready < 0) {
         saltus_status status = expand_lanes(flow, message);
         *lane = 0;
-        for (int l = 0; l < flow->lanes && status == SALTUS_OK; l++)
-            if (flow->lane[l].aimed) {
-                status = conclude(flow, l, message);
-                flow->lane[l].ended = finished(&flow->lane[l]);
-                *lane = l;
-            }
         if (status != SALTUS_OK) {
-            flow->lane[*lane].aimed = false;
+            flow->lane[0].aimed = false;
             return status;
         }
+        for (int l = 0; l < flow->lanes; l++)
+            if (flow->lane[l].aimed)
+                finish_step(flow, l);
         ready = waiting_lane(flow);
     }
     saltus_lane *self = &flow->lane[ready];
+    saltus_status failure = self->failure;
     if (!self->ended)
         self->pending = (saltus_event){.kind = SALTUS_REACHED, .face = -1, .time = self->now};
     self->aimed = self->ended = false;
+    self->failure = SALTUS_OK;
     *lane = ready;
     *event = self->pending;
-    return SALTUS_OK;
+    return failure == SALTUS_OK ? failure : saltus_fail(message, failure, "%s", self->why.text);
 }
 
 saltus_status saltus_flow_advance(saltus_flow *flow, saltus_time until, unsigned watch, saltus_event *event,

@@ -41,13 +41,16 @@ typedef struct saltus_lane {
     const saltus_system *system;
     saltus_time now, begin, until;
     unsigned watch;
-    bool aimed, ended;        /* under way; its event waits to be fetched */
+    bool aimed, ended;     /* under way; its event waits to be fetched */
+    saltus_status failure; /* waits likewise, with the reason */
+    saltus_message why;
     bool coasting;            /* events are prescribed from outside: none is searched for */
     saltus_extreme *extremes; /* coasting: where largest gaps and smallest forces are collected, or NULL */
+    bool calm;                /* at the step's begin no face was touched, close or held */
     bool turned;              /* the observer's velocity is zero now, by a turning event */
     double step;              /* length of the last step, for dense output */
-    double land;       /* phase at the end of the step under way, if it lands on the target: -1 otherwise */
-    unsigned contacts; /* faces in lasting contact */
+    bool lands;               /* the step under way ends at the target */
+    unsigned contacts;        /* faces in lasting contact */
     saltus_contact_map hold;
     saltus_face_state face[SALTUS_FACES_MAX];
     saltus_flow_info info;

@@ -16,7 +16,7 @@
 #include "base/memory.h"
 #include "system/system.h"
 
-enum { SALTUS_ORDER_MAX = 40 };
+enum { SALTUS_ORDER_MAX = 40, SALTUS_LANES_MAX = 16 };
 
 typedef struct saltus_kernel saltus_kernel;
 
@@ -28,7 +28,9 @@ typedef struct saltus_work {
     int directions; /* of the columns, the last ones: parameter columns */
     int row, extra_row, stride;
     unsigned terms;
-    int forcing_orders;
+    int lane_orders[SALTUS_LANES_MAX]; /* orders of the forcing's series that matter, per lane ... */
+    int forcing_orders;                /* ... and the most of them */
+    int faces, face_stop[SALTUS_FACES_MAX], face_side[SALTUS_FACES_MAX];
     double *omega_unit; /* per lane: frequency that makes velocities comparable with displacements */
     double tolerance_relative, tolerance_absolute, tolerance_tangent;
     double *q, *v, *e;    /* jets */
@@ -36,7 +38,13 @@ typedef struct saltus_work {
     double *phase;        /* in [0,1), per lane */
     double *limit;        /* largest step of each lane */
     double *step;         /* step that keeps the tolerance, per lane */
+    double *left;         /* time left to the target, per lane; zero where a lane rests */
     double *advance;      /* where to evaluate, per lane */
+    double *period;       /* of the forcing, per lane */
+    double *passing;      /* the planned `advance` in periods, per lane */
+    double *clearance;    /* of each face: [face][lane] */
+    double *margin;       /* negative where a face surely stays open until `advance`: [face][lane] */
+    double *near;         /* the same for all faces at once, per lane */
     double *normal;       /* [stop][row] */
     double *gap;          /* series of normal . q: [stop][order][lane] */
     double *push;         /* directions of contact impulses: [contact][row] */
@@ -50,7 +58,7 @@ typedef struct saltus_work {
     double *table;  /* model's constants per order: [table][order][lane] */
     double *drive;  /* model's scalar series that all columns share: [drive][order][lane] */
     double *ahead;  /* model's rows begun for the next order: [ahead][column][row] */
-    double *series; /* model's other scalar series: [series][order][column][lane] */
+    double *series; /* model's other scalar series: [series][column][order][lane] */
     /* For parameter columns: how what stands above changes along each direction (system.h, saltus_variation).
      */
     double *elapsed;     /* time since the step's begin at the point expanded from, per lane */
@@ -78,8 +86,13 @@ struct saltus_kernel {
     void (*expand)(saltus_work *work, int order);
     /* Jets of the work's full order -> step of each lane. */
     void (*measure)(saltus_work *work);
+    /* Step and what is left -> `advance`, `passing`, margins and `near`: how far to go, and which lanes may
+     * meet a stop. */
+    void (*plan)(saltus_work *work);
     /* Jets -> states at `advance`. */
     void (*evaluate)(saltus_work *work, int order);
+    /* Floating-point operations of one lane in one step, counted from the loops above. */
+    double (*operations)(const saltus_work *work);
 };
 
 /* The kernel for a model at width 1 or at this machine's SIMD width (0), chosen from the instruction sets
@@ -94,6 +107,9 @@ saltus_status saltus_work_open(saltus_work *work, const saltus_kernel *kernel, c
 /* Forget which terms and orders of the forcing the loaded systems have, before they are loaded anew, and with
  * them the directions. */
 void saltus_work_forget(saltus_work *work);
+/* Zero the states, and with them what fills up packs: a trajectory that has overflowed leaves nothing behind.
+ */
+void saltus_work_clear_states(saltus_work *work);
 void saltus_work_close(saltus_work *work);
 
 static inline size_t saltus_work_jet(const saltus_work *work, int order, int column) {

@@ -4,9 +4,13 @@
  *   lane_spread(s)   the pack that multiplies a pack of a row by each lane's own number
  *   lane_of(s)       the number per lane of a pack that holds it spread
  *   row_sum          sum over the modes in a fixed tree, the same at every width, spread
- *   row_couple       product with a coupling matrix
+ *   row_couple       product with a coupling matrix; row_couple_two: two products with the same one
  *   lane_largest     the largest of a row's modes, from the largest of each pack element
- *   lane_alternate   numbers for consecutive orders, as many as a pack holds
+ *   lane_total       sum over the elements of a pack, as far as they belong to one lane
+ *   lane_alternate   numbers for consecutive orders, as many as a pack holds; ORDERS_AT_ONCE of them are even
+ *   lane_word        the bits of a lane_t
+ *   lane_if_less     a < b ? yes : no, lane by lane
+ *   row_block        how many packs of a row are worked on side by side, in registers
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_FLOW_LANES_H
 #define SALTUS_FLOW_LANES_H
@@ -21,8 +25,18 @@ enum { MODES_MAX = 64 };
 #if SALTUS_WIDE
 
 #define LANES SALTUS_PACK
-enum { ROW_PACKS_MAX = MODES_MAX, ORDERS_PER_PACK = 1 };
+enum { ROW_PACKS_MAX = MODES_MAX, ORDERS_PER_PACK = 1, ORDERS_AT_ONCE = 2 };
 typedef saltus_pack lane_t;
+typedef saltus_pack_word lane_word;
+KERNEL_INLINE lane_word lane_bits(lane_t a) {
+    return (lane_word)a;
+}
+KERNEL_INLINE lane_t lane_value(lane_word bits) {
+    return (lane_t)bits;
+}
+KERNEL_INLINE lane_t lane_if_less(lane_t a, lane_t b, lane_t yes, lane_t no) {
+    return saltus_pack_if_less(a, b, yes, no);
+}
 KERNEL_INLINE saltus_pack lane_spread(lane_t s) {
     return s;
 }
@@ -34,9 +48,6 @@ KERNEL_INLINE lane_t lane_constant(double s) {
 }
 KERNEL_INLINE lane_t lane_largest(saltus_pack a) {
     return a;
-}
-KERNEL_INLINE double lane_get(const lane_t *s, int lane) {
-    return (*s)[lane];
 }
 KERNEL_INLINE lane_t lane_fma(lane_t a, lane_t b, lane_t c) {
     return saltus_pack_fma(a, b, c);
@@ -71,20 +82,63 @@ KERNEL_INLINE saltus_pack row_sum(const saltus_pack *row, int n, int packs) {
     return t[0];
 }
 
-/* out -= coupling in; the coupling is plain, row-major, and joins modes of opposite parity only. */
+/* out += coupling in for the modes of one parity. */
+KERNEL_INLINE void row_couple_part(saltus_pack *out, const double *coupling, const saltus_pack *in, int n,
+                                   const int first, const int other) {
+    for (int i = first; i < n; i += 2)
+        for (int j = other; j < n; j += 2)
+            out[i] = saltus_pack_fma(saltus_pack_splat(coupling[i * n + j]), in[j], out[i]);
+}
+
+KERNEL_INLINE void row_couple_part_two(saltus_pack *out, saltus_pack *out2, const double *coupling,
+                                       const saltus_pack *in, const saltus_pack *in2, int n, const int first,
+                                       const int other) {
+    for (int i = first; i < n; i += 2)
+        for (int j = other; j < n; j += 2) {
+            const saltus_pack number = saltus_pack_splat(coupling[i * n + j]);
+            out[i] = saltus_pack_fma(number, in[j], out[i]);
+            out2[i] = saltus_pack_fma(number, in2[j], out2[i]);
+        }
+}
+
+/* out += coupling in; the coupling is plain, row-major, and joins modes of opposite parity only. */
 KERNEL_INLINE void row_couple(saltus_pack *out, const double *coupling, const saltus_pack *in, int n,
                               int packs) {
     (void)packs;
-    for (int i = 0; i < n; i++)
-        for (int j = 1 - i % 2; j < n; j += 2)
-            out[i] = saltus_pack_fnma(saltus_pack_splat(coupling[i * n + j]), in[j], out[i]);
+    row_couple_part(out, coupling, in, n, 0, 1);
+    row_couple_part(out, coupling, in, n, 1, 0);
+}
+
+KERNEL_INLINE void row_couple_two(saltus_pack *out, saltus_pack *out2, const double *coupling,
+                                  const saltus_pack *in, const saltus_pack *in2, int n, int packs) {
+    (void)packs;
+    row_couple_part_two(out, out2, coupling, in, in2, n, 0, 1);
+    row_couple_part_two(out, out2, coupling, in, in2, n, 1, 0);
+}
+
+KERNEL_INLINE lane_t lane_total(saltus_pack a) {
+    return a;
 }
 
 #else
 
 #define LANES 1
-enum { ROW_PACKS_MAX = MODES_MAX / SALTUS_PACK, ORDERS_PER_PACK = SALTUS_PACK };
+enum { ROW_PACKS_MAX = MODES_MAX / SALTUS_PACK, ORDERS_PER_PACK = SALTUS_PACK, ORDERS_AT_ONCE = SALTUS_PACK };
 typedef double lane_t;
+typedef unsigned long long lane_word;
+typedef union lane_both {
+    double value;
+    unsigned long long bits;
+} lane_both;
+KERNEL_INLINE lane_word lane_bits(lane_t a) {
+    return (lane_both){.value = a}.bits;
+}
+KERNEL_INLINE lane_t lane_value(lane_word bits) {
+    return (lane_both){.bits = bits}.value;
+}
+KERNEL_INLINE lane_t lane_if_less(lane_t a, lane_t b, lane_t yes, lane_t no) {
+    return a < b ? yes : no;
+}
 KERNEL_INLINE saltus_pack lane_spread(lane_t s) {
     return saltus_pack_splat(s);
 }
@@ -96,9 +150,6 @@ KERNEL_INLINE lane_t lane_constant(double s) {
 }
 KERNEL_INLINE lane_t lane_largest(saltus_pack a) {
     return saltus_pack_largest(a);
-}
-KERNEL_INLINE double lane_get(const lane_t *s, int lane) {
-    return s[lane];
 }
 KERNEL_INLINE lane_t lane_fma(lane_t a, lane_t b, lane_t c) {
     return saltus_scalar_fma(a, b, c);
@@ -142,7 +193,7 @@ KERNEL_INLINE saltus_pack row_sum(const saltus_pack *row, int n, int packs) {
     return saltus_pack_sum(t[0]);
 }
 
-/* out -= coupling in. Columns 2 j and 2 j + 1 of the coupling share a row of packs, because each mode is
+/* out += coupling in. Columns 2 j and 2 j + 1 of the coupling share a row of packs, because each mode is
  * coupled to one parity only; the order of each mode's sum is that of the wide kernel. */
 KERNEL_INLINE void row_couple(saltus_pack *out, const double *coupling, const saltus_pack *in, int n,
                               int packs) {
@@ -152,11 +203,63 @@ KERNEL_INLINE void row_couple(saltus_pack *out, const double *coupling, const sa
              pair++, column += packs) {
             const saltus_pack both = saltus_pack_swapped_pair(in[block], pair);
             for (int p = 0; p < packs; p++)
-                out[p] = saltus_pack_fnma(column[p], both, out[p]);
+                out[p] = saltus_pack_fma(column[p], both, out[p]);
         }
 }
 
+KERNEL_INLINE void row_couple_two(saltus_pack *out, saltus_pack *out2, const double *coupling,
+                                  const saltus_pack *in, const saltus_pack *in2, int n, int packs) {
+    const saltus_pack *column = (const saltus_pack *)(const void *)coupling;
+    for (int block = 0; block < packs; block++)
+        for (int pair = 0; pair < SALTUS_PACK / 2 && block * SALTUS_PACK + 2 * pair < n;
+             pair++, column += packs) {
+            const saltus_pack both = saltus_pack_swapped_pair(in[block], pair),
+                              both2 = saltus_pack_swapped_pair(in2[block], pair);
+            for (int p = 0; p < packs; p++) {
+                out[p] = saltus_pack_fma(column[p], both, out[p]);
+                out2[p] = saltus_pack_fma(column[p], both2, out2[p]);
+            }
+        }
+}
+
+KERNEL_INLINE lane_t lane_total(saltus_pack a) {
+    return saltus_pack_sum(a)[0];
+}
+
 #endif
+
+KERNEL_INLINE lane_t lane_size(lane_t a) {
+    return lane_if_less(a, lane_constant(0), -a, a);
+}
+
+KERNEL_INLINE lane_t lane_smaller(lane_t a, lane_t b) {
+    return lane_if_less(b, a, b, a);
+}
+
+/* Four accumulators for each pack of a row, its coefficient and the series' numbers should fit into the
+ * registers. */
+enum { ROW_BLOCK_MAX = SALTUS_PACK_REGISTERS >= 32 ? 5 : 2 };
+KERNEL_INLINE int row_block(int packs) {
+    return packs <= ROW_BLOCK_MAX                ? packs
+           : packs % 3 == 0 && ROW_BLOCK_MAX > 3 ? 3
+           : ROW_BLOCK_MAX > 4                   ? 4
+                                                 : 2;
+}
+
+/* A statement for all packs of a row, a block of them at a time: first .. first + count - 1. The count is a
+ * constant where the frame's block is. */
+#define FOR_ROW_BLOCKS(f, first, count, statement)                                                           \
+    do {                                                                                                     \
+        int first = 0;                                                                                       \
+        for (; first + (f).block <= (f).packs; first += (f).block) {                                         \
+            const int count = (f).block;                                                                     \
+            statement;                                                                                       \
+        }                                                                                                    \
+        for (; first < (f).packs; first++) {                                                                 \
+            const int count = 1;                                                                             \
+            statement;                                                                                       \
+        }                                                                                                    \
+    } while (0)
 
 /* Sum of a_i b_i over the modes, spread. */
 KERNEL_INLINE saltus_pack row_dot(const saltus_pack *a, const saltus_pack *b, int n, int packs) {

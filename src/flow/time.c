@@ -9,6 +9,9 @@ double saltus_time_periods(saltus_time time) {
 }
 
 saltus_time saltus_time_after(saltus_time time, double periods) {
-    double phase = time.phase + periods, whole = floor(phase);
+    double phase = time.phase + periods;
+    if (phase >= 0 && phase < 1)
+        return (saltus_time){time.cycle, phase};
+    double whole = floor(phase);
     return (saltus_time){time.cycle + (long long)whole, phase - whole};
 }

@@ -1,14 +1,16 @@
-/* Making HDF5 files in memory, and reading them back with suspicion.
+/* Making HDF5 files, and reading them back with suspicion.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "io/hdf5.h"
 
 #include "io/describe.h"
 
 #include <errno.h>
+#include <math.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 bool saltus_h5_note(saltus_h5 *w, bool good) {
     return w->sound = w->sound && good;
@@ -57,9 +59,17 @@ void saltus_h5_close_group(hid_t group) {
         H5Gclose(group);
 }
 
+static void put_filters(saltus_h5 *w, hid_t list) {
+    enum { level = 6 };
+    saltus_h5_note(w, H5Pset_shuffle(list) >= 0);
+    if (H5Zfilter_avail(H5Z_FILTER_DEFLATE) > 0)
+        saltus_h5_note(w, H5Pset_deflate(list, level) >= 0);
+    saltus_h5_note(w, H5Pset_fletcher32(list) >= 0);
+}
+
 /* Chunks of about 128 KiB; empty datasets are stored plainly. */
 static hid_t layout(saltus_h5 *w, int rank, const hsize_t size[3], size_t entry) {
-    enum { chunk_bytes = 131072, level = 6 };
+    enum { chunk_bytes = 131072 };
     hid_t list = H5Pcreate(H5P_DATASET_CREATE);
     if (!saltus_h5_note(w, list >= 0))
         return list;
@@ -70,10 +80,8 @@ static hid_t layout(saltus_h5 *w, int rank, const hsize_t size[3], size_t entry)
     for (int k = 1; k < rank; k++)
         tall /= size[k];
     chunk[0] = tall < 1 ? 1 : tall > size[0] ? size[0] : tall;
-    saltus_h5_note(w, H5Pset_chunk(list, rank, chunk) >= 0 && H5Pset_shuffle(list) >= 0);
-    if (H5Zfilter_avail(H5Z_FILTER_DEFLATE) > 0)
-        saltus_h5_note(w, H5Pset_deflate(list, level) >= 0);
-    saltus_h5_note(w, H5Pset_fletcher32(list) >= 0);
+    saltus_h5_note(w, H5Pset_chunk(list, rank, chunk) >= 0);
+    put_filters(w, list);
     return list;
 }
 
@@ -96,6 +104,54 @@ void saltus_h5_dataset(saltus_h5 *w, hid_t group, const saltus_h5_column *c, lon
         H5Sclose(space);
     if (list >= 0)
         H5Pclose(list);
+}
+
+/* How a dataset is stored that is written in parts. */
+static hid_t part_layout(saltus_h5 *w, const saltus_h5_column *c, const saltus_h5_shape *shape) {
+    hid_t list = H5Pcreate(H5P_DATASET_CREATE);
+    if (!saltus_h5_note(w, list >= 0))
+        return list;
+    saltus_h5_note(w, H5Pset_obj_track_times(list, 0) >= 0 &&
+                          H5Pset_chunk(list, shape->rank, shape->part) >= 0 &&
+                          H5Pset_fill_value(list, c->memory, c->data) >= 0);
+    put_filters(w, list);
+    return list;
+}
+
+hid_t saltus_h5_open_dataset(saltus_h5 *w, hid_t group, const saltus_h5_column *c,
+                             const saltus_h5_shape *shape) {
+    if (!w->sound)
+        return -1;
+    hid_t list = part_layout(w, c, shape), space = H5Screate_simple(shape->rank, shape->size, NULL);
+    /* A part is written once and as a whole: there is nothing to be kept for later. */
+    hid_t access = H5Pcreate(H5P_DATASET_ACCESS), set = -1;
+    if (saltus_h5_note(w, space >= 0 && access >= 0 && H5Pset_chunk_cache(access, 1, 0, 1) >= 0))
+        set = H5Dcreate2(group, c->name, c->type, space, H5P_DEFAULT, list, access);
+    if (saltus_h5_note(w, set >= 0)) {
+        saltus_h5_text(w, set, "units", c->units);
+        saltus_h5_text(w, set, "description", c->description);
+    }
+    if (access >= 0)
+        H5Pclose(access);
+    if (space >= 0)
+        H5Sclose(space);
+    if (list >= 0)
+        H5Pclose(list);
+    return set;
+}
+
+void saltus_h5_write_part(saltus_h5 *w, hid_t set, hid_t memory, const hsize_t *first, const hsize_t *count,
+                          const void *data) {
+    hid_t place = w->sound ? H5Dget_space(set) : -1;
+    if (!saltus_h5_note(w, place >= 0))
+        return;
+    hid_t here = H5Screate_simple(H5Sget_simple_extent_ndims(place), count, NULL);
+    saltus_h5_note(w, here >= 0 &&
+                          H5Sselect_hyperslab(place, H5S_SELECT_SET, first, NULL, count, NULL) >= 0 &&
+                          H5Dwrite(set, memory, here, place, H5P_DEFAULT, data) >= 0);
+    if (here >= 0)
+        H5Sclose(here);
+    H5Sclose(place);
 }
 
 hid_t saltus_h5_enumeration(saltus_h5 *w, hid_t base, const char *const *words, const int *values,
@@ -135,19 +191,38 @@ void saltus_h5_parameters(saltus_h5 *w, const saltus_spec *spec) {
     }
 }
 
-/* FNV-1a, which any damage to the bytes changes. */
-static uint64_t digest(const unsigned char *bytes, size_t length) {
-    uint64_t hash = 0xcbf29ce484222325u;
+static const uint64_t digest_begin = 0xcbf29ce484222325u;
+
+/* FNV-1a, which any damage to the bytes changes; `hash` is that of what stands before them. */
+static uint64_t digest(uint64_t hash, const unsigned char *bytes, size_t length) {
     for (size_t k = 0; k < length; k++)
         hash = (hash ^ bytes[k]) * 0x100000001b3u;
     return hash;
 }
 
-/* What stands behind the end that HDF5 knows of: programs that change the file drop it. */
-enum { seal_length = 24 };
+/* The seal stands behind the end that HDF5 knows of: programs that change the file drop it. */
+static void write_seal(uint64_t hash, char seal[SALTUS_H5_SEAL + 1]) {
+    snprintf(seal, SALTUS_H5_SEAL + 1, "saltus:%016llx\n", (unsigned long long)hash);
+}
 
-static void write_seal(uint64_t hash, char seal[seal_length + 1]) {
-    snprintf(seal, seal_length + 1, "saltus:%016llx\n", (unsigned long long)hash);
+bool saltus_h5_seal(int descriptor, long long length, char seal[SALTUS_H5_SEAL + 1]) {
+    enum { block = 1 << 16 };
+    unsigned char bytes[block];
+    uint64_t hash = digest_begin;
+    for (long long done = 0; done < length;) {
+        size_t wanted = length - done < block ? (size_t)(length - done) : block;
+        ssize_t got = pread(descriptor, bytes, wanted, (off_t)done);
+        if (got < 0 && errno == EINTR)
+            continue;
+        if (got <= 0) {
+            errno = got < 0 ? errno : EIO;
+            return false;
+        }
+        hash = digest(hash, bytes, (size_t)got);
+        done += got;
+    }
+    write_seal(hash, seal);
+    return true;
 }
 
 void saltus_h5_finish(saltus_h5 *w, FILE *file) {
@@ -156,10 +231,10 @@ void saltus_h5_finish(saltus_h5 *w, FILE *file) {
         size = H5Fget_file_image(w->file, NULL, 0);
     unsigned char *image = size > 0 ? malloc((size_t)size) : NULL;
     if (saltus_h5_note(w, image && H5Fget_file_image(w->file, image, (size_t)size) == size)) {
-        char seal[seal_length + 1];
-        write_seal(digest(image, (size_t)size), seal);
+        char seal[SALTUS_H5_SEAL + 1];
+        write_seal(digest(digest_begin, image, (size_t)size), seal);
         fwrite(image, 1, (size_t)size, file);
-        fwrite(seal, 1, seal_length, file);
+        fwrite(seal, 1, SALTUS_H5_SEAL, file);
     }
     free(image);
     if (w->file >= 0)
@@ -192,18 +267,16 @@ void saltus_h5_restore(const saltus_h5_silence *silence) {
  */
 static bool undamaged(FILE *file) {
     struct stat facts;
-    size_t length = fstat(fileno(file), &facts) == 0 && S_ISREG(facts.st_mode) ? (size_t)facts.st_size : 0;
-    if (length <= seal_length)
+    char seal[SALTUS_H5_SEAL + 1], there[SALTUS_H5_SEAL];
+    int descriptor = fileno(file);
+    long long length = fstat(descriptor, &facts) == 0 && S_ISREG(facts.st_mode) ? facts.st_size : 0;
+    if (length <= SALTUS_H5_SEAL)
         return true;
-    unsigned char *bytes = malloc(length);
-    char seal[seal_length + 1];
-    bool sound = bytes && fread(bytes, 1, length, file) == length;
-    if (sound && memcmp(bytes + length - seal_length, "saltus:", 7) == 0) {
-        write_seal(digest(bytes, length - seal_length), seal);
-        sound = memcmp(bytes + length - seal_length, seal, seal_length) == 0;
-    }
-    free(bytes);
-    return sound;
+    length -= SALTUS_H5_SEAL;
+    if (pread(descriptor, there, sizeof there, (off_t)length) != SALTUS_H5_SEAL)
+        return false;
+    return memcmp(there, "saltus:", 7) != 0 ||
+           (saltus_h5_seal(descriptor, length, seal) && memcmp(there, seal, sizeof there) == 0);
 }
 
 hid_t saltus_h5_read_file(const char *path, saltus_message *message) {
@@ -258,40 +331,100 @@ bool saltus_h5_get_text(hid_t owner, const char *name, char *text, size_t room) 
     return fits;
 }
 
-/* Open a dataset and its extent, at most three dimensions; the rank, or -1. */
-static int open_extent(hid_t file, const char *name, hid_t *set, hsize_t size[3]) {
+/* Open a dataset and its extent; the rank, or -1. */
+static int open_extent(hid_t file, const char *name, hid_t *set, hsize_t size[SALTUS_H5_RANK_MAX]) {
     *set = H5Lexists(file, name, H5P_DEFAULT) > 0 ? H5Dopen2(file, name, H5P_DEFAULT) : -1;
     hid_t space = *set >= 0 ? H5Dget_space(*set) : -1;
     int rank = space >= 0 ? H5Sget_simple_extent_ndims(space) : -1;
-    if (rank < 1 || rank > 3 || H5Sget_simple_extent_dims(space, size, NULL) != rank)
+    if (rank < 1 || rank > SALTUS_H5_RANK_MAX || H5Sget_simple_extent_dims(space, size, NULL) != rank)
         rank = -1;
     if (space >= 0)
         H5Sclose(space);
     return rank;
 }
 
-long long saltus_h5_rows(hid_t file, const char *name) {
+int saltus_h5_extent(hid_t file, const char *name, hsize_t size[SALTUS_H5_RANK_MAX], hsize_t *stored) {
     hid_t set;
-    hsize_t size[3] = {0};
     int rank = open_extent(file, name, &set, size);
+    *stored = rank < 0 ? 0 : H5Dget_storage_size(set);
     if (set >= 0)
         H5Dclose(set);
-    return rank < 0 ? -1 : (long long)size[0];
+    return rank;
 }
 
-bool saltus_h5_get_dataset(hid_t file, const char *name, hid_t memory, long long rows, const int width[2],
-                           void *data) {
+long long saltus_h5_rows(hid_t file, const char *name) {
+    hsize_t size[SALTUS_H5_RANK_MAX] = {0}, stored;
+    return saltus_h5_extent(file, name, size, &stored) < 0 ? -1 : (long long)size[0];
+}
+
+bool saltus_h5_get_array(hid_t file, const char *name, hid_t memory, int rank, const hsize_t *size,
+                         void *data) {
     hid_t set;
-    hsize_t size[3] = {0};
-    bool fits = open_extent(file, name, &set, size) == 1 + (width[0] > 0) + (width[1] > 0) &&
-                size[0] == (hsize_t)rows && size[1] == (hsize_t)width[0] && size[2] == (hsize_t)width[1];
+    hsize_t there[SALTUS_H5_RANK_MAX] = {0}, entries = 1;
+    bool fits = open_extent(file, name, &set, there) == rank;
+    for (int k = 0; k < rank && fits; k++) {
+        fits = there[k] == size[k];
+        entries = size[k] ? entries : 0;
+    }
     hid_t type = fits ? H5Dget_type(set) : -1;
     fits = type >= 0 && H5Tget_class(type) == H5Tget_class(memory) &&
            (H5Tget_class(memory) != H5T_STRING || H5Tis_variable_str(type) == 0);
-    fits = fits && (rows == 0 || H5Dread(set, memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) >= 0);
+    fits = fits && (entries == 0 || H5Dread(set, memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) >= 0);
     if (type >= 0)
         H5Tclose(type);
     if (set >= 0)
         H5Dclose(set);
     return fits;
+}
+
+bool saltus_h5_get_dataset(hid_t file, const char *name, hid_t memory, long long rows, const int width[2],
+                           void *data) {
+    const hsize_t size[3] = {(hsize_t)rows, (hsize_t)width[0], (hsize_t)width[1]};
+    return saltus_h5_get_array(file, name, memory, 1 + (width[0] > 0) + (width[1] > 0), size, data);
+}
+
+static bool get_stop(hid_t file, const char *name, bool pipe, saltus_stop *stop) {
+    char sides[16] = "";
+    int k = SALTUS_UPPER;
+    hid_t group = H5Gopen2(file, name, H5P_DEFAULT);
+    if (group < 0)
+        return false;
+    *stop = saltus_stop_defaults();
+    bool whole = pipe ? saltus_h5_get_double(group, "xi", &stop->xi)
+                      : saltus_h5_get_double(group, "weight1", &stop->weight[0]) &&
+                            saltus_h5_get_double(group, "weight2", &stop->weight[1]);
+    whole = whole && saltus_h5_get_double(group, "d", &stop->d) &&
+            saltus_h5_get_double(group, "r", &stop->r) &&
+            saltus_h5_get_text(group, "sides", sides, sizeof sides);
+    H5Gclose(group);
+    while (k <= SALTUS_BOTH && strcmp(sides, saltus_sides_word((saltus_sides)k)) != 0)
+        k++;
+    stop->sides = (saltus_sides)k;
+    return whole && k <= SALTUS_BOTH && isfinite(stop->xi) && isfinite(stop->weight[0]) &&
+           isfinite(stop->weight[1]) && isfinite(stop->d) && isfinite(stop->r);
+}
+
+const char *saltus_h5_get_parameters(hid_t file, const saltus_model *model, saltus_spec *spec) {
+    int count;
+    const saltus_parameter *p = saltus_model_parameters(model, &count);
+    const char *lacking = NULL;
+    *spec = saltus_spec_defaults(model);
+    hid_t group =
+        H5Lexists(file, "parameters", H5P_DEFAULT) > 0 ? H5Gopen2(file, "parameters", H5P_DEFAULT) : -1;
+    if (group < 0)
+        return "parameters";
+    for (int k = 0; k < count && !lacking; k++)
+        if (!saltus_h5_get_double(group, p[k].name, &spec->parameters[k]) || !isfinite(spec->parameters[k]))
+            lacking = p[k].name;
+    H5Gclose(group);
+    for (; spec->stop_count < SALTUS_STOPS_MAX && !lacking; spec->stop_count++) {
+        char name[32];
+        snprintf(name, sizeof name, "parameters/stop_%d", spec->stop_count + 1);
+        if (H5Lexists(file, name, H5P_DEFAULT) <= 0)
+            break;
+        if (!get_stop(file, name, strcmp(saltus_model_name(model), "pipe") == 0,
+                      &spec->stops[spec->stop_count]))
+            lacking = "a stop";
+    }
+    return lacking;
 }

@@ -1,7 +1,8 @@
 /* Private: the pieces that HDF5 files are made of, and reading them back.
  *
  * Files are made in memory by HDF5's core driver and then written as one piece, so a full disk is an ordinary
- * write error and no half-made file is ever seen. Time stamps are off, so equal results give equal files.
+ * write error and no half-made file is ever seen; those of sweeps, which may be larger than the memory, are
+ * made on disk (io/hdf5_disk.h). Time stamps are off, so equal results give equal files.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_IO_HDF5_H
 #define SALTUS_IO_HDF5_H
@@ -53,8 +54,28 @@ typedef struct saltus_h5_column {
  * unused widths are 0. Extensible, in chunks, shuffled, deflated and with checksums. */
 void saltus_h5_dataset(saltus_h5 *w, hid_t group, const saltus_h5_column *c, long long rows,
                        const int width[2]);
+enum { SALTUS_H5_RANK_MAX = 4 };
+
+/* Extent of a dataset, and of the parts in which it is stored and written. */
+typedef struct saltus_h5_shape {
+    int rank;
+    hsize_t size[SALTUS_H5_RANK_MAX], part[SALTUS_H5_RANK_MAX];
+} saltus_h5_shape;
+
+/* A dataset to be written part by part, each of them once; where nothing is written stands c->data, one
+ * entry. To be closed; negative on failure. */
+hid_t saltus_h5_open_dataset(saltus_h5 *w, hid_t group, const saltus_h5_column *c,
+                             const saltus_h5_shape *shape);
+/* Write the entries from `first` on, `count` of them along each dimension. */
+void saltus_h5_write_part(saltus_h5 *w, hid_t set, hid_t memory, const hsize_t *first, const hsize_t *count,
+                          const void *data);
 /* An enumeration of `count` words with the values 0, 1, ... or the given ones; to be closed. */
 hid_t saltus_h5_enumeration(saltus_h5 *w, hid_t base, const char *const *words, const int *values, int count);
+
+enum { SALTUS_H5_SEAL = 24 };
+/* The seal of the first `length` bytes of a file: SALTUS_H5_SEAL characters and a NUL. False, with errno,
+ * when they cannot be read. */
+bool saltus_h5_seal(int descriptor, long long length, char seal[SALTUS_H5_SEAL + 1]);
 
 /* Open a file for reading; negative after a sentence in the message. */
 hid_t saltus_h5_read_file(const char *path, saltus_message *message);
@@ -67,5 +88,14 @@ long long saltus_h5_rows(hid_t file, const char *name);
 /* Read a dataset of known size, as written by saltus_h5_dataset; false when it differs. */
 bool saltus_h5_get_dataset(hid_t file, const char *name, hid_t memory, long long rows, const int width[2],
                            void *data);
+/* The same for any rank up to SALTUS_H5_RANK_MAX. */
+bool saltus_h5_get_array(hid_t file, const char *name, hid_t memory, int rank, const hsize_t *size,
+                         void *data);
+/* Rank and extent of a dataset, and the bytes that it takes in the file; the rank is -1 when there is none of
+ * that name. */
+int saltus_h5_extent(hid_t file, const char *name, hsize_t size[SALTUS_H5_RANK_MAX], hsize_t *stored);
+/* The groups /parameters and /parameters/stop_1, ... as written by saltus_h5_parameters, of a known model.
+ * NULL when all is there and finite, otherwise what is not. */
+const char *saltus_h5_get_parameters(hid_t file, const saltus_model *model, saltus_spec *spec);
 
 #endif

@@ -49,7 +49,7 @@ static void put_style(FILE *file) {
 }
 
 /* What a parameter means, followed by its symbol; the bare symbol where the meaning is a formula. */
-static void name_parameter(const saltus_spec *spec, const char *key, saltus_line *line) {
+void saltus_plot_name_parameter(const saltus_spec *spec, const char *key, saltus_line *line) {
     int count, stops;
     const saltus_parameter *p = saltus_model_parameters(spec->model, &count);
     const saltus_parameter *s = saltus_stop_parameters(&stops);
@@ -92,9 +92,9 @@ static void put_axes(const saltus_plot_page *page) {
     const saltus_branch_options *o = &page->files[0].options;
     const saltus_spec *spec = &page->files[0].spec;
     saltus_line x = {.length = 0}, y = {.length = 0};
-    name_parameter(spec, o->key[0], &x);
+    saltus_plot_name_parameter(spec, o->key[0], &x);
     if (page->locus)
-        name_parameter(spec, o->key[1], &y);
+        saltus_plot_name_parameter(spec, o->key[1], &y);
     else
         name_measure(page, &y);
     fprintf(page->file, "set xlabel '%s'\nset xrange [%.12g:%.12g]\n", x.text, page->x.low, page->x.high);
@@ -171,7 +171,7 @@ static void put_caption(const saltus_plot_page *page) {
             height - 0.026 - 0.024 * rows, height + 0.008, rows);
 }
 
-static void put_curves(const saltus_plot_page *page) {
+void saltus_plot_curves(const saltus_plot_page *page) {
     static const char *const look[SALTUS_STROKES] = {"lw 2.6", "dt (9,6) lw 1.9", "dt (2,5) lw 1.3"};
     static const char *const border[SALTUS_STROKES] = {"lw 2.6", "dt (7,9) lw 1.2", "lw 1"};
     for (int stroke = SALTUS_STROKES - 1; stroke >= 0; stroke--)
@@ -182,7 +182,7 @@ static void put_curves(const saltus_plot_page *page) {
 }
 
 /* Marks with a white rim, which lifts them off the curves; those that often lie under others come last. */
-static void put_marks(const saltus_plot_page *page) {
+void saltus_plot_marks(const saltus_plot_page *page) {
     for (int kind = SALTUS_POINT_KINDS - 1; kind >= SALTUS_POINT_LP; kind--) {
         const char *word = saltus_point_word((saltus_point_kind)kind);
         bool solid = kind != SALTUS_POINT_EP && kind != SALTUS_POINT_UZ && kind != SALTUS_POINT_ST;
@@ -218,7 +218,7 @@ static void put_line_legend(const saltus_plot_page *page) {
     }
 }
 
-static void put_legend(const saltus_plot_page *page) {
+void saltus_plot_legend(const saltus_plot_page *page) {
     put_line_legend(page);
     for (int kind = SALTUS_POINT_LP; kind < SALTUS_POINT_KINDS; kind++)
         if (has_kind(page, (saltus_point_kind)kind))
@@ -235,9 +235,9 @@ static void write_script(const saltus_plot_page *page, const char *path) {
     put_caption(page);
     saltus_plot_labels(page);
     fputs("plot \\\n", page->file);
-    put_curves(page);
-    put_marks(page);
-    put_legend(page);
+    saltus_plot_curves(page);
+    saltus_plot_marks(page);
+    saltus_plot_legend(page);
 }
 
 /* Without a wish: impact speeds where there are impacts, displacements otherwise. */
@@ -415,6 +415,36 @@ static saltus_status check_options(const saltus_branch_file *file, const saltus_
     return SALTUS_OK;
 }
 
+/* Whether a file is of a sweep; what else is wrong with it is left to its reader. */
+static bool is_sweep(const char *path) {
+    saltus_h5_silence silence;
+    char kind[32] = "";
+    if (!saltus_h5_quiet(&silence))
+        return false;
+    hid_t file = saltus_h5_read_file(path, NULL);
+    bool known = file >= 0 && saltus_h5_get_text(file, "kind", kind, sizeof kind);
+    if (file >= 0)
+        H5Fclose(file);
+    saltus_h5_restore(&silence);
+    return known && (strcmp(kind, "sweep") == 0 || strcmp(kind, "basins") == 0);
+}
+
+/* Draw a sweep where the first file is one; *drawn tells. */
+static saltus_status draw_sweep(const char *const *paths, int count, const saltus_plot_options *options,
+                                const char *figure, bool *drawn, saltus_message *message) {
+    saltus_sweep_view view = {.parts = options->parts, .part_count = options->part_count};
+    *drawn = is_sweep(paths[0]);
+    if (!*drawn)
+        return SALTUS_OK;
+    if (count > 1)
+        return saltus_fail(message, SALTUS_BAD_INPUT,
+                           "%.200s: is a sweep, which is drawn alone or with branches", paths[0]);
+    if (options->show != SALTUS_SHOW_AUTOMATIC || options->label_count)
+        return saltus_fail(message, SALTUS_BAD_INPUT,
+                           "%.200s: is a sweep; what is shown of it is chosen as a view", paths[0]);
+    return saltus_plot_sweep(paths[0], &view, figure, message);
+}
+
 saltus_status saltus_plot(const char *const *paths, int count, const saltus_plot_options *options,
                           const char *figure, saltus_message *message) {
     saltus_status status = SALTUS_OK;
@@ -423,6 +453,10 @@ saltus_status saltus_plot(const char *const *paths, int count, const saltus_plot
         return saltus_fail(message, SALTUS_BAD_INPUT, "%s: the ending must be .png, .pdf or .svg", figure);
     if (count < 1)
         return saltus_fail(message, SALTUS_BAD_INPUT, "there is no file to draw");
+    bool sweep;
+    status = draw_sweep(paths, count, options, figure, &sweep, message);
+    if (sweep)
+        return status;
     saltus_branch_file *files = calloc((size_t)count, sizeof *files);
     if (!files)
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for %d branch files", count);

@@ -5,15 +5,14 @@
 #include "motion/motion.h"
 
 #include <gsl/gsl_randist.h>
-#include <gsl/gsl_rng.h>
 #include <stdlib.h>
 #include <string.h>
 
 /* Section points of the same orbit agree to Newton's accuracy; distinct orbits do not. */
 static const double same_point = 1e-6;
 
-static saltus_status random_state(const saltus_system *system, gsl_rng *rng, double *state,
-                                  saltus_message *message) {
+saltus_status saltus_motion_random_state(const saltus_system *system, gsl_rng *rng, double *state,
+                                         saltus_message *message) {
     enum { tries_max = 10000 };
     const double *scale = saltus_system_scale(system);
     for (int k = 0; k < tries_max; k++) {
@@ -83,7 +82,7 @@ saltus_status saltus_attractors_find(const saltus_system *system, int seeds, uns
         gsl_rng_set(rng, seed);
     for (int k = 0; k < seeds && status == SALTUS_OK; k++) {
         saltus_motion motion = {0};
-        status = random_state(system, rng, state, message);
+        status = saltus_motion_random_state(system, rng, state, message);
         if (status == SALTUS_OK)
             status = saltus_classify(system, state, options, &motion, message);
         if (status == SALTUS_OK)

@@ -42,16 +42,21 @@ static bool append_event(saltus_motion *motion, const saltus_event *event) {
     return true;
 }
 
-static void count_event(const saltus_system *system, const saltus_event *event, saltus_motion *motion,
-                        bool *chatter) {
-    bool impact = event->velocity_before != 0 && event->kind != SALTUS_RELEASE;
+bool saltus_event_strikes(const saltus_event *event) {
+    return (event->kind == SALTUS_IMPACT || event->kind == SALTUS_STICK) && event->velocity_before != 0;
+}
+
+void saltus_tally_event(saltus_tally *tally, const saltus_system *system, const saltus_event *event) {
+    if (event->kind != SALTUS_IMPACT && event->kind != SALTUS_STICK && event->kind != SALTUS_RELEASE)
+        return;
+    tally->events++;
     if (event->kind == SALTUS_STICK) {
-        motion->sticking_intervals++;
-        *chatter |= saltus_system_face(system, event->face).r > 0 && motion->event_count > 1;
+        tally->sticks++;
+        tally->chatter |= saltus_system_face(system, event->face).r > 0 && tally->events > 1;
     }
-    if (impact && event->kind != SALTUS_TURNING) {
-        motion->impacts++;
-        motion->impacts_by_face[event->face]++;
+    if (saltus_event_strikes(event)) {
+        tally->impacts++;
+        tally->by_face[event->face]++;
     }
 }
 
@@ -66,7 +71,7 @@ static void see_displacement(const saltus_system *system, const double *state, s
 
 /* Once around the orbit from its section point: events, section points, extremes. */
 static saltus_status walk_orbit(const saltus_system *system, saltus_flow *flow, saltus_motion *motion,
-                                bool *chatter, saltus_message *message) {
+                                saltus_tally *tally, saltus_message *message) {
     size_t n = (size_t)motion->dimension;
     saltus_status status = saltus_flow_start(flow, 0, (saltus_time){0, 0}, motion->state, message);
     motion->largest = -INFINITY;
@@ -86,14 +91,17 @@ static saltus_status walk_orbit(const saltus_system *system, saltus_flow *flow, 
             motion->largest = fmax(motion->largest, event.displacement);
             motion->smallest = fmin(motion->smallest, event.displacement);
         } else {
-            double g = event.displacement;
+            double g = event.displacement, after[SALTUS_STATE_MAX];
             if (saltus_system_face(system, event.face).stop == 0) {
                 motion->largest = fmax(motion->largest, g);
                 motion->smallest = fmin(motion->smallest, g);
+            } else {
+                saltus_flow_state(flow, 0, after);
+                see_displacement(system, after, motion);
             }
             if (!append_event(motion, &event))
                 return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the events");
-            count_event(system, &event, motion, chatter);
+            saltus_tally_event(tally, system, &event);
         }
     }
     return status;
@@ -197,17 +205,20 @@ static bool take_orbit(const saltus_orbit *orbit, saltus_motion *motion) {
 saltus_status saltus_motion_take(const saltus_system *system, saltus_flow *flow, const saltus_orbit *orbit,
                                  const saltus_classify_options *options, saltus_motion *motion,
                                  saltus_message *message) {
-    bool chatter = false;
+    saltus_tally tally = {0};
     if (!take_orbit(orbit, motion))
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the orbit");
-    saltus_status status = walk_orbit(system, flow, motion, &chatter, message);
+    saltus_status status = walk_orbit(system, flow, motion, &tally, message);
+    motion->impacts = tally.impacts;
+    motion->sticking_intervals = tally.sticks;
+    memcpy(motion->impacts_by_face, tally.by_face, sizeof tally.by_face);
     if (status == SALTUS_OK && motion->event_count == 0 && saltus_flow_contacts(flow, 0)) {
         motion->kind = SALTUS_HELD;
         status = measure_forces(system, options, motion, message);
     }
     if (status == SALTUS_OK)
         status = find_mirror(system, flow, motion, message);
-    write_label(motion, chatter);
+    write_label(motion, tally.chatter);
     return status;
 }
 

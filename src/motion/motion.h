@@ -5,6 +5,8 @@
 
 #include "saltus/motion.h"
 
+#include <gsl/gsl_rng.h>
+
 enum { SALTUS_STATE_MAX = 160 };
 
 /* Largest difference of two states, each component relative to the system's scale. */
@@ -14,6 +16,24 @@ double saltus_section_distance(const saltus_system *system, const double *a, con
 bool saltus_motion_orbit_stable(const saltus_orbit *orbit);
 /* Options of Newton's method that suit those of a classification. */
 saltus_orbit_options saltus_motion_shooting(const saltus_classify_options *options);
+
+/* A state drawn from the system's scales, beyond no stop. Errors: SALTUS_BAD_INPUT where none could be found.
+ */
+saltus_status saltus_motion_random_state(const saltus_system *system, gsl_rng *rng, double *state,
+                                         saltus_message *message);
+
+/* The contact events of one orbit, counted (model.md, section 4). */
+typedef struct saltus_tally {
+    long long impacts, events;
+    long long by_face[SALTUS_FACES_MAX];
+    int sticks;
+    bool chatter; /* infinitely many impacts ended in a sticking interval */
+} saltus_tally;
+
+/* Count an impact, a stick or a release; other events do not count. */
+void saltus_tally_event(saltus_tally *tally, const saltus_system *system, const saltus_event *event);
+/* Whether an event reverses the normal velocity: an impact, or a stick with which a chatter ends. */
+bool saltus_event_strikes(const saltus_event *event);
 
 /* An undecided motion with room for a state; false if there is no memory. */
 bool saltus_motion_open(const saltus_system *system, saltus_motion *motion);

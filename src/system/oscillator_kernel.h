@@ -7,6 +7,13 @@
 
 #define MODEL_NAME "oscillator"
 
+/* Its few operations leave nothing to gain from loops of their own. */
+enum { model_rows_common = 0 };
+KERNEL_INLINE unsigned model_common_terms(int rows) {
+    (void)rows;
+    return 0;
+}
+
 enum { drive_force, model_drives };
 enum { table_force, model_tables };
 enum { model_series, model_rows_ahead = 0 };
@@ -21,8 +28,14 @@ static void model_load(saltus_work *w, int lane, const saltus_system *system) {
 }
 
 KERNEL_INLINE void model_forcing(frame f, int order, lane_t sine, lane_t cosine) {
-    for (int k = 0; k <= order; k += ORDERS_PER_PACK)
-        *DRIVE_PACK(drive_force, k) = *TABLE(table_force, k) * lane_alternate(cosine, sine, k);
+    for (int k = 0; k <= order; k += ORDERS_AT_ONCE)
+        for (int j = 0; j < ORDERS_AT_ONCE; j += ORDERS_PER_PACK)
+            *DRIVE_PACK(drive_force, k + j) = *TABLE(table_force, k + j) * lane_alternate(cosine, sine, j);
+}
+
+KERNEL_INLINE void model_start(frame f, int c) {
+    (void)f;
+    (void)c;
 }
 
 /* d cos(theta + omega t) / d omega = -(elapsed + t) sin(theta + omega t), `elapsed` being the time since
@@ -66,9 +79,8 @@ KERNEL_INLINE void model_source(frame f, int k, int c, int d, double inverse, sa
 }
 
 /* Coefficient k + 1 of q' and of the Maxwell force, for the trajectory (c = 0) or a tangent vector. */
-KERNEL_INLINE void model_order(frame f, int k, int c, double inverse, const saltus_pack *velocity,
-                               saltus_pack *next) {
-    const saltus_pack *q = JET(f.q, k, c);
+KERNEL_INLINE void model_order(frame f, int k, int c, double inverse, saltus_pack *next) {
+    const saltus_pack *q = JET(f.q, k, c), *velocity = JET(f.v, k, c);
     const saltus_pack *column[] = {ROW(oscillator_k1), ROW(oscillator_c1), ROW(oscillator_k2),
                                    ROW(oscillator_c2)};
     for (int p = 0; p < f.packs; p++) {
@@ -88,6 +100,18 @@ KERNEL_INLINE void model_order(frame f, int k, int c, double inverse, const salt
     if (f.terms & SALTUS_TERM_EXTRA)
         *EXTRA(k + 1, c) = inverse * lane_fma(*SCALAR(oscillator_kz), row_element(velocity, 0),
                                               -*SCALAR(oscillator_rate_z) * *EXTRA(k, c));
+}
+
+static double model_forcing_operations(const saltus_work *w) {
+    return w->order + 1;
+}
+
+/* The operations of model_order. */
+static double model_operations(const saltus_work *w, int k, int c) {
+    const bool extra = w->terms & SALTUS_TERM_EXTRA;
+    const double row = 4.0 * w->dof + 1 + (w->terms & SALTUS_TERM_FORCED && c == 0 ? 2 : 0) +
+                       (extra ? 2 : 0) + (k == 0 && c == 0 ? 1 : 0);
+    return w->dof * row + (extra ? 4 : 0);
 }
 
 #endif

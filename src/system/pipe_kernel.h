@@ -15,12 +15,26 @@
 
 #define MODEL_NAME "pipe"
 
-/* 2 sqrt(beta) u, sqrt(beta) u', the part -u^2 - sqrt(beta) u' / 2 of W, and all of the trajectory's W. */
-enum { drive_velocity, drive_gradient, drive_tension, drive_all_tension, model_drives };
-enum { table_velocity, table_gradient, table_tension, table_tension_gradient, table_tension2, model_tables };
+/* Systems of so many rows have loops of their own, if they have the terms that such systems mostly have. */
+enum { model_rows_common = SALTUS_WIDE ? 8 : 2 };
+KERNEL_INLINE unsigned model_common_terms(int rows) {
+    return SALTUS_TERM_FORCED | SALTUS_TERM_CUBIC | (SALTUS_WIDE && rows == 1 ? 0 : SALTUS_TERM_COUPLED);
+}
+
+/* 2 sqrt(beta) u, sqrt(beta) u' and the part -u^2 - sqrt(beta) u' / 2 of W. */
+enum { drive_velocity, drive_gradient, drive_tension, model_drives };
+enum { table_velocity, table_gradient, table_tension, table_tension2, model_tables };
 enum { series_square, series_tension, model_series };
 enum { vary_velocity, vary_gradient, vary_tension, vary_all_tension, model_vary_drives };
-enum { ahead_tension, ahead_gradient, ahead_velocity, ahead_square, model_rows_ahead };
+enum {
+    ahead_resting, /* begun for the next order */
+    ahead_moving,
+    ahead_square,
+    ahead_start,  /* lambda^2 q_0 */
+    ahead_second, /* lambda^2 q_1 */
+    ahead_first,  /* lambda^2 + W_0 */
+    model_rows_ahead
+};
 
 /* Orders of sin(omega t + phase) are omega^k / k! times sine, cosine, -sine, -cosine in turn; the signs go
  * into the tables. Beyond the orders that matter all is zero. */
@@ -31,178 +45,335 @@ static void model_load(saltus_work *w, int lane, const saltus_system *system) {
     for (int k = 0; k < w->order_span; k++) {
         double *t = w->table + (size_t)k * (size_t)w->lanes + lane;
         size_t stride = (size_t)w->order_span * (size_t)w->lanes;
-        double matters = c->terms & SALTUS_TERM_FORCED && k <= c->forcing_orders;
+        double matters = c->terms & SALTUS_TERM_FORCED && k <= w->lane_orders[lane];
         double sine = k & 2 ? -matters : matters, cosine = (k + 1) & 2 ? -matters : matters;
         t[table_velocity * stride] = 2 * root_beta * u0 * sigma * single * sine;
         t[table_gradient * stride] = root_beta * u0 * sigma * system->omega * single * cosine;
         t[table_tension * stride] = -2 * u0 * u0 * sigma * single * sine;
-        t[table_tension_gradient * stride] = -0.5 * t[table_gradient * stride];
         t[table_tension2 * stride] = 0.5 * u0 * u0 * sigma * sigma * twice * cosine;
         single *= system->omega / (k + 1);
         twice *= 2 * system->omega / (k + 1);
     }
 }
 
+/* Orders k, k + 1, ... of the drives, as many as a pack holds; k is even or the sines have changed places. */
+KERNEL_INLINE void model_forcing_orders(frame f, int k, saltus_pack s, saltus_pack c, saltus_pack twice) {
+    const saltus_pack gradient = *TABLE(table_gradient, k) * c;
+    saltus_pack tension = saltus_pack_fma(*TABLE(table_tension, k), s, *TABLE(table_tension2, k) * twice);
+    *DRIVE_PACK(drive_velocity, k) = *TABLE(table_velocity, k) * s;
+    *DRIVE_PACK(drive_gradient, k) = gradient;
+    *DRIVE_PACK(drive_tension, k) = tension - 0.5 * gradient;
+}
+
 KERNEL_INLINE void model_forcing(frame f, int order, lane_t sine, lane_t cosine) {
     const lane_t *root_beta = SCALAR(pipe_root_beta), *u0 = SCALAR(pipe_u0), *sigma = SCALAR(pipe_sigma);
     const lane_t sine2 = 2.0 * sine * cosine, cosine2 = 1.0 - 2.0 * sine * sine;
     const int last = order < f.forcing ? order : f.forcing;
-    for (int k = 0; k <= last; k += ORDERS_PER_PACK) {
-        const saltus_pack s = lane_alternate(sine, cosine, k), c = lane_alternate(cosine, sine, k);
-        saltus_pack tension = *TABLE(table_tension2, k) * lane_alternate(cosine2, sine2, k);
-        tension = saltus_pack_fma(*TABLE(table_tension_gradient, k), c, tension);
-        *DRIVE_PACK(drive_tension, k) = saltus_pack_fma(*TABLE(table_tension, k), s, tension);
-        *DRIVE_PACK(drive_velocity, k) = *TABLE(table_velocity, k) * s;
-        *DRIVE_PACK(drive_gradient, k) = *TABLE(table_gradient, k) * c;
-    }
-    for (int k = 0; k < f.order_span; k += ORDERS_PER_PACK)
-        *DRIVE_PACK(drive_all_tension, k) = (saltus_pack){0};
+    for (int k = 0; k <= last; k += ORDERS_AT_ONCE)
+        for (int j = 0; j < ORDERS_AT_ONCE; j += ORDERS_PER_PACK)
+            model_forcing_orders(f, k + j, lane_alternate(sine, cosine, j), lane_alternate(cosine, sine, j),
+                                 lane_alternate(cosine2, sine2, j));
     *DRIVE(drive_velocity, 0) += 2.0 * *root_beta * *u0;
     *DRIVE(drive_tension, 0) -= *u0 * *u0 * (1.0 + 0.5 * *sigma * *sigma);
 }
 
-/* Coefficient 0 of S, or of its derivative along a tangent vector. */
-KERNEL_INLINE void model_square_start(frame f, int c) {
+/* Before the first order: lambda^2 q_0, and coefficient 0 of S or of its derivative along a tangent vector.
+ */
+KERNEL_INLINE void model_start(frame f, int c) {
     saltus_pack product[ROW_PACKS_MAX];
     for (int p = 0; p < f.packs; p++)
-        product[p] = ROW(pipe_lambda2)[p] * JET(f.q, 0, 0)[p] * JET(f.q, 0, c)[p];
+        AHEAD(ahead_start, c)[p] = ROW(pipe_lambda2)[p] * JET(f.q, 0, c)[p];
+    for (int p = 0; p < f.packs; p++)
+        product[p] = AHEAD(ahead_start, 0)[p] * JET(f.q, 0, c)[p];
     saltus_pack sum = row_sum(product, f.dof, f.packs) * (c ? 1.0 : 0.5);
     *SERIES(series_square, 0, c) = lane_of(sum);
 }
 
-/* Sums over the inner coefficients m = 1 .. k of q_m delta_{k+1-m}; the trajectory's own are halved, as its
- * products come in equal pairs, and are formed for two orders at a time. */
-KERNEL_INLINE saltus_pack model_square_inner(frame f, int k, int c, int p) {
-    if (c > 0)
-        return jet_product(&JET(f.q, 0, 0)[p], &JET(f.q, k + 1, c)[p], ORDER_STRIDE, 1, k + 1);
-    if (k % 2)
-        return AHEAD(ahead_square, 0)[p];
-    const int half = k / 2;
-    const saltus_pack middle = JET(f.q, half + 1, 0)[p];
-    saltus_pack sum = {0}, next = {0};
-    for (int m = 1; m <= half; m++) {
-        sum = saltus_pack_fma(JET(f.q, m, 0)[p], JET(f.q, k + 1 - m, 0)[p], sum);
-        next = saltus_pack_fma(JET(f.q, m, 0)[p], JET(f.q, k + 2 - m, 0)[p], next);
+/* Rows that belong to an even order k and to the next one. Sums for both are formed side by side, because one
+ * pass over the older coefficients serves both; and for as many rows as the registers hold. The newest
+ * coefficients come last in every sum. */
+typedef struct model_pair {
+    saltus_pack now[ROW_PACKS_MAX], next[ROW_PACKS_MAX];
+} model_pair;
+
+/* Series times jet: the series' coefficients top .. 1 times the jet's `oldest` and newer ones at order k, and
+ * one coefficient later at order k + 1. */
+KERNEL_INLINE const saltus_pack *model_convolve(frame f, const lane_t *series, int top, int bottom,
+                                                const saltus_pack *oldest, const int count, saltus_pack *now,
+                                                saltus_pack *next) {
+    saltus_pack later = lane_spread(series[top + 1]);
+    for (int m = top; m >= bottom; m--, oldest += ORDER_STRIDE) {
+        const saltus_pack number = lane_spread(series[m]);
+        for (int p = 0; p < count; p++) {
+            const saltus_pack coefficient = oldest[p];
+            now[p] = saltus_pack_fma(number, coefficient, now[p]);
+            next[p] = saltus_pack_fma(later, coefficient, next[p]);
+        }
+        later = number;
     }
-    AHEAD(ahead_square, 0)[p] = saltus_pack_fma(0.5 * middle, middle, next);
-    return sum;
+    return oldest;
 }
 
-/* W_k = (u part) + kappa (S_k + alpha (k + 1) S_{k+1}), spread. (k + 1) S_{k+1} is formed here, from v_k = (k
- * + 1) q_{k+1} where the newest coefficient takes part. */
-KERNEL_INLINE saltus_pack model_tension(frame f, int k, int c, double inverse, const saltus_pack *velocity) {
-    const saltus_pack kappa = lane_spread(*SCALAR(pipe_kappa)), alpha = lane_spread(*SCALAR(pipe_alpha));
-    saltus_pack rate[ROW_PACKS_MAX];
-    if (k == 0)
-        model_square_start(f, c);
+/* What S and S' take from the inner coefficients at order k + 1: the trajectory's half sum over m = 1 .. k of
+ * q_m q_{k+1-m}, in which products come in equal pairs. */
+KERNEL_INLINE void model_square(frame f, int k, int first, const int count, model_pair *inner) {
+    const int half = k / 2;
+    const saltus_pack *low = &JET(f.q, half, 0)[first], *high = &JET(f.q, half + 1, 0)[first];
+    saltus_pack now[ROW_BLOCK_MAX], next[ROW_BLOCK_MAX], below[ROW_BLOCK_MAX];
+    for (int p = 0; p < count; p++) {
+        now[p] = (saltus_pack){0};
+        below[p] = high[p];
+        next[p] = 0.5 * below[p] * below[p];
+    }
+    for (int m = half; m > 0; m--, low -= ORDER_STRIDE) {
+        high += ORDER_STRIDE;
+        for (int p = 0; p < count; p++) {
+            const saltus_pack one = low[p];
+            now[p] = saltus_pack_fma(one, below[p], now[p]);
+            below[p] = high[p];
+            next[p] = saltus_pack_fma(one, below[p], next[p]);
+        }
+    }
+    for (int p = 0; p < count; p++) {
+        inner->now[first + p] = now[p];
+        inner->next[first + p] = next[p];
+    }
+}
+
+/* The same for a tangent vector: the sum over m = 1 .. k of q_m delta_{k+1-m}. */
+KERNEL_INLINE void model_mixed(frame f, int k, int c, int first, const int count, model_pair *inner) {
+    const saltus_pack *own = &JET(f.q, k + 1, c)[first], *q = &JET(f.q, 1, 0)[first];
+    saltus_pack now[ROW_BLOCK_MAX], next[ROW_BLOCK_MAX], above[ROW_BLOCK_MAX];
+    for (int p = 0; p < count; p++) {
+        now[p] = next[p] = (saltus_pack){0};
+        above[p] = own[p];
+    }
+    for (int m = 1; m <= k; m++, q += ORDER_STRIDE) {
+        own -= ORDER_STRIDE;
+        for (int p = 0; p < count; p++) {
+            const saltus_pack coefficient = q[p];
+            next[p] = saltus_pack_fma(coefficient, above[p], next[p]);
+            above[p] = own[p];
+            now[p] = saltus_pack_fma(coefficient, above[p], now[p]);
+        }
+    }
+    for (int p = 0; p < count; p++) {
+        inner->now[first + p] = now[p];
+        inner->next[first + p] = saltus_pack_fma(q[p], above[p], next[p]);
+    }
+}
+
+/* 2 sqrt(beta) u times v, but for what order k's own newest velocities give. */
+KERNEL_INLINE void model_moving(frame f, int k, int c, int first, const int count, model_pair *out) {
+    const lane_t *series = DRIVE(drive_velocity, 0);
+    const int top = k < f.forcing ? k : f.forcing;
+    saltus_pack now[ROW_BLOCK_MAX], next[ROW_BLOCK_MAX];
+    for (int p = 0; p < count; p++)
+        now[p] = next[p] = (saltus_pack){0};
+    const saltus_pack *v = model_convolve(f, series, top, 1, &JET(f.v, k - top, c)[first], count, now, next);
+    const saltus_pack newest = lane_spread(series[1]);
+    for (int p = 0; p < count; p++) {
+        out->now[first + p] = now[p];
+        out->next[first + p] = saltus_pack_fma(newest, v[p], next[p]);
+    }
+}
+
+/* W and sqrt(beta) u' times q, the stiffness counted with W_0. Of W the last two coefficients wait for the
+ * end of model_order. */
+KERNEL_INLINE void model_resting(frame f, int k, int c, int first, const int count, model_pair *pull,
+                                 model_pair *slope) {
+    const bool cubic = f.terms & SALTUS_TERM_CUBIC;
+    const lane_t *tension = cubic ? SERIES(series_tension, 0, 0) : DRIVE(drive_tension, 0);
+    const lane_t *gradient = DRIVE(drive_gradient, 0);
+    const saltus_pack *q = &JET(f.q, 0, c)[first];
+    const saltus_pack *stiff = (k == 0 ? ROW(pipe_lambda2) : AHEAD(ahead_first, 0)) + first;
+    saltus_pack t[ROW_BLOCK_MAX], t_next[ROW_BLOCK_MAX], g[ROW_BLOCK_MAX], g_next[ROW_BLOCK_MAX];
+    for (int p = 0; p < count; p++) {
+        t[p] = t_next[p] = (saltus_pack){0};
+        g[p] = g_next[p] = (saltus_pack){0};
+    }
+    const int bottom = k < 2 ? 1 : k - 1;
+    q = model_convolve(f, gradient, k, bottom, q, count, g, g_next);
+    int m = k < 2 ? 0 : k - 2;
+    if (m > f.forcing) {
+        q = model_convolve(f, tension, m, f.forcing + 1, q, count, t, t_next);
+        m = f.forcing;
+    }
+    saltus_pack later = lane_spread(tension[m + 1]), steeper = lane_spread(gradient[m + 1]);
+    for (; m > 0; m--, q += ORDER_STRIDE) {
+        const saltus_pack number = lane_spread(tension[m]), steep = lane_spread(gradient[m]);
+        for (int p = 0; p < count; p++) {
+            const saltus_pack coefficient = q[p];
+            t[p] = saltus_pack_fma(number, coefficient, t[p]);
+            t_next[p] = saltus_pack_fma(later, coefficient, t_next[p]);
+            g[p] = saltus_pack_fma(steep, coefficient, g[p]);
+            g_next[p] = saltus_pack_fma(steeper, coefficient, g_next[p]);
+        }
+        later = number;
+        steeper = steep;
+    }
+    const saltus_pack mildest = lane_spread(gradient[0]);
+    for (int p = 0; p < count; p++) {
+        const saltus_pack coefficient = q[p], newest = q[p + ORDER_STRIDE], own = stiff[p];
+        if (k > 0)
+            t_next[p] = saltus_pack_fma(later, coefficient, t_next[p]);
+        g_next[p] = saltus_pack_fma(steeper, coefficient, g_next[p]);
+        pull->now[first + p] = saltus_pack_fma(own, coefficient, t[p]);
+        slope->now[first + p] = saltus_pack_fma(mildest, coefficient, g[p]);
+        pull->next[first + p] = saltus_pack_fma(own, newest, t_next[p]);
+        slope->next[first + p] = saltus_pack_fma(mildest, newest, g_next[p]);
+    }
+}
+
+/* What only a tangent vector has: its own W times the trajectory, but for the last two coefficients of W. */
+KERNEL_INLINE void model_tangent(frame f, int k, int c, int first, const int count, model_pair *pull) {
+    const lane_t *own = SERIES(series_tension, 0, c);
+    saltus_pack now[ROW_BLOCK_MAX], next[ROW_BLOCK_MAX];
+    for (int p = 0; p < count; p++) {
+        now[p] = pull->now[first + p];
+        next[p] = pull->next[first + p];
+    }
+    const saltus_pack *q = model_convolve(f, own, k - 2, 0, &JET(f.q, 2, 0)[first], count, now, next);
+    for (int p = 0; p < count; p++) {
+        pull->now[first + p] = now[p];
+        pull->next[first + p] = saltus_pack_fma(lane_spread(own[0]), q[p], next[p]);
+    }
+}
+
+/* All of that at an even order; what belongs to the next one is laid aside. */
+KERNEL_INLINE void model_two(frame f, int k, int c, model_pair *resting, model_pair *moving,
+                             model_pair *inner) {
+    const bool cubic = f.terms & SALTUS_TERM_CUBIC, coupled = f.terms & SALTUS_TERM_COUPLED;
+    const bool forced = f.terms & SALTUS_TERM_FORCED;
+    model_pair slope;
+    FOR_ROW_BLOCKS(f, first, count, model_resting(f, k, c, first, count, resting, &slope));
+    if (cubic && c > 0 && k > 0)
+        FOR_ROW_BLOCKS(f, first, count, model_tangent(f, k, c, first, count, resting));
     for (int p = 0; p < f.packs; p++) {
-        const saltus_pack lambda2 = ROW(pipe_lambda2)[p];
-        saltus_pack sum = model_square_inner(f, k, c, p) * (lambda2 * (k + 1.0));
+        resting->now[p] *= ROW(pipe_lambda2)[p];
+        resting->next[p] *= ROW(pipe_lambda2)[p];
+    }
+    if (coupled && forced)
+        row_couple_two(resting->now, resting->next, f.coupling[pipe_gradient], slope.now, slope.next, f.dof,
+                       f.packs);
+    FOR_ROW_BLOCKS(f, first, count, model_moving(f, k, c, first, count, moving));
+    if (cubic && c > 0)
+        FOR_ROW_BLOCKS(f, first, count, model_mixed(f, k, c, first, count, inner));
+    else if (cubic)
+        FOR_ROW_BLOCKS(f, first, count, model_square(f, k, first, count, inner));
+    for (int p = 0; p < f.packs; p++) {
+        AHEAD(ahead_resting, c)[p] = resting->next[p];
+        AHEAD(ahead_moving, c)[p] = moving->next[p];
+        if (cubic)
+            AHEAD(ahead_square, c)[p] = inner->next[p];
+    }
+}
+
+/* W_k = (u part) + kappa (S_k + alpha (k + 1) S_{k+1}), divided by k + 1 and spread. */
+KERNEL_INLINE saltus_pack model_tension(frame f, int k, int c, double inverse, saltus_pack *inner) {
+    const saltus_pack *newest = JET(f.q, k + 1, c);
+    const saltus_pack kappa = lane_spread(*SCALAR(pipe_kappa)),
+                      damping = kappa * lane_spread(*SCALAR(pipe_alpha));
+    for (int p = 0; p < f.packs; p++) {
+        inner[p] = saltus_pack_fma(AHEAD(ahead_start, 0)[p], newest[p], ROW(pipe_lambda2)[p] * inner[p]);
         if (c > 0)
-            sum = saltus_pack_fma(lambda2 * JET(f.v, k, 0)[p], JET(f.q, 0, c)[p], sum);
-        rate[p] = saltus_pack_fma(lambda2 * JET(f.q, 0, 0)[p], velocity[p], sum);
+            inner[p] = saltus_pack_fma(AHEAD(ahead_start, c)[p], JET(f.q, k + 1, 0)[p], inner[p]);
     }
     saltus_pack known = kappa * lane_spread(*SERIES(series_square, k, c));
     if (c == 0)
         known += lane_spread(*DRIVE(drive_tension, k));
-    saltus_pack next = row_sum(rate, f.dof, f.packs), tension = saltus_pack_fma(kappa * alpha, next, known);
-    *SERIES(series_square, k + 1, c) = lane_of(next * inverse);
-    *(c ? SERIES(series_tension, k, c) : DRIVE(drive_all_tension, k)) = lane_of(tension);
-    return tension;
+    const saltus_pack next = row_sum(inner, f.dof, f.packs),
+                      tension = saltus_pack_fma(damping * (k + 1.0), next, known);
+    *SERIES(series_square, k + 1, c) = lane_of(next);
+    *SERIES(series_tension, k, c) = lane_of(tension);
+    return saltus_pack_fma(damping, next, known * inverse);
 }
 
-/* The three products of a scalar series and a row at one order, but for the terms with the newest W and v. */
-typedef struct model_products {
-    saltus_pack tension, gradient, velocity;
-} model_products;
-
-/* The products of order k, and on the way what is known of those of order k + 1: one loop over the older
- * coefficients serves two orders. The trajectory's W_k is yet to come and zero until then. */
-KERNEL_INLINE model_products model_convolve_two(frame f, int k, int c, int p) {
+/* The last two coefficients of W and, for a tangent vector, of the trajectory's W times its own first ones.
+ */
+KERNEL_INLINE void model_pull(frame f, int k, int c, double inverse, saltus_pack last, saltus_pack *next) {
     const bool cubic = f.terms & SALTUS_TERM_CUBIC;
-    const lane_t *tension = DRIVE(cubic ? drive_all_tension : drive_tension, 0);
-    const lane_t *gradient = DRIVE(drive_gradient, 0), *velocity = DRIVE(drive_velocity, 1);
-    const saltus_pack *q = &JET(f.q, k, c)[p], *v = &JET(f.v, k, c)[p], start = JET(f.q, 0, c)[p];
-    const int forced = k <= f.forcing ? k : f.forcing + 1;
-    model_products sum = {{0}, {0}, {0}}, next = {{0}, {0}, {0}};
-    int m = 0;
-    for (; m < forced; m++, q -= ORDER_STRIDE) {
-        v -= ORDER_STRIDE;
-        sum.tension = saltus_pack_fma(lane_spread(tension[m]), *q, sum.tension);
-        next.tension = saltus_pack_fma(lane_spread(tension[m + 1]), *q, next.tension);
-        sum.gradient = saltus_pack_fma(lane_spread(gradient[m]), *q, sum.gradient);
-        next.gradient = saltus_pack_fma(lane_spread(gradient[m + 1]), *q, next.gradient);
-        sum.velocity = saltus_pack_fma(lane_spread(velocity[m]), *v, sum.velocity);
-        next.velocity = saltus_pack_fma(lane_spread(velocity[m + 1]), *v, next.velocity);
+    const lane_t *tension = cubic ? SERIES(series_tension, 0, 0) : DRIVE(drive_tension, 0);
+    if (c > 0 || !cubic) {
+        const saltus_pack now = lane_spread(tension[k]) * inverse;
+        for (int p = 0; p < f.packs; p++)
+            next[p] = saltus_pack_fnma(now, AHEAD(ahead_start, c)[p], next[p]);
     }
-    for (; m < (cubic ? k : 0); m++, q -= ORDER_STRIDE) {
-        sum.tension = saltus_pack_fma(lane_spread(tension[m]), *q, sum.tension);
-        next.tension = saltus_pack_fma(lane_spread(tension[m + 1]), *q, next.tension);
+    if (k > 0) {
+        const saltus_pack before = lane_spread(tension[k - 1]) * inverse;
+        for (int p = 0; p < f.packs; p++)
+            next[p] = saltus_pack_fnma(before, AHEAD(ahead_second, c)[p], next[p]);
     }
-    sum.gradient = saltus_pack_fma(lane_spread(gradient[k]), start, sum.gradient);
-    if (!cubic || c > 0)
-        sum.tension = saltus_pack_fma(lane_spread(tension[k]), start, sum.tension);
-    AHEAD(ahead_tension, c)[p] = next.tension;
-    AHEAD(ahead_gradient, c)[p] = saltus_pack_fma(lane_spread(gradient[k + 1]), start, next.gradient);
-    AHEAD(ahead_velocity, c)[p] = next.velocity;
-    return sum;
+    if (k > 0 && c > 0 && cubic) {
+        const saltus_pack before = lane_spread(*SERIES(series_tension, k - 1, c)) * inverse;
+        for (int p = 0; p < f.packs; p++)
+            next[p] = saltus_pack_fnma(before, AHEAD(ahead_second, 0)[p], next[p]);
+    }
+    for (int p = 0; p < f.packs && cubic; p++)
+        next[p] = saltus_pack_fnma(last, AHEAD(ahead_start, 0)[p], next[p]);
 }
 
-/* The products of an odd order k, begun at order k - 1. */
-KERNEL_INLINE model_products model_convolve_rest(frame f, int k, int c, int p) {
-    const bool cubic = f.terms & SALTUS_TERM_CUBIC;
-    const lane_t *tension = DRIVE(cubic ? drive_all_tension : drive_tension, 0);
-    const saltus_pack q = JET(f.q, k, c)[p], v = JET(f.v, k - 1, c)[p];
-    model_products sum = {AHEAD(ahead_tension, c)[p], AHEAD(ahead_gradient, c)[p],
-                          AHEAD(ahead_velocity, c)[p]};
-    sum.tension = saltus_pack_fma(lane_spread(tension[0]), q, sum.tension);
-    sum.gradient = saltus_pack_fma(lane_spread(*DRIVE(drive_gradient, 0)), q, sum.gradient);
-    sum.velocity = saltus_pack_fma(lane_spread(*DRIVE(drive_velocity, 1)), v, sum.velocity);
-    if (!cubic || c > 0)
-        sum.tension = saltus_pack_fma(lane_spread(tension[k]), JET(f.q, 0, c)[p], sum.tension);
-    else if (k > 1)
-        sum.tension = saltus_pack_fma(lane_spread(tension[k - 1]), JET(f.q, 1, c)[p], sum.tension);
-    return sum;
-}
-
-/* What only a tangent vector has: its own W times the trajectory. */
-KERNEL_INLINE saltus_pack model_tangent(frame f, int k, int c, int p, saltus_pack sum) {
-    for (int m = 0; m < k; m++)
-        sum = saltus_pack_fma(lane_spread(*SERIES(series_tension, m, c)), JET(f.q, k - m, 0)[p], sum);
-    return sum;
-}
-
-/* v_{k+1} = (coefficient k of q'') / (k + 1) for the trajectory (c = 0) or a tangent vector; `velocity` is
- * v_k. Sums are ordered so that what depends on the newest coefficients comes last. */
-KERNEL_INLINE void model_order(frame f, int k, int c, double inverse, const saltus_pack *velocity,
-                               saltus_pack *next) {
+/* v_{k+1} = (coefficient k of q'') / (k + 1) for the trajectory (c = 0) or a tangent vector. */
+KERNEL_INLINE void model_order(frame f, int k, int c, double inverse, saltus_pack *next) {
+    const saltus_pack *velocity = JET(f.v, k, c);
     const bool cubic = f.terms & SALTUS_TERM_CUBIC, coupled = f.terms & SALTUS_TERM_COUPLED;
-    const bool forced = f.terms & SALTUS_TERM_FORCED;
-    saltus_pack tension[ROW_PACKS_MAX], resting[ROW_PACKS_MAX], moving[ROW_PACKS_MAX];
+    const saltus_pack steady = lane_spread(*DRIVE(drive_velocity, 0));
+    model_pair resting, moving, inner;
+    saltus_pack last = {0};
+    if (k % 2 == 0)
+        model_two(f, k, c, &resting, &moving, &inner);
+    else
+        for (int p = 0; p < f.packs; p++) {
+            resting.now[p] = AHEAD(ahead_resting, c)[p];
+            moving.now[p] = AHEAD(ahead_moving, c)[p];
+            inner.now[p] = AHEAD(ahead_square, c)[p];
+        }
     for (int p = 0; p < f.packs; p++) {
-        model_products sum = k % 2 ? model_convolve_rest(f, k, c, p) : model_convolve_two(f, k, c, p);
-        if (cubic && c > 0)
-            sum.tension = model_tangent(f, k, c, p, sum.tension);
-        tension[p] = sum.tension;
-        resting[p] = sum.gradient;
-        moving[p] = saltus_pack_fma(lane_spread(*DRIVE(drive_velocity, 0)), velocity[p], sum.velocity);
-        next[p] = -ROW(pipe_stiffness)[p] * JET(f.q, k, c)[p];
-    }
-    if (coupled && forced)
-        row_couple(next, f.coupling[pipe_gradient], resting, f.dof, f.packs);
-    for (int p = 0; p < f.packs; p++) {
-        saltus_pack sum = saltus_pack_fnma(ROW(pipe_lambda2)[p], tension[p], next[p]);
-        next[p] = saltus_pack_fnma(ROW(pipe_damping)[p], velocity[p], sum);
+        next[p] = saltus_pack_fma(ROW(pipe_damping)[p], velocity[p], resting.now[p]);
+        moving.now[p] = saltus_pack_fma(steady, velocity[p], moving.now[p]);
     }
     if (coupled)
-        row_couple(next, f.coupling[pipe_gyroscopic], moving, f.dof, f.packs);
+        row_couple(next, f.coupling[pipe_gyroscopic], moving.now, f.dof, f.packs);
     for (int p = 0; p < f.packs; p++)
-        next[p] *= inverse;
-    if (!cubic)
-        return;
-    const saltus_pack newest = model_tension(f, k, c, inverse, velocity);
-    for (int p = 0; p < f.packs; p++)
-        next[p] = saltus_pack_fnma(newest, JET(f.q, 0, 0)[p] * (ROW(pipe_lambda2)[p] * inverse), next[p]);
+        next[p] *= -inverse;
+    if (k == 0)
+        for (int p = 0; p < f.packs; p++)
+            AHEAD(ahead_second, c)[p] = ROW(pipe_lambda2)[p] * JET(f.q, 1, c)[p];
+    if (cubic)
+        last = model_tension(f, k, c, inverse, inner.now);
+    model_pull(f, k, c, inverse, last, next);
+    if (k == 0 && c == 0) {
+        const saltus_pack tension =
+            lane_spread(cubic ? *SERIES(series_tension, 0, 0) : *DRIVE(drive_tension, 0));
+        for (int p = 0; p < f.packs; p++)
+            AHEAD(ahead_first, 0)[p] = ROW(pipe_lambda2)[p] + tension;
+    }
+}
+
+static double model_forcing_operations(const saltus_work *w) {
+    const int last = w->order < w->forcing_orders ? w->order : w->forcing_orders;
+    return w->terms & SALTUS_TERM_FORCED ? 8.0 * (last + 1) : 8;
+}
+
+/* The operations of model_order, loop by loop. */
+static double model_operations(const saltus_work *w, int k, int c) {
+    const bool cubic = w->terms & SALTUS_TERM_CUBIC, coupled = w->terms & SALTUS_TERM_COUPLED;
+    const int forcing = w->terms & SALTUS_TERM_FORCED ? w->forcing_orders : 0;
+    const int moving = k < forcing ? k : forcing, slope = k - 2 < forcing ? k - 2 : forcing;
+    const double n = w->dof, couple = coupled ? 4 * (w->dof / 2) * ((w->dof + 1) / 2) : 0;
+    double row = 2 + 2 + 1, sum = couple;
+    if (k % 2 == 0) {
+        const int inner = c ? 4 * k + 2 : 2 * k + 2, own = c && k > 0 ? 4 * (k - 1) + 2 : 0;
+        row += 4 * moving + 2 + 2 + (k > 0 ? 8 + 4 * (k - 2) + 4 * slope + 10 : 8);
+        row += cubic ? inner + own : 0;
+        sum += forcing ? 2 * couple : 0;
+    }
+    if (cubic) {
+        row += c ? 5 : 3;
+        sum += n - 1 + 11;
+    }
+    row += (cubic ? 2 : 0) + (c || !cubic ? 2 : 0) + (k > 0 ? 2 : 0) + (k > 0 && c && cubic ? 2 : 0);
+    return sum + n * row;
 }
 
 /* Derivatives of the drives. The angle theta + omega t changes by (elapsed + t) d omega, `elapsed` being the
@@ -273,12 +444,12 @@ KERNEL_INLINE void model_source(frame f, int k, int c, int d, double inverse, sa
             moving[p] = saltus_pack_fma(lane_spread(*VARY_DRIVE(d, vary_velocity, m)), v[-m * ORDER_STRIDE],
                                         moving[p]);
         }
-        source[p] = -ROW(pipe_lambda2)[p] * tension - VARY_ROW(d, pipe_damping)[p] * v[0];
+        source[p] = ROW(pipe_lambda2)[p] * tension + VARY_ROW(d, pipe_damping)[p] * v[0];
     }
     row_couple(source, f.coupling[pipe_gradient], resting, f.dof, f.packs);
     row_couple(source, f.coupling[pipe_gyroscopic], moving, f.dof, f.packs);
     for (int p = 0; p < f.packs; p++)
-        next[p] += source[p] * inverse;
+        next[p] -= source[p] * inverse;
 }
 
 #endif

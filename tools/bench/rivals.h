@@ -43,6 +43,7 @@ typedef struct {
     int capacity;           /* events beyond it are counted but not stored */
     int count;              /* number of events that happened, possibly more than capacity */
     double *state;          /* 2 N values: q then q' at the end of the run */
+    long steps;             /* accepted steps; 0 where they are not counted */
     long field_evaluations; /* evaluations of the vector field, those for events and chatter included */
     double cpu_seconds;     /* processor time of the integration, set-up and release of memory left out */
 } rival_result;

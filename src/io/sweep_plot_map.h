@@ -1,0 +1,45 @@
+/* Private: maps of sweeps over two axes.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef SALTUS_IO_SWEEP_PLOT_MAP_H
+#define SALTUS_IO_SWEEP_PLOT_MAP_H
+
+#include "io/sweep_plot.h"
+
+/* The cells that a pixel shows; first is -1 where there is none. */
+typedef struct saltus_span {
+    int first, last;
+} saltus_span;
+
+typedef struct saltus_map {
+    saltus_sweep_page *page;
+    saltus_raster raster;
+    saltus_span *columns, *rows; /* per pixel of the raster */
+    /* One of each for every point of the grid. */
+    int *kind;              /* discrete: index into `kinds` */
+    float *number;          /* scalar: what is shown, NAN for nothing; basins: how pale, 0 to 1 */
+    unsigned char *several; /* more than one attractor */
+    saltus_map_kind *kinds;
+    int kind_count;
+    saltus_range range; /* of the colours */
+    bool logarithmic, clipped;
+} saltus_map;
+
+/* Point of the grid at a cell of each axis. */
+long long saltus_map_point(const saltus_map *map, int column, int row);
+/* The kind that most cells of a pixel have, -1 where there are none; *point: one of these cells' points. */
+int saltus_map_kind_at(const saltus_map *map, saltus_span column, saltus_span row, long long *point);
+
+/* sweep_plot_kinds.c: fill `kinds`, `kind`, `number` and `several`. False when there is no memory. */
+bool saltus_map_classes(saltus_map *map);
+bool saltus_map_counts(saltus_map *map);
+bool saltus_map_basins(saltus_map *map);
+/* The orbits of basins as points of the plane: data before the plot, elements in it. */
+void saltus_map_put_orbits(const saltus_map *map);
+void saltus_map_put_orbit_elements(const saltus_map *map);
+
+/* sweep_plot_scalar.c: numbers, their colours and the bar that explains them. */
+bool saltus_map_numbers(saltus_map *map);
+uint32_t saltus_map_colour(const saltus_map *map, double number);
+bool saltus_map_put_bar(const saltus_map *map);
+
+#endif

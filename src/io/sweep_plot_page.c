@@ -1,0 +1,246 @@
+/* Words, frames and legends of the figures of sweeps.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "io/describe.h"
+#include "io/gnuplot.h"
+#include "io/output.h"
+#include "io/sweep_plot.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* What the figure is, in a few words. */
+static const char *subject(const saltus_sweep_page *page) {
+    switch (page->view) {
+    case SALTUS_VIEW_TURNING:
+        return "displacement diagram";
+    case SALTUS_VIEW_IMPACTS:
+        return "velocity diagram";
+    case SALTUS_VIEW_STROBOSCOPIC:
+        return "stroboscopic diagram";
+    case SALTUS_VIEW_CLASS:
+        return page->sweep->axis_count > 1 ? "{/:Italic n}/{/:Italic p} motions" : "period";
+    case SALTUS_VIEW_ATTRACTORS:
+        return page->sweep->basins ? "basins of attraction" : "number of attractors";
+    case SALTUS_VIEW_LARGEST:
+        return "largest displacement";
+    case SALTUS_VIEW_SPEED:
+        return "largest impact speed";
+    case SALTUS_VIEW_RATE:
+        return "impacts per period";
+    case SALTUS_VIEW_CONTACT:
+        return "time in contact";
+    case SALTUS_VIEW_LYAPUNOV:
+        return "largest Lyapunov exponent";
+    default:
+        return "periods until settled";
+    }
+}
+
+void saltus_sweep_name_measure(const saltus_sweep_page *page, saltus_line *line) {
+    saltus_sheet sheet = {.system = page->system};
+    char name[160];
+    if (strncmp(page->x.key, "xi", 2) == 0)
+        snprintf(name, sizeof name, "displacement {/:Italic η}({/:Italic ξ}, {/:Italic τ})");
+    else
+        saltus_sheet_displacement_name(&sheet, name, sizeof name);
+    switch (page->view) {
+    case SALTUS_VIEW_TURNING:
+        saltus_line_add(line, "%s  where it turns", name);
+        break;
+    case SALTUS_VIEW_STROBOSCOPIC:
+        saltus_line_add(line, "%s  at phase 0", name);
+        break;
+    case SALTUS_VIEW_IMPACTS:
+        saltus_line_add(line, page->sides ? "velocity at impact  {/:Bold n·q′}"
+                                          : "speed of every impact  |{/:Bold n·q′}|");
+        break;
+    case SALTUS_VIEW_LARGEST:
+        saltus_line_add(line, "largest %s", name);
+        break;
+    case SALTUS_VIEW_SPEED:
+        saltus_line_add(line, "largest impact speed  |{/:Bold n·q′}|");
+        break;
+    case SALTUS_VIEW_RATE:
+        saltus_line_add(line, "impacts per forcing period");
+        break;
+    case SALTUS_VIEW_CONTACT:
+        saltus_line_add(line, "part of the time in contact");
+        break;
+    case SALTUS_VIEW_LYAPUNOV:
+        saltus_line_add(line, "largest Lyapunov exponent");
+        break;
+    case SALTUS_VIEW_CLASS:
+        saltus_line_add(line, "period in {/:Italic T}");
+        break;
+    case SALTUS_VIEW_ATTRACTORS:
+        saltus_line_add(line, "number of attractors");
+        break;
+    default:
+        saltus_line_add(line, "periods until settled");
+    }
+}
+
+/* Whether a key is an entry of the initial state: q1, v1, ... */
+static bool is_initial(const char *key) {
+    return (key[0] == 'q' || key[0] == 'v') && key[1] >= '1' && key[1] <= '9';
+}
+
+static void name_axis(const saltus_sweep_page *page, const char *key, saltus_line *line) {
+    if (is_initial(key))
+        saltus_line_add(line, "initial %s  {/:Italic q}%s_{%s}", key[0] == 'q' ? "displacement" : "velocity",
+                        key[0] == 'q' ? "" : "′", key + 1);
+    else
+        saltus_plot_name_parameter(&page->sweep->spec, key, line);
+}
+
+static void add_symbol(const char *key, saltus_line *line) {
+    if (is_initial(key))
+        saltus_line_add(line, "{/:Italic q}%s_{%s}", key[0] == 'q' ? "" : "′", key + 1);
+    else
+        saltus_line_symbol(line, key);
+}
+
+static double done_part(const saltus_sweep_file *sweep) {
+    long long done = 0;
+    for (long long k = 0; k < sweep->row_count; k++)
+        done += sweep->rows[k].verdict != SALTUS_ROW_PENDING;
+    return (double)done / (double)sweep->row_count;
+}
+
+static void add_head(const saltus_sweep_page *page, saltus_line *line) {
+    const saltus_sweep_file *sweep = page->sweep;
+    if (page->wish->title)
+        saltus_line_plain(line, page->wish->title);
+    else {
+        saltus_line_plain(line, sweep->scene);
+        saltus_line_add(line, ":  %s in ", subject(page));
+        add_symbol(sweep->axes[0].key, line);
+        if (sweep->axis_count > 1) {
+            saltus_line_add(line, " and ");
+            add_symbol(sweep->axes[1].key, line);
+        }
+    }
+    if (!sweep->complete)
+        saltus_line_add(line, "  (interrupted: %.*f %% done)", done_part(sweep) > 0.99 ? 1 : 0,
+                        floor(1000 * done_part(sweep)) / 10);
+}
+
+/* How many values, how they were started, and how long they were waited for. */
+static void add_method(const saltus_sweep_page *page, saltus_line *line) {
+    const saltus_sweep_file *sweep = page->sweep;
+    const saltus_sweep_options *o = &sweep->options;
+    static const char *const starts[] = {"each from the initial state", "carried up", "carried down"};
+    for (int k = 0; k < sweep->axis_count; k++) {
+        saltus_line_add(line, k ? " × %d of " : "%d values of ", sweep->axes[k].count);
+        add_symbol(sweep->axes[k].key, line);
+    }
+    for (int k = 0; k < sweep->pass_count && !is_initial(sweep->axes[0].key); k++)
+        saltus_line_add(line, "%s%s", k ? " and " : ", ",
+                        sweep->passes[k] == SALTUS_PASS_RESET && o->seeds > 1 ? "each"
+                        : k && sweep->passes[k] == SALTUS_PASS_DOWN && sweep->passes[k - 1] == SALTUS_PASS_UP
+                            ? "down"
+                            : starts[sweep->passes[k]]);
+    if (o->seeds > 1)
+        saltus_line_add(line, " from %d initial states", o->seeds);
+    if (sweep->basins)
+        saltus_line_add(line, ";  at most %lld periods until settled", o->transient);
+    else if (o->adaptive)
+        saltus_line_add(line, ";  recorded: one orbit, or %lld period%s where undecided after %lld",
+                        o->record, o->record == 1 ? "" : "s", o->transient);
+    else
+        saltus_line_add(line, ";  recorded: %lld period%s after %lld", o->record, o->record == 1 ? "" : "s",
+                        o->transient);
+    bool numbers = page->view >= SALTUS_VIEW_LARGEST && saltus_sweep_visits(sweep) > 1;
+    if (numbers && sweep->axis_count > 1)
+        saltus_line_add(line, ";  shown: the first");
+}
+
+void saltus_sweep_caption(saltus_sweep_page *page) {
+    const saltus_sweep_file *sweep = page->sweep;
+    const char *const varied[2] = {sweep->axes[0].key, sweep->axis_count > 1 ? sweep->axes[1].key : NULL};
+    saltus_line head = {.length = 0}, parameters = {.length = 0}, method = {.length = 0};
+    double height = 0.932;
+    add_head(page, &head);
+    saltus_line_parameters(&parameters, page->system, varied);
+    add_method(page, &method);
+    fprintf(page->file, "set label '{/=20:Bold %s}' at screen 0.03,0.967 left front\n", head.text);
+    saltus_line_put(page->file, &parameters, "#202020", &height);
+    saltus_line_put(page->file, &method, "#606060", &height);
+    fputs("set label 'Saltus " SALTUS_VERSION
+          "' at screen 0.985,0.012 right tc rgb '#909090' font ',9' front\n",
+          page->file);
+    page->caption = height;
+}
+
+void saltus_sweep_put_frame(FILE *file, saltus_frame frame) {
+    fprintf(file,
+            "set lmargin at screen %.8f\nset rmargin at screen %.8f\nset bmargin at screen %.8f\n"
+            "set tmargin at screen %.8f\n",
+            (double)frame.left / SALTUS_PAGE_WIDTH, (double)frame.right / SALTUS_PAGE_WIDTH,
+            (double)frame.bottom / SALTUS_PAGE_HEIGHT, (double)frame.top / SALTUS_PAGE_HEIGHT);
+}
+
+void saltus_sweep_put_raster_ranges(FILE *file, int width, int height) {
+    fprintf(file, "set x2range [0:%d]\nset y2range [0:%d]\n", width, height);
+}
+
+/* Tics of a logarithmic axis over less than three decades: equally spaced over less than a factor of four,
+ * otherwise at 1, 2 and 5 times powers of ten. */
+static void put_tics(FILE *file, char axis, saltus_range range) {
+    static const double parts[] = {1, 2, 5};
+    double ratio = range.high / range.low, width = range.high - range.low;
+    double decade = pow(10, floor(log10(ratio < 4 ? width / 6 : range.low)));
+    const char *separator = "";
+    if (ratio > 1000)
+        return;
+    fprintf(file, "set %ctics (", axis);
+    if (ratio < 4) {
+        double step = decade * (width / 6 < 1.5 * decade ? 1 : width / 6 < 3.5 * decade ? 2 : 5);
+        for (double k = ceil(range.low / step); k * step <= range.high; k++, separator = ", ")
+            fprintf(file, "%s%.12g", separator, k * step);
+    }
+    for (; ratio >= 4 && decade <= range.high; decade *= 10)
+        for (int k = 0; k < 3; k++)
+            if (parts[k] * decade >= range.low && parts[k] * decade <= range.high) {
+                fprintf(file, "%s%.12g", separator, parts[k] * decade);
+                separator = ", ";
+            }
+    fputs(")\n", file);
+}
+
+void saltus_sweep_put_axis(const saltus_sweep_page *page, char axis, const saltus_cells *cells) {
+    saltus_line name = {.length = 0};
+    name_axis(page, cells->key, &name);
+    if (cells->logarithmic) {
+        fprintf(page->file, "set logscale %c\n", axis);
+        put_tics(page->file, axis, cells->range);
+    }
+    fprintf(page->file, "set %clabel '%s'%s\nset %crange [%.12g:%.12g]\n", axis, name.text,
+            axis == 'y' ? " offset -0.6,0" : "", axis, cells->range.low, cells->range.high);
+}
+
+void saltus_sweep_put_entry(FILE *file, int x, int y, uint32_t colour, bool hatched, const char *text,
+                            const char *figures) {
+    enum { size = 18, reach = 344 };
+    const double w = SALTUS_PAGE_WIDTH, h = SALTUS_PAGE_HEIGHT;
+    fprintf(file,
+            "set object rectangle from screen %.6f,%.6f to screen %.6f,%.6f front fc rgb '#%06x' fs solid "
+            "border lc rgb '#909090' lw 0.6\n",
+            x / w, y / h, (x + size) / w, (y + size) / h, (unsigned)colour);
+    for (int k = 1; k < 6 && hatched; k++) {
+        double a = fmax(0, 2 * k - 6) * size / 6, b = fmin(6, 2 * k) * size / 6;
+        fprintf(file,
+                "set arrow from screen %.6f,%.6f to screen %.6f,%.6f nohead front lc rgb '#404040' lw 0.8\n",
+                (x + a) / w, (y + b) / h, (x + b) / w, (y + a) / h);
+    }
+    fprintf(file, "set label '%s' at screen %.6f,%.6f left front font ',12' tc rgb '#202020'\n", text,
+            (x + size + 12) / w, (y + 0.5 * size) / h);
+    if (figures && *figures)
+        fprintf(file, "set label '%s' at screen %.6f,%.6f right front font ',12' tc rgb '#606060'\n", figures,
+                (x + reach) / w, (y + 0.5 * size) / h);
+}
+
+int saltus_sweep_fineness(const saltus_sweep_page *page) {
+    return saltus_path_ends(page->figure, ".png") ? 1 : 2;
+}

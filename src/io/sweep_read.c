@@ -1,0 +1,468 @@
+/* Reading a sweep's file back, whoever may have written it: everything is checked before it is used.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "io/describe.h"
+#include "io/sweep_output.h"
+
+#include <limits.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const long long most_rows = 1000000000, most_entries = 1LL << 40;
+
+/* A file being read. */
+typedef struct reader {
+    hid_t file;
+    const char *path;
+    saltus_message *message;
+    saltus_sweep_file *made;
+    int initial_count;
+    double *initial;
+    hsize_t size[SALTUS_H5_RANK_MAX]; /* of the rows' datasets */
+} reader;
+
+static saltus_status refuse(const reader *r, const char *what) {
+    return saltus_fail(r->message, SALTUS_BAD_INPUT, "%s: is not a sound sweep file: %s", r->path, what);
+}
+
+static saltus_status refuse_part(const reader *r, const char *group, const char *name) {
+    return saltus_fail(r->message, SALTUS_BAD_INPUT,
+                       "%s: is not a sound sweep file: %s/%s is missing or not as it should be", r->path,
+                       group, name);
+}
+
+static saltus_status no_memory(const reader *r) {
+    return saltus_fail(r->message, SALTUS_NO_MEMORY, "no memory for reading %s", r->path);
+}
+
+static saltus_status read_head(reader *r) {
+    saltus_sweep_file *made = r->made;
+    char kind[32] = "", model[64] = "";
+    long long complete = 0;
+    if (!saltus_h5_get_text(r->file, "kind", kind, sizeof kind))
+        return saltus_fail(r->message, SALTUS_BAD_INPUT, "%s: is an HDF5 file, but not one of Saltus",
+                           r->path);
+    made->basins = strcmp(kind, "basins") == 0;
+    if (!made->basins && strcmp(kind, "sweep") != 0)
+        return saltus_fail(r->message, SALTUS_BAD_INPUT, "%s: holds a %s, not a sweep", r->path, kind);
+    if (!saltus_h5_get_text(r->file, "version", made->version, sizeof made->version) ||
+        !saltus_h5_get_text(r->file, "scene", made->scene, sizeof made->scene) ||
+        !saltus_h5_get_text(r->file, "title", made->title, sizeof made->title) ||
+        !saltus_h5_get_text(r->file, "model", model, sizeof model) ||
+        !saltus_h5_get_integer(r->file, "complete", &complete))
+        return refuse(r, "version, scene, title, model or complete is missing");
+    made->complete = complete != 0;
+    if (!saltus_model_find(model))
+        return saltus_fail(r->message, SALTUS_BAD_INPUT, "%s: the model %.40s is not known", r->path, model);
+    const char *lacking = saltus_h5_get_parameters(r->file, saltus_model_find(model), &made->spec);
+    return lacking ? refuse_part(r, "parameters", lacking) : SALTUS_OK;
+}
+
+/* A whole number among the options, from `low` to `high`. */
+static bool get_whole(hid_t group, const char *name, long long low, long long high, long long *value) {
+    return saltus_h5_get_integer(group, name, value) && *value >= low && *value <= high;
+}
+
+/* What of the options is missing or not as it should be; NULL when all is there. */
+static const char *get_options(hid_t group, saltus_sweep_file *made) {
+    saltus_sweep_options *o = &made->options;
+    char words[SALTUS_WORDS_MAX], integrator[16];
+    long long seeds, seed, adaptive, longest, order, dimension, axes;
+    int k = SALTUS_AUTOMATIC;
+    if (!saltus_h5_get_text(group, "keep", words, sizeof words) || !saltus_keep_read(words, &o->keep))
+        return "keep";
+    if (!saltus_h5_get_text(group, "passes", words, sizeof words) || !saltus_passes_read(words, &o->passes))
+        return "passes";
+    if (!get_whole(group, "seeds", 1, INT_MAX, &seeds) || !saltus_h5_get_integer(group, "seed", &seed))
+        return "seeds";
+    if (!get_whole(group, "adaptive", 0, 1, &adaptive) ||
+        !get_whole(group, "transient", 0, LLONG_MAX, &o->transient) ||
+        !get_whole(group, "record", 0, LLONG_MAX, &o->record) ||
+        !get_whole(group, "longest", 1, INT_MAX, &longest))
+        return "adaptive, transient, record, longest";
+    if (!saltus_h5_get_double(group, "rtol", &o->flow.rtol) || !isfinite(o->flow.rtol) ||
+        !saltus_h5_get_double(group, "atol", &o->flow.atol) || !isfinite(o->flow.atol) ||
+        !get_whole(group, "order", 0, INT_MAX, &order) ||
+        !saltus_h5_get_text(group, "integrator", integrator, sizeof integrator))
+        return "rtol, atol, order, integrator";
+    while (k <= SALTUS_RADAU && strcmp(integrator, saltus_integrator_word((saltus_integrator)k)) != 0)
+        k++;
+    if (k > SALTUS_RADAU)
+        return "integrator";
+    if (!get_whole(group, "dimension", 1, SALTUS_SCENE_STATE_MAX, &dimension) ||
+        !get_whole(group, "axes", 1, SALTUS_AXES_MAX, &axes))
+        return "dimension, axes";
+    o->seeds = (int)seeds;
+    o->seed = (unsigned long)seed;
+    o->adaptive = adaptive != 0;
+    o->longest = (int)longest;
+    o->flow.order = (int)order;
+    o->flow.integrator = (saltus_integrator)k;
+    made->dimension = (int)dimension;
+    made->axis_count = (int)axes;
+    return NULL;
+}
+
+static saltus_status read_options(reader *r) {
+    saltus_sweep_file *made = r->made;
+    made->options = saltus_sweep_defaults();
+    hid_t group = H5Lexists(r->file, "sweep", H5P_DEFAULT) > 0 ? H5Gopen2(r->file, "sweep", H5P_DEFAULT) : -1;
+    if (group < 0)
+        return refuse(r, "the group /sweep is missing");
+    const char *lacking = get_options(group, made);
+    for (int k = 0; k < made->axis_count && !lacking; k++) {
+        char name[32], word[16];
+        snprintf(name, sizeof name, "key%d", k + 1);
+        if (!saltus_h5_get_text(group, name, made->axes[k].key, sizeof made->axes[k].key))
+            lacking = "the axes' keys";
+        snprintf(name, sizeof name, "spacing%d", k + 1);
+        if (!lacking && (!saltus_h5_get_text(group, name, word, sizeof word) ||
+                         !saltus_spacing_read(word, &made->axes[k].spacing)))
+            lacking = "the axes' spacings";
+    }
+    H5Gclose(group);
+    for (int k = 0; k < SALTUS_PASSES; k++)
+        if (made->options.passes >> k & 1)
+            made->passes[made->pass_count++] = (saltus_pass)k;
+    made->options.flow.columns = made->options.keep & SALTUS_KEEP_LYAPUNOV ? 1 : 0;
+    return lacking ? refuse_part(r, "sweep", lacking) : SALTUS_OK;
+}
+
+/* Whether a dataset of `entries` may be as large as it says: deflate makes a block shorter by a factor of
+ * about a thousand at most. */
+static bool believable(hsize_t entries, hsize_t width, hsize_t stored) {
+    return entries <= (hsize_t)most_entries / (width ? width : 1) &&
+           entries * (width ? width : 1) / 1024 <= stored;
+}
+
+/* Read a dataset of finite numbers that tells its own length. */
+static saltus_status read_reals(reader *r, const char *name, long long most, int *count, double **values) {
+    hsize_t size[SALTUS_H5_RANK_MAX] = {0}, stored;
+    if (saltus_h5_extent(r->file, name, size, &stored) != 1 || !believable(size[0], 1, stored) ||
+        size[0] > (hsize_t)most)
+        return refuse_part(r, "", name);
+    *count = (int)size[0];
+    *values = malloc(((size_t)size[0] + 1) * sizeof **values);
+    if (!*values)
+        return no_memory(r);
+    if (!saltus_h5_get_array(r->file, name, H5T_NATIVE_DOUBLE, 1, size, *values))
+        return refuse_part(r, "", name);
+    for (int i = 0; i < *count; i++)
+        if (!isfinite((*values)[i]))
+            return refuse_part(r, "", name);
+    return SALTUS_OK;
+}
+
+static saltus_status read_axes(reader *r) {
+    saltus_sweep_file *made = r->made;
+    saltus_status status =
+        read_reals(r, "sweep/initial", SALTUS_SCENE_STATE_MAX, &r->initial_count, &r->initial);
+    made->points = 1;
+    for (int k = 0; k < made->axis_count && status == SALTUS_OK; k++) {
+        saltus_axis *axis = &made->axes[k];
+        char name[32];
+        double *values = NULL;
+        snprintf(name, sizeof name, "axes/axis%d", k + 1);
+        status = read_reals(r, name, INT_MAX - 1, &axis->count, &values);
+        axis->list = values;
+        if (status == SALTUS_OK && (axis->count < 1 || axis->count > most_rows / made->points))
+            status = refuse_part(r, "", name);
+        if (status != SALTUS_OK)
+            break;
+        axis->low = values[0];
+        axis->high = values[axis->count - 1];
+        made->points *= axis->count;
+    }
+    if (status != SALTUS_OK)
+        return status;
+    if (made->points > most_rows / made->pass_count / made->options.seeds)
+        return refuse(r, "there are more rows than there can be");
+    made->row_count = made->pass_count * made->points * made->options.seeds;
+    const hsize_t size[] = {(hsize_t)made->pass_count,
+                            made->axis_count > 1 ? (hsize_t)made->axes[1].count : 1,
+                            (hsize_t)made->axes[0].count, (hsize_t)made->options.seeds};
+    memcpy(r->size, size, sizeof size);
+    return SALTUS_OK;
+}
+
+/* Read a dataset with one entry per row. */
+static bool get_rows(const reader *r, const char *group, const saltus_sweep_column *column, void *data) {
+    saltus_h5 w = {.file = r->file, .sound = true};
+    char name[64];
+    snprintf(name, sizeof name, "%s/%s", group, column->name);
+    hid_t memory = saltus_entry_type(&w, column->entry, false);
+    bool found = memory >= 0 && saltus_h5_get_array(r->file, name, memory, 4, r->size, data);
+    if (memory >= 0)
+        H5Tclose(memory);
+    return found;
+}
+
+static bool row_sound(const saltus_sweep_file *made, const saltus_sweep_row *row) {
+    int attractors = made->basins ? made->attractor_count : made->options.seeds;
+    bool periodic = row->verdict == SALTUS_ROW_PERIODIC;
+    return row->verdict >= 0 && row->verdict < SALTUS_VERDICTS && row->attractor >= -1 &&
+           row->attractor < attractors && row->impacts >= (periodic ? -1 : 0) &&
+           row->periods >= (periodic ? 1 : 0) && row->sticking >= 0 && row->settled >= 0 &&
+           row->settled_impacts >= 0 && row->recorded >= 0 &&
+           !(made->complete && row->verdict == SALTUS_ROW_PENDING);
+}
+
+static saltus_status read_rows(reader *r) {
+    saltus_sweep_file *made = r->made;
+    size_t rows = (size_t)made->row_count;
+    hsize_t size[SALTUS_H5_RANK_MAX] = {0}, stored;
+    if (saltus_h5_extent(r->file, "rows/verdict", size, &stored) != 4 ||
+        memcmp(size, r->size, sizeof size) != 0 || (made->complete && !believable(rows, 1, stored)))
+        return refuse_part(r, "rows", "verdict");
+    unsigned char *data = malloc(rows * sizeof(double));
+    made->rows = calloc(rows, sizeof *made->rows);
+    saltus_status status = data && made->rows ? SALTUS_OK : no_memory(r);
+    for (int k = 0; k < SALTUS_SWEEP_COLUMNS && status == SALTUS_OK; k++) {
+        const saltus_sweep_column *column = &saltus_sweep_columns[k];
+        size_t bytes = saltus_entry_bytes(column->entry);
+        if (!get_rows(r, "rows", column, data))
+            status = refuse_part(r, "rows", column->name);
+        for (size_t i = 0; i < rows && status == SALTUS_OK; i++)
+            memcpy((unsigned char *)&made->rows[i] + column->offset, data + i * bytes, bytes);
+    }
+    free(data);
+    for (size_t i = 0; i < rows && status == SALTUS_OK; i++)
+        if (!row_sound(made, &made->rows[i]))
+            status = refuse(r, "a row is not one of a sweep");
+    return status;
+}
+
+/* Whether all rows' entries are among those of the cloud. */
+static bool counts_sound(const long long *first, const long long *count, size_t rows, long long total) {
+    for (size_t i = 0; i < rows; i++)
+        if (first[i] < 0 || count[i] < 0 || first[i] > total || count[i] > total - first[i])
+            return false;
+    return true;
+}
+
+/* Read `first` and `count` of a group, and how many entries its first column has. */
+static saltus_status read_counts(reader *r, const saltus_sweep_cloud *cloud, int width, long long **first,
+                                 long long **count, long long *total) {
+    hsize_t size[SALTUS_H5_RANK_MAX] = {0}, stored;
+    size_t rows = (size_t)r->made->row_count;
+    char name[64];
+    snprintf(name, sizeof name, "%s/%s", cloud->group, cloud->columns[0].name);
+    if (saltus_h5_extent(r->file, name, size, &stored) != (width ? 2 : 1) ||
+        !believable(size[0], (hsize_t)width, stored))
+        return refuse_part(r, cloud->group, cloud->columns[0].name);
+    *total = (long long)size[0];
+    *first = malloc(rows * sizeof **first);
+    *count = malloc(rows * sizeof **count);
+    if (!*first || !*count)
+        return no_memory(r);
+    if (!get_rows(r, cloud->group, &saltus_sweep_first, *first) ||
+        !get_rows(r, cloud->group, &saltus_sweep_count, *count) ||
+        !counts_sound(*first, *count, rows, *total))
+        return refuse_part(r, cloud->group, "first, count");
+    return SALTUS_OK;
+}
+
+/* Read a column of a cloud into records `stride` bytes apart. */
+static saltus_status read_entries(reader *r, const saltus_sweep_cloud *cloud, int column, long long total,
+                                  int width, unsigned char *records) {
+    const saltus_sweep_column *c = &cloud->columns[column];
+    const hsize_t size[2] = {(hsize_t)total, (hsize_t)width};
+    saltus_h5 w = {.file = r->file, .sound = true};
+    size_t bytes = saltus_entry_bytes(c->entry);
+    bool direct = cloud->count == 1;
+    unsigned char *data = direct ? records : malloc((size_t)total * bytes + 1);
+    char name[64];
+    if (!data)
+        return no_memory(r);
+    snprintf(name, sizeof name, "%s/%s", cloud->group, c->name);
+    hid_t memory = saltus_entry_type(&w, c->entry, false);
+    bool found = memory >= 0 && saltus_h5_get_array(r->file, name, memory, width ? 2 : 1, size, data);
+    if (memory >= 0)
+        H5Tclose(memory);
+    for (long long i = 0; i < total && found && !direct; i++)
+        memcpy(records + (size_t)i * cloud->stride + c->offset, data + (size_t)i * bytes, bytes);
+    if (!direct)
+        free(data);
+    return found ? SALTUS_OK : refuse_part(r, cloud->group, c->name);
+}
+
+static saltus_status read_cloud(reader *r, int which, long long **first, long long **count, void **entries,
+                                long long *total) {
+    const saltus_sweep_cloud *cloud = &saltus_sweep_clouds[which];
+    int width = cloud->stride ? 0 : r->made->dimension;
+    size_t stride = cloud->stride ? cloud->stride : (size_t)width * sizeof(double);
+    *total = 0;
+    if (!(r->made->options.keep & cloud->keep))
+        return SALTUS_OK;
+    saltus_status status = read_counts(r, cloud, width, first, count, total);
+    if (status != SALTUS_OK)
+        return status;
+    *entries = calloc((size_t)*total + 1, stride);
+    if (!*entries)
+        return no_memory(r);
+    for (int k = 0; k < cloud->count && status == SALTUS_OK; k++)
+        status = read_entries(r, cloud, k, *total, width, *entries);
+    return status;
+}
+
+static saltus_status read_clouds(reader *r) {
+    saltus_sweep_file *made = r->made;
+    void *turning = NULL, *impacts = NULL, *strobes = NULL;
+    long long total;
+    saltus_status status = read_cloud(r, 0, &made->turning_first, &made->turning_count, &turning, &total);
+    made->turning = turning;
+    if (status == SALTUS_OK)
+        status = read_cloud(r, 1, &made->impact_first, &made->impact_count, &impacts, &total);
+    made->impacts = impacts;
+    for (long long i = 0; i < total && status == SALTUS_OK; i++)
+        if (made->impacts[i].face < 0 || made->impacts[i].face >= SALTUS_FACES_MAX)
+            status = refuse_part(r, "impacts", "face");
+    if (status == SALTUS_OK)
+        status = read_cloud(r, 2, &made->strobe_first, &made->strobe_count, &strobes, &total);
+    made->strobes = strobes;
+    return status;
+}
+
+static saltus_status read_labels(reader *r, int count) {
+    static const int scalar[2] = {0, 0};
+    enum { room = sizeof *((saltus_sweep_file *)0)->attractor_label };
+    r->made->attractor_label = calloc((size_t)count + 1, room);
+    if (!r->made->attractor_label)
+        return no_memory(r);
+    hid_t type = H5Tcopy(H5T_C_S1);
+    bool sound =
+        type >= 0 && H5Tset_size(type, room) >= 0 && H5Tset_cset(type, H5T_CSET_UTF8) >= 0 &&
+        saltus_h5_get_dataset(r->file, "attractors/label", type, count, scalar, r->made->attractor_label);
+    if (type >= 0)
+        H5Tclose(type);
+    for (int k = 0; k < count && sound; k++)
+        sound = memchr(r->made->attractor_label[k], 0, room) != NULL;
+    return sound ? SALTUS_OK : refuse_part(r, "attractors", "label");
+}
+
+/* Names, multipliers and points of the attractors; only a complete file has them. */
+static saltus_status read_attractors(reader *r) {
+    static const int scalar[2] = {0, 0};
+    saltus_sweep_file *made = r->made;
+    hsize_t size[SALTUS_H5_RANK_MAX] = {0}, stored;
+    if (!made->basins || !made->complete)
+        return SALTUS_OK;
+    if (saltus_h5_extent(r->file, "attractors/label", size, &stored) != 1 ||
+        !believable(size[0], 1, stored) || size[0] > INT_MAX / 64)
+        return refuse_part(r, "attractors", "label");
+    int count = (int)size[0];
+    saltus_status status = read_labels(r, count);
+    if (status != SALTUS_OK)
+        return status;
+    if (saltus_h5_extent(r->file, "attractors/state", size, &stored) != 2 ||
+        size[1] != (hsize_t)made->dimension || !believable(size[0], size[1], stored))
+        return refuse_part(r, "attractors", "state");
+    long long points = (long long)size[0];
+    made->attractor_multiplier = malloc(((size_t)count + 1) * sizeof *made->attractor_multiplier);
+    made->attractor_first = malloc(((size_t)count + 1) * sizeof *made->attractor_first);
+    made->attractor_points = malloc(((size_t)count + 1) * sizeof *made->attractor_points);
+    made->attractor_states = malloc(((size_t)points + 1) * (size_t)size[1] * sizeof *made->attractor_states);
+    if (!made->attractor_multiplier || !made->attractor_first || !made->attractor_points ||
+        !made->attractor_states)
+        return no_memory(r);
+    if (!saltus_h5_get_dataset(r->file, "attractors/largest_multiplier", H5T_NATIVE_DOUBLE, count, scalar,
+                               made->attractor_multiplier) ||
+        !saltus_h5_get_dataset(r->file, "attractors/first", H5T_NATIVE_LLONG, count, scalar,
+                               made->attractor_first) ||
+        !saltus_h5_get_dataset(r->file, "attractors/count", H5T_NATIVE_LLONG, count, scalar,
+                               made->attractor_points) ||
+        !counts_sound(made->attractor_first, made->attractor_points, (size_t)count, points))
+        return refuse_part(r, "attractors", "largest_multiplier, first, count");
+    made->attractor_count = count;
+    return saltus_h5_get_array(r->file, "attractors/state", H5T_NATIVE_DOUBLE, 2, size,
+                               made->attractor_states)
+               ? SALTUS_OK
+               : refuse_part(r, "attractors", "state");
+}
+
+/* Open the file and read what was run. */
+static saltus_status open_file(reader *r) {
+    *r->made = (saltus_sweep_file){.complete = false};
+    r->file = saltus_h5_read_file(r->path, r->message);
+    saltus_status status = r->file < 0 ? SALTUS_BAD_INPUT : read_head(r);
+    if (status == SALTUS_OK)
+        status = read_options(r);
+    if (status == SALTUS_OK)
+        status = read_axes(r);
+    return status;
+}
+
+static void close_file(reader *r) {
+    if (r->file >= 0)
+        H5Fclose(r->file);
+    free(r->initial);
+}
+
+saltus_status saltus_sweep_file_read(const char *path, saltus_sweep_file *file, saltus_message *message) {
+    saltus_h5_silence silence;
+    reader r = {.path = path, .message = message, .made = file, .file = -1};
+    if (!saltus_h5_quiet(&silence))
+        return saltus_fail(message, SALTUS_IO, "the HDF5 library could not be opened");
+    saltus_status status = open_file(&r);
+    if (status == SALTUS_OK)
+        status = read_attractors(&r);
+    if (status == SALTUS_OK)
+        status = read_rows(&r);
+    if (status == SALTUS_OK)
+        status = read_clouds(&r);
+    close_file(&r);
+    saltus_h5_restore(&silence);
+    if (status != SALTUS_OK)
+        saltus_sweep_file_clear(file);
+    return status;
+}
+
+saltus_status saltus_sweep_identity_hdf5(const char *path, char **identity, bool *complete,
+                                         saltus_message *message) {
+    saltus_h5_silence silence;
+    saltus_sweep_file file;
+    reader r = {.path = path, .message = message, .made = &file, .file = -1};
+    *identity = NULL;
+    if (!saltus_h5_quiet(&silence))
+        return saltus_fail(message, SALTUS_IO, "the HDF5 library could not be opened");
+    saltus_status status = open_file(&r);
+    if (status == SALTUS_OK) {
+        const saltus_sweep_identity there = {.version = file.version,
+                                             .basins = file.basins,
+                                             .spec = &file.spec,
+                                             .initial_count = r.initial_count,
+                                             .initial = r.initial,
+                                             .axis_count = file.axis_count,
+                                             .axes = file.axes,
+                                             .options = &file.options};
+        *identity = saltus_sweep_identity_text(&there);
+        *complete = file.complete;
+        if (!*identity)
+            status = no_memory(&r);
+    }
+    close_file(&r);
+    saltus_h5_restore(&silence);
+    saltus_sweep_file_clear(&file);
+    return status;
+}
+
+void saltus_sweep_file_clear(saltus_sweep_file *file) {
+    for (int k = 0; k < SALTUS_AXES_MAX; k++)
+        free((double *)file->axes[k].list);
+    free(file->rows);
+    free(file->turning_first);
+    free(file->turning_count);
+    free(file->impact_first);
+    free(file->impact_count);
+    free(file->strobe_first);
+    free(file->strobe_count);
+    free(file->turning);
+    free(file->strobes);
+    free(file->impacts);
+    free(file->attractor_label);
+    free(file->attractor_multiplier);
+    free(file->attractor_first);
+    free(file->attractor_points);
+    free(file->attractor_states);
+    *file = (saltus_sweep_file){.complete = false};
+}

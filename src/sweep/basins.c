@@ -1,0 +1,119 @@
+/* Attractors over a plane of initial states, told apart by their orbits.
+ *
+ * A row that has settled belongs to the attractor one of whose section points its last state is. Where there
+ * is none so near, Newton's method finds the row's own orbit to full accuracy, and this is compared with
+ * those known; so neither slow convergence nor neighbouring attractors can mix up what belongs together.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "sweep/sweep.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double near_orbit = 1e-7; /* a settled state, relative to the system's scales */
+static const double same_orbit = 1e-8; /* orbits found by Newton's method */
+
+struct saltus_basins {
+    const saltus_sweep *sweep;
+    saltus_motion *motions;
+    int count, room;
+};
+
+saltus_status saltus_basins_new(const saltus_sweep *sweep, saltus_basins **basins, saltus_message *message) {
+    *basins = NULL;
+    for (int k = 0; k < sweep->axis_count; k++) {
+        saltus_direction direction;
+        if (saltus_spec_direction(&sweep->scene.spec, sweep->axes[k].key, &direction, NULL, NULL) ==
+            SALTUS_OK)
+            return saltus_fail(message, SALTUS_BAD_INPUT,
+                               "%s: a plane of initial states is made of entries q1, v1, ...",
+                               sweep->axes[k].key);
+    }
+    if (sweep->options.seeds != 1)
+        return saltus_fail(message, SALTUS_BAD_INPUT,
+                           "seeds = %d: each point of a plane of initial states is one initial state",
+                           sweep->options.seeds);
+    *basins = calloc(1, sizeof **basins);
+    if (!*basins)
+        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the basins");
+    (*basins)->sweep = sweep;
+    return SALTUS_OK;
+}
+
+void saltus_basins_free(saltus_basins *basins) {
+    if (!basins)
+        return;
+    for (int k = 0; k < basins->count; k++)
+        saltus_motion_clear(&basins->motions[k]);
+    free(basins->motions);
+    free(basins);
+}
+
+/* Distance of a state from a motion: from the nearest of its section points, or from where it rests. */
+static double distance_from(const saltus_system *system, const saltus_motion *motion, const double *state) {
+    double nearest = motion->periods ? INFINITY : saltus_section_distance(system, motion->state, state);
+    for (int k = 0; k < motion->periods; k++)
+        nearest =
+            fmin(nearest, saltus_section_distance(
+                              system, motion->section_states + (size_t)k * (size_t)motion->dimension, state));
+    return nearest;
+}
+
+static int find(const saltus_basins *basins, const double *state, double limit) {
+    for (int k = 0; k < basins->count; k++)
+        if (distance_from(basins->sweep->system, &basins->motions[k], state) < limit)
+            return k;
+    return -1;
+}
+
+static bool grow(saltus_basins *basins) {
+    if (basins->count < basins->room)
+        return true;
+    int room = 2 * basins->room + 8;
+    saltus_motion *grown = realloc(basins->motions, (size_t)room * sizeof *grown);
+    if (!grown)
+        return false;
+    basins->motions = grown;
+    basins->room = room;
+    return true;
+}
+
+/* Find the row's own orbit; take it over where it is new. */
+static saltus_status polish(saltus_basins *basins, const double *state, int *attractor,
+                            saltus_message *message) {
+    saltus_classify_options options = saltus_classify_defaults();
+    saltus_motion motion = {0};
+    options.flow.integrator = basins->sweep->options.flow.integrator;
+    saltus_status status = saltus_classify(basins->sweep->system, state, &options, &motion, message);
+    if (status != SALTUS_OK || motion.kind == SALTUS_UNDECIDED) {
+        saltus_motion_clear(&motion);
+        return status == SALTUS_NO_MEMORY ? status : SALTUS_OK;
+    }
+    *attractor = find(basins, motion.state, same_orbit);
+    if (*attractor < 0 && !grow(basins))
+        status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the attractors");
+    if (*attractor < 0 && status == SALTUS_OK) {
+        *attractor = basins->count;
+        basins->motions[basins->count++] = motion;
+    } else
+        saltus_motion_clear(&motion);
+    return status;
+}
+
+saltus_status saltus_basins_sort(saltus_basins *basins, const saltus_sweep_row *row, const double *state,
+                                 int *attractor, saltus_message *message) {
+    *attractor = -1;
+    if (row->verdict != SALTUS_ROW_PERIODIC && row->verdict != SALTUS_ROW_EQUILIBRIUM &&
+        row->verdict != SALTUS_ROW_HELD)
+        return SALTUS_OK;
+    *attractor = find(basins, state, near_orbit);
+    return *attractor >= 0 ? SALTUS_OK : polish(basins, state, attractor, message);
+}
+
+int saltus_basins_count(const saltus_basins *basins) {
+    return basins->count;
+}
+
+const saltus_motion *saltus_basins_motion(const saltus_basins *basins, int attractor) {
+    return &basins->motions[attractor];
+}

@@ -1,0 +1,165 @@
+/* Has a trajectory settled, and on which period?
+ *
+ * Points at phase 0 are compared with those p periods before, for every p up to the longest looked for; all
+ * distances are relative to the system's scales. A period p is reached to within a limit when
+ * - the last p + 2 points recur after p periods to better than `recurrence`,
+ * - the distance left to the orbit itself is below the limit. It is estimated from how the recurrences shrink
+ *   and turn from cycle to cycle: with the multiplier lambda that they show, a recurrence of size s leaves
+ *   s |lambda| / |1 - lambda|,
+ * - impacts and other contact events are as many in each of the last two cycles.
+ * Where a proper part of p recurs too, but does not get closer, the orbit may be one that has just doubled
+ * its period, or one that is about to and is approached slowly: iteration cannot tell, and the period is in
+ * doubt.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "sweep/sweep.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double recurrence = 1e-3;
+static const double rounding = 1e-13; /* recurrences this small say nothing about how they shrink */
+static const double slower = 10;      /* a part of a period that lags by less than this is waited for */
+static const double at_rest = 1e-9;
+
+bool saltus_settling_open(saltus_settling *s, int dimension, const saltus_sweep_options *options) {
+    int size = 4 * options->longest + 8;
+    *s = (saltus_settling){.n = dimension, .longest = options->longest, .size = size};
+    s->near = fmax(1e-10, 10 * options->flow.rtol);
+    s->points = calloc((size_t)size * (size_t)dimension, sizeof *s->points);
+    s->weight = calloc((size_t)dimension, sizeof *s->weight);
+    s->impacts = calloc((size_t)size, sizeof *s->impacts);
+    s->contact = calloc((size_t)size, sizeof *s->contact);
+    s->streak = calloc((size_t)options->longest + 1, sizeof *s->streak);
+    return s->points && s->weight && s->impacts && s->contact && s->streak;
+}
+
+void saltus_settling_close(saltus_settling *s) {
+    free(s->points);
+    free(s->weight);
+    free(s->impacts);
+    free(s->contact);
+    free(s->streak);
+    *s = (saltus_settling){0};
+}
+
+void saltus_settling_reset(saltus_settling *s, const saltus_system *system) {
+    const double *scale = saltus_system_scale(system);
+    s->system = system;
+    s->count = 0;
+    for (int i = 0; i < s->n; i++)
+        s->weight[i] = 1 / scale[i];
+    memset(s->streak, 0, ((size_t)s->longest + 1) * sizeof *s->streak);
+}
+
+static const double *point_before(const saltus_settling *s, int back) {
+    return s->points + (size_t)((s->count - 1 - back) % s->size) * (size_t)s->n;
+}
+
+/* Largest weighted difference; INFINITY once it is above `limit`. */
+static double distance(const saltus_settling *s, const double *a, const double *b, double limit) {
+    double largest = 0;
+    for (int i = 0; i < s->n; i++) {
+        double difference = fabs(a[i] - b[i]) * s->weight[i];
+        if (!(difference <= limit))
+            return INFINITY;
+        largest = fmax(largest, difference);
+    }
+    return largest;
+}
+
+void saltus_settling_add(saltus_settling *s, const double *state, long long impacts,
+                         long long contact_events) {
+    int slot = (int)(s->count % s->size);
+    memcpy(s->points + (size_t)slot * (size_t)s->n, state, (size_t)s->n * sizeof *state);
+    s->impacts[slot] = impacts;
+    s->contact[slot] = contact_events;
+    s->count++;
+    for (int p = 1; p <= s->longest && p < s->count; p++)
+        s->streak[p] = distance(s, state, point_before(s, p), recurrence) < recurrence ? s->streak[p] + 1 : 0;
+}
+
+/* Largest distance between points p apart, over p points that end `back` periods ago. */
+static double recurrence_over(const saltus_settling *s, int p, int points, int back) {
+    double largest = 0;
+    for (int k = 0; k < points; k++)
+        largest =
+            fmax(largest, distance(s, point_before(s, back + k), point_before(s, back + k + p), INFINITY));
+    return largest;
+}
+
+/* Cosine of the angle by which recurrences turn from one cycle to the next. */
+static double turning_cosine(const saltus_settling *s, int p) {
+    double product = 0, now = 0, before = 0;
+    for (int k = 0; k < p; k++) {
+        const double *x = point_before(s, k), *y = point_before(s, k + p), *z = point_before(s, k + 2 * p);
+        for (int i = 0; i < s->n; i++) {
+            double last = (x[i] - y[i]) * s->weight[i], first = (y[i] - z[i]) * s->weight[i];
+            product += last * first;
+            now += last * last;
+            before += first * first;
+        }
+    }
+    return now > 0 && before > 0 ? product / sqrt(now) / sqrt(before) : 1;
+}
+
+/* Distance left to the orbit of period p; INFINITY when the recurrences do not shrink and `shrinking` is
+ * asked for. */
+static double distance_left(const saltus_settling *s, int p, bool shrinking) {
+    double now = recurrence_over(s, p, p, 0), before = recurrence_over(s, p, p, p),
+           first = recurrence_over(s, p, p, 2 * p);
+    if (now <= rounding)
+        return now;
+    double ratio = now / before;
+    if (before > rounding && before / first > ratio)
+        ratio = before / first;
+    if (shrinking && !(ratio < 1))
+        return INFINITY;
+    double across = 1 - 2 * ratio * turning_cosine(s, p) + ratio * ratio;
+    return now * fmax(ratio, 0.01) / sqrt(fmax(across, 1e-30));
+}
+
+static long long difference_over(const saltus_settling *s, const long long *counter, int p, int back) {
+    return counter[(s->count - 1 - back) % s->size] - counter[(s->count - 1 - back - p) % s->size];
+}
+
+static bool reached(const saltus_settling *s, int p, double limit) {
+    return s->streak[p] >= p + 2 && s->count >= 4 * p + 2 && distance_left(s, p, true) <= limit &&
+           difference_over(s, s->impacts, p, 0) == difference_over(s, s->impacts, p, p) &&
+           difference_over(s, s->contact, p, 0) == difference_over(s, s->contact, p, p);
+}
+
+/* What the parts of a period say: +1 none of them recurs, 0 one of them is nearly there too, -1 doubt. */
+static int parts_say(const saltus_settling *s, int p, double limit) {
+    int verdict = 1;
+    for (int part = 1; part <= p / 2; part++)
+        if (p % part == 0 && recurrence_over(s, part, p, 0) < recurrence) {
+            if (distance_left(s, part, false) > slower * limit)
+                return -1;
+            verdict = 0;
+        }
+    return verdict;
+}
+
+int saltus_settling_period(const saltus_settling *s, double limit, bool *doubt) {
+    *doubt = false;
+    for (int p = 1; p <= s->longest; p++) {
+        int parts = reached(s, p, limit) ? parts_say(s, p, limit) : 0;
+        *doubt = parts < 0;
+        if (parts)
+            return p;
+    }
+    return 0;
+}
+
+int saltus_settling_candidate(const saltus_settling *s) {
+    for (int p = 1; p <= s->longest; p++)
+        if (s->streak[p] >= p + 2)
+            return p;
+    return 0;
+}
+
+bool saltus_settling_rests(const saltus_settling *s) {
+    return s->count > 4 && recurrence_over(s, 1, 3, 0) <= at_rest &&
+           difference_over(s, s->impacts, 3, 0) == 0 && difference_over(s, s->contact, 3, 0) == 0;
+}

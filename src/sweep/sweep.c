@@ -1,0 +1,290 @@
+/* A sweep: its grid, checked, and the numbering of its places, rows and tasks.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "sweep/sweep.h"
+
+#include "system/system.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { longest_max = 256, seeds_max = 10000, setting_size = 64 };
+static const long long rows_max = 1000000000LL;
+
+saltus_sweep_options saltus_sweep_defaults(void) {
+    saltus_flow_options flow = saltus_flow_defaults();
+    flow.rtol = 1e-10;
+    flow.atol = 1e-14;
+    return (saltus_sweep_options){.flow = flow,
+                                  .passes = 1u << SALTUS_PASS_RESET,
+                                  .seeds = 1,
+                                  .seed = 1,
+                                  .adaptive = true,
+                                  .transient = 2000,
+                                  .record = 100,
+                                  .longest = 20};
+}
+
+const char *saltus_pass_word(saltus_pass pass) {
+    static const char *const words[] = {"reset", "up", "down"};
+    return words[pass];
+}
+
+static saltus_status check_options(const saltus_sweep_options *o, saltus_message *message) {
+    if (o->passes == 0 || o->passes >> SALTUS_PASSES)
+        return saltus_fail(message, SALTUS_BAD_INPUT, "passes = %u: must be bits of reset, up and down",
+                           o->passes);
+    if (o->seeds < 1 || o->seeds > seeds_max)
+        return saltus_fail(message, SALTUS_BAD_INPUT, "seeds = %d: must be from 1 to %d", o->seeds,
+                           seeds_max);
+    if (o->transient < (o->adaptive ? 1 : 0) || o->record < 1)
+        return saltus_fail(message, SALTUS_BAD_INPUT, "transient = %lld, record = %lld: %s", o->transient,
+                           o->record, "must be at least 0 (adaptive: 1) and 1");
+    if (o->longest < 1 || o->longest > longest_max)
+        return saltus_fail(message, SALTUS_BAD_INPUT, "longest = %d: must be from 1 to %d", o->longest,
+                           longest_max);
+    if (o->lanes < 0 || o->threads < 0)
+        return saltus_fail(message, SALTUS_BAD_INPUT, "lanes = %d, threads = %d: must not be negative",
+                           o->lanes, o->threads);
+    return SALTUS_OK;
+}
+
+/* Whether a key is an entry of the initial state: q, v or e with a number. */
+static bool is_start_key(const char *key) {
+    return strchr("qve", key[0]) && key[1] >= '1' && key[1] <= '9' &&
+           strspn(key + 1, "0123456789") == strlen(key + 1);
+}
+
+static saltus_status set_value(saltus_scene *scene, const saltus_axis *axis, int k, saltus_message *message) {
+    char setting[setting_size];
+    snprintf(setting, sizeof setting, "%s=%.17g", axis->key, saltus_axis_value(axis, k));
+    return saltus_scene_set(scene, setting, message);
+}
+
+/* Every value of an axis is one that the scene accepts, and leaves the number of unknowns alone. */
+static saltus_status check_axis(saltus_sweep *sweep, int axis, saltus_message *message) {
+    const saltus_axis *a = &sweep->axes[axis];
+    saltus_direction direction;
+    saltus_status status = SALTUS_OK;
+    if (is_start_key(a->key))
+        sweep->moves_start = true;
+    else
+        status = saltus_spec_direction(&sweep->scene.spec, a->key, &direction, NULL, message);
+    saltus_scene scene = sweep->scene;
+    for (int k = 0; k < a->count && status == SALTUS_OK; k++)
+        status = set_value(&scene, a, k, message);
+    for (int k = 0; k < axis && status == SALTUS_OK; k++)
+        if (strcmp(sweep->axes[k].key, a->key) == 0)
+            status = saltus_fail(message, SALTUS_BAD_INPUT, "%s: is given for two axes", a->key);
+    return status;
+}
+
+static saltus_status take_axes(saltus_sweep *sweep, const saltus_axis *axes, int count,
+                               saltus_message *message) {
+    sweep->points = 1;
+    for (int k = 0; k < count; k++) {
+        sweep->axes[k] = axes[k];
+        sweep->axis_count = k + 1;
+        if (axes[k].count < 1)
+            return saltus_fail(message, SALTUS_BAD_INPUT, "%s: an axis needs at least one value",
+                               axes[k].key);
+        if (axes[k].list) {
+            size_t bytes = (size_t)axes[k].count * sizeof *axes[k].list;
+            sweep->lists[k] = malloc(bytes);
+            if (!sweep->lists[k])
+                return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the values of %s", axes[k].key);
+            memcpy(sweep->lists[k], axes[k].list, bytes);
+            sweep->axes[k].list = sweep->lists[k];
+        }
+        saltus_status status = check_axis(sweep, k, message);
+        if (status != SALTUS_OK)
+            return status;
+        sweep->points *= axes[k].count;
+    }
+    return SALTUS_OK;
+}
+
+/* Look at the system of one point: where one is stiff, all trajectories use the stiff integrator, so that the
+ * choice does not depend on what runs beside what; the one with the most terms stands for all of them. */
+static saltus_status check_point(saltus_sweep *sweep, long long point, saltus_message *message) {
+    saltus_system *system = NULL;
+    saltus_status status = saltus_sweep_system(sweep, point, &system, message);
+    if (status != SALTUS_OK)
+        return status;
+    if (sweep->options.flow.integrator == SALTUS_AUTOMATIC &&
+        strcmp(saltus_system_integrator(system), "radau") == 0)
+        sweep->options.flow.integrator = SALTUS_RADAU;
+    bool fuller = !sweep->system || (system->coefficients.terms & ~sweep->system->coefficients.terms);
+    saltus_system *other = fuller ? sweep->system : system;
+    if (fuller)
+        sweep->system = system;
+    saltus_system_free(other);
+    return SALTUS_OK;
+}
+
+/* The systems at the ends of the axes, and at each entry of a list. */
+static saltus_status check_corners(saltus_sweep *sweep, saltus_message *message) {
+    const saltus_axis *across = &sweep->axes[0];
+    const int rows = sweep->axis_count > 1 ? sweep->axes[1].count : 1;
+    const bool every_row = sweep->axis_count > 1 && sweep->axes[1].list;
+    saltus_status status = SALTUS_OK;
+    for (int j = 0; j < rows && status == SALTUS_OK; j += every_row || rows < 2 ? 1 : rows - 1)
+        for (int k = 0; k < across->count && status == SALTUS_OK;
+             k += across->list || across->count < 2 ? 1 : across->count - 1)
+            status = check_point(sweep, (long long)j * across->count + k, message);
+    if (status == SALTUS_OK)
+        sweep->dimension = saltus_system_dimension(sweep->system);
+    return status;
+}
+
+/* The options of the flow are good if a flow can be made with them. */
+static saltus_status check_flow(const saltus_sweep *sweep, saltus_message *message) {
+    const saltus_system *system = sweep->system;
+    saltus_flow *flow = NULL;
+    saltus_status status = saltus_flow_new(&system, 1, &sweep->options.flow, &flow, message);
+    saltus_flow_free(flow);
+    return status;
+}
+
+static saltus_status check_starts(const saltus_sweep *sweep, saltus_message *message) {
+    const saltus_scene *scene = &sweep->scene;
+    if (scene->initial_count && scene->initial_count != sweep->dimension)
+        return saltus_fail(message, SALTUS_BAD_INPUT, "%s: initial state has %d entries, the system needs %d",
+                           scene->name, scene->initial_count, sweep->dimension);
+    if (sweep->moves_start && sweep->options.passes != 1u << SALTUS_PASS_RESET)
+        return saltus_fail(message, SALTUS_BAD_INPUT,
+                           "an axis of initial states goes with a reset pass only, not with up or down");
+    if (sweep->points > rows_max / sweep->pass_count / sweep->options.seeds)
+        return saltus_fail(message, SALTUS_BAD_INPUT,
+                           "%lld points with %d passes and %d seeds: more than %lld trajectories",
+                           sweep->points, sweep->pass_count, sweep->options.seeds, rows_max);
+    return SALTUS_OK;
+}
+
+saltus_status saltus_sweep_new(const saltus_scene *scene, const saltus_axis *axes, int axis_count,
+                               const saltus_sweep_options *options, saltus_sweep **sweep,
+                               saltus_message *message) {
+    *sweep = NULL;
+    if (axis_count < 1 || axis_count > SALTUS_AXES_MAX)
+        return saltus_fail(message, SALTUS_BAD_INPUT, "a sweep needs one or two axes, not %d", axis_count);
+    saltus_status status = check_options(options, message);
+    if (status != SALTUS_OK)
+        return status;
+    saltus_sweep *made = calloc(1, sizeof *made);
+    if (!made)
+        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the sweep");
+    made->scene = *scene;
+    made->options = *options;
+    made->options.flow.columns = options->keep & SALTUS_KEEP_LYAPUNOV ? 1 : 0;
+    made->options.flow.directions = 0;
+    for (int k = 0; k < SALTUS_PASSES; k++)
+        if (options->passes >> k & 1)
+            made->passes[made->pass_count++] = (saltus_pass)k;
+    status = take_axes(made, axes, axis_count, message);
+    if (status == SALTUS_OK)
+        status = check_corners(made, message);
+    if (status == SALTUS_OK)
+        status = check_starts(made, message);
+    if (status == SALTUS_OK)
+        status = check_flow(made, message);
+    if (status == SALTUS_OK)
+        *sweep = made;
+    else
+        saltus_sweep_free(made);
+    return status;
+}
+
+void saltus_sweep_free(saltus_sweep *sweep) {
+    if (!sweep)
+        return;
+    for (int k = 0; k < SALTUS_AXES_MAX; k++)
+        free(sweep->lists[k]);
+    saltus_system_free(sweep->system);
+    free(sweep);
+}
+
+const saltus_scene *saltus_sweep_scene(const saltus_sweep *sweep) {
+    return &sweep->scene;
+}
+int saltus_sweep_axis_count(const saltus_sweep *sweep) {
+    return sweep->axis_count;
+}
+const saltus_axis *saltus_sweep_axis(const saltus_sweep *sweep, int axis) {
+    return &sweep->axes[axis];
+}
+const saltus_sweep_options *saltus_sweep_choices(const saltus_sweep *sweep) {
+    return &sweep->options;
+}
+int saltus_sweep_dimension(const saltus_sweep *sweep) {
+    return sweep->dimension;
+}
+long long saltus_sweep_points(const saltus_sweep *sweep) {
+    return sweep->points;
+}
+int saltus_sweep_pass_count(const saltus_sweep *sweep) {
+    return sweep->pass_count;
+}
+saltus_pass saltus_sweep_pass_at(const saltus_sweep *sweep, int k) {
+    return sweep->passes[k];
+}
+long long saltus_sweep_rows(const saltus_sweep *sweep) {
+    return sweep->pass_count * sweep->points * sweep->options.seeds;
+}
+
+saltus_status saltus_sweep_scene_at(const saltus_sweep *sweep, long long point, saltus_scene *scene,
+                                    saltus_message *message) {
+    saltus_status status = SALTUS_OK;
+    *scene = sweep->scene;
+    for (int k = 0; k < sweep->axis_count && status == SALTUS_OK; k++) {
+        status = set_value(scene, &sweep->axes[k], (int)(point % sweep->axes[k].count), message);
+        point /= sweep->axes[k].count;
+    }
+    return status;
+}
+
+/* Tasks of the k-th pass: points where every one starts anew, otherwise lines along the first axis. */
+static long long pass_tasks(const saltus_sweep *sweep, int k) {
+    return sweep->passes[k] == SALTUS_PASS_RESET ? sweep->points : sweep->points / sweep->axes[0].count;
+}
+
+static int pass_of(const saltus_sweep *sweep, long long *task) {
+    int k = 0;
+    while (k + 1 < sweep->pass_count && *task >= pass_tasks(sweep, k))
+        *task -= pass_tasks(sweep, k++);
+    return k;
+}
+
+long long saltus_sweep_tasks(const saltus_sweep *sweep) {
+    long long sum = 0;
+    for (int k = 0; k < sweep->pass_count; k++)
+        sum += pass_tasks(sweep, k);
+    return sum;
+}
+
+int saltus_sweep_task_length(const saltus_sweep *sweep, long long task) {
+    return sweep->passes[pass_of(sweep, &task)] == SALTUS_PASS_RESET ? 1 : sweep->axes[0].count;
+}
+
+long long saltus_sweep_task_place(const saltus_sweep *sweep, long long task, int k) {
+    int pass = pass_of(sweep, &task), count = sweep->axes[0].count;
+    long long first = pass * sweep->points;
+    switch (sweep->passes[pass]) {
+    case SALTUS_PASS_UP:
+        return first + task * count + k;
+    case SALTUS_PASS_DOWN:
+        return first + task * count + (count - 1 - k);
+    default:
+        return first + task;
+    }
+}
+
+void saltus_sweep_label(const saltus_sweep_row *row, char label[32]) {
+    static const char *const words[] = {"pending", "", "equilibrium", "held", "undecided", "failed"};
+    if (row->verdict != SALTUS_ROW_PERIODIC)
+        snprintf(label, 32, "%s", words[row->verdict]);
+    else if (row->impacts < 0)
+        snprintf(label, 32, "chatter/%d", row->periods);
+    else
+        snprintf(label, 32, "%d/%d", row->impacts, row->periods);
+}

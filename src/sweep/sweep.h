@@ -1,0 +1,178 @@
+/* Private: what the parts of the sweep's engine share.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef SALTUS_SWEEP_PRIVATE_H
+#define SALTUS_SWEEP_PRIVATE_H
+
+#include "saltus/sweep.h"
+
+#include "motion/motion.h"
+
+#include <gsl/gsl_rng.h>
+
+struct saltus_sweep {
+    saltus_scene scene;
+    saltus_axis axes[SALTUS_AXES_MAX];
+    double *lists[SALTUS_AXES_MAX];
+    int axis_count;
+    saltus_sweep_options options;
+    saltus_pass passes[SALTUS_PASSES];
+    int pass_count, dimension;
+    long long points;
+    bool moves_start;      /* an axis is an entry of the initial state */
+    saltus_system *system; /* of the point with the most terms */
+};
+
+/* start.c */
+/* The system at a point. Errors: those of saltus_system_new. */
+saltus_status saltus_sweep_system(const saltus_sweep *sweep, long long point, saltus_system **system,
+                                  saltus_message *message);
+/* The initial state of a seed at a point. Errors: SALTUS_BAD_INPUT where it is not admissible. */
+saltus_status saltus_sweep_initial(const saltus_sweep *sweep, long long point, int seed,
+                                   const saltus_system *system, gsl_rng *rng, double *state,
+                                   saltus_message *message);
+/* Bring a state that lies beyond stops onto them, as it is carried from one point to the next. */
+void saltus_sweep_admit(const saltus_system *system, double *state);
+/* A random number generator at a state that depends on these numbers alone. */
+void saltus_sweep_seed(gsl_rng *rng, unsigned long seed, long long point, int which);
+
+/* settle.c: has a trajectory settled, and on which period? */
+typedef struct saltus_settling {
+    const saltus_system *system;
+    int n, longest, size;
+    double near;                  /* remaining distance from the orbit that is small enough */
+    long long count;              /* points seen */
+    double *points;               /* the last `size` ones, n each */
+    double *weight;               /* 1 / scale */
+    long long *impacts, *contact; /* per point: impacts and other contact events until then */
+    int *streak;                  /* per period: points in a row that recur */
+} saltus_settling;
+
+bool saltus_settling_open(saltus_settling *settling, int dimension, const saltus_sweep_options *options);
+void saltus_settling_close(saltus_settling *settling);
+void saltus_settling_reset(saltus_settling *settling, const saltus_system *system);
+/* One more point at phase 0, with the numbers of impacts and of other contact events so far. */
+void saltus_settling_add(saltus_settling *settling, const double *state, long long impacts,
+                         long long contact_events);
+/* The least period whose orbit has been reached to within a distance, or 0. In doubt, the orbit may be one of
+ * a part of that period. */
+int saltus_settling_period(const saltus_settling *settling, double limit, bool *doubt);
+/* The least period that recurs roughly at present, or 0. */
+int saltus_settling_candidate(const saltus_settling *settling);
+/* Whether nothing has moved over the last periods. */
+bool saltus_settling_rests(const saltus_settling *settling);
+
+/* watch.c: what a trajectory does while it is recorded. */
+typedef struct saltus_cloud {
+    double *values;
+    size_t count, room;
+} saltus_cloud;
+
+typedef struct saltus_watch {
+    const saltus_system *system;
+    unsigned keep; /* of SALTUS_KEEP_... */
+    saltus_time begin, touched;
+    bool touching;
+    int heading;    /* sign of the observed velocity */
+    double contact; /* periods in contact */
+    double largest, smallest, largest_speed;
+    saltus_tally tally;
+    saltus_cloud turning, strobes, impacts; /* impacts: three numbers each */
+    bool sound;                             /* no cloud has run out of memory */
+} saltus_watch;
+
+/* Begin at a section point. Clouds keep their memory. */
+void saltus_watch_begin(saltus_watch *watch, const saltus_system *system, unsigned keep, saltus_time time,
+                        const double *state, bool touching);
+/* The events to watch. */
+unsigned saltus_watch_mask(void);
+/* `state` is that of now, for the events of contacts. */
+void saltus_watch_event(saltus_watch *watch, const saltus_event *event, const double *state, bool touching);
+/* A section point; not the last one of the recording, which would be counted twice. */
+void saltus_watch_section(saltus_watch *watch, const double *state);
+/* The measures of the recording, from its begin to `end`. */
+void saltus_watch_measure(const saltus_watch *watch, saltus_time end, saltus_sweep_row *row);
+void saltus_watch_close(saltus_watch *watch);
+
+/* job.c: the tasks under way in one thread, and what comes out of them. */
+typedef struct saltus_cell {
+    saltus_sweep_row row;
+    double *state; /* at the end, n */
+    double *orbit; /* periodic, with several seeds: section points, periods x n */
+    double *turning, *strobes, *impacts;
+    long long turning_count, strobe_count, impact_count;
+} saltus_cell;
+
+typedef struct saltus_job {
+    const saltus_sweep *sweep;
+    long long task;
+    int length, seeds, assigned; /* seeds handed to lanes */
+    int finished;                /* seeds whose whole line is done */
+    int *missing;                /* per place: seeds still to come */
+    saltus_cell *cells;          /* [place][seed] */
+} saltus_job;
+
+saltus_job *saltus_job_open(const saltus_sweep *sweep, long long task);
+void saltus_job_free(saltus_job *job);
+/* Put a trajectory's outcome into its cell; true when the place is complete, to be handed out with
+ * saltus_job_emit. False in *sound when there is no memory. */
+bool saltus_job_put(saltus_job *job, int place, int seed, const saltus_sweep_row *row, const double *state,
+                    const double *orbit, const saltus_watch *watch, bool *sound);
+/* Tell distinct attractors apart, hand the place out and free its clouds. */
+saltus_status saltus_job_emit(saltus_job *job, int place, const saltus_system *system,
+                              const saltus_sweep_feed *feed, saltus_message *message);
+
+/* trajectory.c: one seed on its way along the places of a task. */
+typedef enum saltus_stage {
+    SALTUS_STAGE_TRANSIENT, /* not looked at */
+    SALTUS_STAGE_SETTLING,
+    SALTUS_STAGE_RECORDING,
+    SALTUS_STAGE_ORBIT /* once around a periodic orbit */
+} saltus_stage;
+
+typedef struct saltus_trajectory {
+    const saltus_sweep *sweep;
+    saltus_job *job; /* NULL: the lane rests */
+    int seed, place;
+    saltus_system *system;
+    saltus_flow *flow;
+    int lane;
+    saltus_stage stage;
+    saltus_settling settling;
+    saltus_watch watch, round; /* what is recorded; once around the orbit where that comes later */
+    saltus_watch *active;      /* of these, or NULL */
+    saltus_sweep_row row;
+    saltus_flow_info before;    /* of the flow before it was last started anew */
+    long long stage_end;        /* cycle at which the stage ends */
+    bool disturbed, starved;    /* disturbed to prove stability; out of memory */
+    long long waited, patience; /* periods since something recurs; until Newton's method is asked */
+    double *home;               /* where it was before it was disturbed, ... */
+    long long home_cycle;       /* ... and when */
+    double *state, *orbit;      /* now; of a settled orbit, longest x n */
+    double *tangent, growth;    /* with SALTUS_KEEP_LYAPUNOV: logarithm of how a tangent vector grew */
+    gsl_rng *rng;
+} saltus_trajectory;
+
+bool saltus_trajectory_open(saltus_trajectory *trajectory, const saltus_sweep *sweep);
+void saltus_trajectory_close(saltus_trajectory *trajectory);
+/* Place it at its task's present place, in a lane of a flow that has been given its system, and aim it. False
+ * when it cannot start: the row says so. */
+bool saltus_trajectory_start(saltus_trajectory *trajectory, saltus_flow *flow, int lane);
+/* What follows from an event of its lane: true when this place is over, the row being filled; otherwise the
+ * lane has been aimed again. */
+bool saltus_trajectory_follow(saltus_trajectory *trajectory, const saltus_event *event);
+/* There is no system, or no initial state, at its place: a row that has failed. */
+void saltus_trajectory_refuse(saltus_trajectory *trajectory);
+/* The flow gave up. */
+void saltus_trajectory_fail(saltus_trajectory *trajectory);
+
+/* crew.c: one thread's trajectories side by side. */
+typedef struct saltus_gate saltus_gate; /* run.c: the feed behind its lock */
+long long saltus_gate_next(saltus_gate *gate);
+saltus_status saltus_gate_emit(saltus_gate *gate, saltus_job *job, int place, const saltus_system *system);
+void saltus_gate_done(saltus_gate *gate, long long task);
+/* End the run; the first failure counts. */
+void saltus_gate_fail(saltus_gate *gate, saltus_status status, const char *why);
+bool saltus_gate_open(saltus_gate *gate);
+void saltus_crew_run(const saltus_sweep *sweep, saltus_gate *gate);
+
+#endif

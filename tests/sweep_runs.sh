@@ -1,0 +1,137 @@
+#!/bin/sh
+# Sweeps as they are run: the same file for any number of lanes, threads and processes, after kills at random
+# moments, and from disks that fill up.
+# Argument: the saltus program. SALTUS_KILLS: how often a run is killed (default 20).
+# SPDX-License-Identifier: GPL-3.0-or-later
+set -u
+saltus=$1
+kills=${SALTUS_KILLS:-20}
+[ -z "${SALTUS_SANITIZED:-}" ] || kills=4
+place=$(mktemp -d)
+trap 'rm -rf "$place"' EXIT
+cd "$place" || exit 1
+failures=0
+
+fail() {
+    failures=$((failures + 1))
+    echo "FAILED: $*"
+}
+
+# The sweep of these tests.
+sweep="sweep fig6 --over omega=12:54:24 --over d=0.03:0.036:2 --at-most 150 --record 20 --start both --seeds 2
+       --what turning,impacts,stroboscopic --quiet"
+
+# run FILE ARGUMENTS...
+run() {
+    file=$1
+    shift
+    # shellcheck disable=SC2086
+    "$saltus" $sweep -o "$file" "$@"
+}
+
+same() {
+    cmp -s "$1" "$2" || fail "$3: $1 and $2 differ"
+    rm -f "$2"
+}
+
+run whole.h5 --threads 1 >/dev/null || fail "the sweep does not run"
+[ ! -e whole.h5.journal ] || fail "a finished sweep leaves its journal"
+for lanes in 1 4; do
+    run lanes.h5 --threads 1 --lanes "$lanes" >/dev/null || fail "$lanes lanes do not run"
+    same whole.h5 lanes.h5 "$lanes lanes"
+done
+for threads in 2 3; do
+    run threads.h5 --threads "$threads" >/dev/null || fail "$threads threads do not run"
+    same whole.h5 threads.h5 "$threads threads"
+done
+
+OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
+export OMPI_ALLOW_RUN_AS_ROOT OMPI_ALLOW_RUN_AS_ROOT_CONFIRM
+if [ -z "${SALTUS_SANITIZED:-}" ] && command -v mpirun >/dev/null && ldd "$saltus" | grep -q libmpi; then
+    for ranks in 2 3; do
+        # shellcheck disable=SC2086
+        mpirun --oversubscribe -n "$ranks" "$saltus" $sweep -o ranks.h5 >/dev/null || fail "$ranks ranks do not run"
+        same whole.h5 ranks.h5 "$ranks ranks"
+    done
+else
+    echo "no mpirun, built without MPI or with sanitizers: ranks are not tested"
+fi
+
+# A kill after a random part of a second, again and again; each resumed run goes on with what there is.
+killed=0
+finished=0
+while [ "$killed" -lt "$kills" ] && [ "$finished" -lt 200 ]; do
+    rm -f killed.h5 killed.h5.journal
+    first=1
+    while [ "$killed" -lt "$kills" ]; do
+        resume=--resume
+        [ "$first" -eq 1 ] && resume=
+        first=0
+        # shellcheck disable=SC2086
+        "$saltus" $sweep -o killed.h5 $resume >/dev/null 2>err &
+        child=$!
+        sleep "0.$(od -An -N2 -tu2 /dev/urandom | awk '{printf "%03d", $1 % 400}')"
+        if kill -9 "$child" 2>/dev/null; then
+            killed=$((killed + 1))
+            wait "$child" 2>/dev/null
+            [ ! -e killed.h5 ] || "$saltus" export killed.h5 -o rows.csv >/dev/null 2>err || fail "a killed run's file: $(cat err)"
+        else
+            wait "$child" || fail "a resumed run fails: $(cat err)"
+            same whole.h5 killed.h5 "resumed after kills"
+            finished=$((finished + 1))
+            break
+        fi
+    done
+done
+if [ -e killed.h5.journal ]; then
+    run killed.h5 --resume >/dev/null 2>err || fail "the last resumed run fails: $(cat err)"
+    same whole.h5 killed.h5 "resumed after the last kill"
+fi
+
+# A polite end: one sentence, exit status 1, nothing lost.
+# shellcheck disable=SC2086
+"$saltus" $sweep -o stopped.h5 --threads 1 >/dev/null 2>err &
+child=$!
+sleep 0.3
+if kill -TERM "$child" 2>/dev/null; then
+    wait "$child"
+    got=$?
+    if [ "$got" -ne 0 ]; then
+        [ "$got" -eq 1 ] || fail "an interrupted sweep exits with $got"
+        [ "$(wc -l <err)" -eq 1 ] && grep -q -- --resume err || fail "an interrupted sweep says: $(cat err)"
+        run stopped.h5 --resume >/dev/null 2>err || fail "resumed after SIGTERM: $(cat err)"
+    fi
+    same whole.h5 stopped.h5 "resumed after SIGTERM"
+fi
+
+# A full disk, imitated by a limit on the size of files.
+(
+    trap '' XFSZ
+    ulimit -f 40
+    run full.h5 >/dev/null 2>full.err
+    echo $? >full.status
+)
+[ "$(cat full.status)" -eq 1 ] || fail "a full disk gives exit status $(cat full.status)"
+[ "$(wc -l <full.err)" -eq 1 ] || fail "a full disk gives $(cat full.err)"
+run full.h5 --resume >/dev/null 2>err || fail "resumed after a full disk: $(cat err)"
+same whole.h5 full.h5 "resumed after a full disk"
+
+# Places that cannot be written are refused before anything is computed.
+for target in absent/sweep.h5 . /dev/null; do
+    run "$target" >/dev/null 2>err && fail "$target is accepted"
+    [ "$(wc -l <err)" -eq 1 ] || fail "$target: $(cat err)"
+done
+
+# Another sweep's journal is not taken up.
+# shellcheck disable=SC2086
+"$saltus" $sweep -o other.h5 >/dev/null 2>&1 &
+child=$!
+sleep 0.2
+kill -9 "$child" 2>/dev/null && wait "$child" 2>/dev/null
+if [ -e other.h5.journal ]; then
+    "$saltus" sweep fig6 --over omega=12:54:25 --resume --quiet -o other.h5 >/dev/null 2>err && fail "another sweep's journal is taken up"
+    [ "$(wc -l <err)" -eq 1 ] || fail "another sweep's journal: $(cat err)"
+fi
+
+[ "$failures" -eq 0 ] && echo "sweeps: the same file every time, $killed kills"
+exit "$((failures > 0))"

@@ -1,0 +1,211 @@
+/* Events within a step of a one-step method: where the gap may reach zero, and the step done again up to
+ * there. Shared by the integrators that take single steps (C and C++).
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef SALTUS_BENCH_RIVAL_STEP_H
+#define SALTUS_BENCH_RIVAL_STEP_H
+
+#include "rival_field.h"
+
+static inline double polynomial(int degree, const double *coefficient, double x) {
+    double value = coefficient[degree];
+    for (int k = degree; k-- > 0;)
+        value = value * x + coefficient[k];
+    return value;
+}
+
+static inline double polynomial_slope(int degree, const double *coefficient, double x) {
+    double value = degree * coefficient[degree];
+    for (int k = degree; k-- > 1;)
+        value = value * x + k * coefficient[k];
+    return value;
+}
+
+/* Zero in [low, high] of a function that is negative at low and positive at high, to 2^-20 of the bracket. */
+static inline double bisect(double (*function)(int, const double *, double), double sign, int degree,
+                            const double *coefficient, double low, double high) {
+    for (int k = 0; k < 20; k++) {
+        const double middle = 0.5 * (low + high);
+        if (sign * function(degree, coefficient, middle) < 0)
+            low = middle;
+        else
+            high = middle;
+    }
+    return 0.5 * (low + high);
+}
+
+/* First place in (0, 1] where a gap polynomial may reach zero; 0 if nowhere. A maximum that stays below zero
+ * by less than the interpolation may err counts, because a graze inside one step shows at neither of its
+ * ends. */
+static inline double suspected_contact(int degree, const double *gap) {
+    enum { pieces = 8 };
+    double value[pieces + 1], least = gap[0], greatest = gap[0];
+    for (int k = 0; k <= pieces; k++) {
+        value[k] = polynomial(degree, gap, (double)k / pieces);
+        least = value[k] < least ? value[k] : least;
+        greatest = value[k] > greatest ? value[k] : greatest;
+    }
+    const double margin = 0.01 * (greatest - least);
+    if (greatest < -(greatest - least))
+        return 0;
+    for (int k = 1; k <= pieces; k++) {
+        const double low = (double)(k - 1) / pieces, high = (double)k / pieces;
+        if (value[k] > 0)
+            return bisect(polynomial, 1, degree, gap, low, high);
+        if (degree < 2 || polynomial_slope(degree, gap, low) <= 0 || polynomial_slope(degree, gap, high) >= 0)
+            continue;
+        const double top = bisect(polynomial_slope, -1, degree, gap, low, high);
+        const double height = polynomial(degree, gap, top);
+        if (height > -margin)
+            return height > 0 ? bisect(polynomial, 1, degree, gap, low, top) : top;
+    }
+    return 0;
+}
+
+/* The last accepted step, and a way to repeat it with another length into `trial` and `trial_rate`. */
+struct rival_step {
+    struct pipe_field *field;
+    double start, length;
+    const double *begin, *begin_rate; /* state at its begin */
+    double *end;                      /* and at its end; an event takes its place */
+    const double *end_rate;
+    double *trial, *trial_rate;
+    bool (*again)(void *stepper, double length);
+    void *stepper;
+};
+
+/* Whether the quintic stays below zero by more than suspected_contact allows: its Bernstein coefficients
+ * enclose it. */
+static inline bool surely_below(double gap, double slope, double curve, double gap_end, double slope_end,
+                                double curve_end) {
+    const double b1 = gap + 0.2 * slope, b2 = b1 + 0.2 * slope + 0.05 * curve;
+    const double b4 = gap_end - 0.2 * slope_end, b3 = b4 - 0.2 * slope_end + 0.05 * curve_end;
+    const double coefficient[6] = {gap, b1, b2, b3, b4, gap_end};
+    double greatest = gap, least = gap;
+    for (int k = 1; k < 6; k++) {
+        greatest = coefficient[k] > greatest ? coefficient[k] : greatest;
+        least = coefficient[k] < least ? coefficient[k] : least;
+    }
+    return greatest < -0.01 * (greatest - least);
+}
+
+/* Where in the last step, as a fraction of it, the gap may have reached zero; 0 if nowhere. The zero that a
+ * flight starts with is divided out of the quintic that matches the gap and two derivatives at both ends. */
+static inline double suspected_in_step(const struct rival_step *step) {
+    const struct pipe_field *field = step->field;
+    const double h = step->length;
+    const double gap = contact_gap(field, step->begin), gap_end = contact_gap(field, step->end);
+    const double slope = h * normal_speed(field, step->begin), slope_end = h * normal_speed(field, step->end);
+    const double curve = h * h * normal_speed(field, step->begin_rate);
+    const double curve_end = h * h * normal_speed(field, step->end_rate);
+    const int divided = step->start == field->contact_time ? field->contact_order : 0;
+    if (divided == 0 && surely_below(gap, slope, curve, gap_end, slope_end, curve_end))
+        return 0;
+    double c[6] = {gap, slope, 0.5 * curve};
+    for (int k = 0; k < divided; k++)
+        c[k] = 0;
+    const double a = gap_end - c[0] - c[1] - c[2];
+    const double b = slope_end - c[1] - 2 * c[2];
+    const double e = curve_end - 2 * c[2];
+    c[3] = 10 * a - 4 * b + 0.5 * e;
+    c[4] = -15 * a + 7 * b - e;
+    c[5] = 6 * a - 3 * b + 0.5 * e;
+    return suspected_contact(5 - divided, c + divided);
+}
+
+/* Repeats the last step up to the impact. Returns 1 with the state on the stop, 0 if the pipe passes below
+ * it, -1 on failure. The safeguard takes the gap for a dip that rises to the impact and perhaps falls again
+ * behind it. */
+static inline int locate_contact(struct rival_step *step, double guess, double *tau) {
+    struct pipe_field *field = step->field;
+    double length = guess * step->length, low = 0, high = step->length;
+    for (int k = 0; k < 60; k++) {
+        if (!step->again(step->stepper, length))
+            return -1;
+        double span;
+        const double gap = contact_gap(field, step->trial), speed = normal_speed(field, step->trial);
+        const double acceleration = normal_speed(field, step->trial_rate);
+        const bool real = span_to_contact(gap, speed, acceleration, &span);
+        if (fabs(span) <= short_step * step->length) {
+            if (!real)
+                return 0;
+            *tau = step->start + length;
+            memcpy(step->end, step->trial, 2 * (size_t)field->modes * sizeof *step->end);
+            polish_contact(field, tau, step->end);
+            return 1;
+        }
+        *(gap < 0 && (speed > 0 || acceleration > 0) ? &low : &high) = length;
+        length += span;
+        if (!(length > low && length < high))
+            length = 0.5 * (low + high);
+    }
+    return -1;
+}
+
+/* Moves a sticking state that is within a short step of its release there. `slope` is the force's rate of
+ * change. */
+static inline void polish_release(struct pipe_field *field, double *tau, double *state, double slope) {
+    double force = pressing(field, *tau, state);
+    for (int k = 0; k < 6 && slope < 0; k++) {
+        const double span = -force / slope, before = force;
+        if (fabs(span) <= 2 * DBL_EPSILON * *tau)
+            return;
+        flow_shortly(field, *tau, span, state);
+        *tau += span;
+        force = pressing(field, *tau, state);
+        slope = (force - before) / span;
+    }
+}
+
+/* Repeats the last step up to the release by the Illinois method; false on failure. */
+static inline bool locate_release(struct rival_step *step, double force_end, double *tau) {
+    struct pipe_field *field = step->field;
+    double low = 0, high = step->length, force_high = force_end;
+    double force_low = pressing(field, step->start, step->begin);
+    bool kept_low = false, kept_high = false;
+    for (int k = 0; k < 60; k++) {
+        const double length = force_low > 0 ? low + (high - low) * force_low / (force_low - force_high) : 0;
+        if (!step->again(step->stepper, length))
+            return false;
+        const double force = pressing(field, step->start + length, step->trial);
+        const double slope = (force_high - force_low) / (high - low);
+        if (length == 0 || fabs(force) <= fabs(slope) * short_step * step->length) {
+            *tau = step->start + length;
+            memcpy(step->end, step->trial, 2 * (size_t)field->modes * sizeof *step->end);
+            polish_release(field, tau, step->end, slope);
+            return true;
+        }
+        if (force > 0) {
+            low = length, force_low = force;
+            force_high *= kept_high ? 0.5 : 1;
+            kept_high = true, kept_low = false;
+        } else {
+            high = length, force_high = force;
+            force_low *= kept_low ? 0.5 : 1;
+            kept_low = true, kept_high = false;
+        }
+    }
+    return false;
+}
+
+/* Deals with the events of the last step. Returns 1 after an event, 0 without, -1 on failure; `due` is the
+ * time to the next impact as far as it can be foreseen. */
+static inline int step_events(struct rival_step *step, double *tau, double *due, rival_result *result) {
+    struct pipe_field *field = step->field;
+    *due = INFINITY;
+    if (field->sticking) {
+        const double force = pressing(field, *tau, step->end);
+        if (force > 0)
+            return 0;
+        if (!locate_release(step, force, tau))
+            return -1;
+        release(field, *tau, step->end, result);
+        return 1;
+    }
+    const double guess = suspected_in_step(step);
+    const int found = guess > 0 ? locate_contact(step, guess, tau) : 0;
+    if (found == 1)
+        *due = rebound(field, *tau, step->end, result);
+    return found;
+}
+
+#endif

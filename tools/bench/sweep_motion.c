@@ -1,0 +1,124 @@
+/* Records of motions and their comparison.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "sweep_motion.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+void motion_clear(motion *m) {
+    m->count = 0;
+    m->sticks = 0;
+    m->failed = false;
+}
+
+void motion_free(motion *m) {
+    free(m->impacts);
+    free(m->strobe);
+    *m = (motion){0};
+}
+
+void motion_add_impact(motion *m, double time, double speed) {
+    if (m->count == m->room) {
+        int room = m->room ? 2 * m->room : 256;
+        impact *impacts = realloc(m->impacts, (size_t)room * sizeof *impacts);
+        if (!impacts) {
+            m->failed = true;
+            return;
+        }
+        m->impacts = impacts;
+        m->room = room;
+    }
+    m->impacts[m->count++] = (impact){time, speed};
+}
+
+static double distance(const double *a, const double *b, const double *scale) {
+    double worst = 0;
+    for (int i = 0; i < motion_dimension; i++)
+        worst = fmax(worst, fabs(a[i] - b[i]) / scale[i]);
+    return worst;
+}
+
+int motion_period(const motion *m, const double *scale, double tolerance) {
+    for (int period = 1; 2 * period <= recorded_periods; period++) {
+        bool same = true;
+        for (int k = 0; k + period <= recorded_periods && same; k++)
+            same = distance(m->strobe[k], m->strobe[k + period], scale) <= tolerance;
+        if (same)
+            return period;
+    }
+    return 0;
+}
+
+static int compare_numbers(const void *a, const void *b) {
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* A phase at which the motion is farthest from any impact, so that windows of whole periods that begin there
+ * do not depend on rounding. */
+static double quiet_phase(const motion *m, double from) {
+    double *phase = malloc((size_t)(m->count + 1) * sizeof *phase), quiet = 0;
+    int count = 0;
+    if (!phase)
+        return 0;
+    for (int k = 0; k < m->count; k++)
+        if (m->impacts[k].time >= from)
+            phase[count++] = m->impacts[k].time - floor(m->impacts[k].time);
+    qsort(phase, (size_t)count, sizeof *phase, compare_numbers);
+    double widest = 0;
+    for (int k = 0; k < count; k++) {
+        double next = k + 1 < count ? phase[k + 1] : phase[0] + 1;
+        if (next - phase[k] > widest) {
+            widest = next - phase[k];
+            quiet = 0.5 * (next + phase[k]);
+        }
+    }
+    free(phase);
+    return quiet - floor(quiet);
+}
+
+/* The impacts in [begin, end): the first one's index, and how many. */
+static int window(const motion *m, double begin, double end, int *first) {
+    int k = 0;
+    while (k < m->count && m->impacts[k].time < begin)
+        k++;
+    *first = k;
+    while (k < m->count && m->impacts[k].time < end)
+        k++;
+    return k - *first;
+}
+
+/* Largest difference of two sequences of impacts of one period, for the best order and shift. */
+static double sequence_error(const impact *a, const impact *b, int count, int period) {
+    double least = INFINITY;
+    for (int turn = 0; turn < count; turn++) {
+        double shift = rint(b[turn].time - a[0].time), worst = 0;
+        for (int k = 0; k < count && worst < least; k++) {
+            int other = turn + k;
+            double time = other < count ? b[other].time : b[other - count].time + period;
+            worst = fmax(worst, fabs(time - a[k].time - shift));
+        }
+        least = fmin(least, worst);
+    }
+    return count ? least : NAN;
+}
+
+bool motion_agrees(const motion *reference, int period, const motion *m, double *error) {
+    const int windows = (recorded_periods - 1) / period;
+    const double end = recorded_periods - 1 + quiet_phase(reference, recorded_periods - period);
+    int first, first_last, other_last;
+    *error = NAN;
+    if (m->failed || (reference->sticks > 0) != (m->sticks > 0))
+        return false;
+    if (reference->sticks > 0)
+        return abs(reference->sticks - m->sticks) <= period;
+    if (window(reference, end - windows * period, end, &first) !=
+        window(m, end - windows * period, end, &first))
+        return false;
+    int count = window(reference, end - period, end, &first_last);
+    if (window(m, end - period, end, &other_last) != count)
+        return false;
+    *error = sequence_error(reference->impacts + first_last, m->impacts + other_last, count, period);
+    return true;
+}

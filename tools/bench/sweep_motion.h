@@ -1,0 +1,40 @@
+/* What the programs of the sweep's benchmark record of a motion, and how two records are compared.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef SALTUS_BENCH_SWEEP_MOTION_H
+#define SALTUS_BENCH_SWEEP_MOTION_H
+
+#include <stdbool.h>
+
+enum { settling_periods = 300, recorded_periods = 100, motion_dimension = 10 };
+
+typedef struct impact {
+    double time; /* in forcing periods after settling */
+    double speed;
+} impact;
+
+/* The recorded periods of one motion. */
+typedef struct motion {
+    impact *impacts;
+    int count, room, sticks;
+    double settled[motion_dimension];   /* the state at the begin of the recorded periods */
+    double (*strobe)[motion_dimension]; /* states at the recorded periods' ends, the first one's begin
+                                           included; NULL where none was asked for */
+    bool failed;                        /* the integrator gave up, or no memory was left */
+} motion;
+
+/* Forgets what was recorded and keeps the memory. */
+void motion_clear(motion *m);
+void motion_free(motion *m);
+void motion_add_impact(motion *m, double time, double speed);
+
+/* Least period, in forcing periods, that all recorded stroboscopic states keep to within `tolerance` of the
+ * scale; 0 if none up to a half of what was recorded. */
+int motion_period(const motion *m, const double *scale, double tolerance);
+
+/* Whether `m` has the impacts of the periodic `reference`, counted over as many of its periods as were
+ * recorded; `error` receives the largest difference of the impacts' times in the last one, in forcing periods
+ * and after the best shift by whole ones (NaN where the counts differ). With sticking, impacts are too many
+ * to be counted: the sticks are, and there is no error. */
+bool motion_agrees(const motion *reference, int period, const motion *m, double *error);
+
+#endif

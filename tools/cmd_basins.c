@@ -1,0 +1,69 @@
+/* saltus basins: which attractor each initial state of a plane leads to.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "run_sweep.h"
+#include "sweep_options.h"
+#include "sweep_print.h"
+
+#include <string.h>
+
+static const cli_option *const options[] = {
+    &cli_set,       &sweep_over, &sweep_at_most, &sweep_longest, &cli_output, &sweep_resume,   &sweep_lanes,
+    &sweep_threads, &cli_quiet,  &sweep_json,    &sweep_rtol,    &sweep_atol, &cli_integrator, NULL};
+
+/* Whether an axis moves an entry of the initial state: q1, v1, e1, ... */
+static bool moves_start(const char *axis) {
+    return strchr("qve", axis[0]) && axis[1] >= '1' && axis[1] <= '9';
+}
+
+static bool read_axes(const cli_request *request) {
+    if (request->over.count != 2 || !request->output) {
+        fprintf(stderr, "saltus: basins: needs --over q1=lo:hi:n --over v1=lo:hi:n and -o basins.h5\n");
+        return false;
+    }
+    for (int k = 0; k < request->over.count; k++)
+        if (!moves_start(request->over.items[k])) {
+            fprintf(stderr, "saltus: --over %s: must be an entry of the initial state, such as q1 or v1\n",
+                    request->over.items[k]);
+            return false;
+        }
+    return true;
+}
+
+static int run(const cli_request *request) {
+    saltus_scene scene;
+    saltus_sweep *sweep = NULL;
+    saltus_message message = {""};
+    sweep_report report;
+    if (!read_axes(request))
+        return CLI_BAD_INPUT;
+    saltus_sweep_options how = sweep_read_options(request);
+    how.record = 1;
+    saltus_status status = cli_load_scene(request, &scene, &message);
+    if (status == SALTUS_OK)
+        status = sweep_make(request, &scene, &how, &sweep, &message);
+    sweep_order order = {.sweep = sweep,
+                         .path = request->output,
+                         .basins = true,
+                         .resume = request->resume,
+                         .quiet = request->quiet};
+    int code = run_sweep(&order, status, &message, &report);
+    if (code == CLI_DONE && report.first)
+        code = cli_report(sweep_print(&order, &report, request->json, &message), &message);
+    sweep_tally_clear(&report.tally);
+    saltus_sweep_free(sweep);
+    return code;
+}
+
+const cli_command cmd_basins = {
+    .name = "basins",
+    .usage = "SCENE [--set key=value ...] --over q1=lo:hi:n --over v1=lo:hi:n -o basins.h5",
+    .help = "Follow every initial state of a plane to its attractor; the other entries are those of the "
+            "scene. Attractors\n"
+            "are told apart by their orbits. The file holds, for each state, the attractor, the periods and "
+            "the impacts on\n"
+            "the way. An interrupted run is finished by --resume; saltus plot draws the file.",
+    .needs_scene = true,
+    .together = true,
+    .options = options,
+    .run = run,
+};

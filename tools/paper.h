@@ -1,0 +1,8 @@
+/* The list of the paper's figures, data/paper/figures, as the build puts it into the program.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef SALTUS_TOOLS_PAPER_H
+#define SALTUS_TOOLS_PAPER_H
+
+extern const char paper_figures[];
+
+#endif

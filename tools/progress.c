@@ -1,0 +1,89 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "progress.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <time.h>
+#include <unistd.h>
+
+/* Seconds between two pictures of the bar, between two lines at least and at most, and the memory of the
+ * rate. */
+static const double bar_pause = 0.25, line_pause = 2, line_patience = 30, memory = 15;
+
+double progress_clock(void) {
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+void progress_begin(progress *p, bool quiet, long long total, long long earlier) {
+    double now = progress_clock();
+    *p = (progress){.shown = !quiet,
+                    .terminal = isatty(STDERR_FILENO) == 1,
+                    .total = total,
+                    .earlier = earlier,
+                    .begin = now,
+                    .looked = now,
+                    .told = now,
+                    .seen = earlier,
+                    .told_done = earlier};
+}
+
+/* Points per second of late: what was long ago counts less and less. */
+static double measure(progress *p, long long done, double now) {
+    double passed = now - p->looked, fade = exp(-passed / memory);
+    p->work = p->work * fade + (double)(done - p->seen);
+    p->time = p->time * fade + passed;
+    p->seen = done;
+    p->looked = now;
+    return p->time > 0 ? p->work / p->time : 0;
+}
+
+static void describe_left(const progress *p, long long done, double rate, char text[48]) {
+    double left = rate > 0 ? (double)(p->total - done) / rate : INFINITY;
+    if (left < 100)
+        snprintf(text, 48, "%.0f s left", ceil(left));
+    else if (left < 6000)
+        snprintf(text, 48, "%.0f min left", ceil(left / 60));
+    else if (left < 1e6)
+        snprintf(text, 48, "%.1f h left", left / 3600);
+    else
+        snprintf(text, 48, "time left unknown");
+}
+
+static void draw_bar(double part, double rate, const char *left) {
+    enum { cells = 30 };
+    char bar[cells + 1];
+    for (int k = 0; k < cells; k++)
+        bar[k] = part * cells >= k + 1 ? '#' : '.';
+    bar[cells] = '\0';
+    fprintf(stderr, "\r[%s] %5.1f %%  %.4g points/s  %s\033[K", bar, 100 * part, rate, left);
+    fflush(stderr);
+}
+
+void progress_show(progress *p, long long done) {
+    double now = progress_clock();
+    if (!p->shown || now - p->looked < bar_pause)
+        return;
+    double rate = measure(p, done, now), part = p->total > 0 ? (double)done / (double)p->total : 1;
+    char left[48];
+    describe_left(p, done, rate, left);
+    if (p->terminal) {
+        draw_bar(part, rate, left);
+        return;
+    }
+    bool further = 10 * (done - p->told_done) >= p->total;
+    if (now - p->told < (further ? line_pause : line_patience))
+        return;
+    fprintf(stderr, "saltus: %.1f %% (%lld of %lld points), %.4g points/s, %s\n", 100 * part, done, p->total,
+            rate, left);
+    p->told = now;
+    p->told_done = done;
+}
+
+void progress_wipe(const progress *p, const char *text) {
+    if (!p->shown || !p->terminal)
+        return;
+    fprintf(stderr, "\r\033[K%s", text ? text : "");
+    fflush(stderr);
+}

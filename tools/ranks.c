@@ -1,0 +1,240 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#define _GNU_SOURCE
+#include "ranks.h"
+
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#ifdef SALTUS_WITH_MPI
+#include <mpi.h>
+#include <sched.h>
+#include <signal.h>
+#endif
+
+static long number_in(const char *variable) {
+    const char *text = getenv(variable);
+    return text ? strtol(text, NULL, 10) : 0;
+}
+
+/* How many ranks the environment speaks of: as the launchers of Open MPI, MPICH, MVAPICH and Slurm have it.
+ */
+static long announced(void) {
+    static const char *const sizes[] = {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "MV2_COMM_WORLD_SIZE",
+                                        "SLURM_STEP_NUM_TASKS"};
+    long most = 1;
+    for (size_t k = 0; k < sizeof sizes / sizeof sizes[0]; k++)
+        if (number_in(sizes[k]) > most)
+            most = number_in(sizes[k]);
+    return most;
+}
+
+/* The rank that the environment speaks of, 0 where it does not. */
+static long announced_here(void) {
+    static const char *const places[] = {"OMPI_COMM_WORLD_RANK", "PMI_RANK", "PMIX_RANK",
+                                         "MV2_COMM_WORLD_RANK", "SLURM_PROCID"};
+    for (size_t k = 0; k < sizeof places / sizeof places[0]; k++)
+        if (getenv(places[k]))
+            return number_in(places[k]);
+    return 0;
+}
+
+static bool refuse(long count, const char *why) {
+    if (announced_here() == 0)
+        fprintf(stderr, "saltus: started as %ld processes together, but %s\n", count, why);
+    return false;
+}
+
+#ifdef SALTUS_WITH_MPI
+
+struct ranks_parcel {
+    MPI_Request request;
+    void *bytes;
+    size_t size;
+    struct ranks_parcel *next;
+};
+
+static bool joined(void) {
+    int begun = 0, ended = 0;
+    MPI_Initialized(&begun);
+    MPI_Finalized(&ended);
+    return begun && !ended;
+}
+
+/* Threads that the MPI library starts for itself must not catch the signals that are meant for ours. */
+static bool start_mpi(int *level) {
+    sigset_t all, usual;
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &usual);
+    bool started = MPI_Init_thread(NULL, NULL, MPI_THREAD_SERIALIZED, level) == MPI_SUCCESS;
+    pthread_sigmask(SIG_SETMASK, &usual, NULL);
+    return started;
+}
+
+bool ranks_join(void) {
+    int level = 0;
+    long count = announced();
+    if (count < 2 && !getenv("PMIX_RANK"))
+        return true;
+    if (!start_mpi(&level))
+        return refuse(count, "MPI could not be started");
+    if (count > 1 && ranks_count() == 1)
+        return refuse(count, "MPI knows of one only: the launcher is not that of the MPI library in use");
+    if (level < MPI_THREAD_SERIALIZED && ranks_count() > 1)
+        return refuse(count, "this MPI library cannot be used by a program with threads");
+    /* Without a place to be silent in, a rank speaks. */
+    if (ranks_here() > 0 && (!freopen("/dev/null", "w", stdout) || !freopen("/dev/null", "w", stderr)))
+        return refuse(count, "/dev/null cannot be opened");
+    return true;
+}
+
+void ranks_leave(void) {
+    if (joined())
+        MPI_Finalize();
+}
+
+int ranks_count(void) {
+    int count = 1;
+    if (joined())
+        MPI_Comm_size(MPI_COMM_WORLD, &count);
+    return count;
+}
+
+int ranks_here(void) {
+    int here = 0;
+    if (joined())
+        MPI_Comm_rank(MPI_COMM_WORLD, &here);
+    return here;
+}
+
+#ifdef __linux__
+/* Cores that this process may use, and those that the ranks on its machine may use together. */
+static void count_cores(MPI_Comm machine, int *own, int *all) {
+    cpu_set_t mine, ours;
+    CPU_ZERO(&mine);
+    sched_getaffinity(0, sizeof mine, &mine);
+    MPI_Allreduce(&mine, &ours, (int)sizeof mine, MPI_UNSIGNED_CHAR, MPI_BOR, machine);
+    *own = CPU_COUNT(&mine);
+    *all = CPU_COUNT(&ours);
+}
+#else
+static void count_cores(MPI_Comm machine, int *own, int *all) {
+    (void)machine;
+    *own = *all = 1;
+}
+#endif
+
+int ranks_threads(void) {
+    MPI_Comm machine;
+    int neighbours = 1, own = 1, all = 1;
+    if (ranks_count() == 1)
+        return 0;
+    MPI_Comm_split_type(MPI_COMM_WORLD, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine);
+    MPI_Comm_size(machine, &neighbours);
+    count_cores(machine, &own, &all);
+    MPI_Comm_free(&machine);
+    int share = all / neighbours;
+    return share < 1 ? 1 : share < own ? share : own;
+}
+
+saltus_status ranks_send_own(ranks_mail *mail, int to, int kind, void *bytes, size_t size,
+                             saltus_message *message) {
+    struct ranks_parcel *parcel = malloc(sizeof *parcel);
+    if (!parcel || size > INT_MAX) {
+        free(parcel);
+        free(bytes);
+        if (size > INT_MAX)
+            return saltus_fail(message, SALTUS_BAD_INPUT,
+                               "a result of %zu bytes is too large to be sent between processes", size);
+        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a message between processes");
+    }
+    *parcel = (struct ranks_parcel){.bytes = bytes, .size = size, .next = mail->first};
+    MPI_Isend(bytes, (int)size, MPI_BYTE, to, kind, MPI_COMM_WORLD, &parcel->request);
+    mail->first = parcel;
+    mail->bytes += size;
+    return SALTUS_OK;
+}
+
+bool ranks_delivered(ranks_mail *mail) {
+    for (struct ranks_parcel **place = &mail->first; *place;) {
+        struct ranks_parcel *parcel = *place;
+        int done = 0;
+        MPI_Test(&parcel->request, &done, MPI_STATUS_IGNORE);
+        if (done) {
+            *place = parcel->next;
+            mail->bytes -= parcel->size;
+            free(parcel->bytes);
+            free(parcel);
+        } else
+            place = &parcel->next;
+    }
+    return !mail->first;
+}
+
+bool ranks_receive(int kind, ranks_letter *letter) {
+    MPI_Status status;
+    int waiting = 0, size = 0;
+    if (ranks_count() == 1)
+        return false;
+    MPI_Iprobe(MPI_ANY_SOURCE, kind, MPI_COMM_WORLD, &waiting, &status);
+    if (!waiting)
+        return false;
+    MPI_Get_count(&status, MPI_BYTE, &size);
+    *letter = (ranks_letter){.from = status.MPI_SOURCE, .size = (size_t)size};
+    letter->bytes = malloc(letter->size ? letter->size : 1);
+    /* Without memory for one message there is no way to go on, nor to say so to the others. */
+    if (!letter->bytes)
+        MPI_Abort(MPI_COMM_WORLD, 1);
+    MPI_Recv(letter->bytes, size, MPI_BYTE, status.MPI_SOURCE, kind, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
+    return true;
+}
+
+#else
+
+bool ranks_join(void) {
+    return announced() < 2 || refuse(announced(), "this saltus was built without MPI");
+}
+
+void ranks_leave(void) {}
+
+int ranks_count(void) {
+    return 1;
+}
+
+int ranks_here(void) {
+    return 0;
+}
+
+int ranks_threads(void) {
+    return 0;
+}
+
+saltus_status ranks_send_own(ranks_mail *mail, int to, int kind, void *bytes, size_t size,
+                             saltus_message *message) {
+    (void)mail, (void)to, (void)kind, (void)size;
+    free(bytes);
+    return saltus_fail(message, SALTUS_BAD_INPUT, "this saltus was built without MPI");
+}
+
+bool ranks_delivered(ranks_mail *mail) {
+    (void)mail;
+    return true;
+}
+
+bool ranks_receive(int kind, ranks_letter *letter) {
+    (void)kind, (void)letter;
+    return false;
+}
+
+#endif
+
+saltus_status ranks_send(ranks_mail *mail, int to, int kind, const void *bytes, size_t size,
+                         saltus_message *message) {
+    void *copy = malloc(size ? size : 1);
+    if (!copy)
+        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a message between processes");
+    if (size)
+        memcpy(copy, bytes, size);
+    return ranks_send_own(mail, to, kind, copy, size, message);
+}

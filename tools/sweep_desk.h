@@ -1,0 +1,90 @@
+/* The desk of a running sweep, on every rank: what there is to do, what has come in, whether to stop. The
+ * threads that compute and one that attends to signals, progress and letters meet at it.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef SALTUS_TOOLS_SWEEP_DESK_H
+#define SALTUS_TOOLS_SWEEP_DESK_H
+
+#include "progress.h"
+#include "ranks.h"
+#include "run_sweep.h"
+
+#include <pthread.h>
+#include <stdatomic.h>
+
+enum { SWEEP_INBOX_MAX = 4096 };
+
+/* A packed result on its way to the first rank. */
+typedef struct sweep_parcel {
+    void *bytes;
+    size_t size;
+    struct sweep_parcel *next;
+} sweep_parcel;
+
+/* What the first rank knows of another. */
+typedef struct sweep_rank {
+    bool met, left;
+} sweep_rank;
+
+typedef struct sweep_desk {
+    const sweep_order *order;
+    const saltus_sweep *sweep;
+    int ranks, here, hands; /* hands: trajectories that this rank computes at a time, about */
+    pthread_mutex_t lock;   /* of all that follows up to `writing` */
+    pthread_cond_t changed;
+    atomic_bool stopped; /* read by the threads that compute without the lock */
+    bool interrupted;
+    bool finished; /* this rank's threads have come to an end */
+    saltus_status status;
+    saltus_message message;
+    /* The first rank: tasks not yet given to anyone, and the points that are there. */
+    const unsigned char *settled; /* a bit for each task that an earlier run did; NULL: none */
+    long long next, tasks, open;
+    long long longest; /* the first task that is a line of points: lines take longest and come first */
+    long long done, places;
+    int met; /* ranks that have asked for tasks, or left */
+    /* The others: tasks to do, results to send. */
+    long long inbox[SWEEP_INBOX_MAX];
+    int first, count;
+    bool asked, dry;
+    sweep_parcel *outbox, **outbox_end;
+    size_t outbox_bytes;
+    long long sent;
+    /* The first rank's file and tally, under a lock of their own: writing may take its time. */
+    pthread_mutex_t writing;
+    saltus_sweep_output *output;
+    sweep_tally tally;
+    long long computed;
+    progress progress;
+    /* The attending thread's. */
+    ranks_mail mail;
+    long long received, due; /* results of other ranks, and how many those that left have sent */
+    int left;
+    sweep_rank *known; /* per rank */
+    bool told;         /* the others know that it is to stop */
+} sweep_desk;
+
+/* run_sweep.c */
+/* Take up to `most` of the tasks that are left; returns how many. The caller holds the lock. */
+int sweep_desk_tasks(sweep_desk *desk, long long *tasks, int most);
+/* Stop, with the first reason that there was. */
+void sweep_desk_stop(sweep_desk *desk, saltus_status status, const saltus_message *message);
+/* A result into the file. */
+saltus_status sweep_desk_take(sweep_desk *desk, const saltus_sweep_result *result, saltus_message *message);
+
+/* Whether nothing has failed. */
+bool sweep_desk_sound(sweep_desk *desk);
+
+/* sweep_ranks.c: the same over several ranks. */
+/* How the preparations went on all ranks: the first learns why one is not ready. */
+saltus_status sweep_ranks_gather(sweep_desk *desk, saltus_status status, saltus_message *message);
+/* Whether the run begins; the first rank decides by its status. If not, the exit code goes to *code. */
+bool sweep_ranks_begin(sweep_desk *desk, saltus_status status, int *code);
+/* Read and write letters. True when something was done. */
+bool sweep_ranks_serve(sweep_desk *desk);
+/* Whether the attending thread may end, once this rank's own threads have. */
+bool sweep_ranks_over(sweep_desk *desk);
+/* The other ranks: tell the first that nothing more will come, and wait until it has the file. The exit code
+ * is that of the first. The first rank: let them go. */
+int sweep_ranks_part(sweep_desk *desk, int code);
+
+#endif

@@ -1,0 +1,18 @@
+/* The options that saltus sweep and saltus basins share, and what they make.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef SALTUS_TOOLS_SWEEP_OPTIONS_H
+#define SALTUS_TOOLS_SWEEP_OPTIONS_H
+
+#include "cli.h"
+
+extern const cli_option sweep_over, sweep_at_most, sweep_record, sweep_longest, sweep_lanes, sweep_threads,
+    sweep_rtol, sweep_atol, sweep_resume, sweep_json;
+
+/* The options of a sweep from the command line: flow, times, lanes, threads. `json` and others are the
+ * caller's. */
+saltus_sweep_options sweep_read_options(const cli_request *request);
+/* A sweep over the axes of --over. Errors: SALTUS_BAD_INPUT, SALTUS_NO_MEMORY. */
+saltus_status sweep_make(const cli_request *request, const saltus_scene *scene,
+                         const saltus_sweep_options *options, saltus_sweep **sweep, saltus_message *message);
+
+#endif

@@ -1,0 +1,196 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "sweep_print.h"
+
+#include "cli.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Lines of a table; what is left is counted together. */
+enum { lines_max = 12 };
+
+/* Trajectories that ended on each attractor of basins, and an order of them by that. */
+typedef struct share {
+    int attractor;
+    long long count;
+} share;
+
+static bool ends_in(const char *path, const char *ending) {
+    size_t length = strlen(path), part = strlen(ending);
+    return length > part && strcmp(path + length - part, ending) == 0;
+}
+
+/* A string of JSON; file and scene names may hold anything. */
+static void put_string(const char *text) {
+    putchar('"');
+    for (const unsigned char *c = (const unsigned char *)text; *c; c++)
+        if (*c < 0x20)
+            printf("\\u%04x", *c);
+        else if (*c == '"' || *c == '\\')
+            printf("\\%c", *c);
+        else
+            putchar(*c);
+    putchar('"');
+}
+
+static saltus_status tally_file(const saltus_sweep_file *file, sweep_report *report,
+                                saltus_message *message) {
+    saltus_status status = SALTUS_OK;
+    sweep_tally_clear(&report->tally);
+    for (long long k = 0; k < file->row_count && status == SALTUS_OK; k++)
+        status = sweep_tally_add(&report->tally, &file->rows[k], message);
+    return status;
+}
+
+static int larger_share(const void *a, const void *b) {
+    const share *x = a, *y = b;
+    return x->count != y->count ? (x->count < y->count ? 1 : -1) : x->attractor - y->attractor;
+}
+
+static share *count_shares(const saltus_sweep_file *file) {
+    share *shares = calloc((size_t)file->attractor_count + 1, sizeof *shares);
+    for (int k = 0; k < file->attractor_count && shares; k++)
+        shares[k].attractor = k;
+    for (long long k = 0; k < file->row_count && shares; k++) {
+        int attractor = file->rows[k].attractor;
+        if (attractor >= 0 && attractor < file->attractor_count)
+            shares[attractor].count++;
+    }
+    if (shares)
+        qsort(shares, (size_t)file->attractor_count, sizeof *shares, larger_share);
+    return shares;
+}
+
+static double percent(long long part, long long whole) {
+    return whole > 0 ? 100 * (double)part / (double)whole : 0;
+}
+
+static void print_classes(const sweep_tally *tally, long long rows) {
+    long long rest = rows;
+    printf("%-16s %12s %9s\n", "motion", "trajectories", "share");
+    for (int k = 0; k < tally->count && k < lines_max; k++) {
+        printf("%-16s %12lld %7.2f %%\n", tally->classes[k].label, tally->classes[k].count,
+               percent(tally->classes[k].count, rows));
+        rest -= tally->classes[k].count;
+    }
+    char others[32];
+    snprintf(others, sizeof others, "%d others", tally->count - lines_max);
+    if (tally->count > lines_max)
+        printf("%-16s %12lld %7.2f %%\n", others, rest, percent(rest, rows));
+}
+
+static void print_attractors(const saltus_sweep_file *file, const share *shares) {
+    printf("%-16s %12s %9s %18s\n", "attractor", "trajectories", "share", "largest multiplier");
+    for (int k = 0; k < file->attractor_count && k < lines_max; k++) {
+        int a = shares[k].attractor;
+        printf("%-16s %12lld %7.2f %% %18.4g\n", file->attractor_label[a], shares[k].count,
+               percent(shares[k].count, file->row_count), file->attractor_multiplier[a]);
+    }
+    if (file->attractor_count > lines_max)
+        printf("%d others\n", file->attractor_count - lines_max);
+    long long lost = file->row_count;
+    for (int k = 0; k < file->attractor_count; k++)
+        lost -= shares[k].count;
+    if (lost)
+        printf("%-16s %12lld %7.2f %%\n", "none found", lost, percent(lost, file->row_count));
+}
+
+/* How many trajectories the tally is of: where there is no file to read them from, those of this run. */
+static long long counted(const sweep_report *report) {
+    long long sum = 0;
+    for (int k = 0; k < report->tally.count; k++)
+        sum += report->tally.classes[k].count;
+    return sum;
+}
+
+static double rate(const sweep_report *report) {
+    return report->seconds > 0 ? (double)report->computed / report->seconds : 0;
+}
+
+static void print_table(const sweep_order *order, const sweep_report *report, const saltus_sweep_file *file,
+                        const share *shares) {
+    const saltus_sweep *sweep = order->sweep;
+    printf("%s: %lld points, %lld trajectories in %s\n", saltus_sweep_scene(sweep)->name,
+           saltus_sweep_points(sweep), report->rows, order->path);
+    if (shares)
+        print_attractors(file, shares);
+    else if (report->tally.count)
+        print_classes(&report->tally, counted(report));
+    if (report->computed)
+        printf("%.3g s, %.4g trajectories/s%s\n", report->seconds, rate(report),
+               report->computed < report->rows ? "; the others were there" : "");
+    else
+        printf("all were there\n");
+}
+
+static void put_classes(const sweep_tally *tally, long long rows) {
+    printf(", \"classes\": [");
+    for (int k = 0; k < tally->count; k++)
+        printf("%s{\"label\": \"%s\", \"count\": %lld, \"share\": %.17g}", k ? ", " : "",
+               tally->classes[k].label, tally->classes[k].count,
+               percent(tally->classes[k].count, rows) / 100);
+    printf("]");
+}
+
+static void put_attractors(const saltus_sweep_file *file, const share *shares) {
+    printf(", \"attractors\": [");
+    for (int k = 0; k < file->attractor_count; k++) {
+        int a = shares[k].attractor;
+        printf("%s{\"label\": \"%s\", \"largest_multiplier\": ", k ? ", " : "", file->attractor_label[a]);
+        if (isfinite(file->attractor_multiplier[a]))
+            printf("%.17g", file->attractor_multiplier[a]);
+        else
+            printf("null");
+        printf(", \"count\": %lld, \"share\": %.17g}", shares[k].count,
+               percent(shares[k].count, file->row_count) / 100);
+    }
+    printf("]");
+}
+
+static void put_json(const sweep_order *order, const sweep_report *report, const saltus_sweep_file *file,
+                     const share *shares) {
+    const saltus_sweep *sweep = order->sweep;
+    printf("{\"version\": \"%s\", \"scene\": ", SALTUS_VERSION);
+    put_string(saltus_sweep_scene(sweep)->name);
+    printf(", \"file\": ");
+    put_string(order->path);
+    printf(", \"kind\": \"%s\", \"complete\": true, \"points\": %lld, \"passes\": [",
+           order->basins ? "basins" : "sweep", saltus_sweep_points(sweep));
+    for (int k = 0; k < saltus_sweep_pass_count(sweep); k++)
+        printf("%s\"%s\"", k ? ", " : "", saltus_pass_word(saltus_sweep_pass_at(sweep, k)));
+    printf("], \"seeds\": %d, \"rows\": %lld, \"computed\": %lld, \"seconds\": %.6g, "
+           "\"trajectories_per_second\": %.6g, \"ranks\": %d",
+           saltus_sweep_choices(sweep)->seeds, report->rows, report->computed, report->seconds, rate(report),
+           report->ranks);
+    put_classes(&report->tally, counted(report));
+    if (shares)
+        put_attractors(file, shares);
+    printf("}\n");
+}
+
+saltus_status sweep_print(const sweep_order *order, sweep_report *report, bool json,
+                          saltus_message *message) {
+    saltus_sweep_file file = {.row_count = 0};
+    share *shares = NULL;
+    saltus_status status = SALTUS_OK;
+    bool read = (order->basins || report->computed < report->rows) && ends_in(order->path, ".h5");
+    if (read)
+        status = saltus_sweep_file_read(order->path, &file, message);
+    if (read && status == SALTUS_OK && report->computed < report->rows)
+        status = tally_file(&file, report, message);
+    if (read && status == SALTUS_OK && file.attractor_count > 0) {
+        shares = count_shares(&file);
+        if (!shares)
+            status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the shares of the attractors");
+    }
+    sweep_tally_sort(&report->tally);
+    if (status == SALTUS_OK && json)
+        put_json(order, report, &file, shares);
+    else if (status == SALTUS_OK)
+        print_table(order, report, &file, shares);
+    free(shares);
+    if (read)
+        saltus_sweep_file_clear(&file);
+    return status;
+}
