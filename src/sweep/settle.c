@@ -17,9 +17,12 @@
 #include <stdlib.h>
 #include <string.h>
 
+enum { seldom = 8 };
 static const double recurrence = 1e-3;
-static const double rounding = 1e-13; /* recurrences this small say nothing about how they shrink */
-static const double slower = 10;      /* a part of a period that lags by less than this is waited for */
+static const double rounding = 1e-13;   /* recurrences this small say nothing about how they shrink */
+static const double slower = 10;        /* a part of a period that lags by less than this is waited for */
+static const double least_ratio = 0.01; /* no faster shrinking is relied upon, ... */
+static const double worth_a_look = 200; /* ... so that a recurrence leaves more than a 200th of itself */
 static const double at_rest = 1e-9;
 
 bool saltus_settling_open(saltus_settling *s, int dimension, const saltus_sweep_options *options) {
@@ -31,7 +34,8 @@ bool saltus_settling_open(saltus_settling *s, int dimension, const saltus_sweep_
     s->impacts = calloc((size_t)size, sizeof *s->impacts);
     s->contact = calloc((size_t)size, sizeof *s->contact);
     s->streak = calloc((size_t)options->longest + 1, sizeof *s->streak);
-    return s->points && s->weight && s->impacts && s->contact && s->streak;
+    s->newest = calloc((size_t)options->longest + 1, sizeof *s->newest);
+    return s->newest && s->points && s->weight && s->impacts && s->contact && s->streak;
 }
 
 void saltus_settling_close(saltus_settling *s) {
@@ -40,6 +44,7 @@ void saltus_settling_close(saltus_settling *s) {
     free(s->impacts);
     free(s->contact);
     free(s->streak);
+    free(s->newest);
     *s = (saltus_settling){0};
 }
 
@@ -116,17 +121,29 @@ static double distance_left(const saltus_settling *s, int p, bool shrinking) {
     if (shrinking && !(ratio < 1))
         return INFINITY;
     double across = 1 - 2 * ratio * turning_cosine(s, p) + ratio * ratio;
-    return now * fmax(ratio, 0.01) / sqrt(fmax(across, 1e-30));
+    return now * fmax(ratio, least_ratio) / sqrt(fmax(across, 1e-30));
 }
 
 static long long difference_over(const saltus_settling *s, const long long *counter, int p, int back) {
     return counter[(s->count - 1 - back) % s->size] - counter[(s->count - 1 - back - p) % s->size];
 }
 
+/* Whether a proper part of a period recurs as well: then it is looked at now and then only, as it will be the
+ * part's turn first. */
+static bool has_part(const saltus_settling *s, int p) {
+    for (int part = 1; part <= p / 2; part++)
+        if (p % part == 0 && s->streak[part] >= part + 2)
+            return true;
+    return false;
+}
+
 static bool reached(const saltus_settling *s, int p, double limit) {
-    return s->streak[p] >= p + 2 && s->count >= 4 * p + 2 && distance_left(s, p, true) <= limit &&
-           difference_over(s, s->impacts, p, 0) == difference_over(s, s->impacts, p, p) &&
-           difference_over(s, s->contact, p, 0) == difference_over(s, s->contact, p, p);
+    if (s->streak[p] < p + 2 || s->count < 4 * p + 2 || s->newest[p] > worth_a_look * limit ||
+        (s->count % seldom != 0 && has_part(s, p)))
+        return false;
+    return difference_over(s, s->impacts, p, 0) == difference_over(s, s->impacts, p, p) &&
+           difference_over(s, s->contact, p, 0) == difference_over(s, s->contact, p, p) &&
+           recurrence_over(s, p, p, 0) <= worth_a_look * limit && distance_left(s, p, true) <= limit;
 }
 
 /* What the parts of a period say: +1 none of them recurs, 0 one of them is nearly there too, -1 doubt. */
@@ -150,6 +167,14 @@ int saltus_settling_period(const saltus_settling *s, double limit, bool *doubt) 
             return p;
     }
     return 0;
+}
+
+long long saltus_settling_impacts(const saltus_settling *s, int period) {
+    return difference_over(s, s->impacts, period, 0);
+}
+
+double saltus_settling_recurrence(const saltus_settling *s, int period) {
+    return recurrence_over(s, period, period, 0);
 }
 
 int saltus_settling_candidate(const saltus_settling *s) {

@@ -45,6 +45,7 @@ typedef struct saltus_settling {
     double *weight;               /* 1 / scale */
     long long *impacts, *contact; /* per point: impacts and other contact events until then */
     int *streak;                  /* per period: points in a row that recur */
+    double *newest;               /* per period: how well the last point recurs */
 } saltus_settling;
 
 bool saltus_settling_open(saltus_settling *settling, int dimension, const saltus_sweep_options *options);
@@ -58,6 +59,10 @@ void saltus_settling_add(saltus_settling *settling, const double *state, long lo
 int saltus_settling_period(const saltus_settling *settling, double limit, bool *doubt);
 /* The least period that recurs roughly at present, or 0. */
 int saltus_settling_candidate(const saltus_settling *settling);
+/* Impacts in the last periods. */
+long long saltus_settling_impacts(const saltus_settling *settling, int period);
+/* Largest distance between points a period apart, over the last one. */
+double saltus_settling_recurrence(const saltus_settling *settling, int period);
 /* Whether nothing has moved over the last periods. */
 bool saltus_settling_rests(const saltus_settling *settling);
 
@@ -145,6 +150,9 @@ typedef struct saltus_trajectory {
     long long stage_end;        /* cycle at which the stage ends */
     bool disturbed, starved;    /* disturbed to prove stability; out of memory */
     long long waited, patience; /* periods since something recurs; until Newton's method is asked */
+    long long ask_again;        /* not before this cycle, where iteration cannot tell */
+    int hoped;                  /* the period that recurs */
+    double trend[2];            /* how well it did when last looked at, and before */
     double *home;               /* where it was before it was disturbed, ... */
     long long home_cycle;       /* ... and when */
     double *state, *orbit;      /* now; of a settled orbit, longest x n */

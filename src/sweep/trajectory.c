@@ -16,13 +16,20 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { blind_periods = 64 };
-enum { settling_after_record = 400, patience_periods = 200, patience_per_period = 20, polish_periods = 320 };
+enum { blind_periods = 64, look_periods = 32 };
+enum {
+    settling_after_record = 400,
+    patience_periods = 200,
+    patience_per_period = 20,
+    polish_periods = 320,
+    polish_impacts = 100
+};
 
 static const double approach = 1e-6;    /* distance left to the orbit when it is disturbed, ... */
 static const double disturbance = 1e-5; /* ... by this, relative to the system's scales, ... */
 static const double home_again = 3e-6;  /* ... and to which it must come back */
 static const double same_orbit = 1e-3;  /* an orbit of Newton's method this near is the trajectory's own */
+static const double shrinking = 0.98;   /* of recurrences from one look to the next, at most */
 static const double unbounded = 1e8;
 
 bool saltus_trajectory_open(saltus_trajectory *t, const saltus_sweep *sweep) {
@@ -129,7 +136,8 @@ static void begin_settling(saltus_trajectory *t) {
     const saltus_sweep_options *o = &t->sweep->options;
     t->stage = SALTUS_STAGE_SETTLING;
     t->active = NULL;
-    t->waited = 0;
+    t->waited = t->ask_again = 0;
+    t->hoped = 0;
     t->patience = patience_periods;
     t->stage_end = o->adaptive ? o->transient : cycle_of(t) + settling_after_record;
 }
@@ -366,17 +374,45 @@ static bool hopeless(const saltus_trajectory *t, int candidate) {
     return !o->adaptive && !candidate && t->settling.count > 2 * o->longest + 6;
 }
 
-/* Ask Newton's method, when iteration has been slow or cannot tell; more seldom each time. */
-static bool ask(saltus_trajectory *t, int candidate, int doubtful, bool *over) {
+/* Whether the recurrences of the period that is hoped for have shrunk, each time they were looked at. In a
+ * small chaotic attractor something recurs for long, but no better. */
+static bool shrinks(saltus_trajectory *t, int candidate) {
+    double now = saltus_settling_recurrence(&t->settling, candidate);
+    return now < shrinking * t->trend[0] && t->trend[0] < shrinking * t->trend[1];
+}
+
+static void follow_trend(saltus_trajectory *t, int candidate) {
+    if (candidate != t->hoped) {
+        t->waited = 0;
+        t->trend[0] = t->trend[1] = 0;
+    } else if (++t->waited % look_periods == 0) {
+        t->trend[1] = t->trend[0];
+        t->trend[0] = saltus_settling_recurrence(&t->settling, candidate);
+    }
+    t->hoped = candidate;
+}
+
+/* Ask Newton's method, when iteration is slow; more seldom each time. An orbit of very many impacts costs it
+ * more than all the iteration does; that one is left to iteration. */
+static bool ask(saltus_trajectory *t, int candidate, bool *over) {
     bool last = cycle_of(t) >= t->stage_end;
-    t->waited++;
-    if (!doubtful && !last && t->waited <= t->patience + patience_per_period * candidate)
+    if (!last && t->waited <= t->patience + patience_per_period * candidate)
         return false;
-    if (doubtful && !last && t->waited <= 2 * doubtful)
+    if (!shrinks(t, candidate) || saltus_settling_impacts(&t->settling, candidate) > polish_impacts)
         return false;
     t->waited = 0;
     t->patience *= 2;
-    return doubtful ? resolve(t, doubtful, over) : polish(t, over);
+    return polish(t, over);
+}
+
+/* Ask it when iteration cannot tell the period. */
+static bool ask_doubtful(saltus_trajectory *t, int period, bool *over) {
+    if (cycle_of(t) < t->stage_end && cycle_of(t) < t->ask_again)
+        return false;
+    if (saltus_settling_impacts(&t->settling, period) > polish_impacts)
+        return false;
+    t->ask_again = cycle_of(t) + patience_per_period * period;
+    return resolve(t, period, over);
 }
 
 /* A period has been reached to within `approach`, or, after the disturbance, to within what makes it certain:
@@ -417,10 +453,11 @@ static bool judge(saltus_trajectory *t) {
         saltus_trajectory_fail(t);
         return true;
     }
-    if (candidate && ask(t, candidate, period && doubt ? period : 0, &over))
+    if (period && doubt && ask_doubtful(t, period, &over))
         return over;
-    if (!candidate)
-        t->waited = 0;
+    follow_trend(t, candidate);
+    if (candidate && ask(t, candidate, &over))
+        return over;
     return hopeless(t, candidate) ? end_settling(t, SALTUS_ROW_UNDECIDED) : false;
 }
 

@@ -13,287 +13,91 @@
  * with that of Saltus at rtol 1e-13 from the same state. Only where these differ has an impact been lost or
  * invented.
  *
+ * Saltus takes part twice: as its flow, which does the work that the other libraries do and no other, and as
+ * its sweeps, which find out besides what the motion is (n/p) and what it measures. A second table shows what
+ * the things that may be asked of a sweep cost.
+ *
  * Options: --rivals adds the other libraries, on every k-th omega only with --part k (their times are then
  * scaled by the time simulated); --check compares all counts with those of steps of at most 1e-3 at rtol
- * 1e-13, on every k-th omega; --calibrate.
+ * 1e-13, on every k-th omega; --calibrate, with --rivals of the other libraries too.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "peak.h"
-#include "sweep_own.h"
-#include "sweep_rivals.h"
+#include "sweep_measure.h"
 
-#include <gsl/gsl_sort.h>
-#include <gsl/gsl_statistics.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { omegas_max = 1000, own_repeats = 3, rows_max = 16, rival_events_max = 1 << 20 };
+enum { own_repeats = 3, rows_max = 16 };
 
-static const double own_tolerance = 5e-8, exact = 1e-13, more_exact = 3e-14;
-/* In the scale of the states: what settled motions repeat to. */
-static const double settled_to = 1e-8;
+static const double own_tolerance = 5e-8, default_tolerance = 1e-10;
 static const double capped_step = 1e-3;
 
-/* The omegas of this run, and the motions that all programs are compared with. */
-typedef struct sweep {
-    int count;
-    saltus_system *stopped[omegas_max], *unstopped[omegas_max];
-    motion reference[omegas_max], found[omegas_max];
-    int period[omegas_max]; /* 0: not periodic, or not the same in both tight runs */
-    int periodic;
-    int part;            /* rivals take every part-th omega */
-    rival_event *events; /* room for a rival's */
-} sweep;
-
-/* A program of the table: another library's integrator (atol is as large as rtol), or Saltus where `run` is
- * NULL. */
-typedef struct program {
-    const char *name;
-    rival_run run;
-    double tolerance;
-    own_request request;
-    bool stopped;
-} program;
-
-/* A line of the table. */
-typedef struct row {
-    const program *program;
-    sweep_cost cost;
-    double share;                        /* of the simulated time that was measured */
-    double median, high, worst;          /* event error in T */
-    int right, elsewhere, wrong, judged; /* omegas by their count of impacts, where there was one */
-} row;
-
-static saltus_status build(sweep *s, int part, saltus_message *message) {
-    saltus_scene scene;
-    saltus_status status = saltus_scene_load("fig6", &scene, message);
-    for (int k = 0; k < omegas_max && status == SALTUS_OK; k += part, s->count++) {
-        char assignment[64];
-        snprintf(assignment, sizeof assignment, "omega=%.17g", 0.5 + 54.5 * k / (omegas_max - 1));
-        status = saltus_scene_set(&scene, assignment, message);
-        if (status == SALTUS_OK)
-            status = saltus_system_new(&scene.spec, &s->stopped[s->count], message);
-        saltus_spec unstopped = scene.spec;
-        unstopped.stop_count = 0;
-        if (status == SALTUS_OK)
-            status = saltus_system_new(&unstopped, &s->unstopped[s->count], message);
-    }
-    s->events = malloc(rival_events_max * sizeof *s->events);
-    return status == SALTUS_OK && !s->events ? SALTUS_NO_MEMORY : status;
-}
-
-static void tear_down(sweep *s) {
-    for (int k = 0; k < s->count; k++) {
-        saltus_system_free(s->stopped[k]);
-        saltus_system_free(s->unstopped[k]);
-        motion_free(&s->reference[k]);
-        motion_free(&s->found[k]);
-    }
-    free(s->events);
-}
-
-static bool with_strobe(motion *motions, int count) {
-    for (int k = 0; k < count; k++)
-        if (!(motions[k].strobe = malloc((recorded_periods + 1) * sizeof *motions[k].strobe)))
-            return false;
-    return true;
-}
-
-/* The motions to compare with, and which of them are periodic. */
-static saltus_status make_reference(sweep *s, saltus_message *message) {
-    own_request request = {.lanes = saltus_flow_width(s->stopped[0]),
-                           .threads = 1,
-                           .rtol = exact,
-                           .impacts = true,
-                           .strobe = true};
-    sweep_cost cost;
-    if (!with_strobe(s->reference, s->count) || !with_strobe(s->found, s->count))
-        return SALTUS_NO_MEMORY;
-    saltus_status status = own_sweep(s->stopped, s->count, &request, s->reference, &cost, message);
-    request.rtol = more_exact;
-    if (status == SALTUS_OK)
-        status = own_sweep(s->stopped, s->count, &request, s->found, &cost, message);
-    for (int k = 0; k < s->count && status == SALTUS_OK; k++) {
-        const double *scale = saltus_system_scale(s->stopped[k]);
-        double error;
-        const int period = motion_period(&s->reference[k], scale, settled_to);
-        if (period > 0 && motion_period(&s->found[k], scale, settled_to) == period &&
-            motion_agrees(&s->reference[k], period, &s->found[k], &error))
-            s->period[k] = period;
-        s->periodic += s->period[k] > 0;
-    }
-    return status;
-}
-
-static rival_pipe pipe_of(const saltus_system *system) {
-    const saltus_spec *spec = saltus_system_spec(system);
-    const saltus_stop *stop = &spec->stops[0];
-    return (rival_pipe){.modes = (int)saltus_spec_get(spec, "N"),
-                        .alpha = saltus_spec_get(spec, "alpha"),
-                        .beta = saltus_spec_get(spec, "beta"),
-                        .kappa = saltus_spec_get(spec, "kappa"),
-                        .u0 = saltus_spec_get(spec, "u0"),
-                        .sigma = saltus_spec_get(spec, "sigma"),
-                        .omega = saltus_spec_get(spec, "omega"),
-                        .xi = stop->xi,
-                        .d = stop->d,
-                        .r = stop->r};
-}
-
-/* One period of a program's motion. */
-static bool one_period(sweep *s, const program *p, const saltus_system *system, const double *state,
-                       double *end, int *impacts) {
-    if (!p->run)
-        return own_period(system, &p->request, state, end, impacts, NULL) == SALTUS_OK;
-    const rival_pipe pipe = pipe_of(system);
-    rival_result result = {.events = s->events, .capacity = rival_events_max, .state = end};
-    const bool done = p->run(&pipe, state, 1, p->tolerance, p->tolerance, &result) == RIVAL_OK;
-    *impacts = 0;
-    for (int k = 0; k < result.count && k < result.capacity; k++)
-        *impacts += s->events[k].kind == RIVAL_IMPACT;
-    return done;
-}
-
-/* Whether a program, on its way from its own settled state, counts every period as exact integration does. */
-static bool counts_its_own(sweep *s, const program *p, int omega) {
-    const own_request request = {.rtol = exact};
-    double state[motion_dimension], next[motion_dimension], exact_next[motion_dimension];
-    memcpy(state, s->found[omega].settled, sizeof state);
-    for (int k = 0; k < recorded_periods; k++) {
-        int impacts, exact_impacts;
-        if (!one_period(s, p, s->stopped[omega], state, next, &impacts) ||
-            own_period(s->stopped[omega], &request, state, exact_next, &exact_impacts, NULL) != SALTUS_OK ||
-            impacts != exact_impacts)
-            return false;
-        memcpy(state, next, sizeof state);
-    }
-    return true;
-}
-
-/* Fills a row's errors and counts from the motions found. */
-static void judge(sweep *s, const program *p, row *r) {
-    static double errors[omegas_max];
-    size_t count = 0;
-    r->judged = 0;
-    for (int k = 0; k < s->count; k += p->run ? s->part : 1) {
-        double error = NAN;
-        if (s->period[k] == 0)
-            continue;
-        r->judged++;
-        if (motion_agrees(&s->reference[k], s->period[k], &s->found[k], &error))
-            r->right++;
-        else if (counts_its_own(s, p, k))
-            r->elsewhere++;
-        else
-            r->wrong++;
-        if (!isnan(error))
-            errors[count++] = error;
-    }
-    if (count == 0)
-        return;
-    gsl_sort(errors, 1, count);
-    r->median = gsl_stats_quantile_from_sorted_data(errors, 1, count, 0.5);
-    r->high = gsl_stats_quantile_from_sorted_data(errors, 1, count, 0.9);
-    r->worst = errors[count - 1];
-}
-
-static bool run_own(sweep *s, const program *p, int repeats, row *r) {
-    saltus_message message = {""};
-    r->cost.seconds = r->cost.wall = INFINITY;
-    for (int k = 0; k < repeats; k++) {
-        sweep_cost cost;
-        if (own_sweep(p->stopped ? s->stopped : s->unstopped, s->count, &p->request, s->found, &cost,
-                      &message) != SALTUS_OK) {
-            fprintf(stderr, "saltus_sweep_bench: %s: %s\n", p->name, message.text);
-            return false;
-        }
-        cost.seconds = fmin(cost.seconds, r->cost.seconds);
-        cost.wall = fmin(cost.wall, r->cost.wall);
-        r->cost = cost;
-    }
-    return true;
-}
-
-static void keep_recorded(const rival_result *result, motion *m) {
-    for (int k = 0; k < result->count && k < result->capacity; k++) {
-        const rival_event *e = &result->events[k];
-        if (e->kind == RIVAL_IMPACT)
-            motion_add_impact(m, e->time_over_T, e->normal_velocity);
-        m->sticks += e->kind == RIVAL_STICK;
-    }
-    m->failed = m->failed || result->count > result->capacity;
-}
-
-/* The forcing is periodic, so that the recorded periods may begin at time 0 again. */
-static void run_rival(sweep *s, const program *p, row *r) {
-    double start[SALTUS_SCENE_STATE_MAX], end[motion_dimension], simulated = 0, all = 0;
-    for (int k = 0; k < s->count; k++)
-        all += saltus_system_period(s->stopped[k]);
-    for (int k = 0; k < s->count; k += s->part) {
-        simulated += saltus_system_period(s->stopped[k]);
-        const rival_pipe pipe = pipe_of(s->stopped[k]);
-        const int periods[2] = {settling_periods, recorded_periods};
-        motion *m = &s->found[k];
-        motion_clear(m);
-        saltus_system_default_state(s->stopped[k], start, NULL);
-        memcpy(m->settled, start, sizeof m->settled);
-        for (int stage = 0; stage < 2; stage++) {
-            rival_result result = {
-                .events = s->events, .capacity = stage ? rival_events_max : 0, .state = stage ? end : start};
-            memcpy(end, m->settled, sizeof end);
-            m->failed |= p->run(&pipe, end, periods[stage], p->tolerance, p->tolerance, &result) != RIVAL_OK;
-            if (stage)
-                keep_recorded(&result, m);
-            else
-                memcpy(m->settled, start, sizeof m->settled);
-            r->cost.seconds += result.cpu_seconds;
-            r->cost.steps += result.steps;
-            r->cost.evaluations += result.field_evaluations;
-        }
-    }
-    r->share = simulated / all;
-    r->cost.seconds /= r->share;
-    r->cost.wall = r->cost.seconds;
-}
-
-/* Saltus' own time is the shortest of `repeats` runs. */
-static bool measure(sweep *s, const program *p, int repeats, row *r) {
-    *r = (row){.program = p, .judged = -1, .share = 1, .median = NAN, .high = NAN, .worst = NAN};
-    if (p->run)
-        run_rival(s, p, r);
-    else if (!run_own(s, p, repeats, r))
-        return false;
-    if (p->stopped && (p->run || p->request.impacts))
-        judge(s, p, r);
-    return true;
-}
+/* Seconds that the ratios of the first table refer to. */
+typedef struct measures {
+    double flow, engine;
+} measures;
 
 static void print_head(void) {
-    printf(
-        "| program | rtol | CPU s | wall s | ratio | event error / T: median | 90 %% | max | right counts | "
-        "elsewhere | wrong | steps | evaluations |\n"
-        "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n");
+    printf("| program | rtol | CPU s | wall s | / flow | / sweep | event error / T: median | 90 %% | max | "
+           "right counts | elsewhere | wrong | steps | evaluations |\n"
+           "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n");
 }
 
-static void print_row(const row *r, double own_seconds) {
-    printf("| %s | %.1e | %.3f | %.3f | %.2f |", r->program->name, r->program->tolerance, r->cost.seconds,
-           r->cost.wall, r->cost.seconds / own_seconds);
+static void print_judgement(const row *r) {
     if (r->judged >= 0)
         printf(" %.1e | %.1e | %.1e | %d of %d | %d | %d |", r->median, r->high, r->worst, r->right,
                r->judged, r->elsewhere, r->wrong);
     else
         printf(" - | - | - | - | - | - |");
-    printf(" %.3g | %.3g |\n", (double)r->cost.steps / r->share, (double)r->cost.evaluations / r->share);
+}
+
+static void print_row(const row *r, measures unit) {
+    printf("| %s | %.1e | %.3f | %.3f | %.2f | %.2f |", r->program->name, r->program->tolerance,
+           r->cost.seconds, r->cost.wall, r->cost.seconds / unit.flow, r->cost.seconds / unit.engine);
+    print_judgement(r);
+    if (r->cost.steps > 0)
+        printf(" %.3g | %.3g |\n", (double)r->cost.steps / r->share, (double)r->cost.evaluations / r->share);
+    else
+        printf(" - | - |\n");
     fflush(stdout);
 }
 
-static program own_program(const char *name, int lanes, int threads, bool stopped, bool impacts) {
-    return (program){
-        .name = name,
-        .tolerance = own_tolerance,
-        .stopped = stopped,
-        .request = {.lanes = lanes, .threads = threads, .rtol = own_tolerance, .impacts = impacts}};
+static void print_engine_head(void) {
+    printf(
+        "\n| sweep | rtol | CPU s | wall s | ratio | trajectories/s | event error / T: median | 90 %% | max "
+        "| right counts | elsewhere | wrong | right n/p |\n"
+        "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n");
+}
+
+static void print_engine_row(const row *r, const row *first, const sweep *s) {
+    printf("| %s | %.1e | %.3f | %.3f | %.2f | %.0f |", r->program->name, r->program->tolerance,
+           r->cost.seconds, r->cost.wall, r->cost.seconds / first->cost.seconds, s->count / r->cost.wall);
+    print_judgement(r);
+    if (r->program->stopped)
+        printf(" %d of %d |\n", r->labels, s->periodic);
+    else
+        printf(" - |\n");
+    fflush(stdout);
+}
+
+static program flow_program(const char *name, int lanes, int threads, bool stopped, bool impacts) {
+    return (program){.name = name,
+                     .kind = program_flow,
+                     .tolerance = own_tolerance,
+                     .stopped = stopped,
+                     .own = {.lanes = lanes, .threads = threads, .rtol = own_tolerance, .impacts = impacts}};
+}
+
+static program engine_program(const char *name, double tolerance, engine_request request) {
+    request.rtol = tolerance;
+    return (program){.name = name,
+                     .kind = program_engine,
+                     .tolerance = tolerance,
+                     .stopped = request.stopped,
+                     .own = {.rtol = tolerance},
+                     .engine = request};
 }
 
 /* The rivals' tolerances are those at which --calibrate shows the event error wanted. */
@@ -311,24 +115,80 @@ static int list_rivals(program *list) {
         else if (strstr(saltus_rivals[k].name, "ARKODE"))
             list[count++] =
                 (program){.name = "SUNDIALS ARKODE 8(7)", .run = saltus_rivals[k].run, .tolerance = 2.5e-8};
-    for (int k = 0; k < count; k++)
+    for (int k = 0; k < count; k++) {
+        list[k].kind = program_rival;
         list[k].stopped = true;
+    }
     return count;
 }
 
-static bool calibrate(sweep *s) {
-    program list[rows_max];
+static int list_flows(program *list, int lanes) {
+    list[0] = flow_program("Saltus flow, all lanes", lanes, 1, true, true);
+    list[1] = flow_program("Saltus flow, one lane", 1, 1, true, true);
+    list[2] = flow_program("Saltus flow, all lanes, two threads", lanes, 2, true, true);
+    list[3] = flow_program("Saltus flow, all lanes, no stop", lanes, 1, false, true);
+    list[4] = flow_program("Saltus flow, all lanes, counts only", lanes, 1, true, false);
+    return 5;
+}
+
+static int list_engines(program *list) {
+    const unsigned impacts = SALTUS_KEEP_IMPACTS,
+                   clouds = SALTUS_KEEP_TURNING | SALTUS_KEEP_IMPACTS | SALTUS_KEEP_STROBOSCOPIC;
+    const engine_request usual = {.threads = 1, .keep = impacts, .stopped = true};
+    engine_request r[10];
+    for (int k = 0; k < 10; k++)
+        r[k] = usual;
+    r[1].lanes = 1;
+    r[2].threads = 2;
+    r[3].stopped = false;
+    r[4].keep = 0;
+    r[5].keep = clouds;
+    r[6].keep = impacts | SALTUS_KEEP_LYAPUNOV;
+    for (int k = 7; k < 10; k++)
+        r[k].adaptive = true;
+    r[7].keep = r[9].keep = 0;
+    r[8].keep = clouds;
+    list[0] = engine_program("impacts kept, all lanes", own_tolerance, r[0]);
+    list[1] = engine_program("one lane", own_tolerance, r[1]);
+    list[2] = engine_program("two threads", own_tolerance, r[2]);
+    list[3] = engine_program("without the stop", own_tolerance, r[3]);
+    list[4] = engine_program("nothing kept: class and measures", own_tolerance, r[4]);
+    list[5] = engine_program("turning points, impacts and section points kept", own_tolerance, r[5]);
+    list[6] = engine_program("impacts kept, with the Lyapunov exponent", own_tolerance, r[6]);
+    list[7] = engine_program("adaptive, at most 400 periods, class and measures", own_tolerance, r[7]);
+    list[8] = engine_program("adaptive, all clouds", own_tolerance, r[8]);
+    list[9] = engine_program("adaptive, class and measures, default tolerance", default_tolerance, r[9]);
+    return 10;
+}
+
+/* A program at several tolerances. */
+static bool calibrate_one(sweep *s, program p, double first, double last, double spacing) {
     row r;
-    list[0] = own_program("Saltus, all lanes", saltus_flow_width(s->stopped[0]), 1, true, true);
-    const int count = 1 + list_rivals(list + 1);
+    for (double digits = first; digits < last + 0.01; digits += spacing) {
+        p.tolerance = p.own.rtol = pow(10, -digits);
+        if (!sweep_measure(s, &p, p.kind == program_rival ? 1 : own_repeats, &r))
+            return false;
+        print_row(&r, (measures){1, 1});
+    }
+    return true;
+}
+
+static bool calibrate(sweep *s, bool rivals) {
+    static const int orders[] = {0, 8, 9, 10, 12};
+    program list[rows_max];
+    const int lanes = saltus_flow_width(s->stopped[0]), count = rivals ? list_rivals(list) : 0;
     print_head();
+    for (size_t k = 0; k < sizeof orders / sizeof *orders; k++) {
+        char name[32];
+        snprintf(name, sizeof name, orders[k] ? "Saltus, order %d" : "Saltus, automatic", orders[k]);
+        program p = flow_program(name, lanes, 1, true, true);
+        p.own.order = orders[k];
+        if (!calibrate_one(s, p, 6.5, 8.5, 0.25))
+            return false;
+    }
     for (int k = 0; k < count; k++)
-        for (double digits = 7; digits < 9.1; digits += 0.5) {
-            list[k].tolerance = list[k].request.rtol = pow(10, -digits);
-            if (!measure(s, &list[k], 1, &r))
-                return false;
-            print_row(&r, 1);
-        }
+        if (!calibrate_one(s, list[k], 7, 9, 0.5))
+            return false;
     return true;
 }
 
@@ -337,52 +197,93 @@ static bool check(sweep *s) {
     const int lanes = saltus_flow_width(s->stopped[0]);
     const own_request capped = {
         .lanes = lanes, .threads = 1, .rtol = exact, .impacts = true, .step_max = capped_step};
-    const program own = own_program("Saltus, all lanes", lanes, 1, true, true);
+    program list[rows_max];
+    const bool all = s->count == omegas_max;
     saltus_message message = {""};
     sweep_cost cost;
-    row r;
+    int wrong = 0;
     if (own_sweep(s->stopped, s->count, &capped, s->reference, &cost, &message) != SALTUS_OK) {
         fprintf(stderr, "saltus_sweep_bench: steps of at most %g: %s\n", capped_step, message.text);
         return false;
     }
-    if (!measure(s, &own, 1, &r))
-        return false;
-    printf("Counts of impacts at rtol %.1e against rtol %.0e with steps of at most %g: of %d periodic omegas "
-           "%d right, %d on another motion with every impact confirmed, %d wrong.\n",
-           own_tolerance, exact, capped_step, r.judged, r.right, r.elsewhere, r.wrong);
-    return r.wrong == 0;
+    list_engines(list + 1);
+    list[0] = flow_program("flow", lanes, 1, true, true);
+    list[1].name = "sweep";
+    for (int k = 0; k < (all ? 2 : 1); k++) {
+        row r;
+        if (!sweep_measure(s, &list[k], 1, &r))
+            return false;
+        printf(
+            "Counts of impacts, %s at rtol %.1e against rtol %.0e with steps of at most %g: of %d periodic "
+            "omegas %d right, %d on another motion with every impact confirmed, %d wrong.\n",
+            list[k].name, own_tolerance, exact, capped_step, r.judged, r.right, r.elsewhere, r.wrong);
+        wrong += r.wrong;
+    }
+    return wrong == 0;
+}
+
+/* How much of the core's peak the flow's rows of one thread reach. */
+static void print_operations(const row *rows, int count) {
+    const char *instructions;
+    const double peak = bench_peak(&instructions);
+    printf("\nPeak of this core (%s): %.1f GFlop/s.\n", instructions, 1e-9 * peak);
+    for (int k = 0; k < count; k++) {
+        const sweep_cost *cost = &rows[k].cost;
+        if (rows[k].program->own.threads == 1)
+            printf("%s: %.0f operations in a step, %.2f GFlop/s, %.2f of the peak.\n", rows[k].program->name,
+                   cost->operations / (double)cost->steps, 1e-9 * cost->operations / cost->seconds,
+                   cost->operations / cost->seconds / peak);
+    }
+}
+
+static void print_rivals(const row *rows, int count, measures unit) {
+    const row *best = rows;
+    for (int k = 1; k < count; k++)
+        if (rows[k].cost.seconds < best->cost.seconds)
+            best = &rows[k];
+    if (count > 0)
+        printf("\nThe fastest of the other libraries, %s, takes %.2f times as long as Saltus' flow on one "
+               "core and %.2f times as long as its sweep.\n",
+               best->program->name, best->cost.seconds / unit.flow, best->cost.seconds / unit.engine);
+}
+
+static bool measure_all(sweep *s, const program *list, int count, row *rows) {
+    for (int k = 0; k < count; k++)
+        if (!sweep_measure(s, &list[k], list[k].kind == program_rival ? 1 : own_repeats, &rows[k]))
+            return false;
+    return true;
 }
 
 static bool compare(sweep *s, bool rivals) {
     const int lanes = saltus_flow_width(s->stopped[0]);
-    program list[rows_max] = {own_program("Saltus, all lanes", lanes, 1, true, true),
-                              own_program("Saltus, one lane", 1, 1, true, true),
-                              own_program("Saltus, all lanes, two threads", lanes, 2, true, true),
-                              own_program("Saltus, all lanes, no stop", lanes, 1, false, true),
-                              own_program("Saltus, all lanes, counts only", lanes, 1, true, false)};
-    enum { own_rows = 5 };
-    row rows[rows_max] = {{0}};
-    const char *instructions;
-    const int count = own_rows + (rivals ? list_rivals(list + own_rows) : 0);
-    int best = -1;
+    program flows[rows_max], engines[rows_max], others[rows_max];
+    row flow[rows_max], engine[rows_max], other[rows_max];
+    const int flow_count = list_flows(flows, lanes), engine_count = list_engines(engines);
+    const int other_count = rivals ? list_rivals(others) : 0;
+    if (!measure_all(s, flows, flow_count, flow) || !measure_all(s, engines, engine_count, engine) ||
+        !measure_all(s, others, other_count, other))
+        return false;
+    const measures unit = {flow[0].cost.seconds, engine[0].cost.seconds};
     print_head();
-    for (int k = 0; k < count; k++) {
-        if (!measure(s, &list[k], own_repeats, &rows[k]))
-            return false;
-        print_row(&rows[k], rows[0].cost.seconds);
-        if (k >= own_rows && (best < 0 || rows[k].cost.seconds < rows[best].cost.seconds))
-            best = k;
-    }
-    const double seconds = rows[0].cost.seconds, peak = bench_peak(&instructions);
-    printf(
-        "\n%d lanes take 1/%.2f of the time of one lane; two threads 1/%.2f of the wall time of one; without "
-        "a stop %.2f of the time with it; counts alone %.2f of the time of impacts.\n",
-        lanes, rows[1].cost.seconds / seconds, rows[0].cost.wall / rows[2].cost.wall,
-        rows[3].cost.seconds / seconds, rows[4].cost.seconds / seconds);
-    if (best >= 0)
-        printf("The fastest of the other libraries, %s, takes %.2f times as long as Saltus on one core.\n",
-               list[best].name, rows[best].cost.seconds / seconds);
-    printf("Peak of this core (%s): %.1f GFlop/s.\n", instructions, 1e-9 * peak);
+    for (int k = 0; k < flow_count; k++)
+        print_row(&flow[k], unit);
+    program sweep_program = engines[0];
+    row sweep_row = engine[0];
+    sweep_program.name = "Saltus sweep, impacts kept, all lanes";
+    sweep_row.program = &sweep_program;
+    print_row(&sweep_row, unit);
+    for (int k = 0; k < other_count; k++)
+        print_row(&other[k], unit);
+    print_engine_head();
+    for (int k = 0; k < engine_count; k++)
+        print_engine_row(&engine[k], &engine[0], s);
+    print_rivals(other, other_count, unit);
+    printf("\nFlow: %d lanes take 1/%.2f of the time of one lane, two threads 1/%.2f of the wall time of "
+           "one.\nSweep: %d lanes take 1/%.2f of the time of one lane, two threads 1/%.2f of the wall time "
+           "of one.\n",
+           lanes, flow[1].cost.seconds / unit.flow, flow[0].cost.wall / flow[2].cost.wall, lanes,
+           engine[1].cost.seconds / unit.engine, engine[0].cost.wall / engine[2].cost.wall);
+    print_operations(flow, flow_count);
     return true;
 }
 
@@ -405,20 +306,20 @@ int main(int count, char **arguments) {
             return 2;
         }
     s.part = checking ? 1 : part;
-    saltus_status status = build(&s, checking ? part : 1, &message);
+    saltus_status status = sweep_build(&s, checking ? part : 1, &message);
     if (status == SALTUS_OK)
-        status = make_reference(&s, &message);
+        status = sweep_make_reference(&s, &message);
     if (status != SALTUS_OK) {
         fprintf(stderr, "saltus_sweep_bench: %s\n", message.text);
-        tear_down(&s);
+        sweep_tear_down(&s);
         return 1;
     }
     printf("%d of %d omegas, %d of them with a periodic motion", s.count, omegas_max, s.periodic);
-    if (s.part > 1 && (rivals || calibrating))
+    if (s.part > 1 && rivals)
         printf("; other libraries on every %dth, times and counts of work scaled by the time simulated",
                s.part);
     printf(".\n\n");
-    const bool done = calibrating ? calibrate(&s) : checking ? check(&s) : compare(&s, rivals);
-    tear_down(&s);
+    const bool done = calibrating ? calibrate(&s, rivals) : checking ? check(&s) : compare(&s, rivals);
+    sweep_tear_down(&s);
     return done ? 0 : 1;
 }

@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "sweep_motion.h"
 
+#include <limits.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -9,6 +10,7 @@
 void motion_clear(motion *m) {
     m->count = 0;
     m->sticks = 0;
+    m->orbit_impacts = m->orbit_periods = 0;
     m->failed = false;
 }
 
@@ -104,6 +106,66 @@ static double sequence_error(const impact *a, const impact *b, int count, int pe
     return count ? least : NAN;
 }
 
+/* The last period of a periodic motion: the first impact's index, and how many. */
+static int last_period(const motion *m, int period, int *first) {
+    const double end = recorded_periods - 1 + quiet_phase(m, recorded_periods - period);
+    return window(m, end - period, end, first);
+}
+
+int motion_orbit_impacts(const motion *m, int period) {
+    int first;
+    return m->sticks > 0 ? orbit_chatters : last_period(m, period, &first);
+}
+
+/* Whether the recorded periods of the motion, begun at any forcing period of its own, have `count` impacts.
+ */
+static bool counts_in_all(const motion *m, int period, int count) {
+    int all = 0, per_cycle[recorded_periods] = {0}, low = INT_MAX, high = 0;
+    for (int k = 0; k < m->count; k++) {
+        const int cycle = (int)m->impacts[k].time - (recorded_periods - period);
+        if (m->impacts[k].time >= recorded_periods - period && cycle < period) {
+            per_cycle[cycle]++;
+            all++;
+        }
+    }
+    for (int begin = 0; begin < period; begin++) {
+        int total = recorded_periods / period * all;
+        for (int k = 0; k < recorded_periods % period; k++)
+            total += per_cycle[(begin + k) % period];
+        low = total < low ? total : low;
+        high = total > high ? total : high;
+    }
+    return count >= low && count <= high;
+}
+
+/* Largest difference of two sequences of phases for the best cyclic shift. */
+static double phase_error(const impact *a, const impact *b, int count) {
+    double least = INFINITY;
+    for (int turn = 0; turn < count; turn++) {
+        double worst = 0;
+        for (int k = 0; k < count && worst < least; k++) {
+            const double difference = b[(turn + k) % count].time - a[k].time;
+            worst = fmax(worst, fabs(difference - rint(difference)));
+        }
+        least = fmin(least, worst);
+    }
+    return count ? least : NAN;
+}
+
+bool motion_agrees_in_phase(const motion *reference, int period, const motion *m, double *error) {
+    int first;
+    const int count = last_period(reference, period, &first);
+    *error = NAN;
+    if (m->failed || (reference->sticks > 0) != (m->sticks > 0))
+        return false;
+    if (reference->sticks > 0)
+        return abs(reference->sticks - m->sticks) <= period;
+    if (m->count < count || !counts_in_all(reference, period, m->count))
+        return false;
+    *error = phase_error(reference->impacts + first, m->impacts + m->count - count, count);
+    return true;
+}
+
 bool motion_agrees(const motion *reference, int period, const motion *m, double *error) {
     const int windows = (recorded_periods - 1) / period;
     const double end = recorded_periods - 1 + quiet_phase(reference, recorded_periods - period);
@@ -116,7 +178,7 @@ bool motion_agrees(const motion *reference, int period, const motion *m, double 
     if (window(reference, end - windows * period, end, &first) !=
         window(m, end - windows * period, end, &first))
         return false;
-    int count = window(reference, end - period, end, &first_last);
+    const int count = last_period(reference, period, &first_last);
     if (window(m, end - period, end, &other_last) != count)
         return false;
     *error = sequence_error(reference->impacts + first_last, m->impacts + other_last, count, period);

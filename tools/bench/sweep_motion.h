@@ -12,6 +12,9 @@ typedef struct impact {
     double speed;
 } impact;
 
+/* What stands for n where an orbit has infinitely many impacts. */
+enum { orbit_chatters = -1 };
+
 /* The recorded periods of one motion. */
 typedef struct motion {
     impact *impacts;
@@ -19,6 +22,7 @@ typedef struct motion {
     double settled[motion_dimension];   /* the state at the begin of the recorded periods */
     double (*strobe)[motion_dimension]; /* states at the recorded periods' ends, the first one's begin
                                            included; NULL where none was asked for */
+    int orbit_impacts, orbit_periods;   /* n/p where the program itself tells it, otherwise 0/0 */
     bool failed;                        /* the integrator gave up, or no memory was left */
 } motion;
 
@@ -36,5 +40,10 @@ int motion_period(const motion *m, const double *scale, double tolerance);
  * and after the best shift by whole ones (NaN where the counts differ). With sticking, impacts are too many
  * to be counted: the sticks are, and there is no error. */
 bool motion_agrees(const motion *reference, int period, const motion *m, double *error);
+/* The same where `m` tells of the impacts' times the phases only: all impacts of the recorded periods are
+ * counted, and the last ones, as many as an orbit has, are compared after the best cyclic shift. */
+bool motion_agrees_in_phase(const motion *reference, int period, const motion *m, double *error);
+/* Impacts in a period of a periodic motion; orbit_chatters if it sticks. */
+int motion_orbit_impacts(const motion *m, int period);
 
 #endif

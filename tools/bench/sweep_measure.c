@@ -1,0 +1,243 @@
+/* Costs, event errors and counts of impacts.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "sweep_measure.h"
+
+#include <gsl/gsl_sort.h>
+#include <gsl/gsl_statistics.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double more_exact = 3e-14;
+/* In the scale of the states: what settled motions repeat to. */
+static const double settled_to = 1e-8;
+
+saltus_status sweep_build(sweep *s, int part, saltus_message *message) {
+    saltus_scene scene;
+    const saltus_axis axis = engine_axis();
+    saltus_status status = saltus_scene_load("fig6", &scene, message);
+    for (int k = 0; k < omegas_max && status == SALTUS_OK; k += part, s->count++) {
+        char assignment[64];
+        snprintf(assignment, sizeof assignment, "omega=%.17g", saltus_axis_value(&axis, k));
+        status = saltus_scene_set(&scene, assignment, message);
+        if (status == SALTUS_OK)
+            status = saltus_system_new(&scene.spec, &s->stopped[s->count], message);
+        saltus_spec unstopped = scene.spec;
+        unstopped.stop_count = 0;
+        if (status == SALTUS_OK)
+            status = saltus_system_new(&unstopped, &s->unstopped[s->count], message);
+    }
+    s->events = malloc(rival_events_max * sizeof *s->events);
+    return status == SALTUS_OK && !s->events ? SALTUS_NO_MEMORY : status;
+}
+
+void sweep_tear_down(sweep *s) {
+    for (int k = 0; k < s->count; k++) {
+        saltus_system_free(s->stopped[k]);
+        saltus_system_free(s->unstopped[k]);
+        motion_free(&s->reference[k]);
+        motion_free(&s->found[k]);
+    }
+    free(s->events);
+}
+
+static bool with_strobe(motion *motions, int count) {
+    for (int k = 0; k < count; k++)
+        if (!(motions[k].strobe = malloc((recorded_periods + 1) * sizeof *motions[k].strobe)))
+            return false;
+    return true;
+}
+
+saltus_status sweep_make_reference(sweep *s, saltus_message *message) {
+    own_request request = {.lanes = saltus_flow_width(s->stopped[0]),
+                           .threads = 1,
+                           .rtol = exact,
+                           .impacts = true,
+                           .strobe = true};
+    sweep_cost cost;
+    if (!with_strobe(s->reference, s->count) || !with_strobe(s->found, s->count))
+        return SALTUS_NO_MEMORY;
+    saltus_status status = own_sweep(s->stopped, s->count, &request, s->reference, &cost, message);
+    request.rtol = more_exact;
+    if (status == SALTUS_OK)
+        status = own_sweep(s->stopped, s->count, &request, s->found, &cost, message);
+    for (int k = 0; k < s->count && status == SALTUS_OK; k++) {
+        const double *scale = saltus_system_scale(s->stopped[k]);
+        double error;
+        const int period = motion_period(&s->reference[k], scale, settled_to);
+        if (period > 0 && motion_period(&s->found[k], scale, settled_to) == period &&
+            motion_agrees(&s->reference[k], period, &s->found[k], &error))
+            s->period[k] = period;
+        s->periodic += s->period[k] > 0;
+    }
+    return status;
+}
+
+static rival_pipe pipe_of(const saltus_system *system) {
+    const saltus_spec *spec = saltus_system_spec(system);
+    const saltus_stop *stop = &spec->stops[0];
+    return (rival_pipe){.modes = (int)saltus_spec_get(spec, "N"),
+                        .alpha = saltus_spec_get(spec, "alpha"),
+                        .beta = saltus_spec_get(spec, "beta"),
+                        .kappa = saltus_spec_get(spec, "kappa"),
+                        .u0 = saltus_spec_get(spec, "u0"),
+                        .sigma = saltus_spec_get(spec, "sigma"),
+                        .omega = saltus_spec_get(spec, "omega"),
+                        .xi = stop->xi,
+                        .d = stop->d,
+                        .r = stop->r};
+}
+
+/* One period of a program's motion. */
+static bool one_period(sweep *s, const program *p, const saltus_system *system, const double *state,
+                       double *end, int *impacts) {
+    if (p->kind != program_rival)
+        return own_period(system, &p->own, state, end, impacts, NULL) == SALTUS_OK;
+    const rival_pipe pipe = pipe_of(system);
+    rival_result result = {.events = s->events, .capacity = rival_events_max, .state = end};
+    const bool done = p->run(&pipe, state, 1, p->tolerance, p->tolerance, &result) == RIVAL_OK;
+    *impacts = 0;
+    for (int k = 0; k < result.count && k < result.capacity; k++)
+        *impacts += s->events[k].kind == RIVAL_IMPACT;
+    return done;
+}
+
+/* Whether a program, on its way from its own settled state, counts every period as exact integration does. */
+static bool counts_its_own(sweep *s, const program *p, int omega) {
+    const own_request request = {.rtol = exact};
+    double state[motion_dimension], next[motion_dimension], exact_next[motion_dimension];
+    memcpy(state, s->found[omega].settled, sizeof state);
+    for (int k = 0; k < recorded_periods; k++) {
+        int impacts, exact_impacts;
+        if (!one_period(s, p, s->stopped[omega], state, next, &impacts) ||
+            own_period(s->stopped[omega], &request, state, exact_next, &exact_impacts, NULL) != SALTUS_OK ||
+            impacts != exact_impacts)
+            return false;
+        memcpy(state, next, sizeof state);
+    }
+    return true;
+}
+
+static bool agrees(const sweep *s, const program *p, int omega, double *error) {
+    return p->kind == program_engine
+               ? motion_agrees_in_phase(&s->reference[omega], s->period[omega], &s->found[omega], error)
+               : motion_agrees(&s->reference[omega], s->period[omega], &s->found[omega], error);
+}
+
+static int count_labels(const sweep *s) {
+    int right = 0;
+    for (int k = 0; k < s->count; k++)
+        right += s->period[k] > 0 && s->found[k].orbit_periods == s->period[k] &&
+                 s->found[k].orbit_impacts == motion_orbit_impacts(&s->reference[k], s->period[k]);
+    return right;
+}
+
+/* Fills a row's errors and counts from the motions found. */
+static void judge(sweep *s, const program *p, row *r) {
+    static double errors[omegas_max];
+    size_t count = 0;
+    r->judged = 0;
+    for (int k = 0; k < s->count; k += p->kind == program_rival ? s->part : 1) {
+        double error = NAN;
+        if (s->period[k] == 0)
+            continue;
+        r->judged++;
+        if (agrees(s, p, k, &error))
+            r->right++;
+        else if (counts_its_own(s, p, k))
+            r->elsewhere++;
+        else
+            r->wrong++;
+        if (!isnan(error))
+            errors[count++] = error;
+    }
+    if (count == 0)
+        return;
+    gsl_sort(errors, 1, count);
+    r->median = gsl_stats_quantile_from_sorted_data(errors, 1, count, 0.5);
+    r->high = gsl_stats_quantile_from_sorted_data(errors, 1, count, 0.9);
+    r->worst = errors[count - 1];
+}
+
+static bool run_saltus(sweep *s, const program *p, int repeats, row *r) {
+    saltus_system *const *systems = p->stopped ? s->stopped : s->unstopped;
+    saltus_message message = {""};
+    r->cost.seconds = r->cost.wall = INFINITY;
+    for (int k = 0; k < repeats; k++) {
+        sweep_cost cost;
+        saltus_status status = p->kind == program_engine
+                                   ? engine_sweep(&p->engine, s->found, &cost, &message)
+                                   : own_sweep(systems, s->count, &p->own, s->found, &cost, &message);
+        if (status != SALTUS_OK) {
+            fprintf(stderr, "saltus_sweep_bench: %s: %s\n", p->name, message.text);
+            return false;
+        }
+        cost.seconds = fmin(cost.seconds, r->cost.seconds);
+        cost.wall = fmin(cost.wall, r->cost.wall);
+        r->cost = cost;
+    }
+    return true;
+}
+
+static void keep_recorded(const rival_result *result, motion *m) {
+    for (int k = 0; k < result->count && k < result->capacity; k++) {
+        const rival_event *e = &result->events[k];
+        if (e->kind == RIVAL_IMPACT)
+            motion_add_impact(m, e->time_over_T, e->normal_velocity);
+        m->sticks += e->kind == RIVAL_STICK;
+    }
+    m->failed = m->failed || result->count > result->capacity;
+}
+
+/* The forcing is periodic, so that the recorded periods may begin at time 0 again. */
+static void run_rival(sweep *s, const program *p, row *r) {
+    double start[SALTUS_SCENE_STATE_MAX], end[motion_dimension], simulated = 0, all = 0;
+    for (int k = 0; k < s->count; k++)
+        all += saltus_system_period(s->stopped[k]);
+    for (int k = 0; k < s->count; k += s->part) {
+        simulated += saltus_system_period(s->stopped[k]);
+        const rival_pipe pipe = pipe_of(s->stopped[k]);
+        const int periods[2] = {settling_periods, recorded_periods};
+        motion *m = &s->found[k];
+        motion_clear(m);
+        saltus_system_default_state(s->stopped[k], start, NULL);
+        memcpy(m->settled, start, sizeof m->settled);
+        for (int stage = 0; stage < 2; stage++) {
+            rival_result result = {
+                .events = s->events, .capacity = stage ? rival_events_max : 0, .state = stage ? end : start};
+            memcpy(end, m->settled, sizeof end);
+            m->failed |= p->run(&pipe, end, periods[stage], p->tolerance, p->tolerance, &result) != RIVAL_OK;
+            if (stage)
+                keep_recorded(&result, m);
+            else
+                memcpy(m->settled, start, sizeof m->settled);
+            r->cost.seconds += result.cpu_seconds;
+            r->cost.steps += result.steps;
+            r->cost.evaluations += result.field_evaluations;
+        }
+    }
+    r->share = simulated / all;
+    r->cost.seconds /= r->share;
+    r->cost.wall = r->cost.seconds;
+}
+
+/* Whether a program tells of all impacts of the recorded periods, so that they can be judged. */
+static bool tells_impacts(const program *p) {
+    if (p->kind == program_engine)
+        return !p->engine.adaptive && p->engine.keep & SALTUS_KEEP_IMPACTS;
+    return p->kind == program_rival || p->own.impacts;
+}
+
+bool sweep_measure(sweep *s, const program *p, int repeats, row *r) {
+    *r = (row){.program = p, .judged = -1, .share = 1, .median = NAN, .high = NAN, .worst = NAN};
+    if (p->kind == program_rival)
+        run_rival(s, p, r);
+    else if (!run_saltus(s, p, repeats, r))
+        return false;
+    if (p->stopped && p->kind == program_engine)
+        r->labels = count_labels(s);
+    if (p->stopped && tells_impacts(p))
+        judge(s, p, r);
+    return true;
+}
