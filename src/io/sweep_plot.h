@@ -41,9 +41,13 @@ typedef struct saltus_sweep_class {
     char label[32];
     int verdict, impacts, periods;
     double share; /* of all rows */
-    bool shown;   /* with a colour of its own */
+    bool shown;   /* with a colour and an entry in the legend of its own */
     uint32_t colour;
 } saltus_sweep_class;
+
+/* Families of classes, which share a hue: period 1, ..., 8, chatter; 0: the others. */
+enum { SALTUS_FAMILY_CHATTER = 9, SALTUS_FAMILIES = 10 };
+int saltus_class_family(const saltus_sweep_class *c);
 
 typedef struct saltus_classes {
     saltus_sweep_class *list; /* the most frequent first */
@@ -51,7 +55,7 @@ typedef struct saltus_classes {
     int *of_row;
 } saltus_classes;
 
-enum { SALTUS_CLASSES_SHOWN = 18 };
+enum { SALTUS_CLASSES_SHOWN = 15 };
 
 bool saltus_classes_open(saltus_classes *classes, const saltus_sweep_file *sweep);
 void saltus_classes_close(saltus_classes *classes);

@@ -178,21 +178,27 @@ static double shade_of(const saltus_classes *classes, const saltus_sweep_class *
     return (before + 0.5 * own) / (before + own + after);
 }
 
+/* Hues of the families: periods 1 to 8, chatter. */
+static const double family_hues[SALTUS_FAMILIES] = {0, 255, 55, 155, 300, 100, 25, 205, 128, 350};
+
+int saltus_class_family(const saltus_sweep_class *c) {
+    return c->impacts < 0 ? (int)SALTUS_FAMILY_CHATTER : c->periods < SALTUS_FAMILY_CHATTER ? c->periods : 0;
+}
+
 /* Hue tells the period and lightness the number of impacts, from few to many in equal steps; motions with
  * complete chatter have a hue of their own. */
 static uint32_t shade(const saltus_classes *classes, const saltus_sweep_class *c) {
-    static const double hues[] = {255, 55, 155, 300, 100, 25, 205, 128};
-    enum { own = sizeof hues / sizeof hues[0] };
-    bool chatter = c->impacts < 0, listed = c->periods <= own;
-    double hue = chatter ? 350 : listed ? hues[c->periods - 1] : fmod(137.5 * c->periods, 360);
-    double chroma = chatter ? 0.17 : listed ? 0.135 : 0.07;
+    int family = saltus_class_family(c);
+    double hue = family ? family_hues[family] : fmod(137.5 * c->periods, 360);
+    double chroma = family == SALTUS_FAMILY_CHATTER ? 0.17 : family ? 0.135 : 0.07;
     if (c->impacts == 0)
         return saltus_colour(0.945, 0.03, hue);
     double place = shade_of(classes, c);
     return saltus_colour(0.88 - 0.54 * place, chroma, hue + 24 * (place - 0.5));
 }
 
-/* Every class with a colour of its own, the most frequent n/p among them; the others share one. */
+/* Every class with a colour of its own, the most frequent n/p among them; the others share one with those of
+ * their family. */
 static void set_colours(saltus_classes *classes) {
     static const uint32_t plain[SALTUS_VERDICTS] = {
         [SALTUS_ROW_PENDING] = 0xffffff,     [SALTUS_ROW_PERIODIC] = 0xa08f78,
@@ -202,6 +208,9 @@ static void set_colours(saltus_classes *classes) {
     for (int k = 0; k < classes->count; k++) {
         saltus_sweep_class *c = &classes->list[k];
         c->colour = plain[c->verdict];
+        int family = c->verdict == SALTUS_ROW_PERIODIC ? saltus_class_family(c) : 0;
+        if (family)
+            c->colour = saltus_colour(0.5, 0.055, family_hues[family]);
         c->shown = c->verdict != SALTUS_ROW_PERIODIC || shown < SALTUS_CLASSES_SHOWN;
         shown += c->verdict == SALTUS_ROW_PERIODIC;
     }

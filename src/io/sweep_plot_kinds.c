@@ -58,29 +58,42 @@ static void word_class(const saltus_sweep_file *sweep, const saltus_sweep_class 
         snprintf(label, 64, "%.31s", c->label);
 }
 
-/* Classes; those without a colour of their own are lumped together in the last kind. */
+/* Names for what is lumped together: the other classes of each family. */
+static void name_rest(saltus_map_kind *kinds, const int *others) {
+    for (int f = 0; f < SALTUS_FAMILIES; f++) {
+        char periods[32] = "{/:Italic p}";
+        if (f > 0 && f < SALTUS_FAMILY_CHATTER)
+            snprintf(periods, sizeof periods, "%d", f);
+        snprintf(kinds[f].label, sizeof kinds[f].label,
+                 f == SALTUS_FAMILY_CHATTER ? "%d other chatter" : "%d other {/:Italic n}/%s", others[f],
+                 periods);
+    }
+}
+
+/* Classes; those without an entry of their own are lumped together by families, in the last kinds. */
 bool saltus_map_classes(saltus_map *map) {
     const saltus_sweep_page *page = map->page;
     const saltus_sweep_file *sweep = page->sweep;
-    int others = 0, rest = page->classes.count, *target = calloc((size_t)rest, sizeof *target);
+    int others[SALTUS_FAMILIES] = {0}, rest = page->classes.count;
+    int *target = calloc((size_t)rest, sizeof *target);
     map->several = calloc((size_t)sweep->points, 1);
-    if (!target || !map->several || !open_kinds(map, rest + 1)) {
+    if (!target || !map->several || !open_kinds(map, rest + SALTUS_FAMILIES)) {
         free(target);
         return false;
     }
     for (int k = 0; k < rest; k++) {
         const saltus_sweep_class *c = &page->classes.list[k];
-        target[k] = c->shown ? k : rest;
-        others += !c->shown;
+        target[k] = c->shown ? k : rest + saltus_class_family(c);
         map->kinds[target[k]].colour = c->colour;
-        if (!c->shown)
+        if (!c->shown) {
+            others[saltus_class_family(c)]++;
             continue;
+        }
         word_class(sweep, c, map->kinds[k].label);
         if (c->verdict == SALTUS_ROW_PERIODIC)
             snprintf(map->kinds[k].name, sizeof map->kinds[k].name, "%s", c->label);
     }
-    snprintf(map->kinds[rest].label, sizeof map->kinds[rest].label, "%d other {/:Italic n}/{/:Italic p}",
-             others);
+    name_rest(map->kinds + rest, others);
     for (long long p = 0; p < sweep->points; p++) {
         bool several;
         map->kind[p] = target[saltus_sweep_class_at(page, p, &several)];

@@ -160,6 +160,25 @@ typedef struct saltus_trajectory {
     gsl_rng *rng;
 } saltus_trajectory;
 
+/* judge.c */
+/* What a trajectory has settled on; pending: it goes on. */
+typedef struct saltus_judgement {
+    saltus_verdict_kind verdict;
+    int periods;
+    int recurs; /* the least period that recurs roughly, or 0 */
+} saltus_judgement;
+
+/* A trajectory begins to settle. */
+void saltus_trajectory_hope(saltus_trajectory *trajectory);
+/* Judge a trajectory at a section point; the points of an orbit go to trajectory->orbit. It may be disturbed,
+ * and it may be moved onto an orbit that Newton's method has found. */
+saltus_judgement saltus_trajectory_judge(saltus_trajectory *trajectory);
+
+/* trajectory.c, again */
+/* The grid's point at which it is. */
+long long saltus_trajectory_point(const saltus_trajectory *trajectory);
+/* Go on from another state at the same time; the tangent vector stays. False when the flow cannot. */
+bool saltus_trajectory_continue(saltus_trajectory *trajectory, const double *state);
 bool saltus_trajectory_open(saltus_trajectory *trajectory, const saltus_sweep *sweep);
 void saltus_trajectory_close(saltus_trajectory *trajectory);
 /* Place it at its task's present place, in a lane of a flow that has been given its system, and aim it. False

@@ -222,7 +222,7 @@ static bool check(sweep *s) {
     return wrong == 0;
 }
 
-/* How much of the core's peak the flow's rows of one thread reach. */
+/* How much of the core's peak the flow reaches with one thread. */
 static void print_operations(const row *rows, int count) {
     const char *instructions;
     const double peak = bench_peak(&instructions);
@@ -247,44 +247,59 @@ static void print_rivals(const row *rows, int count, measures unit) {
                best->program->name, best->cost.seconds / unit.flow, best->cost.seconds / unit.engine);
 }
 
-static bool measure_all(sweep *s, const program *list, int count, row *rows) {
-    for (int k = 0; k < count; k++)
-        if (!sweep_measure(s, &list[k], list[k].kind == program_rival ? 1 : own_repeats, &rows[k]))
+static bool measure(sweep *s, const program *p, row *r) {
+    return sweep_measure(s, p, p->kind == program_rival ? 1 : own_repeats, r);
+}
+
+/* The first table. Its ratios refer to its own first row and to `sweeps`, the first row of the second one. */
+static bool table_of_programs(sweep *s, bool rivals, const row *sweeps) {
+    program list[rows_max], own = *sweeps->program;
+    row flow[rows_max], other[rows_max], beside = *sweeps;
+    const int lanes = saltus_flow_width(s->stopped[0]), flows = list_flows(list, lanes);
+    const int count = flows + (rivals ? list_rivals(list + flows) : 0);
+    measures unit = {0, sweeps->cost.seconds};
+    own.name = "Saltus sweep, impacts kept, all lanes";
+    beside.program = &own;
+    print_head();
+    for (int k = 0; k < count; k++) {
+        row *r = k < flows ? &flow[k] : &other[k - flows];
+        if (!measure(s, &list[k], r))
             return false;
+        if (k == 0)
+            unit.flow = r->cost.seconds;
+        print_row(r, unit);
+        if (k == flows - 1)
+            print_row(&beside, unit);
+    }
+    print_rivals(other, count - flows, unit);
+    printf("\nFlow: %d lanes take 1/%.2f of the time of one lane, two threads 1/%.2f of the wall time of "
+           "one.\n",
+           lanes, flow[1].cost.seconds / unit.flow, flow[0].cost.wall / flow[2].cost.wall);
+    print_operations(flow, flows);
+    return true;
+}
+
+static bool table_of_sweeps(sweep *s, const program *list, int count, row *rows) {
+    print_engine_head();
+    print_engine_row(&rows[0], &rows[0], s);
+    for (int k = 1; k < count; k++) {
+        if (!measure(s, &list[k], &rows[k]))
+            return false;
+        print_engine_row(&rows[k], &rows[0], s);
+    }
+    printf("\nSweep: %d lanes take 1/%.2f of the time of one lane, two threads 1/%.2f of the wall time of "
+           "one.\n",
+           saltus_flow_width(s->stopped[0]), rows[1].cost.seconds / rows[0].cost.seconds,
+           rows[0].cost.wall / rows[2].cost.wall);
     return true;
 }
 
 static bool compare(sweep *s, bool rivals) {
-    const int lanes = saltus_flow_width(s->stopped[0]);
-    program flows[rows_max], engines[rows_max], others[rows_max];
-    row flow[rows_max], engine[rows_max], other[rows_max];
-    const int flow_count = list_flows(flows, lanes), engine_count = list_engines(engines);
-    const int other_count = rivals ? list_rivals(others) : 0;
-    if (!measure_all(s, flows, flow_count, flow) || !measure_all(s, engines, engine_count, engine) ||
-        !measure_all(s, others, other_count, other))
-        return false;
-    const measures unit = {flow[0].cost.seconds, engine[0].cost.seconds};
-    print_head();
-    for (int k = 0; k < flow_count; k++)
-        print_row(&flow[k], unit);
-    program sweep_program = engines[0];
-    row sweep_row = engine[0];
-    sweep_program.name = "Saltus sweep, impacts kept, all lanes";
-    sweep_row.program = &sweep_program;
-    print_row(&sweep_row, unit);
-    for (int k = 0; k < other_count; k++)
-        print_row(&other[k], unit);
-    print_engine_head();
-    for (int k = 0; k < engine_count; k++)
-        print_engine_row(&engine[k], &engine[0], s);
-    print_rivals(other, other_count, unit);
-    printf("\nFlow: %d lanes take 1/%.2f of the time of one lane, two threads 1/%.2f of the wall time of "
-           "one.\nSweep: %d lanes take 1/%.2f of the time of one lane, two threads 1/%.2f of the wall time "
-           "of one.\n",
-           lanes, flow[1].cost.seconds / unit.flow, flow[0].cost.wall / flow[2].cost.wall, lanes,
-           engine[1].cost.seconds / unit.engine, engine[0].cost.wall / engine[2].cost.wall);
-    print_operations(flow, flow_count);
-    return true;
+    program sweeps[rows_max];
+    row of_sweeps[rows_max];
+    const int count = list_engines(sweeps);
+    return measure(s, &sweeps[0], &of_sweeps[0]) && table_of_programs(s, rivals, &of_sweeps[0]) &&
+           table_of_sweeps(s, sweeps, count, of_sweeps);
 }
 
 int main(int count, char **arguments) {
