@@ -90,13 +90,12 @@ static program flow_program(const char *name, int lanes, int threads, bool stopp
                      .own = {.lanes = lanes, .threads = threads, .rtol = own_tolerance, .impacts = impacts}};
 }
 
-static program engine_program(const char *name, double tolerance, engine_request request) {
-    request.rtol = tolerance;
+static program engine_program(const char *name, engine_request request) {
     return (program){.name = name,
                      .kind = program_engine,
-                     .tolerance = tolerance,
+                     .tolerance = request.rtol,
                      .stopped = request.stopped,
-                     .own = {.rtol = tolerance},
+                     .own = {.rtol = request.rtol},
                      .engine = request};
 }
 
@@ -132,33 +131,35 @@ static int list_flows(program *list, int lanes) {
 }
 
 static int list_engines(program *list) {
-    const unsigned impacts = SALTUS_KEEP_IMPACTS,
-                   clouds = SALTUS_KEEP_TURNING | SALTUS_KEEP_IMPACTS | SALTUS_KEEP_STROBOSCOPIC;
-    const engine_request usual = {.threads = 1, .keep = impacts, .stopped = true};
-    engine_request r[10];
-    for (int k = 0; k < 10; k++)
-        r[k] = usual;
+    enum { rows = 12 };
+    static const char *const names[rows] = {"impacts kept, all lanes",
+                                            "one lane",
+                                            "two threads",
+                                            "without the stop",
+                                            "nothing kept: class and measures",
+                                            "turning points, impacts, section points kept",
+                                            "impacts kept, with the Lyapunov exponent",
+                                            "adaptive, class and measures",
+                                            "adaptive, all clouds",
+                                            "default tolerance, all clouds",
+                                            "default tolerance, adaptive, class and measures",
+                                            "default tolerance, adaptive, all clouds"};
+    const unsigned clouds = SALTUS_KEEP_TURNING | SALTUS_KEEP_IMPACTS | SALTUS_KEEP_STROBOSCOPIC;
+    engine_request r[rows];
+    for (int k = 0; k < rows; k++)
+        r[k] = (engine_request){
+            .threads = 1, .stopped = true, .keep = SALTUS_KEEP_IMPACTS, .rtol = own_tolerance};
     r[1].lanes = 1;
     r[2].threads = 2;
     r[3].stopped = false;
-    r[4].keep = 0;
-    r[5].keep = clouds;
-    r[6].keep = impacts | SALTUS_KEEP_LYAPUNOV;
-    for (int k = 7; k < 10; k++)
-        r[k].adaptive = true;
-    r[7].keep = r[9].keep = 0;
-    r[8].keep = clouds;
-    list[0] = engine_program("impacts kept, all lanes", own_tolerance, r[0]);
-    list[1] = engine_program("one lane", own_tolerance, r[1]);
-    list[2] = engine_program("two threads", own_tolerance, r[2]);
-    list[3] = engine_program("without the stop", own_tolerance, r[3]);
-    list[4] = engine_program("nothing kept: class and measures", own_tolerance, r[4]);
-    list[5] = engine_program("turning points, impacts and section points kept", own_tolerance, r[5]);
-    list[6] = engine_program("impacts kept, with the Lyapunov exponent", own_tolerance, r[6]);
-    list[7] = engine_program("adaptive, at most 400 periods, class and measures", own_tolerance, r[7]);
-    list[8] = engine_program("adaptive, all clouds", own_tolerance, r[8]);
-    list[9] = engine_program("adaptive, class and measures, default tolerance", default_tolerance, r[9]);
-    return 10;
+    r[6].keep |= SALTUS_KEEP_LYAPUNOV;
+    r[5].keep = r[8].keep = r[9].keep = r[11].keep = clouds;
+    r[4].keep = r[7].keep = r[10].keep = 0;
+    r[7].adaptive = r[8].adaptive = r[10].adaptive = r[11].adaptive = true;
+    r[9].rtol = r[10].rtol = r[11].rtol = default_tolerance;
+    for (int k = 0; k < rows; k++)
+        list[k] = engine_program(names[k], r[k]);
+    return rows;
 }
 
 /* A program at several tolerances. */
@@ -166,7 +167,7 @@ static bool calibrate_one(sweep *s, program p, double first, double last, double
     row r;
     for (double digits = first; digits < last + 0.01; digits += spacing) {
         p.tolerance = p.own.rtol = pow(10, -digits);
-        if (!sweep_measure(s, &p, p.kind == program_rival ? 1 : own_repeats, &r))
+        if (!sweep_measure(s, &p, 1, p.kind == program_rival ? 1 : own_repeats, &r))
             return false;
         print_row(&r, (measures){1, 1});
     }
@@ -211,7 +212,7 @@ static bool check(sweep *s) {
     list[1].name = "sweep";
     for (int k = 0; k < (all ? 2 : 1); k++) {
         row r;
-        if (!sweep_measure(s, &list[k], 1, &r))
+        if (!sweep_measure(s, &list[k], 1, 1, &r))
             return false;
         printf(
             "Counts of impacts, %s at rtol %.1e against rtol %.0e with steps of at most %g: of %d periodic "
@@ -247,59 +248,51 @@ static void print_rivals(const row *rows, int count, measures unit) {
                best->program->name, best->cost.seconds / unit.flow, best->cost.seconds / unit.engine);
 }
 
-static bool measure(sweep *s, const program *p, row *r) {
-    return sweep_measure(s, p, p->kind == program_rival ? 1 : own_repeats, r);
-}
-
-/* The first table. Its ratios refer to its own first row and to `sweeps`, the first row of the second one. */
-static bool table_of_programs(sweep *s, bool rivals, const row *sweeps) {
-    program list[rows_max], own = *sweeps->program;
-    row flow[rows_max], other[rows_max], beside = *sweeps;
-    const int lanes = saltus_flow_width(s->stopped[0]), flows = list_flows(list, lanes);
-    const int count = flows + (rivals ? list_rivals(list + flows) : 0);
-    measures unit = {0, sweeps->cost.seconds};
+/* The first table. Its ratios refer to the flow's and the sweeps' first rows. */
+static bool table_of_programs(sweep *s, bool rivals, int lanes, const row *flows, int flow_count,
+                              const row *sweeps) {
+    program others[rows_max], own = *sweeps->program;
+    row other[rows_max], beside = *sweeps;
+    const int count = rivals ? list_rivals(others) : 0;
+    const measures unit = {flows->cost.seconds, sweeps->cost.seconds};
     own.name = "Saltus sweep, impacts kept, all lanes";
     beside.program = &own;
     print_head();
+    for (int k = 0; k < flow_count; k++)
+        print_row(&flows[k], unit);
+    print_row(&beside, unit);
     for (int k = 0; k < count; k++) {
-        row *r = k < flows ? &flow[k] : &other[k - flows];
-        if (!measure(s, &list[k], r))
+        if (!sweep_measure(s, &others[k], 1, 1, &other[k]))
             return false;
-        if (k == 0)
-            unit.flow = r->cost.seconds;
-        print_row(r, unit);
-        if (k == flows - 1)
-            print_row(&beside, unit);
+        print_row(&other[k], unit);
     }
-    print_rivals(other, count - flows, unit);
+    print_rivals(other, count, unit);
     printf("\nFlow: %d lanes take 1/%.2f of the time of one lane, two threads 1/%.2f of the wall time of "
            "one.\n",
-           lanes, flow[1].cost.seconds / unit.flow, flow[0].cost.wall / flow[2].cost.wall);
-    print_operations(flow, flows);
+           lanes, flows[1].cost.seconds / unit.flow, flows[0].cost.wall / flows[2].cost.wall);
+    print_operations(flows, flow_count);
     return true;
 }
 
-static bool table_of_sweeps(sweep *s, const program *list, int count, row *rows) {
+static void table_of_sweeps(const sweep *s, int lanes, const row *rows, int count) {
     print_engine_head();
-    print_engine_row(&rows[0], &rows[0], s);
-    for (int k = 1; k < count; k++) {
-        if (!measure(s, &list[k], &rows[k]))
-            return false;
+    for (int k = 0; k < count; k++)
         print_engine_row(&rows[k], &rows[0], s);
-    }
     printf("\nSweep: %d lanes take 1/%.2f of the time of one lane, two threads 1/%.2f of the wall time of "
            "one.\n",
-           saltus_flow_width(s->stopped[0]), rows[1].cost.seconds / rows[0].cost.seconds,
-           rows[0].cost.wall / rows[2].cost.wall);
-    return true;
+           lanes, rows[1].cost.seconds / rows[0].cost.seconds, rows[0].cost.wall / rows[2].cost.wall);
 }
 
 static bool compare(sweep *s, bool rivals) {
-    program sweeps[rows_max];
-    row of_sweeps[rows_max];
-    const int count = list_engines(sweeps);
-    return measure(s, &sweeps[0], &of_sweeps[0]) && table_of_programs(s, rivals, &of_sweeps[0]) &&
-           table_of_sweeps(s, sweeps, count, of_sweeps);
+    program list[2 * rows_max];
+    row rows[2 * rows_max];
+    const int lanes = saltus_flow_width(s->stopped[0]), flows = list_flows(list, lanes);
+    const int sweeps = list_engines(list + flows);
+    if (!sweep_measure(s, list, flows + sweeps, own_repeats, rows) ||
+        !table_of_programs(s, rivals, lanes, rows, flows, rows + flows))
+        return false;
+    table_of_sweeps(s, lanes, rows + flows, sweeps);
+    return true;
 }
 
 int main(int count, char **arguments) {

@@ -160,22 +160,20 @@ static void judge(sweep *s, const program *p, row *r) {
     r->worst = errors[count - 1];
 }
 
-static bool run_saltus(sweep *s, const program *p, int repeats, row *r) {
+static bool run_saltus(sweep *s, const program *p, row *r) {
     saltus_system *const *systems = p->stopped ? s->stopped : s->unstopped;
     saltus_message message = {""};
-    r->cost.seconds = r->cost.wall = INFINITY;
-    for (int k = 0; k < repeats; k++) {
-        sweep_cost cost;
-        saltus_status status = p->kind == program_engine
-                                   ? engine_sweep(&p->engine, s->found, &cost, &message)
-                                   : own_sweep(systems, s->count, &p->own, s->found, &cost, &message);
-        if (status != SALTUS_OK) {
-            fprintf(stderr, "saltus_sweep_bench: %s: %s\n", p->name, message.text);
-            return false;
-        }
-        cost.seconds = fmin(cost.seconds, r->cost.seconds);
-        cost.wall = fmin(cost.wall, r->cost.wall);
-        r->cost = cost;
+    const sweep_cost before = r->cost;
+    saltus_status status = p->kind == program_engine
+                               ? engine_sweep(&p->engine, s->found, &r->cost, &message)
+                               : own_sweep(systems, s->count, &p->own, s->found, &r->cost, &message);
+    if (status != SALTUS_OK) {
+        fprintf(stderr, "saltus_sweep_bench: %s: %s\n", p->name, message.text);
+        return false;
+    }
+    if (before.seconds > 0) {
+        r->cost.seconds = fmin(before.seconds, r->cost.seconds);
+        r->cost.wall = fmin(before.wall, r->cost.wall);
     }
     return true;
 }
@@ -229,15 +227,25 @@ static bool tells_impacts(const program *p) {
     return p->kind == program_rival || p->own.impacts;
 }
 
-bool sweep_measure(sweep *s, const program *p, int repeats, row *r) {
-    *r = (row){.program = p, .judged = -1, .share = 1, .median = NAN, .high = NAN, .worst = NAN};
+static bool measure(sweep *s, const program *p, bool judged, row *r) {
     if (p->kind == program_rival)
         run_rival(s, p, r);
-    else if (!run_saltus(s, p, repeats, r))
+    else if (!run_saltus(s, p, r))
         return false;
-    if (p->stopped && p->kind == program_engine)
+    if (judged && p->stopped && p->kind == program_engine)
         r->labels = count_labels(s);
-    if (p->stopped && tells_impacts(p))
+    if (judged && p->stopped && tells_impacts(p))
         judge(s, p, r);
+    return true;
+}
+
+bool sweep_measure(sweep *s, const program *list, int count, int repeats, row *rows) {
+    for (int k = 0; k < count; k++)
+        rows[k] =
+            (row){.program = &list[k], .judged = -1, .share = 1, .median = NAN, .high = NAN, .worst = NAN};
+    for (int repeat = 1; repeat <= repeats; repeat++)
+        for (int k = 0; k < count; k++)
+            if (!measure(s, &list[k], repeat == repeats, &rows[k]))
+                return false;
     return true;
 }

@@ -54,8 +54,9 @@ saltus_status sweep_build(sweep *s, int part, saltus_message *message);
 void sweep_tear_down(sweep *s);
 /* The motions to compare with, and which of them are periodic. */
 saltus_status sweep_make_reference(sweep *s, saltus_message *message);
-/* Saltus' own time is the shortest of `repeats` runs. False, with a message on stderr, where a program of
- * Saltus' fails. */
-bool sweep_measure(sweep *s, const program *p, int repeats, row *r);
+/* Runs all programs `repeats` times in turn, so that a busy machine is busy for all, keeps their shortest
+ * times, and judges the motions found last. Other libraries' programs are to be run once. False, with a
+ * message on stderr, where one of Saltus' fails. */
+bool sweep_measure(sweep *s, const program *list, int count, int repeats, row *rows);
 
 #endif

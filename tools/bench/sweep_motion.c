@@ -7,6 +7,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* With a multiplier near a root of one, a motion repeats after several periods long before it has closed in
+ * on its orbit of one: what remains after one is larger than after several by less than this. */
+static const double still_closing = 100;
+
 void motion_clear(motion *m) {
     m->count = 0;
     m->sticks = 0;
@@ -41,15 +45,22 @@ static double distance(const double *a, const double *b, const double *scale) {
     return worst;
 }
 
+static bool recurs(const motion *m, const double *scale, int period, double tolerance) {
+    bool same = true;
+    for (int k = 0; k + period <= recorded_periods && same; k++)
+        same = distance(m->strobe[k], m->strobe[k + period], scale) <= tolerance;
+    return same;
+}
+
 int motion_period(const motion *m, const double *scale, double tolerance) {
-    for (int period = 1; 2 * period <= recorded_periods; period++) {
-        bool same = true;
-        for (int k = 0; k + period <= recorded_periods && same; k++)
-            same = distance(m->strobe[k], m->strobe[k + period], scale) <= tolerance;
-        if (same)
-            return period;
-    }
-    return 0;
+    int period = 1, part = 1;
+    while (2 * period <= recorded_periods && !recurs(m, scale, period, tolerance))
+        period++;
+    if (2 * period > recorded_periods)
+        return 0;
+    while (period % part != 0 || (part < period && !recurs(m, scale, part, still_closing * tolerance)))
+        part++;
+    return part;
 }
 
 static int compare_numbers(const void *a, const void *b) {

@@ -31,8 +31,8 @@ void motion_clear(motion *m);
 void motion_free(motion *m);
 void motion_add_impact(motion *m, double time, double speed);
 
-/* Least period, in forcing periods, that all recorded stroboscopic states keep to within `tolerance` of the
- * scale; 0 if none up to a half of what was recorded. */
+/* Least period, in forcing periods, of the orbit that all recorded stroboscopic states keep to: some period
+ * repeats to within `tolerance` of the scale. 0 if none does up to a half of what was recorded. */
 int motion_period(const motion *m, const double *scale, double tolerance);
 
 /* Whether `m` has the impacts of the periodic `reference`, counted over as many of its periods as were

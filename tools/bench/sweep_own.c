@@ -142,14 +142,6 @@ static saltus_status run_lanes(worker *w) {
     return status;
 }
 
-static void *work(void *context) {
-    worker *w = context;
-    const double start = clock_seconds(CLOCK_THREAD_CPUTIME_ID);
-    w->status = run_lanes(w);
-    w->cost.seconds = clock_seconds(CLOCK_THREAD_CPUTIME_ID) - start;
-    return NULL;
-}
-
 static saltus_flow_options options_of(const own_request *request) {
     saltus_flow_options options = saltus_flow_defaults();
     options.rtol = request->rtol;
@@ -158,14 +150,25 @@ static saltus_flow_options options_of(const own_request *request) {
     return options;
 }
 
-static saltus_status open_worker(worker *w, shared *all) {
-    const own_request *request = all->request;
+/* Each thread makes its own flow, whose memory then lies apart from that of the others. */
+static saltus_status open_flow(worker *w) {
+    const own_request *request = w->all->request;
     const saltus_system *first[lanes_max];
     const saltus_flow_options options = options_of(request);
     for (int l = 0; l < request->lanes && l < lanes_max; l++)
-        first[l] = all->systems[0];
-    *w = (worker){.all = all};
+        first[l] = w->all->systems[0];
     return saltus_flow_new(first, request->lanes, &options, &w->flow, &w->message);
+}
+
+static void *work(void *context) {
+    worker *w = context;
+    const double start = clock_seconds(CLOCK_THREAD_CPUTIME_ID);
+    w->status = open_flow(w);
+    if (w->status == SALTUS_OK)
+        w->status = run_lanes(w);
+    saltus_flow_free(w->flow);
+    w->cost.seconds = clock_seconds(CLOCK_THREAD_CPUTIME_ID) - start;
+    return NULL;
 }
 
 static void run_threads(worker *workers, int threads) {
@@ -186,8 +189,8 @@ saltus_status own_sweep(saltus_system *const *systems, int count, const own_requ
     worker *workers = calloc((size_t)threads, sizeof *workers);
     saltus_status status = workers ? SALTUS_OK : SALTUS_NO_MEMORY;
     *cost = (sweep_cost){0};
-    for (int k = 0; k < threads && status == SALTUS_OK; k++)
-        status = open_worker(&workers[k], &all);
+    for (int k = 0; k < threads && workers; k++)
+        workers[k].all = &all;
     if (status == SALTUS_OK) {
         const double start = clock_seconds(CLOCK_MONOTONIC);
         run_threads(workers, threads);
@@ -202,7 +205,6 @@ saltus_status own_sweep(saltus_system *const *systems, int count, const own_requ
         cost->steps += workers[k].cost.steps;
         cost->evaluations += workers[k].cost.evaluations;
         cost->operations += workers[k].cost.operations;
-        saltus_flow_free(workers[k].flow);
     }
     free(workers);
     return status;
