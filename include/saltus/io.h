@@ -193,8 +193,9 @@ saltus_plot_options saltus_plot_defaults(void);
 
 /* Draw branch files over each other, with the parameter across the page; or curves of special points over
  * their two parameters, which need not come in the same order in all files. `figure` ends in .png, .pdf or
- * .svg. Errors: SALTUS_BAD_INPUT (files that cannot be read, do not fit together or have no point in the
- * range), SALTUS_IO (gnuplot absent or failed, figure not writable), SALTUS_NO_MEMORY. */
+ * .svg. A sweep file alone is drawn in its automatic view (saltus_plot_sweep). Errors: SALTUS_BAD_INPUT
+ * (files that cannot be read, do not fit together or have no point in the range), SALTUS_IO (gnuplot absent
+ * or failed, figure not writable), SALTUS_NO_MEMORY. */
 saltus_status saltus_plot(const char *const *paths, int count, const saltus_plot_options *options,
                           const char *figure, saltus_message *message);
 

@@ -154,18 +154,24 @@ static int rank_of(const saltus_map *map, int k) {
     return before;
 }
 
+static void put_note(const saltus_map *map, int x, int y, const char *text) {
+    fprintf(map->page->file, "set label '%s' at screen %.6f,%.6f left front font ',11' tc rgb '#606060'\n",
+            text, (double)x / SALTUS_PAGE_WIDTH, (double)y / SALTUS_PAGE_HEIGHT);
+}
+
 /* What the signs in the map mean, above the legend. */
 static void put_heading(const saltus_map *map, int x, int y) {
+    enum { line_height = 24 };
     const saltus_sweep_page *page = map->page;
-    saltus_line line = {.length = 0};
     if (page->view == SALTUS_VIEW_CLASS)
-        saltus_line_add(
-            &line, "{/:Italic n}/{/:Italic p}: {/:Italic n} impacts in {/:Italic p} periods {/:Italic T}");
-    else if (page->sweep->basins)
-        saltus_line_add(&line, "dots: orbits at phase 0%s;  pale: soon settled",
-                        page->sweep->dimension > 2 ? ", projected" : "");
-    fprintf(page->file, "set label '%s' at screen %.6f,%.6f left front font ',11' tc rgb '#606060'\n",
-            line.text, (double)x / SALTUS_PAGE_WIDTH, (double)y / SALTUS_PAGE_HEIGHT);
+        put_note(map, x, y,
+                 "{/:Italic n}/{/:Italic p}: {/:Italic n} impacts in {/:Italic p} periods {/:Italic T}");
+    else if (page->sweep->basins) {
+        put_note(map, x, y + line_height,
+                 page->sweep->dimension > 2 ? "dots: the orbits at phase 0, projected"
+                                            : "dots: the orbits at phase 0");
+        put_note(map, x, y, "pale: soon settled");
+    }
 }
 
 /* The legend beside the map, most frequent first. */
