@@ -217,6 +217,40 @@ static void keep_orbit(saltus_trajectory *t, int periods) {
                n * sizeof *t->orbit);
 }
 
+/* Sticking makes an orbit superstable, and whether a chatter is complete may hang on the tolerance: an orbit
+ * that sticks must close with the tightest one too. */
+static bool closes_tightly(saltus_trajectory *t, int periods) {
+    const saltus_system *system = t->system;
+    saltus_flow_options options = saltus_flow_defaults();
+    saltus_flow *flow = NULL;
+    saltus_event event;
+    double end[SALTUS_STATE_MAX];
+    options.integrator = t->sweep->options.flow.integrator;
+    saltus_status status = saltus_flow_new(&system, 1, &options, &flow, NULL);
+    t->starved |= status == SALTUS_NO_MEMORY;
+    if (status == SALTUS_OK)
+        status = saltus_flow_start(flow, 0, (saltus_time){0, 0}, t->state, NULL);
+    if (status == SALTUS_OK)
+        status = saltus_flow_advance(flow, (saltus_time){periods, 0}, 0, &event, NULL);
+    if (status == SALTUS_OK)
+        saltus_flow_state(flow, 0, end);
+    saltus_flow_free(flow);
+    return status == SALTUS_OK &&
+           saltus_section_distance(t->system, end, t->state) < fmax(home_again, 100 * t->settling.near);
+}
+
+/* What has been proven to return is the trajectory's orbit. */
+static saltus_judgement conclude(saltus_trajectory *t, int period, saltus_judgement judgement) {
+    if (judgement.verdict != SALTUS_ROW_PERIODIC)
+        return judgement;
+    if (saltus_settling_contacts(&t->settling, period) > 0 && !closes_tightly(t, period)) {
+        t->disturbed = false;
+        return goes_on;
+    }
+    keep_orbit(t, period);
+    return judgement;
+}
+
 saltus_judgement saltus_trajectory_judge(saltus_trajectory *t) {
     bool doubt = false;
     if (!saltus_system_forced(t->system))
@@ -225,9 +259,8 @@ saltus_judgement saltus_trajectory_judge(saltus_trajectory *t) {
         period = candidate ? period_reached(t, &doubt) : 0;
     saltus_judgement judgement = goes_on;
     if (period)
-        judgement = doubt ? ask_doubtful(t, period) : prove(t, period, SALTUS_ROW_PERIODIC);
-    if (period && !doubt && judgement.verdict == SALTUS_ROW_PERIODIC)
-        keep_orbit(t, period);
+        judgement =
+            doubt ? ask_doubtful(t, period) : conclude(t, period, prove(t, period, SALTUS_ROW_PERIODIC));
     follow_trend(t, candidate);
     if (candidate && judgement.verdict == SALTUS_ROW_PENDING)
         judgement = ask(t, candidate);

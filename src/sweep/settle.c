@@ -173,6 +173,10 @@ long long saltus_settling_impacts(const saltus_settling *s, int period) {
     return difference_over(s, s->impacts, period, 0);
 }
 
+long long saltus_settling_contacts(const saltus_settling *s, int period) {
+    return difference_over(s, s->contact, period, 0);
+}
+
 double saltus_settling_recurrence(const saltus_settling *s, int period) {
     return recurrence_over(s, period, period, 0);
 }

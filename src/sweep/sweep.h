@@ -59,8 +59,9 @@ void saltus_settling_add(saltus_settling *settling, const double *state, long lo
 int saltus_settling_period(const saltus_settling *settling, double limit, bool *doubt);
 /* The least period that recurs roughly at present, or 0. */
 int saltus_settling_candidate(const saltus_settling *settling);
-/* Impacts in the last periods. */
+/* Impacts, and other contact events, in the last periods. */
 long long saltus_settling_impacts(const saltus_settling *settling, int period);
+long long saltus_settling_contacts(const saltus_settling *settling, int period);
 /* Largest distance between points a period apart, over the last one. */
 double saltus_settling_recurrence(const saltus_settling *settling, int period);
 /* Whether nothing has moved over the last periods. */
