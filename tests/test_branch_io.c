@@ -1,9 +1,9 @@
 /* Branch files, starts read from files, descriptions of orbits, and bifurcation diagrams. The points are made
  * up: what is tested is that nothing of them is lost, and that nothing else is taken for them.
  * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "folder.h"
 #include "reference.h"
 
-#include <dirent.h>
 #include <hdf5.h>
 #include <signal.h>
 #include <sys/stat.h>
@@ -107,26 +107,9 @@ static int open_fixture(void **state) {
     return 0;
 }
 
-static int files_in(const fixture *f, bool remove_them) {
-    DIR *folder = opendir(f->folder);
-    int count = 0;
-    assert_non_null(folder);
-    for (struct dirent *entry = readdir(folder); entry; entry = readdir(folder)) {
-        char path[400];
-        if (entry->d_name[0] == '.')
-            continue;
-        snprintf(path, sizeof path, "%s/%s", f->folder, entry->d_name);
-        if (remove_them)
-            remove(path);
-        count++;
-    }
-    closedir(folder);
-    return count;
-}
-
 static int close_fixture(void **state) {
     fixture *f = *state;
-    files_in(f, true);
+    folder_files(f->folder, true);
     rmdir(f->folder);
     saltus_system_free(f->system);
     free(f->reference.text);
@@ -253,7 +236,7 @@ static void points_read_back(void **state) {
     for (int k = 0; k < point_count; k++)
         check_point(&file.points[k], &f->points[k]);
     saltus_branch_file_clear(&file);
-    assert_int_equal(files_in(f, true), 1);
+    assert_int_equal(folder_files(f->folder, true), 1);
 }
 
 /* Plain names and shapes, as another program finds them. */
@@ -278,7 +261,7 @@ static void layout_is_plain(void **state) {
     H5Tclose(type);
     H5Aclose(attribute);
     H5Fclose(file);
-    files_in(f, true);
+    folder_files(f->folder, true);
 }
 
 static void equal_branches_give_equal_files(void **state) {
@@ -292,7 +275,7 @@ static void equal_branches_give_equal_files(void **state) {
     assert_memory_equal(first, second, na);
     free(first);
     free(second);
-    files_in(f, true);
+    folder_files(f->folder, true);
 }
 
 /* The file is there from the first point on, and a kill leaves it readable with what it had. */
@@ -325,7 +308,7 @@ static void a_killed_run_leaves_a_readable_file(void **state) {
     for (int k = 0; k < file.point_count; k++)
         check_point(&file.points[k], &f->points[k]);
     saltus_branch_file_clear(&file);
-    assert_int_equal(files_in(f, true), 1);
+    assert_int_equal(folder_files(f->folder, true), 1);
 }
 
 /* A start that fails, or a path that cannot be written, damages nothing. */
@@ -363,7 +346,7 @@ static void a_good_file_outlives_failures(void **state) {
         assert_non_null(strstr(message.text, bad[k].name));
     }
     rmdir(folder);
-    assert_int_equal(files_in(f, true), 2);
+    assert_int_equal(folder_files(f->folder, true), 2);
     check_ok(saltus_branch_output_close(NULL, true, &message), &message);
 }
 
@@ -395,7 +378,7 @@ static void damage_is_noticed(void **state) {
         refuse_file(path, kept < 8 ? "no HDF5" : "cut off");
     }
     free(whole);
-    files_in(f, true);
+    folder_files(f->folder, true);
 }
 
 static void foreign_files_are_named(void **state) {
@@ -415,7 +398,7 @@ static void foreign_files_are_named(void **state) {
     check_ok(saltus_record_write(&record, &f->scene, f->system, &options, path, &message), &message);
     refuse_file(path, "trajectory");
     saltus_record_clear(&record);
-    files_in(f, true);
+    folder_files(f->folder, true);
 }
 
 /* A branch file in which another program has changed something: sound HDF5, but not what it should be. */
@@ -461,7 +444,7 @@ static void unsound_contents_are_named(void **state) {
         change_dataset(path, changes[k].name, changes[k].drop, changes[k].value);
         refuse_file(path, changes[k].word);
     }
-    files_in(f, true);
+    folder_files(f->folder, true);
 }
 
 static void check_start(const char *source, const saltus_spec *spec, int periods, const double *x) {
@@ -506,7 +489,7 @@ static void starts_come_from_branches(void **state) {
         snprintf(source, sizeof source, "%s:%s", path, wrong[k]);
         refuse_start(source, wrong[k][0] ? wrong[k] : "name one of them");
     }
-    files_in(f, true);
+    folder_files(f->folder, true);
 }
 
 static saltus_motion find_motion(const fixture *f, int p) {
@@ -547,7 +530,7 @@ static void starts_come_from_json(void **state) {
     snprintf(source, sizeof source, "%s:PD1", path);
     refuse_start(source, "number");
     saltus_motion_clear(&motion);
-    files_in(f, true);
+    folder_files(f->folder, true);
 }
 
 /* One change after the other in a sound file: each gets its sentence. */
@@ -598,7 +581,7 @@ static void unsound_json_is_named(void **state) {
     refuse_start("/nonexistent/o.json", "No such file");
     free(text);
     saltus_motion_clear(&motion);
-    files_in(f, true);
+    folder_files(f->folder, true);
 }
 
 static void starts_fit_their_scene(void **state) {
@@ -715,7 +698,7 @@ static void diagrams_are_drawn(void **state) {
     paths[1] = second;
     refuse_plot(f, paths, 2, &how, "d.png", "axes");
     refuse_plot(f, paths, 0, &how, "d.png", "no file");
-    files_in(f, true);
+    folder_files(f->folder, true);
 }
 
 /* A made-up curve of folds in two parameters; `turned`: the same curve with the parameters in the other
@@ -782,7 +765,7 @@ static void curves_share_a_plane(void **state) {
     refuse_plot(f, &wrong[1], 1, &how, "d.png", "own_name");
     label = (saltus_plot_label){{"d", "d"}, {0.032, 0.032}, "own_name"};
     refuse_plot(f, same, 2, &how, "d.png", "own_name");
-    files_in(f, true);
+    folder_files(f->folder, true);
 }
 
 /* Every special point has its line, none of the others has one, and the next point tells what is beyond. */
@@ -811,7 +794,7 @@ static void special_points_are_listed(void **state) {
     assert_null(strstr(text, " \n"));
     free(text);
     saltus_branch_file_clear(&file);
-    files_in(f, true);
+    folder_files(f->folder, true);
 }
 
 int main(void) {

@@ -1,8 +1,8 @@
 /* Results on disk: JSON, text, CSV, HDF5 and figures, and what happens when they cannot be written.
  * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "folder.h"
 #include "reference.h"
 
-#include <dirent.h>
 #include <hdf5.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -40,27 +40,9 @@ static int open_fixture(void **state) {
     return 0;
 }
 
-/* Number of files in the fixture's folder; with `remove` they are deleted. */
-static int files_in(const fixture *f, bool remove_them) {
-    DIR *folder = opendir(f->folder);
-    int count = 0;
-    assert_non_null(folder);
-    for (struct dirent *entry = readdir(folder); entry; entry = readdir(folder)) {
-        char path[400];
-        if (entry->d_name[0] == '.')
-            continue;
-        snprintf(path, sizeof path, "%s/%s", f->folder, entry->d_name);
-        if (remove_them)
-            remove(path);
-        count++;
-    }
-    closedir(folder);
-    return count;
-}
-
 static int close_fixture(void **state) {
     fixture *f = *state;
-    files_in(f, true);
+    folder_files(f->folder, true);
     rmdir(f->folder);
     saltus_record_clear(&f->record);
     saltus_motion_clear(&f->motion);
@@ -262,7 +244,7 @@ static void csv_explains_itself(void **state) {
     assert_true(header >= 8);
     assert_int_equal(rows, f->record.samples + 1);
     assert_int_equal(impacts, 4);
-    assert_int_equal(files_in(f, true), 1);
+    assert_int_equal(folder_files(f->folder, true), 1);
     free(text);
 }
 
@@ -303,7 +285,7 @@ static void hdf5_reads_back(void **state) {
     H5Aclose(attribute);
     H5Fclose(file);
     free(states);
-    assert_int_equal(files_in(f, true), 1);
+    assert_int_equal(folder_files(f->folder, true), 1);
 }
 
 /* Equal records give equal files, and a record without events is a file too. */
@@ -323,7 +305,7 @@ static void hdf5_is_reproducible_and_may_be_empty(void **state) {
     f->record.event_count = 0;
     check_ok(write_record(f, a, &message), &message);
     f->record.event_count = events;
-    files_in(f, true);
+    folder_files(f->folder, true);
 }
 
 /* Every failure is one sentence, and the folder stays as it was. */
@@ -346,7 +328,7 @@ static void unwritable_paths_leave_nothing(void **state) {
         assert_int_equal(k < 2 ? write_record(f, path, &message) : write_sheet(f, path, NULL, &message),
                          SALTUS_IO);
         assert_non_null(strstr(message.text, "No space left"));
-        assert_int_equal(files_in(f, true), 1);
+        assert_int_equal(folder_files(f->folder, true), 1);
         assert_int_equal(mkdir(path, 0777), 0);
         assert_int_equal(k < 2 ? write_record(f, path, &message) : write_sheet(f, path, NULL, &message),
                          SALTUS_IO);
@@ -366,7 +348,7 @@ static void wrong_endings_are_refused(void **state) {
     assert_non_null(strstr(message.text, ".png, .pdf or .svg"));
     assert_int_equal(write_sheet(f, path_in(f, "a.png", path), path_in(f, "a.dat", data), &message),
                      SALTUS_BAD_INPUT);
-    assert_int_equal(files_in(f, true), 0);
+    assert_int_equal(folder_files(f->folder, true), 0);
 }
 
 /* With no gnuplot on the path the sheet fails in one sentence. */
@@ -380,7 +362,7 @@ static void absent_gnuplot_is_named(void **state) {
     setenv("PATH", before, 1);
     assert_int_equal(status, SALTUS_IO);
     assert_non_null(strstr(message.text, "gnuplot was not found"));
-    assert_int_equal(files_in(f, true), 0);
+    assert_int_equal(folder_files(f->folder, true), 0);
 }
 
 /* A gnuplot that fails is quoted; what it drew is not kept. */
@@ -400,7 +382,7 @@ static void failing_gnuplot_is_quoted(void **state) {
     setenv("PATH", before, 1);
     assert_int_equal(status, SALTUS_IO);
     assert_non_null(strstr(message.text, "line 3: unknown or ambiguous terminal name"));
-    assert_int_equal(files_in(f, true), 1);
+    assert_int_equal(folder_files(f->folder, true), 1);
 }
 
 static bool gnuplot_is_there(void) {
@@ -425,12 +407,12 @@ static void sheets_are_drawn(void **state) {
         assert_memory_equal(picture, heads[k], 4);
         free(picture);
     }
-    assert_int_equal(files_in(f, false), 5);
+    assert_int_equal(folder_files(f->folder, false), 5);
     remove(path_in(f, "s.png", path));
     snprintf(command, sizeof command,
              "cd %s && gnuplot d.gp 2>messages && test ! -s messages && test -s s.png", f->folder);
     assert_int_equal(system(command), 0);
-    files_in(f, true);
+    folder_files(f->folder, true);
 }
 
 int main(void) {

@@ -1,35 +1,12 @@
 /* Memory: stepping never allocates, and every failing allocation is reported and leaks nothing.
- *
- * The library's calls of malloc and its kin are routed here by the linker.
  * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "allocations.h"
 #include "check.h"
-
-void *__real_malloc(size_t size);
-void *__real_calloc(size_t count, size_t size);
-void *__real_realloc(void *old, size_t size);
-void *__real_aligned_alloc(size_t alignment, size_t size);
-void *__wrap_malloc(size_t size);
-void *__wrap_calloc(size_t count, size_t size);
-void *__wrap_realloc(void *old, size_t size);
-void *__wrap_aligned_alloc(size_t alignment, size_t size);
 
 static long allocations, failing = -1;
 
 static bool refuse(void) {
     return ++allocations == failing;
-}
-
-void *__wrap_malloc(size_t size) {
-    return refuse() ? NULL : __real_malloc(size);
-}
-void *__wrap_calloc(size_t count, size_t size) {
-    return refuse() ? NULL : __real_calloc(count, size);
-}
-void *__wrap_realloc(void *old, size_t size) {
-    return refuse() ? NULL : __real_realloc(old, size);
-}
-void *__wrap_aligned_alloc(size_t alignment, size_t size) {
-    return refuse() ? NULL : __real_aligned_alloc(alignment, size);
 }
 
 /* Free flight, impacts, chatter, sticking and release, with tangent vectors, both integrators. */

@@ -1,39 +1,16 @@
 /* Sweeps: axes, the same bits however the work is divided, right classes, clouds and measures, hysteresis,
  * honest failures.
- *
- * The library's calls of malloc and its kin are routed here by the linker.
  * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "allocations.h"
 #include "check.h"
 
 enum { dimension_max = 40 };
-
-void *__real_malloc(size_t size);
-void *__real_calloc(size_t count, size_t size);
-void *__real_realloc(void *old, size_t size);
-void *__real_aligned_alloc(size_t alignment, size_t size);
-void *__wrap_malloc(size_t size);
-void *__wrap_calloc(size_t count, size_t size);
-void *__wrap_realloc(void *old, size_t size);
-void *__wrap_aligned_alloc(size_t alignment, size_t size);
 
 /* Counting is on while `failing` is set: one thread then. */
 static long allocations, failing = -1;
 
 static bool refuse(void) {
     return failing >= 0 && ++allocations == failing;
-}
-
-void *__wrap_malloc(size_t size) {
-    return refuse() ? NULL : __real_malloc(size);
-}
-void *__wrap_calloc(size_t count, size_t size) {
-    return refuse() ? NULL : __real_calloc(count, size);
-}
-void *__wrap_realloc(void *old, size_t size) {
-    return refuse() ? NULL : __real_realloc(old, size);
-}
-void *__wrap_aligned_alloc(size_t alignment, size_t size) {
-    return refuse() ? NULL : __real_aligned_alloc(alignment, size);
 }
 
 /* A scene by name with settings, one after the other, separated by blanks. "free" takes the stops away. */

@@ -2,8 +2,8 @@
  * up: what is tested is that nothing of them is lost or changed, whatever happens on the way.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "check.h"
+#include "folder.h"
 
-#include <dirent.h>
 #include <hdf5.h>
 #include <signal.h>
 #include <sys/resource.h>
@@ -67,26 +67,9 @@ static int open_fixture(void **state) {
     return 0;
 }
 
-static int files_in(const fixture *f, bool remove_them) {
-    DIR *folder = opendir(f->folder);
-    int count = 0;
-    assert_non_null(folder);
-    for (struct dirent *entry = readdir(folder); entry; entry = readdir(folder)) {
-        char path[400];
-        if (entry->d_name[0] == '.')
-            continue;
-        snprintf(path, sizeof path, "%s/%s", f->folder, entry->d_name);
-        if (remove_them)
-            remove(path);
-        count++;
-    }
-    closedir(folder);
-    return count;
-}
-
 static int close_fixture(void **state) {
     fixture *f = *state;
-    files_in(f, true);
+    folder_files(f->folder, true);
     rmdir(f->folder);
     saltus_sweep_free(f->sweep);
     free(f);
@@ -311,7 +294,7 @@ static void results_read_back(void **state) {
     char path[path_size];
     size_t length;
     free(finished_bytes(f, f->sweep, "s.h5", &length));
-    assert_int_equal(files_in(f, false), 1);
+    assert_int_equal(folder_files(f->folder, false), 1);
     check_ok(saltus_sweep_file_read(path_in(f, "s.h5", path), &file, &message), &message);
     assert_string_equal(file.version, SALTUS_VERSION);
     assert_string_equal(file.scene, f->scene.name);
@@ -340,7 +323,7 @@ static void results_read_back(void **state) {
     check_rows(&file, f->sweep);
     check_clouds(&file, f->sweep);
     saltus_sweep_file_clear(&file);
-    files_in(f, true);
+    folder_files(f->folder, true);
 }
 
 /* Plain names and shapes, as another program finds them. */
@@ -374,7 +357,7 @@ static void layout_is_plain(void **state) {
     assert_true(H5Aexists_by_name(file, "turning/displacement", "units", H5P_DEFAULT) > 0);
     assert_true(H5Aexists_by_name(file, "rows/lyapunov", "description", H5P_DEFAULT) > 0);
     H5Fclose(file);
-    files_in(f, true);
+    folder_files(f->folder, true);
 }
 
 static void order_does_not_matter(void **state) {
@@ -391,7 +374,7 @@ static void order_does_not_matter(void **state) {
         check_same_bytes(path, expected, length);
     }
     free(expected);
-    files_in(f, true);
+    folder_files(f->folder, true);
 }
 
 static void results_that_do_not_fit_are_refused(void **state) {
@@ -411,7 +394,7 @@ static void results_that_do_not_fit_are_refused(void **state) {
                  saltus_sweep_output_has(output, 3));
     take(output, f->sweep, 3);
     close_output(output);
-    files_in(f, true);
+    folder_files(f->folder, true);
 }
 
 /* Order and interruptions do not matter either for a grid that is written in several tiles, and clouds of
@@ -449,7 +432,7 @@ static void large_grids_are_written_in_parts(void **state) {
         saltus_sweep_free(sweep);
         free(expected);
     }
-    files_in(f, true);
+    folder_files(f->folder, true);
 }
 
 static void interrupted_runs_lose_nothing(void **state) {
@@ -472,11 +455,11 @@ static void interrupted_runs_lose_nothing(void **state) {
         assert_int_equal(there, seeds * (all ? f->places : 6 * (run + 1)));
         assert_int_equal(file.complete, all);
         saltus_sweep_file_clear(&file);
-        assert_int_equal(files_in(f, false), all ? 2 : 3);
+        assert_int_equal(folder_files(f->folder, false), all ? 2 : 3);
     }
     check_same_bytes(path, expected, length);
     free(expected);
-    files_in(f, true);
+    folder_files(f->folder, true);
 }
 
 /* A run that is killed in the middle, and the next one with it, in turn. */
@@ -507,7 +490,7 @@ static void killed_runs_lose_nothing(void **state) {
     close_output(output);
     check_same_bytes(path, expected, length);
     free(expected);
-    files_in(f, true);
+    folder_files(f->folder, true);
 }
 
 /* A journal of 30 results, none of them in a file yet. */
@@ -548,7 +531,7 @@ static void torn_journals_are_cut_back(void **state) {
     }
     free(expected);
     free(bytes);
-    files_in(f, true);
+    folder_files(f->folder, true);
 }
 
 /* Nothing that may be in a journal makes a run crash, or gets into the file. */
@@ -579,7 +562,7 @@ static void damaged_journals_do_no_harm(void **state) {
     assert_true(taken > 10);
     free(expected);
     free(bytes);
-    files_in(f, true);
+    folder_files(f->folder, true);
 }
 
 /* Opening fails with a sentence in which all the words stand. */
@@ -654,7 +637,7 @@ static void another_sweep_is_refused(void **state) {
         check_same_bytes(journal, bytes, whole);
         check_same_bytes(done, file, length);
     }
-    assert_int_equal(files_in(f, true), 3);
+    assert_int_equal(folder_files(f->folder, true), 3);
     free(file);
     free(bytes);
 }
@@ -678,7 +661,7 @@ static void finished_files_count_as_done(void **state) {
         assert_true(saltus_sweep_output_has(output, place));
     close_output(output);
     check_same_bytes(path, bytes, length);
-    assert_int_equal(files_in(f, true), 1);
+    assert_int_equal(folder_files(f->folder, true), 1);
     saltus_sweep_free(sweep);
     free(bytes);
 }
@@ -697,12 +680,12 @@ static void resuming_needs_the_journal(void **state) {
     write_all(journal, "something else", 14);
     check_refused(path, f->sweep, false, true, SALTUS_BAD_INPUT,
                   (const char *const[3]){journal, "is not a journal"});
-    assert_int_equal(files_in(f, true), 2);
+    assert_int_equal(folder_files(f->folder, true), 2);
     /* Where there is nothing, all is still to be done. */
     saltus_sweep_output *output = open_output(path, f->sweep, true);
     assert_false(saltus_sweep_output_has(output, 0));
     close_output(output);
-    files_in(f, true);
+    folder_files(f->folder, true);
 }
 
 static void a_journal_is_for_one_run(void **state) {
@@ -719,7 +702,7 @@ static void a_journal_is_for_one_run(void **state) {
     output = open_output(path, f->sweep, false);
     assert_false(saltus_sweep_output_has(output, 0));
     close_output(output);
-    files_in(f, true);
+    folder_files(f->folder, true);
 }
 
 static void what_cannot_be_written_is_refused_at_once(void **state) {
@@ -748,7 +731,7 @@ static void what_cannot_be_written_is_refused_at_once(void **state) {
         check_refused(path, f->sweep, false, false, SALTUS_IO, (const char *const[3]){path, "denied"});
         chmod(f->folder, 0755);
     }
-    assert_int_equal(files_in(f, false), 0);
+    assert_int_equal(folder_files(f->folder, false), 0);
 }
 
 /* From here on no file may grow beyond a length; 0: any. Stands for a full disk. */
@@ -795,7 +778,7 @@ static void full_disks_lose_nothing_in_the_journal(void **state) {
         check_same_bytes(path, expected, length);
     }
     free(expected);
-    files_in(f, true);
+    folder_files(f->folder, true);
 }
 
 static void full_disks_leave_the_file_as_it_was(void **state) {
@@ -816,7 +799,7 @@ static void full_disks_leave_the_file_as_it_was(void **state) {
         assert_int_equal(status, SALTUS_IO);
         assert_non_null(strstr(message.text, path));
         assert_non_null(strstr(message.text, "File too large"));
-        assert_int_equal(files_in(f, false), 3);
+        assert_int_equal(folder_files(f->folder, false), 3);
         check_ok(saltus_sweep_file_read(path, &file, &message), &message);
         assert_false(file.complete);
         saltus_sweep_file_clear(&file);
@@ -829,7 +812,7 @@ static void full_disks_leave_the_file_as_it_was(void **state) {
     saltus_sweep_output *output = NULL;
     assert_int_equal(saltus_sweep_output_open(path, f->sweep, false, false, &output, &message), SALTUS_IO);
     limit_files(0);
-    assert_int_equal(files_in(f, true), 1);
+    assert_int_equal(folder_files(f->folder, true), 1);
     free(expected);
 }
 
@@ -862,7 +845,7 @@ static void damaged_files_are_refused(void **state) {
         assert_non_null(strstr(message.text, "b.h5: "));
     }
     assert_int_equal(read_status("/nowhere/a.h5", &message), SALTUS_BAD_INPUT);
-    files_in(f, true);
+    folder_files(f->folder, true);
     free(bytes);
 }
 
@@ -936,7 +919,7 @@ static void wrong_contents_are_refused(void **state) {
     write_all(path, bytes, length);
     spoil(path, "axes/axis1", H5T_NATIVE_DOUBLE, &nan);
     check_unsound(path, "axes/axis1");
-    files_in(f, true);
+    folder_files(f->folder, true);
     free(bytes);
 }
 
@@ -955,7 +938,7 @@ static void wrong_options_are_refused(void **state) {
             if (k != 3 || which != 2)
                 check_unsound(path, "");
         }
-    files_in(f, true);
+    folder_files(f->folder, true);
     free(bytes);
 }
 
@@ -1055,7 +1038,7 @@ static void tables_hold_all_rows(void **state) {
         saltus_sweep_output *output = open_output(path, sweep, run > 0);
         take_some(output, sweep, run < 2 ? 20 : f->places, run);
         close_output(output);
-        assert_int_equal(files_in(f, false), run < 2 ? 3 : 2);
+        assert_int_equal(folder_files(f->folder, false), run < 2 ? 3 : 2);
     }
     check_same_bytes(path, bytes, length);
     assert_null(strstr((const char *)bytes, "-nan"));
@@ -1073,7 +1056,7 @@ static void tables_hold_all_rows(void **state) {
     free_lines(lines, others);
     free(bytes);
     saltus_sweep_free(sweep);
-    files_in(f, true);
+    folder_files(f->folder, true);
 }
 
 static void tables_can_be_resumed(void **state) {
@@ -1096,7 +1079,7 @@ static void tables_can_be_resumed(void **state) {
     write_all(path, "a,b\n1,2\n", 8);
     check_refused(path, sweep, false, true, SALTUS_BAD_INPUT,
                   (const char *const[3]){path, "table of a sweep"});
-    assert_int_equal(files_in(f, false), 1);
+    assert_int_equal(folder_files(f->folder, false), 1);
     output = open_output(path_in(f, "b.csv", path), sweep, false);
     take_some(output, sweep, 5, 1);
     close_output(output);
@@ -1106,7 +1089,7 @@ static void tables_can_be_resumed(void **state) {
     saltus_sweep_free(other);
     saltus_sweep_free(sweep);
     free(bytes);
-    files_in(f, true);
+    folder_files(f->folder, true);
 }
 
 static void clouds_go_to_tables(void **state) {
@@ -1146,7 +1129,7 @@ static void clouds_go_to_tables(void **state) {
         free_lines(lines, count);
     }
     saltus_sweep_file_clear(&file);
-    files_in(f, true);
+    folder_files(f->folder, true);
 }
 
 /* Results that have been computed, for basins: a result is taken, or its place is skipped. */
@@ -1223,7 +1206,7 @@ static void basins_tell_attractors_apart(void **state) {
                   (const char *const[3]){path, "kind is basins there and sweep now"});
     saltus_sweep_free(sweep);
     free(bytes);
-    files_in(f, true);
+    folder_files(f->folder, true);
 }
 
 int main(void) {

@@ -33,7 +33,6 @@ static int run(const cli_request *request) {
     saltus_scene scene;
     saltus_sweep *sweep = NULL;
     saltus_message message = {""};
-    sweep_report report;
     if (!read_axes(request))
         return CLI_BAD_INPUT;
     saltus_sweep_options how = sweep_read_options(request);
@@ -46,10 +45,7 @@ static int run(const cli_request *request) {
                          .basins = true,
                          .resume = request->resume,
                          .quiet = request->quiet};
-    int code = run_sweep(&order, status, &message, &report);
-    if (code == CLI_DONE && report.first)
-        code = cli_report(sweep_print(&order, &report, request->json, &message), &message);
-    sweep_tally_clear(&report.tally);
+    int code = sweep_finish(&order, status, request->json, &message);
     saltus_sweep_free(sweep);
     return code;
 }

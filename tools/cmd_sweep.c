@@ -129,7 +129,6 @@ static int run(const cli_request *request) {
     saltus_sweep *sweep = NULL;
     saltus_sweep_options how;
     saltus_message message = {""};
-    sweep_report report;
     if (!read_options(request, &how))
         return CLI_BAD_INPUT;
     saltus_status status = cli_load_scene(request, &scene, &message);
@@ -139,10 +138,7 @@ static int run(const cli_request *request) {
         status = sweep_make(request, &scene, &how, &sweep, &message);
     sweep_order order = {
         .sweep = sweep, .path = request->output, .resume = request->resume, .quiet = request->quiet};
-    int code = run_sweep(&order, status, &message, &report);
-    if (code == CLI_DONE && report.first)
-        code = cli_report(sweep_print(&order, &report, request->json, &message), &message);
-    sweep_tally_clear(&report.tally);
+    int code = sweep_finish(&order, status, request->json, &message);
     saltus_sweep_free(sweep);
     return code;
 }

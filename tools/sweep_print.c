@@ -169,8 +169,8 @@ static void put_json(const sweep_order *order, const sweep_report *report, const
     printf("}\n");
 }
 
-saltus_status sweep_print(const sweep_order *order, sweep_report *report, bool json,
-                          saltus_message *message) {
+static saltus_status print_report(const sweep_order *order, sweep_report *report, bool json,
+                                  saltus_message *message) {
     saltus_sweep_file file = {.row_count = 0};
     share *shares = NULL;
     saltus_status status = SALTUS_OK;
@@ -193,4 +193,13 @@ saltus_status sweep_print(const sweep_order *order, sweep_report *report, bool j
     if (read)
         saltus_sweep_file_clear(&file);
     return status;
+}
+
+int sweep_finish(const sweep_order *order, saltus_status status, bool json, saltus_message *message) {
+    sweep_report report;
+    int code = run_sweep(order, status, message, &report);
+    if (code == CLI_DONE && report.first)
+        code = cli_report(print_report(order, &report, json, message), message);
+    sweep_tally_clear(&report.tally);
+    return code;
 }

@@ -1,0 +1,28 @@
+/* What tests that write files share: a folder of their own.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef SALTUS_TESTS_FOLDER_H
+#define SALTUS_TESTS_FOLDER_H
+
+#include "check.h"
+
+#include <dirent.h>
+
+/* Number of files in a folder; with `remove_them` they are deleted. */
+static inline int folder_files(const char *path, bool remove_them) {
+    DIR *folder = opendir(path);
+    int count = 0;
+    assert_non_null(folder);
+    for (struct dirent *entry = readdir(folder); entry; entry = readdir(folder)) {
+        char file[400];
+        if (entry->d_name[0] == '.')
+            continue;
+        snprintf(file, sizeof file, "%s/%s", path, entry->d_name);
+        if (remove_them)
+            remove(file);
+        count++;
+    }
+    closedir(folder);
+    return count;
+}
+
+#endif
