@@ -153,7 +153,8 @@ accept "2/2" classify fig3 --json
 accept "4/4" classify pipe --set N=5 omega=42 --set d=0.035 r=0.9 xi=0.5 sides=upper --json
 accept "equilibrium" classify pipe --set sigma=0 --set sides=none --json
 accept "held" classify pipe --set sigma=0 d=0.01 --json
-accept "undecided" classify fig7c --json --transient 500
+accept "chaotic" classify fig7c --json --transient 500
+accept "undecided" classify fig7c --json --transient 500 --measure 0
 accept '"seeds"' classify fig3 --seeds 5 --json
 accept "2/2" classify fig3 --seeds 5
 accept "saltus classify" --help

@@ -177,24 +177,29 @@ static bool stop_at_once(void *context, long long periods, long long at_most) {
     return at_most < 0;
 }
 
+/* Where no exponent may be measured, or the caller stops. */
 static void chaos_is_undecided(void **unused) {
     (void)unused;
     saltus_spec spec = pipe_spec(5, 10);
     add_stop(&spec, 0.035, 0.9, SALTUS_UPPER);
-    saltus_motion motion = classify(&spec, NULL, 3000);
+    saltus_system *system = build(&spec);
+    saltus_classify_options options = saltus_classify_defaults();
+    saltus_message message = {""};
+    saltus_motion motion;
+    long long seen = 0;
+    double state[dimension_max];
+    options.transient = 3000;
+    options.measure = 0;
+    check_ok(saltus_system_default_state(system, state, &message), &message);
+    check_ok(saltus_classify(system, state, &options, &motion, &message), &message);
     assert_string_equal(motion.label, "undecided");
     assert_non_null(strstr(motion.reason, "3000"));
     assert_int_equal(motion.transient, 3000);
     saltus_motion_clear(&motion);
 
-    saltus_system *system = build(&spec);
-    saltus_classify_options options = saltus_classify_defaults();
-    saltus_message message = {""};
-    long long seen = 0;
-    double state[dimension_max];
+    options = saltus_classify_defaults();
     options.progress = stop_at_once;
     options.context = &seen;
-    check_ok(saltus_system_default_state(system, state, &message), &message);
     check_ok(saltus_classify(system, state, &options, &motion, &message), &message);
     assert_true(seen > 0 && motion.transient == seen);
     saltus_motion_clear(&motion);

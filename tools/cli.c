@@ -37,6 +37,15 @@ const cli_option cli_settle = {
     "--transient", CLI_WHOLE, PLACE(transient), 0, 0, 1e12, "m", "periods to run before the recording"};
 const cli_option cli_longest = {
     "--longest", CLI_WHOLE, PLACE(longest), 64, 1, 1024, "p", "longest period tried, in forcing periods"};
+const cli_option cli_measure = {
+    "--measure",
+    CLI_WHOLE,
+    PLACE(measure),
+    256000,
+    0,
+    1e12,
+    "n",
+    "without a period: periods at most to measure an exponent over; 0: undecided"};
 const cli_option cli_periods = {
     "--periods", CLI_WHOLE, PLACE(periods), 0, 1, 1e6, "n", "forcing periods to record"};
 const cli_option cli_samples = {
@@ -330,6 +339,7 @@ saltus_classify_options cli_classify_options(const cli_request *request) {
     options.flow = cli_flow_options(request);
     options.transient = request->transient;
     options.longest = (int)request->longest;
+    options.measure = request->measure;
     if (!request->quiet && isatty(STDERR_FILENO))
         options.progress = cli_progress;
     return options;
@@ -337,7 +347,7 @@ saltus_classify_options cli_classify_options(const cli_request *request) {
 
 bool cli_progress(void *context, long long periods, long long at_most) {
     (void)context;
-    fprintf(stderr, "\rsettling: %lld of at most %lld periods ", periods, at_most);
+    fprintf(stderr, "\r%lld of at most %lld periods ", periods, at_most);
     fflush(stderr);
     return true;
 }

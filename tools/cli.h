@@ -27,13 +27,13 @@ typedef struct cli_request {
     int input_count;
     const char *settings[CLI_SETTINGS_MAX];
     int setting_count;
-    bool json, quiet, help, unstable, mirror, verbose, resume, quick;
+    bool json, quiet, help, unstable, mirror, verbose, resume, quick, all;
     const char *output, *data, *integrator, *from, *range, *second_range, *locus, *direction, *values, *show;
     const char *start, *what, *table, *figure, *format, *view, *title;
-    cli_list parts, labels, over;
+    cli_list parts, labels, over, of;
     long seeds, seed, transient, longest, periods, samples, segments, points, switches, most, search;
-    long record, lanes, threads;
-    double rtol, atol, step, step_max;
+    long segment, record, lanes, threads, exponents, members, measure;
+    double rtol, atol, step, step_max, precision, interval;
 } cli_request;
 
 typedef enum cli_kind { CLI_FLAG, CLI_TEXT, CLI_WHOLE, CLI_REAL, CLI_SETTINGS, CLI_LIST } cli_kind;
@@ -61,10 +61,11 @@ typedef struct cli_command {
 } cli_command;
 
 extern const cli_command cmd_classify, cmd_diagnose, cmd_simulate, cmd_scenes, cmd_check, cmd_orbit,
-    cmd_continue, cmd_plot, cmd_sweep, cmd_basins, cmd_export, cmd_paper;
+    cmd_continue, cmd_lyapunov, cmd_plot, cmd_spectrum, cmd_sweep, cmd_basins, cmd_export, cmd_paper;
 
 extern const cli_option cli_set, cli_json, cli_quiet, cli_output, cli_data, cli_integrator, cli_seeds,
-    cli_seed, cli_transient, cli_longest, cli_periods, cli_samples, cli_settle, cli_rtol, cli_atol, cli_from;
+    cli_seed, cli_transient, cli_longest, cli_periods, cli_samples, cli_settle, cli_measure, cli_rtol,
+    cli_atol, cli_from;
 
 /* Fill a request from the arguments after the subcommand; false after a message on stderr. */
 bool cli_parse(const cli_command *command, int count, char **arguments, cli_request *request);

@@ -2,9 +2,9 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "cli.h"
 
-static const cli_option *const options[] = {&cli_set,        &cli_json,    &cli_seeds, &cli_seed,
-                                            &cli_transient,  &cli_longest, &cli_rtol,  &cli_atol,
-                                            &cli_integrator, &cli_quiet,   NULL};
+static const cli_option *const options[] = {&cli_set,       &cli_json,       &cli_seeds,   &cli_seed,
+                                            &cli_transient, &cli_longest,    &cli_measure, &cli_rtol,
+                                            &cli_atol,      &cli_integrator, &cli_quiet,   NULL};
 
 static saltus_status classify_once(const cli_request *request, const saltus_scene *scene,
                                    const saltus_system *system, const double *state,

@@ -4,18 +4,18 @@
 
 #include <unistd.h>
 
-static const cli_option *const options[] = {&cli_set,     &cli_output, &cli_data, &cli_transient,
-                                            &cli_longest, &cli_rtol,   &cli_atol, &cli_integrator,
-                                            &cli_quiet,   NULL};
+static const cli_option *const options[] = {&cli_set,        &cli_output,  &cli_data, &cli_transient,
+                                            &cli_longest,    &cli_measure, &cli_rtol, &cli_atol,
+                                            &cli_integrator, &cli_quiet,   NULL};
 
 /* One orbit of a periodic motion; enough of the rest to see what it does. */
 static saltus_status record_motion(const saltus_system *system, const saltus_flow_options *flow,
                                    const saltus_motion *motion, saltus_record *record,
                                    saltus_message *message) {
     enum { undecided_periods = 400, resting_periods = 4, samples = 240 };
-    long long periods = motion->periods                    ? motion->periods
-                        : motion->kind == SALTUS_UNDECIDED ? undecided_periods
-                                                           : resting_periods;
+    long long periods = motion->periods                  ? motion->periods
+                        : !saltus_motion_settled(motion) ? undecided_periods
+                                                         : resting_periods;
     return saltus_record_run(system, motion->state, flow, 0, periods, samples, record, message);
 }
 

@@ -5,9 +5,9 @@
 
 #include <string.h>
 
-static const cli_command *const commands[] = {&cmd_classify, &cmd_diagnose, &cmd_simulate, &cmd_orbit,
-                                              &cmd_continue, &cmd_sweep,    &cmd_basins,   &cmd_plot,
-                                              &cmd_export,   &cmd_paper,    &cmd_scenes,   &cmd_check};
+static const cli_command *const commands[] = {
+    &cmd_classify, &cmd_diagnose, &cmd_simulate, &cmd_orbit,  &cmd_continue, &cmd_lyapunov, &cmd_spectrum,
+    &cmd_sweep,    &cmd_basins,   &cmd_plot,     &cmd_export, &cmd_paper,    &cmd_scenes,   &cmd_check};
 
 enum { command_count = sizeof commands / sizeof commands[0] };
 

@@ -6,8 +6,10 @@
 #include "saltus/branch.h"
 #include "saltus/equilibrium.h"
 #include "saltus/harvest.h"
+#include "saltus/lyapunov.h"
 #include "saltus/motion.h"
 #include "saltus/scene.h"
+#include "saltus/spectrum.h"
 #include "saltus/sweep.h"
 
 #include <stdio.h>
@@ -38,6 +40,22 @@ void saltus_write_equilibrium_text(FILE *file, const saltus_scene *scene, const 
 void saltus_write_harvest_text(FILE *file, const saltus_scene *scene, const saltus_system *system,
                                const saltus_harvest *harvest);
 
+/* Lyapunov exponents as one JSON object and a newline: null where an exponent is -infinity. */
+void saltus_write_lyapunov_json(FILE *file, const saltus_scene *scene, const saltus_system *system,
+                                const saltus_lyapunov_options *options, const saltus_lyapunov *lyapunov);
+/* The same for people, with what the numbers say of the motion. */
+void saltus_write_lyapunov_text(FILE *file, const saltus_scene *scene, const saltus_system *system,
+                                const saltus_lyapunov_options *options, const saltus_lyapunov *lyapunov);
+/* How the estimate of the largest exponent converged: a figure (.png, .pdf, .svg) or its rows (.csv), complete
+ * or not at all. Errors: SALTUS_BAD_INPUT for another ending, SALTUS_IO. */
+saltus_status saltus_write_convergence(const saltus_scene *scene, const saltus_system *system,
+                                       const saltus_lyapunov_options *options,
+                                       const saltus_lyapunov *lyapunov, const char *path,
+                                       saltus_message *message);
+/* Whether the ending of a path is one of these and the file can be written, before a long computation.
+ * Nothing is left behind. Errors: SALTUS_BAD_INPUT, SALTUS_IO. */
+saltus_status saltus_convergence_check(const char *path, saltus_message *message);
+
 /* A sampled trajectory with its events and stroboscopic points. Arrays are owned by the record. */
 typedef struct saltus_record {
     int dimension;
@@ -67,14 +85,23 @@ saltus_status saltus_record_write(const saltus_record *record, const saltus_scen
                                   const saltus_system *system, const saltus_flow_options *options,
                                   const char *path, saltus_message *message);
 
-/* The one-page diagnosis of a motion: phase portrait, time history, impact map, shapes, caption. `path` ends
+/* What the page of a motion is made of; all the caller's. */
+typedef struct saltus_diagnosis {
+    const saltus_motion *motion;
+    const saltus_record *record;   /* one orbit of periodic motion, a stretch of any other */
+    const saltus_record *section;  /* of motion without a period: a long record, for its section points and
+                                      impacts; NULL: those of `record` */
+    const saltus_spectra *spectra; /* the first one is shown; NULL: none */
+} saltus_diagnosis;
+
+/* The one-page diagnosis of a motion: phase portrait, time history, impact map, shapes, spectrum, multipliers;
+ * without a period the stroboscopic section and the convergence of the largest exponent; caption. `path` ends
  * in .png, .pdf or .svg. With `data` (a .h5 path, may be NULL) the record goes there and gnuplot's script
  * beside it, with the ending .gp. Errors: SALTUS_BAD_INPUT, SALTUS_IO (gnuplot absent or failed, file not
  * writable). */
 saltus_status saltus_write_sheet(const saltus_scene *scene, const saltus_system *system,
-                                 const saltus_motion *motion, const saltus_record *record,
-                                 const saltus_flow_options *options, const char *path, const char *data,
-                                 saltus_message *message);
+                                 const saltus_diagnosis *diagnosis, const saltus_flow_options *options,
+                                 const char *path, const char *data, saltus_message *message);
 
 /* A periodic orbit to start from, as a file tells it. */
 typedef struct saltus_start {

@@ -3,6 +3,7 @@
 #ifndef SALTUS_MOTION_H
 #define SALTUS_MOTION_H
 
+#include "saltus/lyapunov.h"
 #include "saltus/orbit.h"
 
 #ifdef __cplusplus
@@ -10,10 +11,14 @@ extern "C" {
 #endif
 
 typedef enum saltus_motion_kind {
-    SALTUS_PERIODIC,    /* n/p, chatter included */
-    SALTUS_EQUILIBRIUM, /* at rest without contact force */
-    SALTUS_HELD,        /* in contact for good */
-    SALTUS_UNDECIDED    /* none of these was found; `reason` says what was tried */
+    SALTUS_PERIODIC,      /* n/p, chatter included */
+    SALTUS_EQUILIBRIUM,   /* at rest without contact force */
+    SALTUS_HELD,          /* in contact for good */
+    SALTUS_QUASIPERIODIC, /* largest exponent zero, spectrum of lines, closed curves in the section */
+    SALTUS_CHAOTIC,       /* largest exponent positive, and so in a doubled run */
+    SALTUS_UNSETTLED,     /* on its way to something regular that it has not reached: "transient", or
+                             "long-period" where nothing irregular is on the way */
+    SALTUS_UNDECIDED      /* `reason` says what was tried and what is lacking */
 } saltus_motion_kind;
 
 typedef enum saltus_mirror {
@@ -25,6 +30,8 @@ typedef enum saltus_mirror {
 typedef struct saltus_classify_options {
     saltus_flow_options flow;
     long long transient; /* periods to wait at most for the motion to settle */
+    long long measure;   /* periods at most over which the largest exponent is measured where no period is
+                            found, by 8 trajectories together; 0: such a motion is undecided */
     int longest;         /* longest period tried, in forcing periods */
     /* Called now and then with the number of periods simulated; may be NULL. Returning false stops the
      * search. */
@@ -32,14 +39,36 @@ typedef struct saltus_classify_options {
     void *context;
 } saltus_classify_options;
 
-/* Flow defaults, at most 20000 periods, longest period 64. */
+/* Flow defaults, at most 20000 periods, at most 256000 to measure an exponent, longest period 64. */
 saltus_classify_options saltus_classify_defaults(void);
+
+/* What the verdict on a motion without a period rests on. Numbers are NAN where they were not computed. */
+typedef struct saltus_evidence {
+    long long periods;              /* measured by all trajectories together; 0: nothing was measured */
+    int members;                    /* trajectories */
+    double half[2], half_errors[2]; /* largest exponent from the first and the second half of the run */
+    double zero_one;                /* 0-1 test: about 0 for regular motion, 1 for chaos */
+    double zero_one_quartiles[2];
+    double dimension, dimension_error; /* correlation dimension of the section points */
+    double broadband;                  /* part of the section points' variance that is not in lines */
+    int curves;                        /* closed curves that the section points fill; 0: they do not */
+    double impacts_per_period;
+    double laminar;                    /* part of the time spent near a periodic motion, ... */
+    int laminar_period;                /* ... of this period; 0: no intermittency */
+    long long longest_phase;           /* longest of these laminar phases, in periods */
+    int left;                          /* trajectories that left for a regular motion, ... */
+    char left_for[32];                 /* ... of this label */
+    char stable_orbit[32];             /* label of a stable orbit found amid the chaos, or "" */
+    saltus_lyapunov_progress *history; /* of the largest exponent */
+    int history_count;
+} saltus_evidence;
 
 /* The verdict on one trajectory. Arrays are owned by the motion. */
 typedef struct saltus_motion {
     saltus_motion_kind kind;
-    char label[32];         /* "4/4", "0/1", "chatter/2", "equilibrium", "held", "undecided" */
-    char reason[256];       /* undecided: what was tried and what is lacking */
+    char label[32];         /* "4/4", "0/1", "chatter/2", "equilibrium", "held", "quasi-periodic", "chaotic",
+                               "transient", "long-period", "undecided" */
+    char reason[384];       /* motions without a period: what is known, what is lacking */
     int periods;            /* p, least period in forcing periods; 0 if not periodic */
     long long impacts;      /* n per orbit; -1 when complete chatter makes it infinite */
     int sticking_intervals; /* per orbit */
@@ -59,9 +88,16 @@ typedef struct saltus_motion {
     double log_volume, sum_rule; /* see saltus_orbit */
     saltus_mirror mirror;
     double contact_force[SALTUS_FACES_MAX]; /* held: force per modal mass at section phase 0 */
-    double largest, smallest;               /* of the observed displacement over the orbit */
-    long long transient;                    /* periods simulated before the verdict */
+    double largest, smallest; /* of the observed displacement over the orbit; over 400 periods without one */
+    long long transient;      /* periods simulated before the verdict */
+    double lyapunov;       /* largest exponent per unit of time: of an orbit ln |multiplier| / (p T), else as
+                              measured; NAN where it was not */
+    double lyapunov_error; /* its standard error; 0 for an orbit's */
+    saltus_evidence evidence; /* of motions without a period */
 } saltus_motion;
+
+/* Whether a motion has come to an orbit or a rest, for which its state stands. */
+bool saltus_motion_settled(const saltus_motion *motion);
 
 /* Settle from an initial state (length dimension, at phase 0) and classify. On success the motion's arrays
  * are owned by it: saltus_motion_clear. An undecided motion is a success too. Errors: SALTUS_BAD_INPUT (state

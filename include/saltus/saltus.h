@@ -3,15 +3,19 @@
 #ifndef SALTUS_SALTUS_H
 #define SALTUS_SALTUS_H
 
+#include "saltus/average.h"
 #include "saltus/branch.h"
 #include "saltus/equilibrium.h"
 #include "saltus/flow.h"
 #include "saltus/harvest.h"
 #include "saltus/io.h"
+#include "saltus/lyapunov.h"
 #include "saltus/map.h"
 #include "saltus/motion.h"
 #include "saltus/orbit.h"
 #include "saltus/scene.h"
+#include "saltus/series.h"
+#include "saltus/spectrum.h"
 #include "saltus/status.h"
 #include "saltus/sweep.h"
 #include "saltus/system.h"

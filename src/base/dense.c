@@ -193,3 +193,36 @@ void saltus_dense_qr(double *a, int n, double *q, double *work) {
         for (int j = 0; j < i; j++)
             a[i * n + j] = 0;
 }
+
+enum { block_columns = 32 };
+
+int saltus_dense_orthonormal_work(int n, int count) {
+    (void)n;
+    return count + block_columns * count;
+}
+
+static bool normalise(double *vector, int n, double *length) {
+    double square = 0;
+    for (int i = 0; i < n; i++)
+        square += vector[i] * vector[i];
+    *length = sqrt(square);
+    for (int i = 0; i<n && * length> 0; i++)
+        vector[i] /= *length;
+    return isfinite(*length);
+}
+
+bool saltus_dense_orthonormal(double *vectors, int n, int count, double *length, double *work) {
+    double *tau = work;
+    if (count == 1)
+        return normalise(vectors, n, length);
+    for (int k = 0; k < n * count; k++)
+        if (!isfinite(vectors[k]))
+            return false;
+    if (LAPACKE_dgeqrf_work(LAPACK_COL_MAJOR, n, count, vectors, n, tau, work + count,
+                            block_columns * count) != 0)
+        return false;
+    for (int k = 0; k < count; k++)
+        length[k] = fabs(vectors[k * n + k]);
+    return LAPACKE_dorgqr_work(LAPACK_COL_MAJOR, n, count, count, vectors, n, tau, work + count,
+                               block_columns * count) == 0;
+}

@@ -92,7 +92,7 @@ void saltus_flow_field(saltus_flow *flow, int lane, double *derivative) {
 static double series_value(const double *series, size_t stride, int degree, double time) {
     double sum = 0;
     for (int k = degree; k >= 0; k--)
-        sum = fma(sum, time, series[(size_t)k * stride]);
+        sum = sum * time + series[(size_t)k * stride];
     return sum;
 }
 

@@ -25,9 +25,11 @@ static void write_line(FILE *file, const saltus_motion *motion, int share, int s
     fprintf(file, "  %5d  %5.1f %%  %-22s", share, 100.0 * share / seeds, verdict);
     if (motion->multiplier_count)
         fprintf(file, "  largest |mu| %.6f", exp(motion->multipliers[0].log_modulus));
-    if (motion->kind != SALTUS_UNDECIDED)
+    if (saltus_motion_settled(motion))
         fprintf(file, "  displacement %.6g to %.6g  %s", motion->smallest, motion->largest,
                 mirror[motion->mirror]);
+    if (!saltus_motion_settled(motion) && !isnan(motion->lyapunov))
+        fprintf(file, "  largest exponent %.4g +- %.1g", motion->lyapunov, motion->lyapunov_error);
     fputs("\n", file);
 }
 

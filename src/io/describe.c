@@ -56,6 +56,12 @@ const char *saltus_kind_word(saltus_motion_kind kind) {
         return "equilibrium";
     case SALTUS_HELD:
         return "held";
+    case SALTUS_QUASIPERIODIC:
+        return "quasi-periodic";
+    case SALTUS_CHAOTIC:
+        return "chaotic";
+    case SALTUS_UNSETTLED:
+        return "unsettled";
     case SALTUS_UNDECIDED:
         return "undecided";
     }
@@ -67,7 +73,7 @@ double saltus_event_after(const saltus_event *event) {
 }
 
 void saltus_verdict(const saltus_motion *motion, char text[64]) {
-    bool known = motion->kind != SALTUS_UNDECIDED && motion->multiplier_count > 0;
+    bool known = saltus_motion_settled(motion) && motion->multiplier_count > 0;
     snprintf(text, 64, "%s%s", motion->label, !known ? "" : motion->stable ? ", stable" : ", unstable");
 }
 

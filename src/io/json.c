@@ -182,6 +182,34 @@ void saltus_json_parameters(FILE *file, const saltus_spec *spec) {
     fputs("]}", file);
 }
 
+static void put_evidence(FILE *file, const saltus_motion *motion) {
+    const saltus_evidence *e = &motion->evidence;
+    saltus_json_key(file, "evidence");
+    if (e->periods == 0) {
+        fputs("null", file);
+        return;
+    }
+    fprintf(file, "{\"periods\": %lld, \"members\": %d", e->periods, e->members);
+    saltus_json_key(file, "halves");
+    saltus_json_vector(file, e->half, 2);
+    saltus_json_key(file, "half_errors");
+    saltus_json_vector(file, e->half_errors, 2);
+    saltus_json_member(file, "zero_one_test", e->zero_one);
+    saltus_json_key(file, "zero_one_quartiles");
+    saltus_json_vector(file, e->zero_one_quartiles, 2);
+    saltus_json_member(file, "correlation_dimension", e->dimension);
+    saltus_json_member(file, "correlation_dimension_error", e->dimension_error);
+    saltus_json_member(file, "broadband", e->broadband);
+    fprintf(file, ", \"closed_curves\": %d", e->curves);
+    saltus_json_member(file, "impacts_per_period", e->impacts_per_period);
+    saltus_json_member(file, "laminar", e->laminar);
+    fprintf(file, ", \"laminar_period\": %d, \"longest_phase\": %lld, \"left\": %d", e->laminar_period,
+            e->longest_phase, e->left);
+    saltus_json_text(file, "left_for", e->left_for);
+    saltus_json_text(file, "stable_orbit", e->stable_orbit);
+    fputc('}', file);
+}
+
 void saltus_write_motion_json(FILE *file, const saltus_scene *scene, const saltus_system *system,
                               const saltus_motion *motion) {
     static const char *const mirror[] = {"none", "self", "pair"};
@@ -189,7 +217,7 @@ void saltus_write_motion_json(FILE *file, const saltus_scene *scene, const saltu
     saltus_json_text(file, "scene", scene->name);
     saltus_json_text(file, "label", motion->label);
     saltus_json_text(file, "kind", saltus_kind_word(motion->kind));
-    bool counted = motion->impacts >= 0 && motion->kind != SALTUS_UNDECIDED;
+    bool counted = motion->impacts >= 0 && saltus_motion_settled(motion);
     saltus_json_member(file, "impacts", counted ? (double)motion->impacts : NAN);
     fprintf(file, ", \"periods\": %d, \"sticking_intervals\": %d", motion->periods,
             motion->sticking_intervals);
@@ -202,6 +230,9 @@ void saltus_write_motion_json(FILE *file, const saltus_scene *scene, const saltu
             mirror[motion->mirror]);
     saltus_json_member(file, "residual", motion->residual);
     put_sum_rule(file, motion);
+    saltus_json_member(file, "lyapunov", motion->lyapunov);
+    saltus_json_member(file, "lyapunov_standard_error", motion->lyapunov_error);
+    put_evidence(file, motion);
     put_contact_force(file, system, motion);
     saltus_json_member(file, "largest_displacement", motion->largest);
     saltus_json_member(file, "smallest_displacement", motion->smallest);

@@ -47,7 +47,7 @@ static const char *plural(long long count) {
 
 static void put_motion(FILE *file, const saltus_system *system, const saltus_motion *motion) {
     put_head(file, "motion");
-    if (motion->kind == SALTUS_UNDECIDED)
+    if (!saltus_motion_settled(motion))
         fprintf(file, "%s\n", motion->reason);
     else if (motion->kind == SALTUS_EQUILIBRIUM)
         fputs("at rest, clear of every stop\n", file);
@@ -65,7 +65,7 @@ static void put_motion(FILE *file, const saltus_system *system, const saltus_mot
 
 static void put_faces(FILE *file, const saltus_system *system, const saltus_motion *motion) {
     int faces = saltus_system_face_count(system);
-    if (faces == 0 || motion->kind == SALTUS_EQUILIBRIUM || motion->kind == SALTUS_UNDECIDED)
+    if (faces == 0 || motion->kind == SALTUS_EQUILIBRIUM || !saltus_motion_settled(motion))
         return;
     bool held = motion->kind == SALTUS_HELD;
     put_head(file, held ? "contact force" : "impacts");
@@ -159,6 +159,35 @@ static void put_multipliers(FILE *file, const saltus_motion *motion) {
                 motion->log_volume, motion->sum_rule, motion->log_volume - motion->sum_rule);
 }
 
+/* What else is known of a motion without a period. */
+static void put_evidence(FILE *file, const saltus_motion *motion) {
+    const saltus_evidence *e = &motion->evidence;
+    if (saltus_motion_settled(motion) || e->periods == 0)
+        return;
+    put_head(file, "exponent");
+    fprintf(file, "%.6g +- %.2g per unit of time; first half %.6g +- %.2g, second half %.6g +- %.2g\n",
+            motion->lyapunov, motion->lyapunov_error, e->half[0], e->half_errors[0], e->half[1],
+            e->half_errors[1]);
+    if (!isnan(e->zero_one)) {
+        put_head(file, "opinions");
+        fprintf(file,
+                "0-1 test %.3f (quartiles %.3f, %.3f), %.2g of the section points' variance outside lines",
+                e->zero_one, e->zero_one_quartiles[0], e->zero_one_quartiles[1], e->broadband);
+        if (!isnan(e->dimension))
+            fprintf(file, ", correlation dimension %.2f +- %.2f", e->dimension, e->dimension_error);
+        fputc('\n', file);
+    }
+    put_head(file, "impacts");
+    fprintf(file, "%.4g per forcing period\n", e->impacts_per_period);
+}
+
+static void put_exponent(FILE *file, const saltus_motion *motion) {
+    if (!saltus_motion_settled(motion) || isnan(motion->lyapunov))
+        return;
+    put_head(file, "exponent");
+    fprintf(file, "%.10g per unit of time, the largest\n", motion->lyapunov);
+}
+
 void saltus_write_motion_text(FILE *file, const saltus_scene *scene, const saltus_system *system,
                               const saltus_motion *motion) {
     static const char *const mirror[] = {"the scene has no mirror symmetry",
@@ -172,6 +201,8 @@ void saltus_write_motion_text(FILE *file, const saltus_scene *scene, const saltu
     put_faces(file, system, motion);
     put_events(file, system, motion);
     put_multipliers(file, motion);
+    put_exponent(file, motion);
+    put_evidence(file, motion);
     put_head(file, "mirror");
     fprintf(file, "%s\n", mirror[motion->mirror]);
     put_head(file, "displacement");

@@ -5,6 +5,7 @@
 #include "motion/motion.h"
 
 #include <gsl/gsl_randist.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -28,10 +29,37 @@ saltus_status saltus_motion_random_state(const saltus_system *system, gsl_rng *r
     return status;
 }
 
+void saltus_motion_disturb(const saltus_system *system, gsl_rng *rng, double size, double *state) {
+    const double *scale = saltus_system_scale(system);
+    double vector[SALTUS_STATE_MAX], moved[SALTUS_STATE_MAX];
+    int n = saltus_system_dimension(system);
+    for (int i = 0; i < n; i++)
+        vector[i] = gsl_ran_gaussian(rng, size * scale[i]);
+    for (int sign = 1; sign >= -1; sign -= 2) {
+        for (int i = 0; i < n; i++)
+            moved[i] = state[i] + sign * vector[i];
+        if (saltus_system_check_state(system, moved, NULL) == SALTUS_OK) {
+            memcpy(state, moved, (size_t)n * sizeof *state);
+            return;
+        }
+    }
+}
+
+saltus_status saltus_motion_bounded(const saltus_system *system, const double *state, long long periods,
+                                    saltus_message *message) {
+    const double *scale = saltus_system_scale(system);
+    for (int i = 0; i < saltus_system_dimension(system); i++)
+        if (!(fabs(state[i]) < 1e8 * scale[i]))
+            return saltus_fail(message, SALTUS_STALLED,
+                               "the motion grows without bound: state entry %d is %.3g after %lld periods",
+                               i + 1, state[i], periods);
+    return SALTUS_OK;
+}
+
 static bool same_attractor(const saltus_system *system, const saltus_motion *a, const saltus_motion *b) {
     if (a->kind != b->kind || a->periods != b->periods)
         return false;
-    if (a->kind == SALTUS_UNDECIDED)
+    if (!saltus_motion_settled(a))
         return true;
     for (int k = 0; k < a->periods; k++)
         if (saltus_section_distance(system, a->section_states + (size_t)k * (size_t)a->dimension, b->state) <

@@ -15,7 +15,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { first_block = 64 };
+enum {
+    first_block = 64,
+    patience = 10, /* a motion without a period is judged after this part of the time it may take to settle */
+    longest_period = 1024
+};
 
 /* Distances in the stroboscopic section are relative to the system's scales. */
 static const double recurrence = 1e-3; /* a candidate period: worth a Newton iteration */
@@ -35,7 +39,8 @@ typedef struct history {
 } history;
 
 saltus_classify_options saltus_classify_defaults(void) {
-    return (saltus_classify_options){.flow = saltus_flow_defaults(), .transient = 20000, .longest = 64};
+    return (saltus_classify_options){
+        .flow = saltus_flow_defaults(), .transient = 20000, .measure = 256000, .longest = 64};
 }
 
 double saltus_section_distance(const saltus_system *system, const double *a, const double *b) {
@@ -81,11 +86,9 @@ static saltus_status advance_period(const saltus_system *system, saltus_flow *fl
     saltus_flow_info after = saltus_flow_information(flow, 0);
     int slot = (int)(h->count % h->size);
     saltus_flow_state(flow, 0, point_at(h, h->count));
-    for (int i = 0; i < h->n; i++)
-        if (!(fabs(point_at(h, h->count)[i]) < 1e8 * saltus_system_scale(system)[i]))
-            return saltus_fail(message, SALTUS_STALLED,
-                               "the motion grows without bound: state entry %d is %.3g after %lld periods",
-                               i + 1, point_at(h, h->count)[i], h->count + 1);
+    status = saltus_motion_bounded(system, point_at(h, h->count), h->count + 1, message);
+    if (status != SALTUS_OK)
+        return status;
     h->excursion[slot] =
         h->count ? saltus_section_distance(system, point_at(h, h->count), point_at(h, h->count - 1)) : 1;
     h->contact_event[slot] = after.impacts != before.impacts || after.releases != before.releases;
@@ -201,74 +204,180 @@ static saltus_status confirm(const saltus_system *system, saltus_flow *flow, his
     return SALTUS_OK;
 }
 
-static saltus_status settle(const saltus_system *system, saltus_flow *flow, history *h,
-                            const saltus_classify_options *options, saltus_motion *motion,
-                            saltus_orbit *orbit, bool *found, saltus_message *message) {
-    double *field = calloc((size_t)h->n, sizeof *field), closest = INFINITY;
-    long long block = first_block;
+/* A search under way: the trajectory, what it has done, and the orbit once one is found. */
+typedef struct search {
+    const saltus_system *system;
+    const saltus_classify_options *options;
+    saltus_flow *flow;
+    history h;
+    saltus_orbit orbit;
+    double *field, closest;
+    bool found, stopped;
+} search;
+
+static saltus_status open_search(search *s, const double *state, saltus_message *message) {
+    saltus_flow_options flow_options = s->options->flow;
+    int n = saltus_system_dimension(s->system);
+    flow_options.columns = 0;
+    s->closest = INFINITY;
+    saltus_status status = saltus_flow_new(&s->system, 1, &flow_options, &s->flow, message);
+    s->field = calloc((size_t)n, sizeof *s->field);
+    if (status == SALTUS_OK && !(s->field && open_history(&s->h, n, 4 * s->options->longest + 8)))
+        status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory to classify");
+    if (status == SALTUS_OK)
+        status = saltus_flow_start(s->flow, 0, (saltus_time){0, 0}, state, message);
+    return status;
+}
+
+static void close_search(search *s) {
+    saltus_orbit_clear(&s->orbit);
+    close_history(&s->h);
+    saltus_flow_free(s->flow);
+    free(s->field);
+}
+
+/* Try the period that recurs at present. */
+static saltus_status try_period(search *s, saltus_message *message) {
+    const saltus_classify_options *o = s->options;
+    int p = saltus_system_forced(s->system)
+                ? candidate_period(s->system, &s->h, o->longest, recurrence, &s->closest)
+                : 0;
+    if (!p || !polish(s->system, o, &s->h, p, s->closest, &s->orbit, message))
+        return SALTUS_OK;
     saltus_status status =
-        field ? SALTUS_OK : saltus_fail(message, SALTUS_NO_MEMORY, "no memory to classify");
-    bool stopped = false;
-    *found = false;
-    while (status == SALTUS_OK && !*found && !stopped && h->count < options->transient) {
-        long long until = h->count + block < options->transient ? h->count + block : options->transient;
-        while (status == SALTUS_OK && h->count < until)
-            status = advance_period(system, flow, h, message);
+        confirm(s->system, s->flow, &s->h, fmax(1e-9, 1e4 * o->flow.rtol), &s->orbit, &s->found, message);
+    if (status != SALTUS_OK || !s->found)
+        saltus_orbit_clear(&s->orbit);
+    return status;
+}
+
+/* Go on until the trajectory has come to a rest, which goes to motion->kind, or to an orbit, or so many
+ * periods have passed. */
+static saltus_status settle(search *s, long long at_most, saltus_motion *motion, saltus_message *message) {
+    const saltus_classify_options *o = s->options;
+    long long block = first_block;
+    saltus_status status = SALTUS_OK;
+    while (status == SALTUS_OK && !s->found && !s->stopped && s->h.count < at_most) {
+        long long until = s->h.count + block < at_most ? s->h.count + block : at_most;
+        while (status == SALTUS_OK && s->h.count < until)
+            status = advance_period(s->system, s->flow, &s->h, message);
         if (status != SALTUS_OK)
             break;
-        stopped = options->progress && !options->progress(options->context, h->count, options->transient);
-        if (is_resting(system, flow, h, field)) {
-            motion->kind = saltus_flow_contacts(flow, 0) ? SALTUS_HELD : SALTUS_EQUILIBRIUM;
+        s->stopped = o->progress && !o->progress(o->context, s->h.count, o->transient);
+        if (is_resting(s->system, s->flow, &s->h, s->field)) {
+            motion->kind = saltus_flow_contacts(s->flow, 0) ? SALTUS_HELD : SALTUS_EQUILIBRIUM;
             break;
         }
-        int p = saltus_system_forced(system)
-                    ? candidate_period(system, h, options->longest, recurrence, &closest)
-                    : 0;
-        if (p && polish(system, options, h, p, closest, orbit, message)) {
-            status = confirm(system, flow, h, fmax(1e-9, 1e4 * options->flow.rtol), orbit, found, message);
-            if (status != SALTUS_OK || !*found)
-                saltus_orbit_clear(orbit);
-        }
+        status = try_period(s, message);
         block = block < 1024 ? block + block / 2 : 1024;
     }
-    if (status == SALTUS_OK && !*found && motion->kind == SALTUS_UNDECIDED)
+    motion->transient = s->h.count;
+    return status;
+}
+
+/* Fill the motion with what has been found, or say that nothing was. */
+static saltus_status conclude(search *s, saltus_motion *motion, saltus_message *message) {
+    if (s->found)
+        return saltus_motion_take(s->system, s->flow, &s->orbit, s->options, motion, message);
+    if (motion->kind == SALTUS_UNDECIDED)
         snprintf(motion->reason, sizeof motion->reason,
                  "no stable orbit of period up to %d T after %lld periods%s; closest recurrence %.2g of the "
-                 "state's "
-                 "scale; a longer --transient or a Lyapunov exponent would decide",
-                 options->longest, h->count, stopped ? " (stopped)" : "", closest);
-    free(field);
+                 "state's scale; a longer --transient or a Lyapunov exponent would decide",
+                 s->options->longest, s->h.count, s->stopped ? " (stopped)" : "", s->closest);
+    return saltus_motion_rest(s->system, s->flow, s->options, motion, message);
+}
+
+static saltus_status check_options(const saltus_classify_options *options, saltus_message *message) {
+    if (options->transient < 1 || options->longest < 1 || options->longest > longest_period ||
+        options->measure < 0)
+        return saltus_fail(message, SALTUS_BAD_INPUT,
+                           "transient must be at least 1, the longest period from 1 to %d, the periods "
+                           "measured at least 0",
+                           longest_period);
+    return SALTUS_OK;
+}
+
+saltus_status saltus_motion_find_period(const saltus_system *system, const double *state,
+                                        const saltus_classify_options *options, saltus_motion *motion,
+                                        saltus_message *message) {
+    search s = {.system = system, .options = options};
+    *motion = (saltus_motion){0};
+    saltus_status status = open_search(&s, state, message);
+    if (status == SALTUS_OK && !saltus_motion_open(system, motion))
+        status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory to classify");
+    if (status == SALTUS_OK)
+        status = settle(&s, options->transient, motion, message);
+    if (status == SALTUS_OK)
+        status = conclude(&s, motion, message);
+    close_search(&s);
+    if (status != SALTUS_OK)
+        saltus_motion_clear(motion);
+    return status;
+}
+
+/* A motion in which nothing irregular goes on: look for longer periods than were asked for. */
+static saltus_status find_long_period(search *s, saltus_motion *motion, saltus_message *message) {
+    saltus_classify_options options = *s->options;
+    saltus_motion found = {0};
+    long long before = motion->transient;
+    options.longest = longest_period;
+    options.transient = 8 * longest_period;
+    options.progress = NULL;
+    saltus_status status = saltus_motion_find_period(s->system, motion->state, &options, &found, message);
+    if (status == SALTUS_OK && saltus_motion_settled(&found)) {
+        saltus_motion_clear(motion);
+        *motion = found;
+        motion->transient += before;
+    } else
+        saltus_motion_clear(&found);
+    return status;
+}
+
+/* No period so far: judge, and give a motion that should settle the rest of the time. */
+static saltus_status judge(search *s, saltus_motion *motion, saltus_message *message) {
+    const saltus_classify_options *o = s->options;
+    bool regular;
+    saltus_flow_state(s->flow, 0, motion->state);
+    saltus_status status = saltus_motion_judge(s->system, o, motion, &regular, message);
+    if (status != SALTUS_OK || motion->kind != SALTUS_UNDECIDED)
+        return status;
+    if (s->h.count < o->transient)
+        status = settle(s, o->transient, motion, message);
+    if (status != SALTUS_OK || s->found || motion->kind != SALTUS_UNDECIDED)
+        return status;
+    saltus_flow_state(s->flow, 0, motion->state);
+    if (status == SALTUS_OK && regular && motion->evidence.left == 0)
+        status = find_long_period(s, motion, message);
+    if (status == SALTUS_OK && regular && motion->kind == SALTUS_UNDECIDED)
+        motion->kind = SALTUS_UNSETTLED;
     return status;
 }
 
 saltus_status saltus_classify(const saltus_system *system, const double *state,
                               const saltus_classify_options *options, saltus_motion *motion,
                               saltus_message *message) {
+    search s = {.system = system, .options = options};
     *motion = (saltus_motion){0};
-    if (options->transient < 1 || options->longest < 1 || options->longest > 1024)
-        return saltus_fail(message, SALTUS_BAD_INPUT,
-                           "transient must be at least 1, the longest period from 1 to 1024");
-    saltus_flow_options flow_options = options->flow;
-    flow_options.columns = 0;
-    saltus_flow *flow = NULL;
-    saltus_orbit orbit = {0};
-    history h = {0};
-    bool found = false;
-    saltus_status status = saltus_flow_new(&system, 1, &flow_options, &flow, message);
-    if (status == SALTUS_OK && !(saltus_motion_open(system, motion) &&
-                                 open_history(&h, motion->dimension, 4 * options->longest + 8)))
+    saltus_status status = check_options(options, message);
+    if (status != SALTUS_OK)
+        return status;
+    long long early = options->measure && options->transient > patience * first_block
+                          ? options->transient / patience
+                          : options->transient;
+    status = open_search(&s, state, message);
+    if (status == SALTUS_OK && !saltus_motion_open(system, motion))
         status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory to classify");
     if (status == SALTUS_OK)
-        status = saltus_flow_start(flow, 0, (saltus_time){0, 0}, state, message);
-    if (status == SALTUS_OK)
-        status = settle(system, flow, &h, options, motion, &orbit, &found, message);
-    motion->transient = h.count;
-    if (status == SALTUS_OK)
-        status = found ? saltus_motion_take(system, flow, &orbit, options, motion, message)
-                       : saltus_motion_rest(system, flow, options, motion, message);
-    saltus_orbit_clear(&orbit);
-    close_history(&h);
-    saltus_flow_free(flow);
+        status = settle(&s, early, motion, message);
+    bool open = status == SALTUS_OK && !s.found && motion->kind == SALTUS_UNDECIDED && !s.stopped;
+    if (open && options->measure)
+        status = judge(&s, motion, message);
+    bool judged = motion->evidence.periods > 0 && !s.found && !saltus_motion_settled(motion);
+    if (status == SALTUS_OK && judged)
+        status = saltus_motion_survey(system, s.flow, motion, message);
+    else if (status == SALTUS_OK && !(saltus_motion_settled(motion) && motion->multiplier_count))
+        status = conclude(&s, motion, message);
+    close_search(&s);
     if (status != SALTUS_OK)
         saltus_motion_clear(motion);
     return status;

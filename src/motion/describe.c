@@ -69,6 +69,19 @@ static void see_displacement(const saltus_system *system, const double *state, s
     motion->smallest = fmin(motion->smallest, g);
 }
 
+/* A turning point or a contact event: how far the observed displacement goes there. */
+static void see_event(const saltus_system *system, const saltus_flow *flow, const saltus_event *event,
+                      saltus_motion *motion) {
+    double after[SALTUS_STATE_MAX];
+    if (event->kind == SALTUS_TURNING || saltus_system_face(system, event->face).stop == 0) {
+        motion->largest = fmax(motion->largest, event->displacement);
+        motion->smallest = fmin(motion->smallest, event->displacement);
+        return;
+    }
+    saltus_flow_state(flow, 0, after);
+    see_displacement(system, after, motion);
+}
+
 /* Once around the orbit from its section point: events, section points, extremes. */
 static saltus_status walk_orbit(const saltus_system *system, saltus_flow *flow, saltus_motion *motion,
                                 saltus_tally *tally, saltus_message *message) {
@@ -87,18 +100,10 @@ static saltus_status walk_orbit(const saltus_system *system, saltus_flow *flow, 
         if (event.kind == SALTUS_REACHED) {
             if (++k < motion->periods)
                 saltus_flow_state(flow, 0, point);
-        } else if (event.kind == SALTUS_TURNING) {
-            motion->largest = fmax(motion->largest, event.displacement);
-            motion->smallest = fmin(motion->smallest, event.displacement);
-        } else {
-            double g = event.displacement, after[SALTUS_STATE_MAX];
-            if (saltus_system_face(system, event.face).stop == 0) {
-                motion->largest = fmax(motion->largest, g);
-                motion->smallest = fmin(motion->smallest, g);
-            } else {
-                saltus_flow_state(flow, 0, after);
-                see_displacement(system, after, motion);
-            }
+        } else if (event.kind == SALTUS_TURNING)
+            see_event(system, flow, &event, motion);
+        else {
+            see_event(system, flow, &event, motion);
             if (!append_event(motion, &event))
                 return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the events");
             saltus_tally_event(tally, system, &event);
@@ -150,6 +155,12 @@ static void write_label(saltus_motion *motion, bool chatter) {
         snprintf(motion->label, room, "equilibrium");
     else if (motion->kind == SALTUS_HELD)
         snprintf(motion->label, room, "held");
+    else if (motion->kind == SALTUS_QUASIPERIODIC)
+        snprintf(motion->label, room, "quasi-periodic");
+    else if (motion->kind == SALTUS_CHAOTIC)
+        snprintf(motion->label, room, "chaotic");
+    else if (motion->kind == SALTUS_UNSETTLED)
+        snprintf(motion->label, room, motion->evidence.left ? "transient" : "long-period");
     else if (motion->kind == SALTUS_UNDECIDED)
         snprintf(motion->label, room, "undecided");
     else if (chatter) {
@@ -175,13 +186,15 @@ static saltus_status measure_forces(const saltus_system *system, const saltus_cl
 bool saltus_motion_open(const saltus_system *system, saltus_motion *motion) {
     *motion = (saltus_motion){.kind = SALTUS_UNDECIDED,
                               .dimension = saltus_system_dimension(system),
+                              .lyapunov = NAN,
+                              .lyapunov_error = NAN,
                               .face_count = saltus_system_face_count(system)};
     motion->state = calloc((size_t)motion->dimension, sizeof *motion->state);
     return motion->state;
 }
 
 /* Copy what Newton's method and the multipliers say. */
-static bool take_orbit(const saltus_orbit *orbit, saltus_motion *motion) {
+static bool take_orbit(const saltus_orbit *orbit, double period, saltus_motion *motion) {
     size_t n = (size_t)orbit->dimension;
     motion->kind = SALTUS_PERIODIC;
     motion->periods = orbit->periods;
@@ -199,6 +212,11 @@ static bool take_orbit(const saltus_orbit *orbit, saltus_motion *motion) {
     memcpy(motion->multipliers, orbit->multipliers, n * sizeof *motion->multipliers);
     memcpy(motion->state, orbit->state, n * sizeof *motion->state);
     memcpy(motion->section_states, orbit->state, n * sizeof *motion->state);
+    free(motion->evidence.history);
+    motion->evidence = (saltus_evidence){0};
+    motion->reason[0] = 0;
+    motion->lyapunov = orbit->multipliers[0].log_modulus / (motion->periods * period);
+    motion->lyapunov_error = 0;
     return true;
 }
 
@@ -206,7 +224,7 @@ saltus_status saltus_motion_take(const saltus_system *system, saltus_flow *flow,
                                  const saltus_classify_options *options, saltus_motion *motion,
                                  saltus_message *message) {
     saltus_tally tally = {0};
-    if (!take_orbit(orbit, motion))
+    if (!take_orbit(orbit, saltus_system_period(system), motion))
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the orbit");
     saltus_status status = walk_orbit(system, flow, motion, &tally, message);
     motion->impacts = tally.impacts;
@@ -321,6 +339,8 @@ static void polish_rest(const saltus_system *system, const saltus_classify_optio
         motion->stable = saltus_motion_orbit_stable(&rest);
         motion->residual = rest.residual;
         motion->iterations = rest.iterations;
+        motion->lyapunov = rest.multipliers[0].log_modulus / saltus_system_period(system);
+        motion->lyapunov_error = 0;
     }
     saltus_orbit_clear(&rest);
 }
@@ -349,10 +369,34 @@ saltus_status saltus_motion_rest(const saltus_system *system, saltus_flow *flow,
     return status;
 }
 
+saltus_status saltus_motion_survey(const saltus_system *system, saltus_flow *flow, saltus_motion *motion,
+                                   saltus_message *message) {
+    enum { periods = 400 };
+    saltus_event event = {.kind = SALTUS_STEP};
+    saltus_status status = saltus_flow_start(flow, 0, (saltus_time){0, 0}, motion->state, message);
+    motion->largest = -INFINITY;
+    motion->smallest = INFINITY;
+    see_displacement(system, motion->state, motion);
+    while (status == SALTUS_OK && event.kind != SALTUS_REACHED) {
+        status = saltus_flow_advance(flow, (saltus_time){periods, 0},
+                                     SALTUS_WATCH_CONTACT | SALTUS_WATCH_TURNING, &event, message);
+        if (status == SALTUS_OK && event.kind != SALTUS_REACHED)
+            see_event(system, flow, &event, motion);
+    }
+    write_label(motion, false);
+    return status;
+}
+
 void saltus_motion_clear(saltus_motion *motion) {
     free(motion->state);
     free(motion->section_states);
     free(motion->events);
     free(motion->multipliers);
+    free(motion->evidence.history);
     *motion = (saltus_motion){0};
+}
+
+bool saltus_motion_settled(const saltus_motion *motion) {
+    return motion->kind == SALTUS_PERIODIC || motion->kind == SALTUS_EQUILIBRIUM ||
+           motion->kind == SALTUS_HELD;
 }

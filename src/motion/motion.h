@@ -22,6 +22,13 @@ saltus_orbit_options saltus_motion_shooting(const saltus_classify_options *optio
 saltus_status saltus_motion_random_state(const saltus_system *system, gsl_rng *rng, double *state,
                                          saltus_message *message);
 
+/* Move a state by a random vector, `size` of the system's scales, unless that leads beyond a stop. */
+void saltus_motion_disturb(const saltus_system *system, gsl_rng *rng, double size, double *state);
+
+/* Whether a motion stays within 1e8 of its scales. Errors: SALTUS_STALLED, with the entry and the period. */
+saltus_status saltus_motion_bounded(const saltus_system *system, const double *state, long long periods,
+                                    saltus_message *message);
+
 /* The contact events of one orbit, counted (model.md, section 4). */
 typedef struct saltus_tally {
     long long impacts, events;
@@ -34,6 +41,20 @@ typedef struct saltus_tally {
 void saltus_tally_event(saltus_tally *tally, const saltus_system *system, const saltus_event *event);
 /* Whether an event reverses the normal velocity: an impact, or a stick with which a chatter ends. */
 bool saltus_event_strikes(const saltus_event *event);
+
+/* Judge a motion that has not settled: fills kind, reason, exponent and evidence, and moves motion->state on
+ * along the attractor. kind stays SALTUS_UNDECIDED where more time may bring a period: *regular tells that it
+ * should, as nothing irregular goes on, or as other trajectories have come to one. Errors: those of the flow,
+ * SALTUS_NO_MEMORY. */
+saltus_status saltus_motion_judge(const saltus_system *system, const saltus_classify_options *options,
+                                  saltus_motion *motion, bool *regular, saltus_message *message);
+/* Name a motion without a period, and measure its extremes from its state on. Errors: those of the flow. */
+saltus_status saltus_motion_survey(const saltus_system *system, saltus_flow *flow, saltus_motion *motion,
+                                   saltus_message *message);
+/* Settle and find a period, as saltus_classify does, without judging a motion that has none. */
+saltus_status saltus_motion_find_period(const saltus_system *system, const double *state,
+                                        const saltus_classify_options *options, saltus_motion *motion,
+                                        saltus_message *message);
 
 /* An undecided motion with room for a state; false if there is no memory. */
 bool saltus_motion_open(const saltus_system *system, saltus_motion *motion);

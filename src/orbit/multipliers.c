@@ -17,19 +17,16 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "orbit/multipliers.h"
 
-#include "base/bits.h"
 #include "base/dense.h"
 #include "base/memory.h"
 #include "base/periodic.h"
+#include "orbit/volume.h"
 
 #include <complex.h>
-#include <gsl/gsl_integration.h>
 #include <lapacke.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-enum { quadrature_points = 6 };
 
 /* What joins two subspaces over a cycle: below this they are separate. */
 static const double separate = 1e-12;
@@ -37,30 +34,10 @@ static const double separate = 1e-12;
  * the tangent vectors, which are 1e-13 of their length. */
 static const double weakest_growth = 1e-10;
 
-/* The integral of the Jacobian's trace over the flow's last step, by Gauss quadrature on its dense output. */
-static double trace_over_step(const saltus_system *system, const saltus_flow *flow, double *state,
-                              const gsl_integration_glfixed_table *table) {
-    double sum = 0, length = saltus_flow_step_length(flow, 0);
-    for (size_t k = 0; k < quadrature_points; k++) {
-        double at, weight;
-        gsl_integration_glfixed_point(0, length, k, &at, &weight, table);
-        saltus_flow_dense(flow, 0, at, state);
-        sum += weight * saltus_system_trace(system, state);
-    }
-    return sum;
-}
-
-/* Directions lost at an event: two for each lasting contact; an impact without rebound takes one. */
-static int lost_directions(const saltus_system *system, const saltus_flow *flow, const saltus_event *event) {
-    int lost = 2 * saltus_count_bits(saltus_flow_contacts(flow, 0));
-    bool dead = event->kind == SALTUS_IMPACT && saltus_system_face(system, event->face).r == 0;
-    return lost > 0 ? lost : dead;
-}
-
 /* Advance to a time step by step: trace integral, and the largest number of directions lost. */
-static saltus_status advance_watching(const saltus_system *system, saltus_flow *flow, saltus_time until,
-                                      saltus_cocycle *cocycle, double *state,
-                                      const gsl_integration_glfixed_table *table, saltus_message *message) {
+static saltus_status advance_watching(saltus_flow *flow, saltus_time until, saltus_cocycle *cocycle,
+                                      double *state, const gsl_integration_glfixed_table *table,
+                                      saltus_message *message) {
     saltus_event event;
     do {
         saltus_status status =
@@ -68,8 +45,8 @@ static saltus_status advance_watching(const saltus_system *system, saltus_flow *
         if (status != SALTUS_OK)
             return status;
         if (saltus_flow_step_length(flow, 0) > 0)
-            cocycle->sum_rule += trace_over_step(system, flow, state, table);
-        int lost = lost_directions(system, flow, &event);
+            cocycle->sum_rule += saltus_trace_over_step(flow, 0, table, state);
+        int lost = saltus_lost_directions(flow, 0, &event);
         cocycle->zeros = lost > cocycle->zeros ? lost : cocycle->zeros;
     } while (event.kind != SALTUS_REACHED);
     return SALTUS_OK;
@@ -83,11 +60,10 @@ static void identity(double *a, int n) {
 
 /* The derivatives over the segments, from identity columns; the sum rule's right side on the way. `columns`
  * has room for n of them and a state. */
-static saltus_status run_segments(const saltus_system *system, saltus_flow *flow, double phase, int periods,
-                                  const double *state, saltus_cocycle *cocycle, double *columns,
-                                  saltus_message *message) {
+static saltus_status run_segments(saltus_flow *flow, double phase, int periods, const double *state,
+                                  saltus_cocycle *cocycle, double *columns, saltus_message *message) {
     int n = cocycle->n;
-    gsl_integration_glfixed_table *table = gsl_integration_glfixed_table_alloc(quadrature_points);
+    gsl_integration_glfixed_table *table = gsl_integration_glfixed_table_alloc(SALTUS_TRACE_POINTS);
     if (!table)
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the multipliers");
     identity(columns, n);
@@ -98,7 +74,7 @@ static saltus_status run_segments(const saltus_system *system, saltus_flow *flow
         if (m + 1 == cocycle->count)
             until = (saltus_time){periods, phase};
         saltus_flow_set_tangents(flow, 0, columns);
-        status = advance_watching(system, flow, until, cocycle, columns + n * n, table, message);
+        status = advance_watching(flow, until, cocycle, columns + n * n, table, message);
         saltus_flow_tangents(flow, 0, cocycle->segments + (size_t)m * (size_t)(n * n));
     }
     gsl_integration_glfixed_table_free(table);
@@ -134,7 +110,7 @@ saltus_status saltus_cocycle_run(const saltus_system *system, const saltus_orbit
     if (status == SALTUS_OK && !(columns && cocycle->segments))
         status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the multipliers");
     if (status == SALTUS_OK)
-        status = run_segments(system, flow, options->phase, periods, state, cocycle, columns, message);
+        status = run_segments(flow, options->phase, periods, state, cocycle, columns, message);
     free(columns);
     saltus_flow_free(flow);
     if (status != SALTUS_OK)

@@ -1,0 +1,196 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "saltus/average.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { least_values = 16, most_order = 40, enough_to_weight = 128 };
+
+/* A weighted mean's error is never stated below this part of the plain mean's: agreement can be luck. */
+static const double least_gain = 0.05;
+/* Of random values half the excursion is this small beside the standard error, and the weighted means of the
+ * parts agree this well, once in many thousand runs. */
+static const double too_calm = 0.2, too_good = 0.1;
+
+static void halve(saltus_average *a) {
+    for (int k = 0; k < SALTUS_AVERAGE_BATCHES / 2; k++)
+        a->sum[k] = a->sum[2 * k] + a->sum[2 * k + 1];
+    a->batches = SALTUS_AVERAGE_BATCHES / 2;
+    a->size *= 2;
+}
+
+void saltus_average_add(saltus_average *a, double value) {
+    if (a->size == 0) {
+        a->size = 1;
+        a->origin = value;
+    }
+    a->count++;
+    a->squares += (value - a->origin) * (value - a->origin);
+    a->partial += value;
+    if (++a->open < a->size)
+        return;
+    a->sum[a->batches++] = a->partial;
+    a->open = 0;
+    a->partial = 0;
+    if (a->batches == SALTUS_AVERAGE_BATCHES)
+        halve(a);
+}
+
+static double plain_mean(const double *sum, int batches) {
+    double mean = 0;
+    for (int k = 0; k < batches; k++)
+        mean += sum[k];
+    return mean / batches;
+}
+
+/* Mean product of deviations of batches t apart. */
+static double covariance(const double *sum, int batches, double mean, int t) {
+    double product = 0;
+    for (int k = 0; k + t < batches; k++)
+        product += (sum[k] - mean) * (sum[k + t] - mean);
+    return product / batches;
+}
+
+/* One order more in Levinson's recursion for the coefficients a[1..order - 1] of an autoregression; the
+ * variance of what it leaves is updated. */
+static void raise_order(const double *covariances, int order, double *a, double *left) {
+    double before[most_order + 1], reflection = covariances[order];
+    for (int j = 1; j < order; j++)
+        reflection -= a[j] * covariances[order - j];
+    reflection /= *left;
+    memcpy(before, a, sizeof before);
+    a[order] = reflection;
+    for (int j = 1; j < order; j++)
+        a[j] = before[j] - reflection * before[order - j];
+    *left *= 1 - reflection * reflection;
+}
+
+/* Variance of the mean of the batches: the spectrum at frequency zero of an autoregression fitted to them. */
+static double variance_of_mean(const double *sum, int batches, double mean) {
+    double covariances[most_order + 1], a[most_order + 1] = {0}, variance, best;
+    int orders = (int)(10 * log10(batches));
+    orders = orders < most_order ? orders : most_order;
+    for (int t = 0; t <= orders; t++)
+        covariances[t] = covariance(sum, batches, mean, t);
+    double left = covariances[0];
+    if (!(left > 0))
+        return 0;
+    best = batches * log(left);
+    variance = left / (batches - 1);
+    for (int order = 1; order <= orders; order++) {
+        raise_order(covariances, order, a, &left);
+        double rest = 1, criterion = batches * log(left) + 2 * order;
+        for (int j = 1; j <= order; j++)
+            rest -= a[j];
+        if (!(left > 0))
+            break;
+        if (criterion < best) {
+            best = criterion;
+            variance = left / (batches - order - 1) / (rest * rest);
+        }
+    }
+    return variance;
+}
+
+/* Half the largest excursion of the partial sums, per batch: no less than this is open where values
+ * oscillate. Of random values it is 0.43 +- 0.13 of their standard error. */
+static double excursion(const double *sum, int batches, double mean) {
+    double partial = 0, largest = 0;
+    for (int k = 0; k < batches; k++) {
+        partial += sum[k] - mean;
+        largest = fmax(largest, fabs(partial));
+    }
+    return 0.5 * largest / batches;
+}
+
+/* Mean with a smooth weight that vanishes at both ends with all its derivatives: for values that repeat, or
+ * that run around a torus, its error falls faster than any power of their number. */
+static double weighted_mean(const double *sum, int batches) {
+    double total = 0, weights = 0;
+    for (int k = 0; k < batches; k++) {
+        double t = (k + 0.5) / batches, weight = exp(-1 / (t * (1 - t)));
+        total += weight * sum[k];
+        weights += weight;
+    }
+    return total / weights;
+}
+
+/* Largest distance between the weighted mean of all batches and those of parts of the run. */
+static double disagreement(const double *sum, int batches, double all) {
+    static const double parts[][2] = {{0, 0.5},    {0.5, 1},       {0.25, 0.75}, {0, 0.67},
+                                      {0.33, 1.0}, {0.125, 0.875}, {0, 0.8},     {0.2, 1}};
+    double largest = 0;
+    for (size_t k = 0; k < sizeof parts / sizeof parts[0]; k++) {
+        int first = (int)(parts[k][0] * batches), last = (int)(parts[k][1] * batches);
+        largest = fmax(largest, fabs(weighted_mean(sum + first, last - first) - all));
+    }
+    return largest;
+}
+
+typedef enum choice { PLAIN, WEIGHTED, BETTER } choice;
+
+static saltus_estimate estimate(const double *sum, int batches, long long size, choice which) {
+    saltus_estimate result = {.standard_error = INFINITY, .count = batches * size};
+    if (batches < 1)
+        return result;
+    double mean = plain_mean(sum, batches);
+    result.mean = mean / (double)size;
+    if (batches < least_values)
+        return result;
+    double random = sqrt(variance_of_mean(sum, batches, mean)), bounded = excursion(sum, batches, mean);
+    double error = fmax(random, bounded);
+    result.regular = bounded >= random;
+    if (which != PLAIN && batches >= enough_to_weight) {
+        double weighted = weighted_mean(sum, batches),
+               apart = fmax(disagreement(sum, batches, weighted), least_gain * bounded);
+        bool calm = bounded < too_calm * random && apart < too_good * error;
+        result.weighted = which == WEIGHTED || calm || (result.regular && apart < error);
+        if (result.weighted) {
+            result.mean = weighted / (double)size;
+            error = apart;
+        }
+    }
+    result.standard_error = error / (double)size;
+    return result;
+}
+
+static saltus_estimate whole(const saltus_average *a, choice which) {
+    saltus_estimate result = estimate(a->sum, a->batches, a->size, which);
+    double count = (double)a->count, mean = result.mean - a->origin,
+           variance = a->squares / count - mean * mean, error = result.standard_error;
+    if (isfinite(error))
+        result.independent = error > 0 && variance > 0 ? variance / (error * error) : count;
+    return result;
+}
+
+saltus_estimate saltus_average_estimate(const saltus_average *a) {
+    return whole(a, BETTER);
+}
+
+saltus_estimate saltus_average_plain(const saltus_average *a) {
+    return whole(a, PLAIN);
+}
+
+saltus_estimate saltus_average_weighted(const saltus_average *a) {
+    return whole(a, WEIGHTED);
+}
+
+saltus_estimate saltus_average_part(const saltus_average *a, double from, double to) {
+    int first = (int)(from * a->batches), last = (int)(to * a->batches);
+    return estimate(a->sum + first, last - first, a->size, BETTER);
+}
+
+saltus_estimate saltus_estimates_join(const saltus_estimate *estimates, int count) {
+    saltus_estimate joint = {.regular = true, .weighted = true};
+    double squares = 0;
+    for (int k = 0; k < count; k++) {
+        joint.regular &= estimates[k].regular;
+        joint.weighted &= estimates[k].weighted;
+        joint.mean += estimates[k].mean / count;
+        squares += estimates[k].standard_error * estimates[k].standard_error;
+        joint.independent += estimates[k].independent;
+        joint.count += estimates[k].count;
+    }
+    joint.standard_error = sqrt(squares) / count;
+    return joint;
+}

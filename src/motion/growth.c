@@ -1,0 +1,169 @@
+/* How tangent vectors grow along a trajectory (Benettin, Galgani, Giorgilli & Strelcyn, Meccanica 15 (1980)
+ * 9-30).
+ *
+ * The flow carries the vectors through impacts, chatter, sticking and release. Between two
+ * orthonormalisations the fastest growing one must not swamp the others: where the growths differ by more
+ * than `too_wide` the interval is halved, where they stay together it is doubled, up to a period. Where a
+ * contact has held, some directions are lost for good, two for each face: the last exponents are then
+ * -infinity, and what the factorisation finds there is rounding.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "motion/growth.h"
+
+#include "base/bits.h"
+#include "base/dense.h"
+#include "orbit/volume.h"
+
+#include <float.h>
+#include <gsl/gsl_randist.h>
+#include <math.h>
+#include <string.h>
+
+enum { calm_samples = 8, most_parts = 1 << 20 };
+/* Natural logarithms. A single vector may grow as far as numbers go. */
+static const double too_wide = 16, narrow = 5, too_long = 300;
+
+void saltus_growth_reserve(saltus_growth *g, saltus_arena *arena, int n, int columns) {
+    size_t count = (size_t)columns;
+    g->n = n;
+    g->columns = columns;
+    g->vectors = saltus_arena_doubles(arena, (size_t)n * count);
+    g->length = saltus_arena_doubles(arena, count);
+    g->work = saltus_arena_doubles(arena, (size_t)saltus_dense_orthonormal_work(n, columns));
+    g->sample = saltus_arena_doubles(arena, count);
+    g->pending = saltus_arena_doubles(arena, count);
+    g->state = saltus_arena_doubles(arena, (size_t)n);
+}
+
+void saltus_growth_choose(saltus_growth *g, const saltus_system *system, double interval,
+                          const gsl_integration_glfixed_table *table) {
+    double decay = saltus_system_fastest_decay(system) * saltus_system_period(system);
+    g->fixed = interval > 0;
+    g->whole = g->parts = 1;
+    g->table = g->columns == g->n ? table : NULL;
+    if (interval > 1)
+        g->whole = (int)interval;
+    else if (interval > 0)
+        g->parts = (int)(1 / interval + 0.5);
+    else if (g->columns == g->n)
+        g->parts = (int)fmin(fmax(1, ceil(decay / too_wide)), most_parts);
+    g->watch = g->table ? SALTUS_WATCH_STEP | SALTUS_WATCH_CONTACT : SALTUS_WATCH_STICK;
+    for (int f = 0; f < saltus_system_face_count(system); f++)
+        if (saltus_system_face(system, f).r == 0)
+            g->watch |= SALTUS_WATCH_IMPACT;
+}
+
+static void open_sample(saltus_growth *g, long long cycle) {
+    g->at = cycle;
+    g->part = 0;
+    g->widest = 0;
+    g->trace_pending = 0;
+    memset(g->pending, 0, (size_t)g->columns * sizeof *g->pending);
+}
+
+/* Hand the vectors to the flow in its own units. */
+static void give(saltus_growth *g, saltus_flow *flow, int lane) {
+    const double *scale = saltus_system_scale(saltus_flow_system(flow, lane));
+    for (int c = 0; c < g->columns; c++)
+        for (int i = 0; i < g->n; i++)
+            g->vectors[c * g->n + i] *= scale[i];
+    saltus_flow_set_tangents(flow, lane, g->vectors);
+}
+
+void saltus_growth_begin(saltus_growth *g, saltus_flow *flow, int lane, gsl_rng *rng) {
+    for (int k = 0; k < g->n * g->columns; k++)
+        g->vectors[k] = gsl_ran_ugaussian(rng);
+    saltus_dense_orthonormal(g->vectors, g->n, g->columns, g->length, g->work);
+    give(g, flow, lane);
+    g->calm = 0;
+    g->lost = 2 * saltus_count_bits(saltus_flow_contacts(flow, lane));
+    open_sample(g, saltus_flow_time(flow, lane).cycle);
+}
+
+static saltus_time next_time(const saltus_growth *g) {
+    if (g->part + 1 == g->parts)
+        return (saltus_time){g->at + g->whole, 0};
+    return (saltus_time){g->at, (double)(g->part + 1) / g->parts};
+}
+
+void saltus_growth_aim(const saltus_growth *g, saltus_flow *flow, int lane) {
+    saltus_flow_aim(flow, lane, next_time(g), g->watch);
+}
+
+/* Shorter intervals where the growths differ too much, longer ones where they do not. */
+static void adapt(saltus_growth *g) {
+    if (g->fixed)
+        return;
+    g->calm = g->widest < narrow ? g->calm + 1 : 0;
+    if (g->widest > (g->columns > 1 ? 1.5 * too_wide : too_long) && g->parts < most_parts)
+        g->parts *= 2;
+    else if (g->calm >= calm_samples && g->parts > 1) {
+        g->parts = (g->parts + 1) / 2;
+        g->calm = 0;
+    }
+}
+
+/* Directions that are still followed; the others have been lost. */
+static int alive(const saltus_growth *g) {
+    return g->columns < g->n - g->lost ? g->columns : g->n - g->lost;
+}
+
+static bool orthonormalise(saltus_growth *g, saltus_flow *flow, int lane) {
+    const double *scale = saltus_system_scale(saltus_flow_system(flow, lane));
+    double most = -INFINITY, least = INFINITY;
+    saltus_flow_tangents(flow, lane, g->vectors);
+    for (int c = 0; c < g->columns; c++)
+        for (int i = 0; i < g->n; i++)
+            g->vectors[c * g->n + i] /= scale[i];
+    if (!saltus_dense_orthonormal(g->vectors, g->n, g->columns, g->length, g->work))
+        return false;
+    for (int c = 0; c < g->columns; c++) {
+        double growth = log(fmax(g->length[c], DBL_MIN));
+        g->pending[c] += growth;
+        if (c < alive(g) && g->length[c] > DBL_MIN) {
+            most = fmax(most, growth);
+            least = fmin(least, growth);
+        }
+    }
+    if (most >= least)
+        g->widest = fmax(g->widest, g->columns > 1 ? most - least : fabs(most));
+    return true;
+}
+
+/* A vector of which nothing is left says nothing any more: any other will do. */
+static void revive(saltus_growth *g) {
+    if (g->columns == 1 && g->length[0] < DBL_MIN)
+        for (int i = 0; i < g->n; i++)
+            g->vectors[i] = 1 / sqrt(g->n);
+}
+
+static void close_sample(saltus_growth *g, long long cycle) {
+    memcpy(g->sample, g->pending, (size_t)g->columns * sizeof *g->sample);
+    g->trace = g->trace_pending;
+    adapt(g);
+    open_sample(g, cycle);
+}
+
+saltus_status saltus_growth_follow(saltus_growth *g, saltus_flow *flow, int lane, const saltus_event *event,
+                                   bool *complete, saltus_message *message) {
+    *complete = false;
+    if (g->table && saltus_flow_step_length(flow, lane) > 0)
+        g->trace_pending += saltus_trace_over_step(flow, lane, g->table, g->state);
+    if (event->kind == SALTUS_STICK || event->kind == SALTUS_IMPACT) {
+        int lost = saltus_lost_directions(flow, lane, event);
+        g->lost = lost > g->lost ? lost : g->lost;
+    }
+    if (event->kind != SALTUS_REACHED)
+        return SALTUS_OK;
+    if (!orthonormalise(g, flow, lane))
+        return saltus_fail(message, SALTUS_STALLED,
+                           "the tangent vectors grow beyond numbers within %g periods; re-orthonormalise at "
+                           "shorter intervals",
+                           (double)g->whole / g->parts);
+    revive(g);
+    give(g, flow, lane);
+    g->part++;
+    *complete = g->part == g->parts;
+    if (*complete)
+        close_sample(g, saltus_flow_time(flow, lane).cycle);
+    return SALTUS_OK;
+}

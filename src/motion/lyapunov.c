@@ -1,0 +1,231 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "saltus/lyapunov.h"
+
+#include "motion/ensemble.h"
+#include "motion/motion.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum {
+    least_samples = 200,
+    shortest_chunk = 25,
+    longest_chunk = 5000,
+    chunks_per_run = 20,
+    history_room = 512
+};
+static const double precise_enough = 1e-6; /* standard error per period */
+static const double halves_apart = 4;      /* standard errors: the exponent is still drifting */
+
+saltus_lyapunov_options saltus_lyapunov_defaults(void) {
+    saltus_lyapunov_options options = {.flow = saltus_flow_defaults(),
+                                       .exponents = 1,
+                                       .members = 8,
+                                       .transient = 1000,
+                                       .periods = 1000000,
+                                       .precision = 0.01};
+    options.flow.rtol = 1e-10;
+    options.flow.atol = 1e-14;
+    return options;
+}
+
+static saltus_status check(const saltus_system *system, const saltus_lyapunov_options *o,
+                           saltus_message *message) {
+    int n = saltus_system_dimension(system);
+    double part = o->interval > 0 && o->interval <= 1 ? 1 / o->interval : o->interval;
+    if (o->exponents < 0 || o->exponents > n)
+        return saltus_fail(message, SALTUS_BAD_INPUT, "exponents = %d: the scene has %d, 0 asks for all",
+                           o->exponents, n);
+    if (o->members < 1 || o->members > 64)
+        return saltus_fail(message, SALTUS_BAD_INPUT, "members = %d: must be from 1 to 64", o->members);
+    if (o->transient < 0 || o->periods < (long long)least_samples * o->members)
+        return saltus_fail(message, SALTUS_BAD_INPUT,
+                           "periods = %lld: must be at least %d for each of %d trajectories, after a "
+                           "transient of 0 or more",
+                           o->periods, least_samples, o->members);
+    if (!(o->precision > 0))
+        return saltus_fail(message, SALTUS_BAD_INPUT, "precision = %g: must be greater than 0", o->precision);
+    if (!(o->interval >= 0 && part <= 1000000 && fabs(part - floor(part + 0.5)) < 1e-6 * part + 1e-300))
+        return saltus_fail(message, SALTUS_BAD_INPUT,
+                           "interval = %g: must be a whole number of periods or a whole part of one, such as "
+                           "0.25",
+                           o->interval);
+    return SALTUS_OK;
+}
+
+static bool open_result(saltus_lyapunov *l, const saltus_ensemble *e) {
+    size_t count = (size_t)e->columns;
+    *l = (saltus_lyapunov){.dimension = e->n, .count = e->columns, .members = e->members};
+    l->exponents = calloc(count, sizeof *l->exponents);
+    l->standard_errors = calloc(count, sizeof *l->standard_errors);
+    l->state = calloc((size_t)e->n, sizeof *l->state);
+    l->member_exponents = calloc((size_t)e->members, sizeof *l->member_exponents);
+    l->history = calloc(history_room, sizeof *l->history);
+    return l->exponents && l->standard_errors && l->state && l->member_exponents && l->history;
+}
+
+void saltus_lyapunov_clear(saltus_lyapunov *l) {
+    free(l->exponents);
+    free(l->standard_errors);
+    free(l->state);
+    free(l->member_exponents);
+    free(l->history);
+    *l = (saltus_lyapunov){0};
+}
+
+/* Keep the present estimate; where there is no room, every second one of the past goes. */
+static void remember(saltus_lyapunov *l, double time, saltus_estimate now) {
+    if (l->history_count == history_room) {
+        l->history_count /= 2;
+        for (int k = 0; k < l->history_count; k++)
+            l->history[k] = l->history[2 * k + 1];
+    }
+    l->history[l->history_count++] = (saltus_lyapunov_progress){time, now.mean, now.standard_error};
+}
+
+/* Whether the two halves of the run tell different exponents: it had not settled. */
+static bool drifts(const saltus_ensemble *e) {
+    saltus_estimate first = saltus_ensemble_half(e, 0, 0), second = saltus_ensemble_half(e, 0, 1);
+    return fabs(first.mean - second.mean) > halves_apart * hypot(first.standard_error, second.standard_error);
+}
+
+static bool all_lost(const saltus_ensemble *e) {
+    return saltus_ensemble_lost(e) >= e->n;
+}
+
+/* Measure until the largest exponent is known as well as asked for. */
+static saltus_status measure(saltus_ensemble *e, saltus_lyapunov *l, saltus_message *message) {
+    const saltus_lyapunov_options *o = e->options;
+    double period = saltus_system_period(e->system);
+    long long spent = 0, next_look = least_samples;
+    saltus_status status = SALTUS_OK;
+    bool stopped = false;
+    while (status == SALTUS_OK && !stopped && !l->precise) {
+        long long done = saltus_ensemble_samples(e), each = e->member[0].growth.whole * e->members;
+        long long chunk = done / chunks_per_run, left = (o->periods - spent) / each;
+        chunk = chunk < shortest_chunk ? shortest_chunk : chunk > longest_chunk ? longest_chunk : chunk;
+        chunk = chunk < left ? chunk : left;
+        if (chunk < 1)
+            break;
+        status = saltus_ensemble_run(e, chunk, message);
+        if (status != SALTUS_OK)
+            break;
+        spent += chunk * each;
+        done += chunk;
+        saltus_estimate now = saltus_ensemble_exponent(e, 0, saltus_ensemble_regular(e));
+        if (isfinite(now.standard_error))
+            remember(l, (double)(saltus_ensemble_periods(e)) * period, now);
+        if (done >= next_look) {
+            next_look = 2 * done;
+            if (drifts(e) && (o->periods - spent) / each >= done) {
+                saltus_ensemble_forget(e);
+                next_look = least_samples;
+                l->history_count = 0;
+                continue;
+            }
+        }
+        l->precise = done >= least_samples &&
+                     now.standard_error <= fmax(o->precision * fabs(now.mean), precise_enough / period);
+        l->precise |= all_lost(e);
+        stopped = o->progress && !o->progress(o->context, spent, o->periods);
+    }
+    return status;
+}
+
+/* Larger exponents first; those that are lost are the last ones. */
+static void order(saltus_lyapunov *l) {
+    for (int i = 1; i < l->count; i++)
+        for (int j = i; j > 0 && l->exponents[j] > l->exponents[j - 1]; j--) {
+            double exponent = l->exponents[j], error = l->standard_errors[j];
+            l->exponents[j] = l->exponents[j - 1];
+            l->standard_errors[j] = l->standard_errors[j - 1];
+            l->exponents[j - 1] = exponent;
+            l->standard_errors[j - 1] = error;
+        }
+}
+
+/* Kaplan and Yorke: how many exponents add up to zero, the last one in part. */
+static double kaplan_yorke(const saltus_lyapunov *l) {
+    double sum = 0;
+    for (int k = 0; k < l->count; k++) {
+        if (sum + l->exponents[k] < 0)
+            return k + (isfinite(l->exponents[k]) ? sum / fabs(l->exponents[k]) : 0);
+        sum += l->exponents[k];
+    }
+    return l->count == l->dimension ? l->count : NAN;
+}
+
+static void tell_exponents(const saltus_ensemble *e, saltus_lyapunov *l) {
+    bool regular = saltus_ensemble_regular(e);
+    l->lost = saltus_ensemble_lost(e);
+    for (int c = 0; c < e->columns; c++) {
+        saltus_estimate estimate = saltus_ensemble_exponent(e, c, regular);
+        bool lost = c >= e->n - l->lost;
+        l->exponents[c] = lost ? -INFINITY : estimate.mean;
+        l->standard_errors[c] = lost ? 0 : estimate.standard_error;
+        if (c == 0)
+            l->independent = estimate.independent;
+    }
+    for (int half = 0; half < 2; half++) {
+        saltus_estimate part = saltus_ensemble_half(e, 0, half);
+        l->half[half] = all_lost(e) ? -INFINITY : part.mean;
+        l->half_errors[half] = all_lost(e) ? 0 : part.standard_error;
+    }
+    for (int m = 0; m < e->members; m++)
+        l->member_exponents[m] = all_lost(e) ? -INFINITY : saltus_ensemble_member(e, m).mean;
+    l->agree = all_lost(e) || saltus_ensemble_agrees(e);
+}
+
+/* Both sides of the sum rule, by the same averages over the same time. */
+static void tell_sums(const saltus_ensemble *e, saltus_lyapunov *l) {
+    bool all = l->count == l->dimension && l->lost == 0;
+    l->sum = l->sum_rule = NAN;
+    for (int m = 0; m < e->members; m++) {
+        const saltus_member *self = &e->member[m];
+        saltus_flow_info now = saltus_flow_information(e->flows[m / e->width], m % e->width);
+        double periods = (double)l->periods;
+        l->impacts_per_period += (double)(now.impacts - self->begin.impacts) / periods;
+        l->sticks_per_period += (double)(now.sticks - self->begin.sticks) / periods;
+    }
+    if (!all)
+        return;
+    l->sum = 0;
+    for (int c = 0; c < l->count; c++)
+        l->sum += l->exponents[c];
+    l->sum_rule = saltus_ensemble_exponent(e, e->columns, saltus_ensemble_regular(e)).mean;
+}
+
+static void tell(const saltus_ensemble *e, saltus_lyapunov *l) {
+    l->period = saltus_system_period(e->system);
+    l->periods = saltus_ensemble_periods(e);
+    l->time = (double)l->periods * l->period;
+    l->transient = e->transient;
+    memcpy(l->state, saltus_ensemble_state(e, 0), (size_t)e->n * sizeof *l->state);
+    tell_exponents(e, l);
+    tell_sums(e, l);
+    order(l);
+    l->kaplan_yorke = kaplan_yorke(l);
+}
+
+saltus_status saltus_lyapunov_run(const saltus_system *system, const double *state,
+                                  const saltus_lyapunov_options *options, saltus_lyapunov *lyapunov,
+                                  saltus_message *message) {
+    saltus_ensemble ensemble = {0};
+    *lyapunov = (saltus_lyapunov){0};
+    saltus_status status = check(system, options, message);
+    if (status == SALTUS_OK)
+        status = saltus_ensemble_open(&ensemble, system, options, message);
+    if (status == SALTUS_OK && !open_result(lyapunov, &ensemble))
+        status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the exponents");
+    if (status == SALTUS_OK)
+        status = saltus_ensemble_place(&ensemble, state, message);
+    if (status == SALTUS_OK)
+        status = measure(&ensemble, lyapunov, message);
+    if (status == SALTUS_OK)
+        tell(&ensemble, lyapunov);
+    else
+        saltus_lyapunov_clear(lyapunov);
+    saltus_ensemble_close(&ensemble);
+    return status;
+}

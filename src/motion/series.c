@@ -1,0 +1,146 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "motion/series.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+saltus_series_options saltus_series_defaults(void) {
+    return (saltus_series_options){
+        .seed = 1, .resolution = 1e-9, .frequencies = 100, .window = -1, .pairs = 8000000};
+}
+
+saltus_status saltus_series_check(long long count, const saltus_series_options *options,
+                                  saltus_message *message) {
+    enum { frequencies_max = 100000, pairs_min = 10000 };
+    if (count < SALTUS_SERIES_LEAST)
+        return saltus_fail(message, SALTUS_BAD_INPUT,
+                           "a series of %lld is too short to be judged: at least %d are needed", count,
+                           SALTUS_SERIES_LEAST);
+    if (!(options->resolution >= 0 && options->resolution < 1))
+        return saltus_fail(message, SALTUS_BAD_INPUT, "resolution %g should be between 0 and 1",
+                           options->resolution);
+    if (options->frequencies < 1 || options->frequencies > frequencies_max)
+        return saltus_fail(message, SALTUS_BAD_INPUT, "%d frequencies: should be between 1 and %d",
+                           options->frequencies, frequencies_max);
+    if (options->window < -1 || options->window > count / 4)
+        return saltus_fail(
+            message, SALTUS_BAD_INPUT,
+            "window of %lld in time should be -1 (chosen) or up to a quarter of the series' %lld",
+            options->window, count);
+    if (options->pairs < pairs_min)
+        return saltus_fail(message, SALTUS_BAD_INPUT, "%lld pairs should be at least %d", options->pairs,
+                           pairs_min);
+    return SALTUS_OK;
+}
+
+bool saltus_series_random_open(saltus_series_random *random, unsigned long seed) {
+    random->state = malloc(gsl_rng_mt19937->size);
+    random->rng = (gsl_rng){.type = gsl_rng_mt19937, .state = random->state};
+    if (random->state)
+        gsl_rng_set(&random->rng, seed);
+    return random->state != NULL;
+}
+
+void saltus_series_random_close(saltus_series_random *random) {
+    free(random->state);
+    random->state = NULL;
+}
+
+/* The largest weighted modulus; NAN where a value or a weight is unsuitable. */
+static double largest_value(const saltus_series_points *points) {
+    double largest = 0;
+    for (int d = 0; d < points->dimension; d++) {
+        double weight = points->weights ? points->weights[d] : 1;
+        if (!(weight >= 0 && isfinite(weight)))
+            return NAN;
+        for (long long i = 0; i < points->count; i++) {
+            double value = fabs(weight * points->values[i * points->dimension + d]);
+            if (!isfinite(value))
+                return NAN;
+            largest = fmax(largest, value);
+        }
+    }
+    return largest;
+}
+
+/* Relative to the largest value, so that nothing overflows, and about the mean. */
+static void fill_centred(const saltus_series_points *points, double largest, saltus_cloud *cloud) {
+    int n = cloud->dimension;
+    for (int d = 0; d < n; d++) {
+        double weight = points->weights ? points->weights[d] : 1, mean = 0;
+        for (long long i = 0; i < cloud->count; i++) {
+            cloud->x[i * n + d] = weight * points->values[i * n + d] / largest;
+            mean += cloud->x[i * n + d] / (double)cloud->count;
+        }
+        for (long long i = 0; i < cloud->count; i++)
+            cloud->x[i * n + d] -= mean;
+    }
+}
+
+/* The unit becomes the largest distance from the mean, twice. */
+static void scale_to_unit(double largest, double resolution, saltus_cloud *cloud) {
+    double farthest = 0, squares = 0;
+    for (long long i = 0; i < cloud->count; i++) {
+        double square = 0;
+        for (int d = 0; d < cloud->dimension; d++)
+            square += cloud->x[i * cloud->dimension + d] * cloud->x[i * cloud->dimension + d];
+        farthest = fmax(farthest, square);
+        squares += square / (double)cloud->count;
+    }
+    double unit = 2 * sqrt(farthest);
+    if (!(unit > resolution)) {
+        cloud->unit = 0;
+        return;
+    }
+    for (long long i = 0; i < cloud->count * cloud->dimension; i++)
+        cloud->x[i] /= unit;
+    cloud->unit = unit * largest;
+    cloud->resolution = resolution / unit;
+    cloud->spread = sqrt(2 * squares) / unit;
+}
+
+/* Three times the first lag at which the autocorrelation is down to 1/e: at the first alone, points are still
+ * neighbours because they are close in time. */
+static long long chosen_window(const saltus_cloud *cloud) {
+    long long most = cloud->count / 10, lag = 1;
+    int n = cloud->dimension;
+    double limit = exp(-1.0) * 0.5 * cloud->spread * cloud->spread;
+    for (; 3 * lag < most; lag++) {
+        double sum = 0;
+        for (long long k = 0; k < (cloud->count - lag) * n; k++)
+            sum += cloud->x[k] * cloud->x[k + lag * n];
+        if (sum <= limit * (double)(cloud->count - lag))
+            break;
+    }
+    return 3 * lag < most ? 3 * lag : most;
+}
+
+saltus_status saltus_cloud_open(const saltus_series_points *points, const saltus_series_options *options,
+                                saltus_cloud *cloud, saltus_message *message) {
+    *cloud = (saltus_cloud){.count = points->count, .dimension = points->dimension};
+    saltus_status status = saltus_series_check(points->count, options, message);
+    if (status != SALTUS_OK)
+        return status;
+    if (points->dimension < 1)
+        return saltus_fail(message, SALTUS_BAD_INPUT, "points of dimension %d should have at least 1",
+                           points->dimension);
+    double largest = largest_value(points);
+    if (!isfinite(largest))
+        return saltus_fail(message, SALTUS_BAD_INPUT,
+                           "points and weights should be finite, and weights not negative");
+    size_t size = (size_t)points->count * (size_t)points->dimension;
+    cloud->x = saltus_arena_doubles(&cloud->arena, size);
+    if (!saltus_arena_open(&cloud->arena))
+        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for %lld points", points->count);
+    cloud->x = saltus_arena_doubles(&cloud->arena, size);
+    if (largest > 0) {
+        fill_centred(points, largest, cloud);
+        scale_to_unit(largest, options->resolution, cloud);
+    }
+    cloud->window = options->window >= 0 ? options->window : cloud->unit > 0 ? chosen_window(cloud) : 0;
+    return SALTUS_OK;
+}
+
+void saltus_cloud_close(saltus_cloud *cloud) {
+    saltus_arena_close(&cloud->arena);
+}

@@ -1,0 +1,255 @@
+/* Whether points fill closed curves that are mapped one to one onto themselves.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "motion/series.h"
+
+#include <gsl/gsl_sort.h>
+#include <gsl/gsl_statistics_double.h>
+#include <math.h>
+#include <string.h>
+
+enum {
+    few = 8, /* neighbours of a small neighbourhood, ... */
+    many = 16,
+    places_max = 1000, /* points whose neighbourhoods are looked at */
+    still_near = 16,   /* rank up to which a neighbour has stayed one */
+    curves_max = 64
+};
+
+/* What has been seen, and the work space. */
+typedef struct survey {
+    saltus_arena arena;
+    const saltus_cloud *cloud;
+    int places;
+    long long *neighbour; /* [places][many], nearest first */
+    double *square;       /* [many]: of their distances */
+    double *thin, *thick; /* [places]: ratios of width to length with few and with many neighbours */
+    double *offset;       /* [many + 1][dimension]: neighbourhood about its mean */
+    double *direction, *image;
+    double balance;       /* mean over the places */
+    long long coincident; /* points at the places, in all */
+} survey;
+
+static void reserve(survey *s) {
+    size_t n = (size_t)s->cloud->dimension, places = (size_t)s->places;
+    s->neighbour = (long long *)(void *)saltus_arena_doubles(&s->arena, places * many);
+    s->square = saltus_arena_doubles(&s->arena, many);
+    s->thin = saltus_arena_doubles(&s->arena, places);
+    s->thick = saltus_arena_doubles(&s->arena, places);
+    s->offset = saltus_arena_doubles(&s->arena, (many + 1) * n);
+    s->direction = saltus_arena_doubles(&s->arena, n);
+    s->image = saltus_arena_doubles(&s->arena, n);
+}
+
+/* Places spread over the series without a period of their own, by the golden section. */
+static long long place_at(const survey *s, int k) {
+    const double golden = 0.6180339887498949;
+    if (s->places == s->cloud->count)
+        return k;
+    return (long long)(fmod(golden * (k + 1), 1) * (double)s->cloud->count);
+}
+
+/* The neighbours of point i that are not close to it in time, by insertion. */
+static void find_neighbours(survey *s, long long i, long long *neighbour) {
+    const saltus_cloud *cloud = s->cloud;
+    const double *point = saltus_cloud_point(cloud, i);
+    double none = cloud->resolution * cloud->resolution;
+    for (int k = 0; k < many; k++)
+        s->square[k] = INFINITY;
+    for (long long j = 0; j < cloud->count; j++) {
+        if (j >= i - cloud->window && j <= i + cloud->window)
+            continue;
+        double square = saltus_distance_square(point, saltus_cloud_point(cloud, j), cloud->dimension);
+        s->coincident += square <= none;
+        if (square >= s->square[many - 1])
+            continue;
+        int k = many - 1;
+        for (; k > 0 && s->square[k - 1] > square; k--) {
+            s->square[k] = s->square[k - 1];
+            neighbour[k] = neighbour[k - 1];
+        }
+        s->square[k] = square;
+        neighbour[k] = j;
+    }
+}
+
+/* The neighbourhood of point i about its mean. */
+static void gather(survey *s, long long i, const long long *neighbour, int count) {
+    int n = s->cloud->dimension;
+    for (int d = 0; d < n; d++) {
+        double mean = 0;
+        for (int k = 0; k <= count; k++) {
+            s->offset[k * n + d] = saltus_cloud_point(s->cloud, k < count ? neighbour[k] : i)[d];
+            mean += s->offset[k * n + d] / (count + 1);
+        }
+        for (int k = 0; k <= count; k++)
+            s->offset[k * n + d] -= mean;
+    }
+}
+
+static double product(const double *a, const double *b, int n) {
+    double sum = 0;
+    for (int d = 0; d < n; d++)
+        sum += a[d] * b[d];
+    return sum;
+}
+
+static void normalise(double *a, int n) {
+    double square = product(a, a, n);
+    for (int d = 0; d < n; d++)
+        a[d] = square > 0 ? a[d] / sqrt(square) : d == 0;
+}
+
+/* The dominant direction, by iteration: where that converges slowly there is none, and any will do. */
+static void find_direction(survey *s, int count) {
+    enum { iterations = 20 };
+    int n = s->cloud->dimension;
+    memcpy(s->direction, s->offset + (count - 1) * n, (size_t)n * sizeof *s->direction);
+    normalise(s->direction, n);
+    for (int round = 0; round < iterations; round++) {
+        memset(s->image, 0, (size_t)n * sizeof *s->image);
+        for (int k = 0; k <= count; k++) {
+            double along = product(s->offset + k * n, s->direction, n);
+            for (int d = 0; d < n; d++)
+                s->image[d] += along * s->offset[k * n + d];
+        }
+        memcpy(s->direction, s->image, (size_t)n * sizeof *s->direction);
+        normalise(s->direction, n);
+    }
+}
+
+/* Width over length of a neighbourhood: 0 for points on a line, up to 1 on a surface, more beyond. */
+static double width_over_length(survey *s, long long i, const long long *neighbour, int count) {
+    int n = s->cloud->dimension;
+    double length = 0, width = 0;
+    gather(s, i, neighbour, count);
+    find_direction(s, count);
+    for (int k = 0; k <= count; k++) {
+        const double *offset = s->offset + k * n;
+        double along = product(offset, s->direction, n);
+        length += along * along;
+        for (int d = 0; d < n; d++) {
+            double across = offset[d] - along * s->direction[d];
+            width += across * across;
+        }
+    }
+    return length > 0 ? sqrt(width / length) : 1;
+}
+
+/* How evenly the neighbours of the point gathered last lie on its two sides: 1 evenly, 0 on one side. */
+static double balance_of(const survey *s) {
+    int n = s->cloud->dimension, before = 0;
+    double own = product(s->offset + many * n, s->direction, n);
+    for (int k = 0; k < many; k++)
+        before += product(s->offset + k * n, s->direction, n) < own;
+    return 2.0 / many * (before < many - before ? before : many - before);
+}
+
+static void look_around(survey *s) {
+    for (int k = 0; k < s->places; k++) {
+        long long i = place_at(s, k), *neighbour = s->neighbour + (size_t)k * many;
+        find_neighbours(s, i, neighbour);
+        s->thin[k] = width_over_length(s, i, neighbour, few);
+        s->thick[k] = width_over_length(s, i, neighbour, many);
+        s->balance += balance_of(s) / s->places;
+    }
+    gsl_sort(s->thin, 1, (size_t)s->places);
+    gsl_sort(s->thick, 1, (size_t)s->places);
+}
+
+/* How many points are nearer to i than j is, up to `most`; those close in time to i are left out. */
+static int rank_of(const saltus_cloud *cloud, long long i, long long j, int most) {
+    const double *point = saltus_cloud_point(cloud, i);
+    double limit = saltus_distance_square(point, saltus_cloud_point(cloud, j), cloud->dimension);
+    int rank = 0;
+    for (long long k = 0; k < cloud->count && rank < most; k++)
+        if (k < i - cloud->window || k > i + cloud->window)
+            rank += saltus_distance_square(point, saltus_cloud_point(cloud, k), cloud->dimension) < limit;
+    return rank;
+}
+
+/* Share of nearest neighbours that have a low rank still some time later. Where time is nearly over, nothing
+ * can be said. */
+static double share_kept(const survey *s) {
+    const double silver = 0.4142135623730951;
+    int pairs = 0, kept = 0;
+    for (int k = 0; k < s->places; k++) {
+        long long i = place_at(s, k), j = s->neighbour[(size_t)k * many];
+        long long left = s->cloud->count - 1 - (i > j ? i : j);
+        long long later = 1 + (long long)(fmod(silver * (k + 1), 1) * (double)(left - 1));
+        if (left < s->cloud->count / 10)
+            continue;
+        pairs++;
+        kept += rank_of(s->cloud, i + later, j + later, still_near + 1) <= still_near;
+    }
+    return pairs > 0 ? (double)kept / pairs : 0;
+}
+
+/* Balance at the first and the last points of the series, which are the ends of what is not closed. */
+static double balance_at_ends(survey *s) {
+    enum { ends = 4 };
+    double sum = 0;
+    for (int k = 0; k < 2 * ends; k++) {
+        long long i = k < ends ? k : s->cloud->count - 1 - (k - ends), neighbour[many] = {0};
+        find_neighbours(s, i, neighbour);
+        width_over_length(s, i, neighbour, many);
+        sum += balance_of(s) / (2 * ends);
+    }
+    return sum;
+}
+
+/* Number of curves visited in turn: neighbours are whole rounds apart in time. A few neighbours may come from
+ * another curve that passes near. */
+static int count_curves(const survey *s) {
+    for (int curves = curves_max; curves > 1; curves--) {
+        long long same = 0;
+        for (int k = 0; k < s->places; k++)
+            for (int m = 0; m < many; m++)
+                same += (place_at(s, k) - s->neighbour[(size_t)k * many + (size_t)m]) % curves == 0;
+        if ((double)same >= 0.99 * s->places * many)
+            return curves;
+    }
+    return 1;
+}
+
+static void judge(survey *s, saltus_series_curve *curve) {
+    static const double thin_enough = 0.2, surely_thin = 0.01, grows = 1.5, thick_at_most = 0.35, most = 0.95,
+                        balanced = 0.58, no_end = 0.3;
+    look_around(s);
+    double thin = gsl_stats_median_from_sorted_data(s->thin, 1, (size_t)s->places);
+    double thick = gsl_stats_median_from_sorted_data(s->thick, 1, (size_t)s->places);
+    curve->thickness = thin;
+    curve->thinning = thin > 0 ? thick / thin : 2;
+    curve->recurs = s->coincident >= s->places;
+    if (curve->recurs)
+        return;
+    curve->kept = share_kept(s);
+    curve->ends = balance_at_ends(s);
+    curve->balance = s->balance;
+    curve->closed = s->cloud->dimension > 1 && thin <= thin_enough && thick <= thick_at_most &&
+                    (curve->thinning >= grows || thin <= surely_thin) && curve->kept >= most &&
+                    curve->balance >= balanced && curve->ends >= no_end;
+    curve->curves = curve->closed ? count_curves(s) : 0;
+}
+
+saltus_status saltus_series_closed_curve(const saltus_series_points *points,
+                                         const saltus_series_options *options, saltus_series_curve *curve,
+                                         saltus_message *message) {
+    saltus_cloud cloud;
+    *curve = (saltus_series_curve){.recurs = true};
+    saltus_status status = saltus_cloud_open(points, options, &cloud, message);
+    if (status != SALTUS_OK)
+        return status;
+    if (cloud.unit > 0) {
+        survey s = {.cloud = &cloud, .places = (int)(cloud.count < places_max ? cloud.count : places_max)};
+        reserve(&s);
+        if (saltus_arena_open(&s.arena)) {
+            reserve(&s);
+            judge(&s, curve);
+        } else {
+            status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for neighbourhoods");
+        }
+        saltus_arena_close(&s.arena);
+    }
+    saltus_cloud_close(&cloud);
+    return status;
+}

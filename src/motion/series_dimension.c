@@ -1,0 +1,318 @@
+/* The correlation dimension of a set of points.
+ *
+ * Distances are tallied between radii whose squares are powers of two, or one and a half times these, so that
+ * a distance finds its place from the leading bits of its square. There is a tally for each pair of 16 blocks
+ * in time; without those of one block, what is left is a replicate of the jackknife.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "motion/series.h"
+
+#include <gsl/gsl_math.h>
+#include <math.h>
+#include <stdint.h>
+#include <string.h>
+
+enum {
+    blocks = 16,
+    octave = 4,              /* edges in one */
+    octaves = 40,            /* of radii, below the largest */
+    bins = octave * octaves, /* of distances */
+    edges = bins + 1,        /* radii that part them */
+    replicates = blocks + 1,
+    least_pairs = 32, /* nearer than the smallest radius of a range ... */
+    least_left = 16,  /* ... and of these without the pairs of any one block */
+    few_neighbours = 10
+};
+static const double decade = 10;
+static const double other_slope = 0.25; /* a difference that slopes of one fractal do not have */
+/* Where points have few neighbours, those of near recurrences come first, and then none for a while: a
+ * gentle slope there tells nothing. */
+static const double least_slope = 0.75;
+
+/* Numbers of pairs by distance. */
+typedef struct tally {
+    saltus_arena arena;
+    long long *pairs; /* [block][block][bin], the first block not after the second */
+    double *radius;   /* logarithms: [edge] */
+    double *count;    /* of pairs nearer than the radius: [replicate][edge], first of all; later logarithms */
+    double neighbours; /* of a point on average, for each pair that is counted */
+    long long compared, coincident;
+} tally;
+
+/* A range of radii, and the slope over it. */
+typedef struct range {
+    int first, last; /* edges */
+    double slope;
+    double sampling;             /* standard error */
+    double deviation, variation; /* of local slopes: standard and largest */
+    double weight;               /* error by which ranges are compared */
+} range;
+
+static void reserve(tally *t) {
+    t->pairs = (long long *)(void *)saltus_arena_doubles(&t->arena, (size_t)blocks * blocks * bins);
+    t->radius = saltus_arena_doubles(&t->arena, edges);
+    t->count = saltus_arena_doubles(&t->arena, (size_t)replicates * edges);
+}
+
+static long long *tally_of(const tally *t, int a, int b) {
+    return t->pairs + ((a < b ? a : b) * blocks + (a < b ? b : a)) * bins;
+}
+
+/* Exponent and one bit of the mantissa: two bins per octave of the square. */
+enum { dropped_bits = 51, lowest = 2 * (1023 - 2 * octaves) };
+
+static inline int bin_of(double square) {
+    uint64_t bits;
+    memcpy(&bits, &square, sizeof bits);
+    int64_t bin = (int64_t)(bits >> dropped_bits) - lowest;
+    return bin < 0 ? 0 : bin >= bins ? bins - 1 : (int)bin;
+}
+
+static double edge_square(int edge) {
+    uint64_t bits = (uint64_t)(edge + lowest) << dropped_bits;
+    double square;
+    memcpy(&square, &bits, sizeof square);
+    return square;
+}
+
+/* Point i with those from `from` to before `to`. */
+static void compare_with(const saltus_cloud *cloud, long long i, long long from, long long to,
+                         long long *pairs, tally *t) {
+    double nearest = cloud->resolution * cloud->resolution;
+    const double *point = saltus_cloud_point(cloud, i);
+    long long coincident = 0;
+    for (long long j = from; j < to; j++) {
+        double square = saltus_distance_square(point, saltus_cloud_point(cloud, j), cloud->dimension);
+        pairs[bin_of(square)]++;
+        coincident += square <= nearest;
+    }
+    t->compared += to > from ? to - from : 0;
+    t->coincident += coincident;
+}
+
+static void compare_all(const saltus_cloud *cloud, tally *t) {
+    for (int a = 0; a < blocks; a++)
+        for (int b = a; b < blocks; b++) {
+            long long to = (b + 1) * cloud->count / blocks, start = b * cloud->count / blocks;
+            for (long long i = a * cloud->count / blocks; i < (a + 1) * cloud->count / blocks; i++) {
+                long long later = i + cloud->window + 1;
+                compare_with(cloud, i, later > start ? later : start, to, tally_of(t, a, b), t);
+            }
+        }
+}
+
+/* As many pairs, drawn; a pair that is close in time is left out. */
+static void compare_some(const saltus_cloud *cloud, long long pairs, gsl_rng *rng, tally *t) {
+    enum { batch = 1024 };
+    long long chosen[2 * batch];
+    for (long long done = 0; done < pairs; done += batch) {
+        for (int k = 0; k < 2 * batch; k++)
+            chosen[k] = (long long)(gsl_rng_uniform(rng) * (double)cloud->count);
+        for (int k = 0; k < 2 * batch; k += 2) {
+            long long i = chosen[k], j = chosen[k + 1];
+            if ((i > j ? i - j : j - i) > cloud->window)
+                compare_with(cloud, i, j, j + 1,
+                             tally_of(t, (int)(i * blocks / cloud->count), (int)(j * blocks / cloud->count)),
+                             t);
+        }
+    }
+}
+
+/* How many pairs are nearer than each radius: all, and without each block. */
+static void accumulate(const saltus_cloud *cloud, tally *t) {
+    for (int a = 0; a < blocks; a++)
+        for (int b = a; b < blocks; b++)
+            for (int bin = 0; bin < bins; bin++)
+                for (int r = 0; r < replicates; r++)
+                    if (r != a + 1 && r != b + 1)
+                        t->count[r * edges + bin + 1] += (double)tally_of(t, a, b)[bin];
+    for (int r = 0; r < replicates; r++)
+        for (int e = 1; e < edges; e++)
+            t->count[r * edges + e] += t->count[r * edges + e - 1];
+    for (int e = 0; e < edges; e++)
+        t->radius[e] = 0.5 * log(edge_square(e));
+    t->neighbours = (double)cloud->count / (double)t->compared;
+}
+
+/* Least-squares slope of log count over log radius. */
+static double slope_of(const tally *t, int replicate, int first, int last) {
+    const double *count = t->count + replicate * edges;
+    double n = last - first + 1, x = 0, y = 0, xx = 0, xy = 0;
+    for (int e = first; e <= last; e++) {
+        x += t->radius[e] / n;
+        y += count[e] / n;
+    }
+    for (int e = first; e <= last; e++) {
+        xx += (t->radius[e] - x) * (t->radius[e] - x);
+        xy += (t->radius[e] - x) * (count[e] - y);
+    }
+    return xy / xx;
+}
+
+/* How the slopes over the range's octaves, whichever edge they begin at, differ: standard deviation, and
+ * largest deviation from the slope over the whole. */
+static void compare_octaves(const tally *t, range *r) {
+    double mean = 0, squares = 0;
+    int count = r->last - r->first - octave + 1;
+    r->variation = 0;
+    for (int k = 0; k < count; k++) {
+        double slope = slope_of(t, 0, r->first + k, r->first + k + octave);
+        squares += (slope - mean) * (slope - mean) * k / (k + 1);
+        mean += (slope - mean) / (k + 1);
+        r->variation = fmax(r->variation, fabs(slope - r->slope));
+    }
+    r->deviation = sqrt(squares / (count - 1));
+}
+
+static double sampling_error(const tally *t, const range *r) {
+    double slope[blocks], mean = 0, squares = 0;
+    for (int b = 0; b < blocks; b++) {
+        slope[b] = slope_of(t, b + 1, r->first, r->last);
+        mean += slope[b] / blocks;
+    }
+    for (int b = 0; b < blocks; b++)
+        squares += (slope[b] - mean) * (slope[b] - mean);
+    return sqrt(squares * (blocks - 1) / blocks);
+}
+
+/* Slope over a range and its errors; true if it is known better than the one whose weight is given. Local
+ * slopes that go up and down, as those of a fractal do, average out over a long range: so ranges are chosen.
+ * The error that is told does not count on it. */
+static bool is_better(const tally *t, range *r, double least) {
+    double length = sqrt((t->radius[r->last] - t->radius[r->first]) / M_LN2);
+    r->slope = slope_of(t, 0, r->first, r->last);
+    compare_octaves(t, r);
+    if (r->deviation / length >= least)
+        return false;
+    r->sampling = sampling_error(t, r);
+    r->weight = hypot(r->sampling, r->deviation / length);
+    return r->weight < least;
+}
+
+/* The range between two edges, at least `factor` long, whose slope is best known; false if there is none. */
+static bool best_range(const tally *t, int low, int high, double factor, range *best) {
+    best->weight = INFINITY;
+    for (int first = low; first <= high; first++)
+        for (int last = first + octave + 1; last <= high; last++) {
+            range r = {.first = first, .last = last};
+            if (t->radius[last] - t->radius[first] < log(factor) - 1e-9 || !is_better(t, &r, best->weight))
+                continue;
+            if (r.slope >= least_slope || exp(t->count[first]) * t->neighbours >= few_neighbours)
+                *best = r;
+        }
+    return isfinite(best->weight);
+}
+
+static double error_of(const range *r) {
+    return hypot(r->sampling, r->variation);
+}
+
+/* Whether a slope is known well enough to stand for a dimension. */
+static bool is_known(const range *r) {
+    return hypot(r->sampling, r->deviation) < fmax(0.1, 0.1 * r->slope);
+}
+
+static bool differ(const range *a, const range *b) {
+    return fabs(a->slope - b->slope) > fmax(other_slope, 2 * hypot(error_of(a), error_of(b)));
+}
+
+/* Edges between which there are pairs enough, and not too many: radii comparable with the whole set do not
+ * scale. */
+static void limit_edges(const saltus_cloud *cloud, const tally *t, int *low, int *high) {
+    static const double largest_share = 0.05;
+    *low = edges;
+    *high = 0;
+    for (int e = edges - 1; e >= 0; e--) {
+        double left = INFINITY;
+        for (int r = 1; r < replicates; r++)
+            left = fmin(left, t->count[r * edges + e]);
+        if (left >= least_left && t->count[e] >= least_pairs &&
+            exp(t->radius[e]) > decade * cloud->resolution)
+            *low = e;
+        if (*high == 0 && t->count[e] <= largest_share * (double)t->compared)
+            *high = e;
+    }
+}
+
+/* The range that counts; false if there is none. A decade or more where the slope is known there; else what
+ * is shorter; and a decade of smaller radii where that has another slope. Counts become logarithms. */
+static bool choose_range(const saltus_cloud *cloud, tally *t, range *best) {
+    int low, high;
+    limit_edges(cloud, t, &low, &high);
+    for (int k = 0; k < replicates * edges; k++)
+        t->count[k] = log(t->count[k]);
+    range other;
+    bool found = best_range(t, low, high, decade, best);
+    for (double factor = 4; factor >= 2 && !(found && is_known(best)); factor /= 2)
+        if (best_range(t, low, high, factor, &other) && (!found || is_known(&other))) {
+            *best = other;
+            found = true;
+        }
+    for (int below = found ? best->first : 0; best_range(t, low, below, decade, &other); below = other.first)
+        if (is_known(&other) && differ(&other, best))
+            *best = other;
+    return found;
+}
+
+static void fill_result(const saltus_cloud *cloud, const tally *t, const range *r,
+                        saltus_series_dimension *dimension) {
+    dimension->dimension = r->slope;
+    dimension->error = error_of(r);
+    dimension->sampling = r->sampling;
+    dimension->variation = r->variation;
+    dimension->radius[0] = exp(t->radius[r->first]) * cloud->unit;
+    dimension->radius[1] = exp(t->radius[r->last]) * cloud->unit;
+    dimension->decade = t->radius[r->last] - t->radius[r->first] > log(decade) - 1e-9;
+    dimension->within = llround(exp(t->count[r->last]));
+}
+
+/* Tally, and say what the tallies say. */
+static saltus_status judge(const saltus_cloud *cloud, long long pairs, gsl_rng *rng, tally *t,
+                           saltus_series_dimension *dimension, saltus_message *message) {
+    range r;
+    if (cloud->count * (cloud->count - 1) / 2 <= pairs)
+        compare_all(cloud, t);
+    else
+        compare_some(cloud, pairs, rng, t);
+    accumulate(cloud, t);
+    dimension->pairs = t->compared;
+    if ((double)t->coincident * t->neighbours >= 1) {
+        dimension->distinct = llround((double)t->compared / (double)t->coincident);
+        dimension->within = t->coincident;
+        dimension->radius[1] = cloud->resolution * cloud->unit;
+        return SALTUS_OK;
+    }
+    if (!choose_range(cloud, t, &r))
+        return saltus_fail(
+            message, SALTUS_NO_CONVERGENCE,
+            "no range of radii for the dimension: too few of %lld pairs are at small distances", t->compared);
+    fill_result(cloud, t, &r, dimension);
+    return SALTUS_OK;
+}
+
+saltus_status saltus_series_correlation_dimension(const saltus_series_points *points,
+                                                  const saltus_series_options *options,
+                                                  saltus_series_dimension *dimension,
+                                                  saltus_message *message) {
+    saltus_cloud cloud;
+    *dimension = (saltus_series_dimension){.distinct = 1};
+    saltus_status status = saltus_cloud_open(points, options, &cloud, message);
+    if (status != SALTUS_OK)
+        return status;
+    dimension->window = cloud.window;
+    dimension->ceiling = 2 * log10((double)cloud.count);
+    if (cloud.unit > 0) {
+        tally t = {0};
+        saltus_series_random random;
+        bool room = saltus_series_random_open(&random, options->seed);
+        reserve(&t);
+        room = room && saltus_arena_open(&t.arena);
+        reserve(&t);
+        dimension->distinct = 0;
+        status = room ? judge(&cloud, options->pairs, &random.rng, &t, dimension, message)
+                      : saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the correlation dimension");
+        saltus_arena_close(&t.arena);
+        saltus_series_random_close(&random);
+    }
+    saltus_cloud_close(&cloud);
+    return status;
+}

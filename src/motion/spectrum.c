@@ -1,0 +1,354 @@
+/* Spectra of motions: sampling on the dense output at exact fractions of the forcing period.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "motion/spectrum.h"
+
+#include "saltus/system.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum {
+    orbits_wanted = 8,
+    orbit_periods_max = 512, /* of long orbits fewer, so that these are not exceeded; two in any case */
+    irregular_periods = 2048,
+    segment_part = 16, /* of the periods is the length of a segment */
+    pilot_periods = 128,
+    pilot_segment = 8,
+    pilot_samples_max = 1 << 21, /* of one orbit */
+    per_period_min = 256,
+    per_period_max = 16384,
+    irregular_per_period_max = 2048
+};
+
+static const double reach_of_lines = 32, reach_of_density = 16; /* times omega */
+static const double rounding = 1e-12, rest_rounding = 1e-8;     /* of the scale of a quantity */
+
+typedef struct sampler {
+    const saltus_system *system;
+    saltus_flow *flow;
+    int quantities, dimension;
+    double *rows;    /* quantities x dimension: what each is of the state */
+    double *scale;   /* of each quantity */
+    double *state;   /* scratch */
+    double *samples; /* quantities x count */
+    long long count, next;
+    int per_period;
+    bool anew;
+} sampler;
+
+saltus_spectrum_options saltus_spectrum_defaults(void) {
+    return (saltus_spectrum_options){.flow = saltus_flow_defaults(),
+                                     .quantities = {{0, false}, {0, true}},
+                                     .quantity_count = 2,
+                                     .confidence = 0.95};
+}
+
+saltus_status saltus_quantity_parse(const saltus_system *system, const char *word, saltus_quantity *quantity,
+                                    saltus_message *message) {
+    char *end = NULL;
+    int dof = saltus_system_dof(system);
+    *quantity = (saltus_quantity){0, strcmp(word, "velocity") == 0};
+    if (quantity->velocity || strcmp(word, "displacement") == 0)
+        return SALTUS_OK;
+    bool letter = word[0] == 'q' || word[0] == 'v', digit = letter && word[1] >= '1' && word[1] <= '9';
+    long coordinate = digit ? strtol(word + 1, &end, 10) : 0;
+    if (!digit || *end || coordinate > dof)
+        return saltus_fail(message, SALTUS_BAD_INPUT,
+                           "%.40s: must be displacement, velocity, or q1 to q%d or v1 to v%d", word, dof,
+                           dof);
+    *quantity = (saltus_quantity){(int)coordinate, word[0] == 'v'};
+    return SALTUS_OK;
+}
+
+void saltus_quantity_name(saltus_quantity quantity, char name[16]) {
+    if (quantity.coordinate == 0)
+        snprintf(name, 16, "%s", quantity.velocity ? "velocity" : "displacement");
+    else
+        snprintf(name, 16, "%c%d", quantity.velocity ? 'v' : 'q', quantity.coordinate);
+}
+
+void saltus_spectra_clear(saltus_spectra *spectra) {
+    for (int k = 0; k < SALTUS_QUANTITIES_MAX; k++)
+        saltus_spectrum_clear(&spectra->spectra[k]);
+    *spectra = (saltus_spectra){0};
+}
+
+/* Sampling */
+
+static void set_row(const sampler *self, const saltus_quantity *quantity, int k) {
+    int dof = saltus_system_dof(self->system);
+    double *row = self->rows + (size_t)(k * self->dimension) + (quantity->velocity ? dof : 0);
+    if (quantity->coordinate > 0)
+        row[quantity->coordinate - 1] = 1;
+    else
+        memcpy(row, saltus_system_observer(self->system), (size_t)dof * sizeof *row);
+    const double *scale = saltus_system_scale(self->system), *whole = self->rows + k * self->dimension;
+    for (int i = 0; i < self->dimension; i++)
+        self->scale[k] += fabs(whole[i]) * scale[i];
+}
+
+static saltus_status open_sampler(sampler *self, const saltus_system *system,
+                                  const saltus_spectrum_options *options, saltus_message *message) {
+    saltus_flow_options flow = options->flow;
+    flow.columns = flow.directions = 0;
+    *self = (sampler){.system = system,
+                      .quantities = options->quantity_count,
+                      .dimension = saltus_system_dimension(system),
+                      .anew = options->anew};
+    size_t n = (size_t)self->dimension, quantities = (size_t)self->quantities;
+    self->rows = calloc(quantities * n, sizeof *self->rows);
+    self->scale = calloc(quantities, sizeof *self->scale);
+    self->state = calloc(n, sizeof *self->state);
+    if (!(self->rows && self->scale && self->state))
+        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a spectrum");
+    for (int k = 0; k < self->quantities; k++)
+        set_row(self, &options->quantities[k], k);
+    return saltus_flow_new(&system, 1, &flow, &self->flow, message);
+}
+
+static void close_sampler(sampler *self) {
+    saltus_flow_free(self->flow);
+    free(self->rows);
+    free(self->scale);
+    free(self->state);
+    free(self->samples);
+}
+
+/* Add a share of the present state's quantities to the next sample. */
+static void add_sample(sampler *self, double share) {
+    for (int k = 0; k < self->quantities; k++) {
+        const double *row = self->rows + (size_t)(k * self->dimension);
+        double value = 0;
+        for (int i = 0; i < self->dimension; i++)
+            value += row[i] * self->state[i];
+        self->samples[(long long)k * self->count + self->next] += share * value;
+    }
+}
+
+static int compare(saltus_time a, saltus_time b) {
+    if (a.cycle != b.cycle)
+        return a.cycle < b.cycle ? -1 : 1;
+    return a.phase < b.phase ? -1 : a.phase > b.phase;
+}
+
+/* The samples in the flow's last step, up to sample `end`, which is not taken. One at the very time of an
+ * event is the mean of both sides. */
+static void take_samples(sampler *self, long long end, bool event) {
+    saltus_time begin = saltus_flow_step_begin(self->flow, 0), now = saltus_flow_time(self->flow, 0);
+    double period = saltus_system_period(self->system), length = saltus_flow_step_length(self->flow, 0);
+    for (; self->next < end; self->next++) {
+        saltus_time time = {self->next / self->per_period,
+                            (double)(self->next % self->per_period) / self->per_period};
+        int order = compare(time, now);
+        if (order > 0)
+            return;
+        double since = ((double)(time.cycle - begin.cycle) + (time.phase - begin.phase)) * period;
+        if (order < 0 || event) {
+            saltus_flow_dense(self->flow, 0, since < length ? since : length, self->state);
+            add_sample(self, order < 0 ? 1 : 0.5);
+        }
+        if (order == 0) {
+            saltus_flow_state(self->flow, 0, self->state);
+            add_sample(self, event ? 0.5 : 1);
+        }
+    }
+}
+
+/* Sample from a state at phase 0, from sample `next` to sample `end`. */
+static saltus_status run_stretch(sampler *self, const double *state, long long end, saltus_message *message) {
+    enum { watch = SALTUS_WATCH_STEP | SALTUS_WATCH_CONTACT };
+    saltus_time start = {self->next / self->per_period, 0}, until = {end / self->per_period, 0};
+    saltus_event event = {.kind = SALTUS_STEP};
+    saltus_status status = saltus_flow_start(self->flow, 0, start, state, message);
+    if (status == SALTUS_OK) {
+        saltus_flow_state(self->flow, 0, self->state);
+        add_sample(self, 1);
+        self->next++;
+    }
+    while (status == SALTUS_OK && event.kind != SALTUS_REACHED) {
+        status = saltus_flow_advance(self->flow, until, watch, &event, message);
+        if (status == SALTUS_OK)
+            take_samples(self, end, 1u << event.kind & SALTUS_WATCH_CONTACT);
+    }
+    return status;
+}
+
+/* Sample `periods` forcing periods; `orbit` > 0: an orbit's length, for starting it anew. */
+static saltus_status sample(sampler *self, const double *state, long long periods, int orbit, int per_period,
+                            saltus_message *message) {
+    self->per_period = per_period;
+    self->count = periods * per_period;
+    self->next = 0;
+    free(self->samples);
+    self->samples = calloc((size_t)self->quantities * (size_t)self->count, sizeof *self->samples);
+    if (!self->samples)
+        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for %lld samples", self->count);
+    long long stretch = self->anew && orbit > 0 ? (long long)orbit * per_period : self->count;
+    saltus_status status = SALTUS_OK;
+    for (long long end = stretch; status == SALTUS_OK && end <= self->count; end += stretch)
+        status = run_stretch(self, state, end, message);
+    return status;
+}
+
+static saltus_signal signal_of(const sampler *self, int k, bool resting) {
+    return (saltus_signal){.samples = self->samples + (long long)k * self->count,
+                           .count = self->count,
+                           .per_period = self->per_period,
+                           .rounding = self->scale[k] * (resting ? rest_rounding : rounding)};
+}
+
+/* How far the samples of a quantity, thinned out to `per_period`, can be trusted; INFINITY where nothing
+ * moves. `samples` is overwritten. */
+static saltus_status trust(saltus_signal signal, double *samples, int per_period, int orbit, double *upto,
+                           saltus_message *message) {
+    saltus_spectrum spectrum = {0};
+    int thinning = signal.per_period / per_period;
+    for (long long j = 0; j < signal.count / thinning; j++)
+        samples[j] = signal.samples[j * thinning];
+    signal.samples = samples;
+    signal.count /= thinning;
+    signal.per_period = per_period;
+    saltus_status status = orbit ? saltus_signal_orbits(&signal, orbit, &spectrum, message)
+                                 : saltus_signal_density(&signal, pilot_segment, 0.95, &spectrum, message);
+    *upto = spectrum.kind == SALTUS_SPECTRUM_CONSTANT ? INFINITY : spectrum.trustworthy;
+    saltus_spectrum_clear(&spectrum);
+    return status;
+}
+
+/* As few samples a period as make the spectra trustworthy up to the wanted frequency, from one orbit or a few
+ * periods with many samples. */
+static saltus_status choose_samples(sampler *self, const double *state, int orbit,
+                                    const saltus_spectrum_options *options, int *per_period,
+                                    saltus_message *message) {
+    int most = orbit ? per_period_max : irregular_per_period_max;
+    double reach = options->reach > 0 ? options->reach : orbit ? reach_of_lines : reach_of_density;
+    while (orbit && most > per_period_min && (long long)most * orbit > pilot_samples_max)
+        most /= 2;
+    *per_period = per_period_min;
+    saltus_status status = sample(self, state, orbit ? orbit : pilot_periods, 0, most, message);
+    double *thinned = malloc((size_t)self->count * sizeof *thinned);
+    if (status == SALTUS_OK && !thinned)
+        status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a spectrum");
+    for (int k = 0; k < self->quantities && status == SALTUS_OK; k++)
+        for (double upto = 0; status == SALTUS_OK; *per_period *= 2) {
+            status = trust(signal_of(self, k, options->resting), thinned, *per_period, orbit, &upto, message);
+            if (status != SALTUS_OK || upto >= reach || *per_period == most)
+                break;
+        }
+    free(thinned);
+    return status;
+}
+
+/* The plan */
+
+static saltus_status check_options(const saltus_system *system, int periods, const saltus_spectrum_options *o,
+                                   saltus_message *message) {
+    if (o->quantity_count < 1 || o->quantity_count > SALTUS_QUANTITIES_MAX)
+        return saltus_fail(message, SALTUS_BAD_INPUT, "%d quantities: must be 1 to %d", o->quantity_count,
+                           SALTUS_QUANTITIES_MAX);
+    for (int k = 0; k < o->quantity_count; k++)
+        if (o->quantities[k].coordinate < 0 || o->quantities[k].coordinate > saltus_system_dof(system))
+            return saltus_fail(message, SALTUS_BAD_INPUT, "coordinate %d: must be 0 to %d",
+                               o->quantities[k].coordinate, saltus_system_dof(system));
+    if (o->per_period && (o->per_period < 16 || o->per_period > 65536 || o->per_period % 4))
+        return saltus_fail(message, SALTUS_BAD_INPUT,
+                           "%d samples per period: must be a multiple of 4 from 16 to 65536", o->per_period);
+    if (periods < 0 || o->periods < 0 || o->segment < 0)
+        return saltus_fail(message, SALTUS_BAD_INPUT,
+                           "periods and segments must not be negative (%d, %lld, %lld)", periods, o->periods,
+                           o->segment);
+    if (!(o->reach >= 0) || !(o->confidence > 0 && o->confidence < 1))
+        return saltus_fail(message, SALTUS_BAD_INPUT,
+                           "reach %g must be 0 or more, confidence %g between 0 and 1", o->reach,
+                           o->confidence);
+    return SALTUS_OK;
+}
+
+/* Periods to analyse, and the length of Welch's segments: 0 for whole orbits. */
+static saltus_status plan_lengths(int orbit, const saltus_spectrum_options *o, long long *periods,
+                                  long long *segment, saltus_message *message) {
+    bool whole = orbit > 0 && o->segment == 0;
+    *periods = o->periods ? o->periods : irregular_periods;
+    *segment = o->segment ? o->segment : *periods / segment_part > 1 ? *periods / segment_part : 1;
+    if (whole) {
+        int orbits = orbit_periods_max / orbit;
+        orbits = orbits > orbits_wanted ? orbits_wanted : orbits < 2 ? 2 : orbits;
+        *periods = o->periods ? o->periods / orbit * orbit : (long long)orbits * orbit;
+        *segment = 0;
+        if (*periods < 2LL * orbit)
+            return saltus_fail(message, SALTUS_BAD_INPUT,
+                               "periods = %lld: the motion's period is %d T, two orbits take %d", o->periods,
+                               orbit, 2 * orbit);
+    }
+    if (*segment > *periods)
+        return saltus_fail(message, SALTUS_BAD_INPUT,
+                           "segment = %lld: must not be longer than the %lld periods analysed", *segment,
+                           *periods);
+    if (*periods > SALTUS_SAMPLES_MAX / (o->per_period ? o->per_period : per_period_min))
+        return saltus_fail(message, SALTUS_BAD_INPUT,
+                           "%lld periods with %d%s samples each: must be %d samples together at most",
+                           *periods, o->per_period ? o->per_period : per_period_min,
+                           o->per_period ? "" : " or more", SALTUS_SAMPLES_MAX);
+    return SALTUS_OK;
+}
+
+static saltus_status analyse(const sampler *self, int orbit, long long segment,
+                             const saltus_spectrum_options *options, saltus_spectra *spectra,
+                             saltus_message *message) {
+    saltus_status status = SALTUS_OK;
+    for (int k = 0; k < self->quantities && status == SALTUS_OK; k++) {
+        saltus_signal signal = signal_of(self, k, options->resting);
+        saltus_spectrum *spectrum = &spectra->spectra[k];
+        status = segment ? saltus_signal_welch(&signal, segment, options->confidence, spectrum, message)
+                         : saltus_signal_orbits(&signal, orbit, spectrum, message);
+    }
+    return status;
+}
+
+saltus_status saltus_spectra_run(const saltus_system *system, const double *state, int periods,
+                                 const saltus_spectrum_options *options, saltus_spectra *spectra,
+                                 saltus_message *message) {
+    *spectra = (saltus_spectra){.count = options->quantity_count, .periods = periods};
+    long long length = 0, segment = 0;
+    int per_period = options->per_period;
+    sampler self = {.system = NULL};
+    saltus_status status = check_options(system, periods, options, message);
+    if (status == SALTUS_OK)
+        status = plan_lengths(periods, options, &length, &segment, message);
+    if (status == SALTUS_OK)
+        status = open_sampler(&self, system, options, message);
+    if (status == SALTUS_OK && per_period == 0)
+        status = choose_samples(&self, state, segment ? 0 : periods, options, &per_period, message);
+    while (options->per_period == 0 && per_period > per_period_min &&
+           length > SALTUS_SAMPLES_MAX / per_period)
+        per_period /= 2;
+    if (status == SALTUS_OK)
+        status = sample(&self, state, length, periods, per_period, message);
+    if (status == SALTUS_OK)
+        status = analyse(&self, periods, segment, options, spectra, message);
+    close_sampler(&self);
+    if (status != SALTUS_OK) {
+        saltus_spectra_clear(spectra);
+        return status;
+    }
+    memcpy(spectra->quantities, options->quantities, sizeof spectra->quantities);
+    spectra->analysed = length;
+    spectra->per_period = per_period;
+    return SALTUS_OK;
+}
+
+saltus_status saltus_motion_spectra(const saltus_system *system, const saltus_motion *motion,
+                                    const saltus_spectrum_options *options, saltus_spectra *spectra,
+                                    saltus_message *message) {
+    saltus_spectrum_options fitting = *options;
+    bool rests = motion->kind == SALTUS_EQUILIBRIUM || (motion->kind == SALTUS_HELD && motion->periods == 0);
+    bool closed = motion->kind == SALTUS_PERIODIC || motion->kind == SALTUS_HELD;
+    fitting.resting = options->resting || rests;
+    fitting.anew = options->anew || (closed && !motion->stable);
+    return saltus_spectra_run(system, motion->state,
+                              rests    ? 1
+                              : closed ? motion->periods
+                                       : 0,
+                              &fitting, spectra, message);
+}

@@ -1,0 +1,388 @@
+/* Sharp lines of a signal: found in one windowed transform, fitted there by the window's own transform, and
+ * taken away.
+ *
+ * A line c exp(2 pi i f j / n) of a signal of n samples, and its mirror image, put c W(k - f) + conj(c) W(k +
+ * f) into bin k, where W is the window's transform. W vanishes almost (-92 dB) beyond four bins, so a line is
+ * a matter of a few bins, and what is left of the signal without its lines is known bin by bin.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "motion/spectrum.h"
+
+#include <gsl/gsl_statistics_double.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum {
+    terms = 4,       /* of the window */
+    core = 3,        /* bins on each side that a line is fitted to */
+    lobe = 16,       /* bins on each side that a line is taken away from */
+    apart = 4,       /* two lines are at least so many bins apart */
+    block = 128,     /* bins; the level of the continuum is that of a block and both its neighbours */
+    rounds_max = 40, /* searches for further lines */
+    series_lines_max = 512,
+    samples_min = 64
+};
+
+/* Blackman-Harris: Harris, Proc. IEEE 66 (1978) 51-83. */
+static const double window[terms] = {0.35875, 0.48829, 0.14128, 0.01168};
+
+/* The lowest tenth of the bins around gives the continuum's level, however many lines stand there. */
+static const double quantile = 0.1;
+/* That noise shows a peak anywhere, were its level known exactly; the quantile of some 200 independent bins
+ * is only known to a fifth, which makes it 1e-3. */
+static const double false_alarm = 1e-6;
+static const double round_depth = 1e-3; /* power below the round's strongest at which the next round begins */
+static const double negligible = 1e-9;  /* power of a peak over all power: worth no line */
+static const double misfit_max = 0.1;   /* power left in the core of a line, over the line's own */
+
+typedef struct peak {
+    double place; /* frequency in bins */
+    double complex half_amplitude;
+} peak;
+
+typedef struct finder {
+    saltus_transform transform;
+    double complex *left;        /* the transform without the lines found */
+    long long count, bins, last; /* last: bin up to which lines are sought */
+    peak *peaks;
+    int peak_count, most;
+    long long *candidates;
+    unsigned char *tried;    /* bins near a line found, whether it stays or not */
+    double *level;           /* of the continuum, per block */
+    double threshold, total; /* least power of a peak over the level; all power */
+} finder;
+
+/* Weight of exp(2 pi i m j / n) in the window. */
+static double window_share(int m) {
+    int size = abs(m);
+    return size >= terms ? 0 : (size % 2 ? -1 : 1) * (size ? 0.5 : 1) * window[size];
+}
+
+/* W(x) / n: a sum of kernels sin(pi y) / (n sin(pi y / n)) exp(-i pi y (n - 1) / n) around x, which share all
+ * but a cotangent. Zero beyond twice the bins that a line is taken away from. */
+static double complex window_transform(double x, double n) {
+    double y = x - n * round(x / n), whole = round(y), real = 0, imaginary = 0;
+    if (fabs(y) > 2 * lobe)
+        return 0;
+    if (fabs(y - whole) < 1e-9)
+        return window_share((int)whole);
+    for (int m = 1 - terms; m < terms; m++) {
+        real += window_share(m) / tan(M_PI * (y - m) / n);
+        imaginary += window_share(m);
+    }
+    return sin(M_PI * y) / n * cexp(-I * M_PI * y) * (real + I * imaginary);
+}
+
+static double complex window_slope(double x, double n) {
+    const double step = 1e-4;
+    return (window_transform(x + step, n) - window_transform(x - step, n)) / (2 * step);
+}
+
+/* What a line puts into bin k. */
+static double complex line_in_bin(const peak *p, long long k, double n) {
+    return p->half_amplitude * window_transform((double)k - p->place, n) +
+           conj(p->half_amplitude) * window_transform((double)k + p->place, n);
+}
+
+static void bins_around(const finder *self, double place, int reach, long long *from, long long *to) {
+    long long nearest = llround(place);
+    *from = nearest > reach ? nearest - reach : 0;
+    *to = nearest + reach < self->bins ? nearest + reach : self->bins - 1;
+}
+
+/* Take a line out of what is left, or put it back (sign -1). */
+static void take_away(finder *self, const peak *p, double sign) {
+    long long from, to;
+    bins_around(self, p->place, lobe, &from, &to);
+    for (long long k = from; k <= to; k++)
+        self->left[k] -= sign * line_in_bin(p, k, (double)self->count);
+}
+
+/* Solve the 3 x 3 normal equations; a column that adds nothing (the sine at half the samples' frequency, the
+ * frequency of a line without amplitude) gets no share. */
+static void solve(double a[3][3], double b[3], double x[3]) {
+    bool used[3] = {false};
+    double scale = fmax(a[0][0], fmax(a[1][1], a[2][2]));
+    for (int c = 0; c < 3; c++) {
+        x[c] = 0;
+        used[c] = a[c][c] > 1e-8 * scale;
+        for (int r = c + 1; used[c] && r < 3; r++) {
+            double factor = a[r][c] / a[c][c];
+            for (int k = c; k < 3; k++)
+                a[r][k] -= factor * a[c][k];
+            b[r] -= factor * b[c];
+        }
+    }
+    for (int c = 2; c >= 0; c--) {
+        double sum = b[c];
+        for (int k = c + 1; k < 3; k++)
+            sum -= a[c][k] * x[k];
+        x[c] = used[c] ? sum / a[c][c] : 0;
+    }
+}
+
+/* How bin k answers to the real and imaginary part of the half amplitude, and to the place times the modulus.
+ */
+static void responses(const peak *p, long long k, double n, double complex column[3]) {
+    double complex direct = window_transform((double)k - p->place, n),
+                   image = window_transform((double)k + p->place, n);
+    double modulus = cabs(p->half_amplitude);
+    column[0] = direct + image;
+    column[1] = I * (direct - image);
+    column[2] = 0;
+    if (modulus > 0)
+        column[2] = (conj(p->half_amplitude) * window_slope((double)k + p->place, n) -
+                     p->half_amplitude * window_slope((double)k - p->place, n)) /
+                    modulus;
+}
+
+/* One Gauss-Newton step of one line, the others standing. */
+static void refit(finder *self, peak *p) {
+    double a[3][3] = {{0}}, b[3] = {0}, x[3];
+    long long from, to;
+    bins_around(self, p->place, core, &from, &to);
+    for (long long k = from; k <= to; k++) {
+        double complex column[3];
+        responses(p, k, (double)self->count, column);
+        for (int r = 0; r < 3; r++) {
+            b[r] += creal(conj(column[r]) * self->left[k]);
+            for (int c = 0; c < 3; c++)
+                a[r][c] += creal(conj(column[r]) * column[c]);
+        }
+    }
+    solve(a, b, x);
+    take_away(self, p, -1);
+    double modulus = cabs(p->half_amplitude), move = modulus > 0 ? x[2] / modulus : 0;
+    p->half_amplitude += x[0] + I * x[1];
+    p->place += fmax(-0.3, fmin(0.3, move));
+    p->place = fmax(0, fmin((double)self->count / 2, p->place));
+    take_away(self, p, 1);
+}
+
+static double power(double complex z) {
+    return creal(z) * creal(z) + cimag(z) * cimag(z);
+}
+
+/* Level of the continuum in each block, from what is left. */
+static void find_levels(finder *self) {
+    double sample[3 * block];
+    for (long long first = 0; first <= self->last; first += block) {
+        long long from = first > block ? first - block : 0, to = first + 2 * block;
+        size_t size = 0;
+        for (long long k = from; k < to && k < self->bins; k++)
+            sample[size++] = power(self->left[k]);
+        self->level[first / block] =
+            gsl_stats_select(sample, 1, size, (size_t)(quantile * (double)(size - 1)));
+    }
+}
+
+static bool stands_out(const finder *self, long long k) {
+    double here = power(self->left[k]);
+    return !self->tried[k] && here > self->threshold * self->level[k / block] &&
+           here >= power(self->left[k - 1]) && (k + 1 == self->bins || here >= power(self->left[k + 1]));
+}
+
+static double admit_above(const finder *self) {
+    double strongest = 0;
+    for (long long k = 1; k <= self->last; k++)
+        if (stands_out(self, k))
+            strongest = fmax(strongest, power(self->left[k]));
+    return strongest > negligible * self->total ? round_depth * strongest : 0;
+}
+
+static void mark_tried(finder *self, long long place) {
+    long long from, to;
+    bins_around(self, (double)place, apart - 1, &from, &to);
+    memset(self->tried + from, 1, (size_t)(to - from + 1));
+}
+
+/* Peaks of what is left become lines; how many. Of two too near to each other the stronger one stays. */
+static int admit(finder *self) {
+    int found = 0, before = self->peak_count;
+    find_levels(self);
+    double above = admit_above(self);
+    for (long long k = 1; k <= self->last && above > 0; k++) {
+        if (!stands_out(self, k) || power(self->left[k]) < above)
+            continue;
+        bool near = found > 0 && k - self->candidates[found - 1] < apart;
+        if (near && power(self->left[k]) > power(self->left[self->candidates[found - 1]]))
+            self->candidates[found - 1] = k;
+        else if (!near && before + found < self->most)
+            self->candidates[found++] = k;
+    }
+    for (int c = 0; c < found; c++) {
+        self->peaks[self->peak_count++] = (peak){.place = (double)self->candidates[c]};
+        mark_tried(self, self->candidates[c]);
+    }
+    return found;
+}
+
+static void relax(finder *self, int sweeps) {
+    for (int sweep = 0; sweep < sweeps; sweep++)
+        for (int c = 0; c < self->peak_count; c++)
+            refit(self, &self->peaks[c]);
+}
+
+/* Whether what is left in a line's core is little beside the line. */
+static bool has_shape(const finder *self, const peak *p) {
+    double line = 0, left = 0;
+    long long from, to;
+    bins_around(self, p->place, core, &from, &to);
+    for (long long k = from; k <= to; k++) {
+        line += power(line_in_bin(p, k, (double)self->count));
+        left += power(self->left[k]);
+    }
+    return left <= misfit_max * line;
+}
+
+/* Put back what is no line; whether there was any. The first peak, the rest of the mean, stays. */
+static bool prune(finder *self) {
+    int kept = 1;
+    for (int c = 1; c < self->peak_count; c++) {
+        if (has_shape(self, &self->peaks[c]))
+            self->peaks[kept++] = self->peaks[c];
+        else
+            take_away(self, &self->peaks[c], -1);
+    }
+    bool pruned = kept < self->peak_count;
+    self->peak_count = kept;
+    return pruned;
+}
+
+/* What the window leaves of the mean is a line that cannot move. */
+static void take_mean(finder *self) {
+    self->peaks[self->peak_count++] = (peak){.place = 0};
+    mark_tried(self, 0);
+    relax(self, 1);
+}
+
+static void find_lines(finder *self) {
+    enum { fresh = 4, settled = 6, prunings_max = 8 };
+    for (int round = 0; round < rounds_max && self->peak_count < self->most; round++) {
+        if (admit(self) == 0)
+            break;
+        relax(self, fresh);
+    }
+    relax(self, settled);
+    for (int k = 0; k < prunings_max && prune(self); k++)
+        relax(self, fresh);
+}
+
+static void load(finder *self, const saltus_signal *signal, double mean) {
+    saltus_transform *t = &self->transform;
+    for (long long j = 0; j < t->count; j++) {
+        double angle = 2 * M_PI * (double)j / (double)t->count, weight = window[0] - window[1] * cos(angle) +
+                                                                         window[2] * cos(2 * angle) -
+                                                                         window[3] * cos(3 * angle);
+        t->input[j] = weight * (signal->samples[j] - mean) / (double)t->count;
+    }
+    fftw_execute(t->plan);
+    self->left = t->output;
+}
+
+static double power_left(const finder *self) {
+    saltus_sum sum = {0, 0};
+    for (long long k = 0; k <= self->last; k++)
+        saltus_sum_add(&sum, saltus_bin_weight(k, self->count) * power(self->left[k]));
+    return sum.value + sum.rest;
+}
+
+static saltus_status open_finder(finder *self, const saltus_signal *signal, double highest, int most,
+                                 saltus_message *message) {
+    saltus_status status = saltus_transform_open(&self->transform, signal->count, message);
+    if (status != SALTUS_OK)
+        return status;
+    self->count = signal->count;
+    self->bins = self->transform.bins;
+    self->last = self->bins - 1;
+    if (highest > 0 && highest * (double)self->count / signal->per_period < (double)self->last)
+        self->last = (long long)(highest * (double)self->count / signal->per_period);
+    self->most = most + 1;
+    self->threshold = log((double)self->bins / false_alarm) / -log1p(-quantile);
+    self->peaks = malloc((size_t)self->most * sizeof *self->peaks);
+    self->candidates = malloc((size_t)self->most * sizeof *self->candidates);
+    self->tried = calloc((size_t)self->bins, 1);
+    self->level = malloc((size_t)(self->bins / block + 1) * sizeof *self->level);
+    return self->peaks && self->candidates && self->tried && self->level
+               ? SALTUS_OK
+               : saltus_fail(message, SALTUS_NO_MEMORY, "no memory to look for lines");
+}
+
+static void close_finder(finder *self) {
+    free(self->peaks);
+    free(self->candidates);
+    free(self->tried);
+    free(self->level);
+    saltus_transform_close(&self->transform);
+}
+
+static int by_place(const void *a, const void *b) {
+    const peak *p = a, *q = b;
+    return (p->place > q->place) - (p->place < q->place);
+}
+
+/* The peaks, but for the mean, in the units of the signal. */
+static int report(finder *self, const saltus_signal *signal, double variance, saltus_spectral_line *lines) {
+    double highest = 0;
+    int count = self->peak_count - 1;
+    qsort(self->peaks + 1, (size_t)count, sizeof *self->peaks, by_place);
+    for (int c = 0; c < count; c++) {
+        const peak *p = &self->peaks[c + 1];
+        double amplitude = 2 * cabs(p->half_amplitude);
+        bool fastest = fabs(p->place - 0.5 * (double)self->count) < 1e-6;
+        lines[c] = (saltus_spectral_line){.frequency = p->place * signal->per_period / (double)self->count,
+                                          .amplitude = amplitude,
+                                          .phase = carg(p->half_amplitude),
+                                          .share = (fastest ? 1 : 0.5) * amplitude * amplitude / variance};
+        highest = fmax(highest, amplitude);
+    }
+    for (int c = 0; c < count; c++)
+        lines[c].decibels = 20 * log10(lines[c].amplitude / highest);
+    return count;
+}
+
+static double variance_of(const saltus_signal *signal, double mean) {
+    saltus_sum sum = {0, 0};
+    for (long long j = 0; j < signal->count; j++)
+        saltus_sum_add(&sum, (signal->samples[j] - mean) * (signal->samples[j] - mean));
+    return (sum.value + sum.rest) / (double)signal->count;
+}
+
+saltus_status saltus_signal_lines(const saltus_signal *signal, double highest, int most,
+                                  saltus_spectral_line *lines, int *line_count, double *broadband,
+                                  saltus_message *message) {
+    *line_count = 0;
+    *broadband = 0;
+    saltus_status status = saltus_signal_check(signal, message);
+    if (status == SALTUS_OK && signal->count < samples_min)
+        status = saltus_fail(message, SALTUS_BAD_INPUT,
+                             "a series of %lld samples: must have %d at least to tell lines from noise",
+                             signal->count, samples_min);
+    if (status == SALTUS_OK && (most < 1 || !(highest >= 0)))
+        status = saltus_fail(message, SALTUS_BAD_INPUT,
+                             "lines: room for one at least and a highest frequency of 0 or more are needed");
+    if (status != SALTUS_OK)
+        return status;
+    double mean = saltus_signal_mean(signal);
+    if (!saltus_signal_moves(signal, mean))
+        return SALTUS_OK;
+    finder self = {.peaks = NULL};
+    status = open_finder(&self, signal, highest, most, message);
+    if (status == SALTUS_OK) {
+        load(&self, signal, mean);
+        take_mean(&self);
+        self.total = power_left(&self);
+        find_lines(&self);
+        *broadband = self.total > 0 ? fmin(1, power_left(&self) / self.total) : 0;
+        *line_count = report(&self, signal, variance_of(signal, mean), lines);
+    }
+    close_finder(&self);
+    return status;
+}
+
+saltus_status saltus_series_broadband(const double *series, long long count, double *fraction,
+                                      saltus_message *message) {
+    saltus_signal signal = {.samples = series, .count = count, .per_period = 1};
+    saltus_spectral_line lines[series_lines_max];
+    int line_count;
+    return saltus_signal_lines(&signal, 0, series_lines_max, lines, &line_count, fraction, message);
+}

@@ -1,0 +1,24 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "orbit/volume.h"
+
+#include "base/bits.h"
+
+double saltus_trace_over_step(const saltus_flow *flow, int lane, const gsl_integration_glfixed_table *table,
+                              double *state) {
+    const saltus_system *system = saltus_flow_system(flow, lane);
+    double sum = 0, length = saltus_flow_step_length(flow, lane);
+    for (size_t k = 0; k < SALTUS_TRACE_POINTS; k++) {
+        double at, weight;
+        gsl_integration_glfixed_point(0, length, k, &at, &weight, table);
+        saltus_flow_dense(flow, lane, at, state);
+        sum += weight * saltus_system_trace(system, state);
+    }
+    return sum;
+}
+
+int saltus_lost_directions(const saltus_flow *flow, int lane, const saltus_event *event) {
+    int lost = 2 * saltus_count_bits(saltus_flow_contacts(flow, lane));
+    bool dead = event->kind == SALTUS_IMPACT &&
+                saltus_system_face(saltus_flow_system(flow, lane), event->face).r == 0;
+    return lost > 0 ? lost : dead;
+}

@@ -1,0 +1,20 @@
+/* How the flow changes phase-space volume: the other side of the sum rule (model.md, section 1).
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef SALTUS_ORBIT_VOLUME_H
+#define SALTUS_ORBIT_VOLUME_H
+
+#include "saltus/flow.h"
+
+#include <gsl/gsl_integration.h>
+
+enum { SALTUS_TRACE_POINTS = 6 };
+
+/* The integral of the Jacobian's trace over a lane's last step, by Gauss quadrature on its dense output with
+ * a table of SALTUS_TRACE_POINTS points. `state` is scratch of length dimension. */
+double saltus_trace_over_step(const saltus_flow *flow, int lane, const gsl_integration_glfixed_table *table,
+                              double *state);
+/* Directions in which perturbations die altogether at an event: two for each lasting contact; an impact
+ * without rebound takes one. */
+int saltus_lost_directions(const saltus_flow *flow, int lane, const saltus_event *event);
+
+#endif

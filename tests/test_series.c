@@ -1,0 +1,828 @@
+/* Second opinions on chaos: the 0-1 test, the correlation dimension and closed curves, on sets whose nature
+ * is known.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "allocations.h"
+#include "check.h"
+
+#include <gsl/gsl_math.h>
+#include <gsl/gsl_randist.h>
+#include <gsl/gsl_rng.h>
+#include <gsl/gsl_sort.h>
+#include <gsl/gsl_statistics_double.h>
+
+static const double golden = 0.6180339887498949;
+static const double feigenbaum = 3.569945671870944901842; /* where the logistic map's doublings accumulate */
+
+static long allocations, failing = -1;
+
+static bool refuse(void) {
+    return ++allocations == failing;
+}
+
+/* Points to be filled: count x dimension, with a generator for those that need chance. */
+typedef struct sample {
+    double *values;
+    long long count;
+    int dimension;
+    gsl_rng *rng;
+} sample;
+
+typedef void filler(sample *s);
+
+static sample make(filler *fill, long long count, int dimension) {
+    sample s = {.count = count, .dimension = dimension, .rng = gsl_rng_alloc(gsl_rng_taus2)};
+    s.values = malloc((size_t)count * (size_t)dimension * sizeof *s.values);
+    assert_true(s.values && s.rng);
+    gsl_rng_set(s.rng, 7);
+    fill(&s);
+    return s;
+}
+
+static void drop(sample *s) {
+    free(s->values);
+    gsl_rng_free(s->rng);
+}
+
+static double *point(const sample *s, long long i) {
+    return s->values + i * s->dimension;
+}
+
+/* Closed curves, turned through by the golden section. */
+
+static void circle(sample *s) {
+    for (long long i = 0; i < s->count; i++) {
+        point(s, i)[0] = cos(2 * M_PI * golden * (double)i);
+        point(s, i)[1] = sin(2 * M_PI * golden * (double)i);
+    }
+}
+
+static void ellipse(sample *s) {
+    for (long long i = 0; i < s->count; i++)
+        for (int k = 0; k < s->dimension; k++)
+            point(s, i)[k] = 0.1 * (k + 1) * cos(2 * M_PI * golden * (double)i) +
+                             0.3 * cos(3.0 * k) * sin(2 * M_PI * golden * (double)i);
+}
+
+static void wiggles(sample *s) {
+    for (long long i = 0; i < s->count; i++) {
+        double a = 2 * M_PI * golden * (double)i;
+        point(s, i)[0] = cos(a) + 0.3 * cos(3 * a + 1);
+        point(s, i)[1] = sin(a) + 0.2 * sin(5 * a);
+        point(s, i)[2] = 0.5 * cos(2 * a) + 0.1 * sin(7 * a);
+        point(s, i)[3] = 0.3 * sin(4 * a);
+    }
+}
+
+static void corner(sample *s) {
+    for (long long i = 0; i < s->count; i++) {
+        double a = fmod(golden * (double)i, 1), r = 1 + 0.5 * fabs(a - 0.5);
+        point(s, i)[0] = r * cos(2 * M_PI * a);
+        point(s, i)[1] = r * sin(2 * M_PI * a);
+    }
+}
+
+static void triangle(sample *s) {
+    static const double tip[4][2] = {{0, 0}, {1, 0}, {0.1, 0.2}, {0, 0}};
+    for (long long i = 0; i < s->count; i++) {
+        double a = 3 * fmod(golden * (double)i, 1), part = a - floor(a);
+        for (int k = 0; k < 2; k++)
+            point(s, i)[k] = (1 - part) * tip[(int)a][k] + part * tip[(int)a + 1][k];
+    }
+}
+
+static void curves_in_turn(sample *s, int curves) {
+    for (long long i = 0; i < s->count; i++) {
+        double a = 2 * M_PI * golden * (double)i, k = (double)(i % curves);
+        point(s, i)[0] = (1 - 0.2 * k) * cos(a) + 4 * k;
+        point(s, i)[1] = (1 + 0.3 * k) * sin(a) + k * k;
+    }
+}
+
+static void two_curves(sample *s) {
+    curves_in_turn(s, 2);
+}
+
+static void three_curves(sample *s) {
+    curves_in_turn(s, 3);
+}
+
+/* A circle map short of the loss of its inverse, and the closed curve of the delayed logistic map. */
+static void circle_map(sample *s) {
+    double x = 0.1;
+    for (long long i = 0; i < s->count; i++) {
+        x += 0.61 - 0.9 / (2 * M_PI) * sin(2 * M_PI * x);
+        point(s, i)[0] = cos(2 * M_PI * x);
+        point(s, i)[1] = sin(2 * M_PI * x);
+    }
+}
+
+static void delayed_logistic(sample *s) {
+    double x = 0.3, y = 0.3;
+    for (long long i = -20000; i < s->count; i++) {
+        double next = 2.02 * x * (1 - y);
+        y = x;
+        x = next;
+        if (i >= 0) {
+            point(s, i)[0] = x;
+            point(s, i)[1] = y;
+        }
+    }
+}
+
+/* What is no closed curve. */
+
+static void noisy_circle(sample *s) {
+    circle(s);
+    for (long long i = 0; i < s->count * s->dimension; i++)
+        s->values[i] += gsl_ran_gaussian(s->rng, 0.01);
+}
+
+static void cube(sample *s) {
+    for (long long i = 0; i < s->count * s->dimension; i++)
+        s->values[i] = gsl_rng_uniform(s->rng);
+}
+
+static void gaussian(sample *s) {
+    for (long long i = 0; i < s->count * s->dimension; i++)
+        s->values[i] = gsl_ran_gaussian(s->rng, 1);
+}
+
+static void torus(sample *s) {
+    for (long long i = 0; i < s->count; i++) {
+        double a = 2 * M_PI * M_SQRT2 * (double)i, b = 2 * M_PI * sqrt(3) * (double)i;
+        point(s, i)[0] = (1 + 0.4 * cos(b)) * cos(a);
+        point(s, i)[1] = (1 + 0.4 * cos(b)) * sin(a);
+        point(s, i)[2] = 0.4 * sin(b);
+    }
+}
+
+static void henon_from(sample *s, double x) {
+    double y = 0.1;
+    for (long long i = -1000; i < s->count; i++) {
+        double next = 1 - 1.4 * x * x + y;
+        y = 0.3 * x;
+        x = next;
+        if (i >= 0) {
+            point(s, i)[0] = x;
+            if (s->dimension > 1)
+                point(s, i)[1] = y;
+        }
+    }
+}
+
+static void henon(sample *s) {
+    henon_from(s, 0.12);
+}
+
+static void logistic(sample *s, double r, long long transient) {
+    double x = 0.3;
+    for (long long i = -transient; i < s->count; i++) {
+        double before = x;
+        x = r * x * (1 - x);
+        if (i >= 0) {
+            point(s, i)[0] = x;
+            if (s->dimension > 1)
+                point(s, i)[1] = before;
+        }
+    }
+}
+
+static void logistic_full(sample *s) {
+    logistic(s, 4, 10);
+}
+
+static void logistic_band(sample *s) {
+    logistic(s, 3.6, 1000);
+}
+
+static void logistic_accumulation(sample *s) {
+    logistic(s, feigenbaum, 30000);
+}
+
+static void standard_map(sample *s) {
+    double q = 0.5, p = 1;
+    for (long long i = 0; i < s->count; i++) {
+        p = fmod(p + 6 * sin(q), 2 * M_PI);
+        q = fmod(q + p, 2 * M_PI);
+        point(s, i)[0] = cos(q);
+        if (s->dimension > 1)
+            point(s, i)[1] = sin(q);
+    }
+}
+
+static void periodic(sample *s, int period) {
+    for (long long i = 0; i < s->count; i++) {
+        double a = 2 * M_PI * (double)(i % period) / period;
+        point(s, i)[0] = cos(a) + gsl_ran_gaussian(s->rng, 1e-12);
+        point(s, i)[1] = sin(a);
+    }
+}
+
+static void period_6(sample *s) {
+    periodic(s, 6);
+}
+
+static void period_64(sample *s) {
+    periodic(s, 64);
+}
+
+static void fixed_point(sample *s) {
+    for (long long i = 0; i < s->count * s->dimension; i++)
+        s->values[i] = 3 + gsl_ran_gaussian(s->rng, 1e-12);
+}
+
+/* Into a fixed point, turning and along a line. */
+static void spiral_in(sample *s) {
+    for (long long i = 0; i < s->count; i++) {
+        point(s, i)[0] = exp(-1e-3 * (double)i) * cos(0.7 * (double)i);
+        point(s, i)[1] = exp(-1e-3 * (double)i) * sin(0.7 * (double)i);
+    }
+}
+
+static void creep_in(sample *s) {
+    for (long long i = 0; i < s->count; i++) {
+        point(s, i)[0] = exp(-1e-3 * (double)i);
+        point(s, i)[1] = exp(-2e-3 * (double)i);
+    }
+}
+
+static saltus_series_points points_of(const sample *s) {
+    return (saltus_series_points){.values = s->values, .count = s->count, .dimension = s->dimension};
+}
+
+/* The 0-1 test. */
+
+static saltus_series_chaos judge_series(const double *series, long long count) {
+    saltus_series_options options = saltus_series_defaults();
+    saltus_series_chaos chaos;
+    saltus_message message = {""};
+    check_ok(saltus_series_chaos_test(series, count, &options, &chaos, &message), &message);
+    assert_true(chaos.lower <= chaos.k && chaos.k <= chaos.upper);
+    return chaos;
+}
+
+static void check_growth(filler *fill, double least, double most) {
+    sample s = make(fill, 4000, 1);
+    saltus_series_chaos chaos = judge_series(s.values, s.count);
+    assert_false(chaos.constant);
+    if (!(chaos.k > least && chaos.k < most))
+        fail_msg("K = %g should be between %g and %g", chaos.k, least, most);
+    drop(&s);
+}
+
+static void logistic_350(sample *s) {
+    logistic(s, 3.5, 2000);
+}
+
+static void logistic_355(sample *s) {
+    logistic(s, 3.55, 2000);
+}
+
+static void logistic_397(sample *s) {
+    logistic(s, 3.97, 2000);
+}
+
+static void rotation(sample *s) {
+    double x = 0.1;
+    for (long long i = 0; i < s->count; i++) {
+        x += golden - 0.1 * sin(2 * M_PI * x);
+        s->values[i] = sin(2 * M_PI * x);
+    }
+}
+
+/* Incommensurate sines about a mean, two of them in the range from which the test draws its angles. */
+static void sines(sample *s) {
+    for (long long i = 0; i < s->count; i++)
+        s->values[i] = 5 + sin(M_SQRT2 * (double)i) + 0.5 * sin(2 * M_PI * golden * (double)i) +
+                       0.3 * cos(sqrt(3) * (double)i);
+}
+
+static void bursts(sample *s) {
+    for (long long i = 0; i < s->count; i++)
+        s->values[i] = i % 6 == 0;
+}
+
+static void regular_and_chaotic_series(void **unused) {
+    (void)unused;
+    check_growth(logistic_350, -0.1, 0.1);
+    check_growth(logistic_355, -0.1, 0.1);
+    check_growth(logistic_accumulation, -0.1, 0.1);
+    check_growth(rotation, -0.1, 0.1);
+    check_growth(sines, -0.1, 0.1);
+    check_growth(bursts, -0.1, 0.1);
+    check_growth(logistic_397, 0.95, 1);
+    check_growth(logistic_band, 0.95, 1);
+    check_growth(standard_map, 0.95, 1);
+    check_growth(henon, 0.95, 1);
+    check_growth(gaussian, 0.95, 1);
+}
+
+/* Correlation with n of M(n) - V_osc(n), from the definitions. */
+static double growth_by_definition(const double *series, long long count, double c) {
+    enum { steps_max = 200 };
+    double n_of[steps_max], d[steps_max], mean = gsl_stats_mean(series, 1, (size_t)count);
+    double *p = calloc((size_t)count, sizeof *p), *q = calloc((size_t)count, sizeof *q);
+    long long steps = count / 10, starts = count - steps;
+    assert_true(p && q && steps <= steps_max);
+    for (long long j = 0; j < count; j++) {
+        p[j] = (j ? p[j - 1] : 0) + series[j] * cos((double)(j + 1) * c);
+        q[j] = (j ? q[j - 1] : 0) + series[j] * sin((double)(j + 1) * c);
+    }
+    for (long long n = 1; n <= steps; n++) {
+        double sum = 0;
+        for (long long j = 0; j < starts; j++)
+            sum += gsl_pow_2(p[j + n] - p[j]) + gsl_pow_2(q[j + n] - q[j]);
+        n_of[n - 1] = (double)n;
+        d[n - 1] = sum / (double)starts - mean * mean * (1 - cos((double)n * c)) / (1 - cos(c));
+    }
+    free(p);
+    free(q);
+    return gsl_stats_correlation(n_of, 1, d, 1, (size_t)steps);
+}
+
+/* Without the mean there is no oscillatory term to subtract: the medians agree. */
+static void agrees_with_the_definition(void **unused) {
+    (void)unused;
+    enum { count = 2000, angles = 60 };
+    filler *fills[] = {sines, logistic_397, logistic_350, henon};
+    for (size_t f = 0; f < sizeof fills / sizeof *fills; f++) {
+        sample s = make(fills[f], count, 1);
+        double rate[angles];
+        for (int k = 0; k < angles; k++)
+            rate[k] = growth_by_definition(s.values, count, M_PI / 5 * (1 + 3 * (k + 0.37) / angles));
+        gsl_sort(rate, 1, angles);
+        check_near(judge_series(s.values, count).k, gsl_stats_median_from_sorted_data(rate, 1, angles), 0.02);
+        drop(&s);
+    }
+}
+
+static void scale_and_shift_do_not_matter(void **unused) {
+    (void)unused;
+    filler *fills[] = {sines, logistic_397};
+    for (size_t f = 0; f < sizeof fills / sizeof *fills; f++) {
+        sample s = make(fills[f], 1000, 1);
+        saltus_series_chaos first = judge_series(s.values, s.count);
+        saltus_series_chaos again = judge_series(s.values, s.count);
+        assert_true(first.k == again.k && first.lower == again.lower && first.upper == again.upper);
+        for (long long i = 0; i < s.count; i++)
+            s.values[i] = ldexp(s.values[i], 900);
+        again = judge_series(s.values, s.count);
+        check_near(again.k, first.k, 1e-9);
+        for (long long i = 0; i < s.count; i++)
+            s.values[i] = -7e-5 * ldexp(s.values[i], -900) + 2;
+        again = judge_series(s.values, s.count);
+        check_near(again.k, first.k, 1e-6);
+        check_near(again.lower, first.lower, 1e-6);
+        drop(&s);
+    }
+}
+
+static void seeds_give_other_angles(void **unused) {
+    (void)unused;
+    sample s = make(logistic_397, 1000, 1);
+    saltus_series_options options = saltus_series_defaults();
+    saltus_series_chaos first, second;
+    saltus_message message = {""};
+    check_ok(saltus_series_chaos_test(s.values, s.count, &options, &first, &message), &message);
+    options.seed = 2;
+    check_ok(saltus_series_chaos_test(s.values, s.count, &options, &second, &message), &message);
+    assert_true(first.k != second.k);
+    check_near(first.k, second.k, 0.01);
+    drop(&s);
+}
+
+static void constant_series(void **unused) {
+    (void)unused;
+    sample s = make(fixed_point, 1000, 1);
+    saltus_series_chaos chaos = judge_series(s.values, s.count);
+    assert_true(chaos.constant && chaos.k == 0 && chaos.lower == 0 && chaos.upper == 0);
+    memset(s.values, 0, (size_t)s.count * sizeof *s.values);
+    chaos = judge_series(s.values, s.count);
+    assert_true(chaos.constant && chaos.k == 0);
+    drop(&s);
+}
+
+/* More values than steps are looked at one by one. */
+static void long_series(void **unused) {
+    (void)unused;
+    saltus_series_options options = saltus_series_defaults();
+    saltus_series_chaos chaos;
+    saltus_message message = {""};
+    options.frequencies = 5;
+    sample s = make(sines, 15000, 1), c = make(logistic_397, 15000, 1);
+    check_ok(saltus_series_chaos_test(s.values, s.count, &options, &chaos, &message), &message);
+    check_near(chaos.k, 0, 0.1);
+    check_ok(saltus_series_chaos_test(c.values, c.count, &options, &chaos, &message), &message);
+    check_near(chaos.k, 1, 0.05);
+    drop(&s);
+    drop(&c);
+}
+
+/* The correlation dimension. */
+
+static saltus_series_dimension measure(const sample *s, const saltus_series_options *options) {
+    saltus_series_options defaults = saltus_series_defaults();
+    saltus_series_points points = points_of(s);
+    saltus_series_dimension dimension;
+    saltus_message message = {""};
+    check_ok(
+        saltus_series_correlation_dimension(&points, options ? options : &defaults, &dimension, &message),
+        &message);
+    return dimension;
+}
+
+static void known_dimensions(void **unused) {
+    (void)unused;
+    static const struct {
+        filler *fill;
+        int dimension;
+        double expected, tolerance;
+        bool decade;
+    } cases[] = {
+        {circle, 2, 1, 0.05, true},
+        {ellipse, 10, 1, 0.05, true},
+        {wiggles, 4, 1, 0.05, true},
+        {corner, 2, 1, 0.05, true},
+        {two_curves, 2, 1, 0.05, true},
+        {circle_map, 2, 1, 0.05, true},
+        {cube, 2, 2, 0.1, true},
+        {cube, 3, 3, 0.15, true},
+        {torus, 3, 2, 0.1, false},
+        {henon, 2, 1.22, 0.06, true},
+        {logistic_accumulation, 1, 0.4976, 0.03, true},
+    };
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        sample s = make(cases[k].fill, 4000, cases[k].dimension);
+        saltus_series_dimension d = measure(&s, NULL);
+        check_near(d.dimension, cases[k].expected, cases[k].tolerance);
+        check_near(d.dimension, cases[k].expected, 1.5 * d.error);
+        check_near(d.error, hypot(d.sampling, d.variation), 1e-15);
+        assert_true(d.error < 0.15 && d.sampling > 0 && d.distinct == 0);
+        assert_true(d.decade == cases[k].decade && d.decade == (d.radius[1] > 9.99 * d.radius[0]));
+        assert_true(d.within > 0 && d.within < d.pairs && d.pairs <= 4000 * 3999 / 2);
+        drop(&s);
+    }
+}
+
+/* The density's poles make C(r) approach r as r log r does: the slope is a tenth too small at any radius. */
+static void logistic_map_fills_the_interval(void **unused) {
+    (void)unused;
+    sample s = make(logistic_full, 4000, 1);
+    check_near(measure(&s, NULL).dimension, 1, 0.15);
+    drop(&s);
+}
+
+/* Literature: 1.21 to 1.22. With more points the value is sharper, and the error of few points covers it. */
+static void henon_attractor(void **unused) {
+    (void)unused;
+    enum { runs = 8 };
+    double squares = 0;
+    saltus_series_options options = saltus_series_defaults();
+    options.pairs = 20000000;
+    sample s = make(henon, 50000, 2);
+    saltus_series_dimension d = measure(&s, &options);
+    check_near(d.dimension, 1.22, 0.02);
+    check_near(d.sampling, 0.005, 0.005);
+    s.count = 4000;
+    for (int k = 0; k < runs; k++) {
+        henon_from(&s, 0.1 + 0.01 * k);
+        d = measure(&s, NULL);
+        squares += gsl_pow_2((d.dimension - 1.22) / d.error) / runs;
+    }
+    assert_true(squares < gsl_pow_2(1.5));
+    drop(&s);
+}
+
+static void points_that_recur(void **unused) {
+    (void)unused;
+    sample s = make(period_6, 4000, 2);
+    saltus_series_dimension d = measure(&s, NULL);
+    assert_true(d.dimension == 0 && d.error == 0 && d.distinct == 6);
+    drop(&s);
+    s = make(period_64, 1000, 2);
+    d = measure(&s, NULL);
+    assert_true(d.dimension == 0 && d.error == 0);
+    check_near((double)d.distinct, 64, 3);
+    drop(&s);
+    s = make(fixed_point, 1000, 3);
+    d = measure(&s, NULL);
+    assert_true(d.dimension == 0 && d.error == 0 && d.distinct == 1);
+    memset(s.values, 0, 3000 * sizeof *s.values);
+    assert_true(measure(&s, NULL).distinct == 1);
+    drop(&s);
+}
+
+/* From far the curves are two points; the plateau between must not count. Noise does. */
+static void finest_scale_counts(void **unused) {
+    (void)unused;
+    sample s = make(two_curves, 4000, 2);
+    for (long long i = 0; i < s.count; i++)
+        point(&s, i)[0] += 1000.0 * (double)(i % 2);
+    check_near(measure(&s, NULL).dimension, 1, 0.05);
+    drop(&s);
+    s = make(noisy_circle, 4000, 2);
+    check_near(measure(&s, NULL).dimension, 2, 0.15);
+    drop(&s);
+}
+
+/* Scaled components with weights that undo it are the same set, to rounding. */
+static void weights_undo_scales(void **unused) {
+    (void)unused;
+    static const double weights[2] = {0.125, 1 / 3.0};
+    sample s = make(henon, 4000, 2);
+    saltus_series_options options = saltus_series_defaults();
+    saltus_series_dimension d = measure(&s, NULL), again = measure(&s, NULL), scaled;
+    saltus_message message = {""};
+    assert_true(d.dimension == again.dimension && d.error == again.error);
+    for (long long i = 0; i < s.count; i++) {
+        point(&s, i)[0] = 8 * point(&s, i)[0];
+        point(&s, i)[1] = 3 * point(&s, i)[1];
+    }
+    saltus_series_points points = points_of(&s);
+    points.weights = weights;
+    check_ok(saltus_series_correlation_dimension(&points, &options, &scaled, &message), &message);
+    check_near(scaled.dimension, d.dimension, 1e-3);
+    check_near(scaled.radius[1], d.radius[1], 1e-9);
+    drop(&s);
+}
+
+/* Drawn pairs give what all pairs give, and the seed says which. */
+static void drawn_pairs(void **unused) {
+    (void)unused;
+    sample s = make(henon, 4000, 2);
+    saltus_series_options options = saltus_series_defaults();
+    saltus_series_dimension all = measure(&s, NULL);
+    options.pairs = 4000000;
+    saltus_series_dimension some = measure(&s, &options);
+    assert_true(some.pairs < 4000000 && some.pairs > 3980000);
+    check_near(some.dimension, all.dimension, 0.03);
+    options.seed = 2;
+    assert_true(measure(&s, &options).dimension != some.dimension);
+    drop(&s);
+}
+
+/* Ten dimensions are too many for so few points, which is said. */
+static void ceiling_is_told(void **unused) {
+    (void)unused;
+    sample s = make(gaussian, 4000, 10);
+    saltus_series_dimension d = measure(&s, NULL);
+    check_near(d.ceiling, 2 * log10(4000), 1e-12);
+    assert_true(d.dimension > d.ceiling && !d.decade);
+    drop(&s);
+    saltus_series_options options = saltus_series_defaults();
+    saltus_message message = {""};
+    s = make(gaussian, SALTUS_SERIES_LEAST, 100);
+    saltus_series_points points = points_of(&s);
+    for (int k = 0; k < 100; k++) /* few points at distances that none shares: no radius has pairs enough */
+        point(&s, 0)[k] *= 1e6;
+    saltus_status status = saltus_series_correlation_dimension(&points, &options, &d, &message);
+    assert_true(status == SALTUS_NO_CONVERGENCE || (status == SALTUS_OK && !d.decade));
+    drop(&s);
+}
+
+/* Close in time is close in space on a slow rotation: the window that is chosen grows with its time. */
+static void window_follows_the_motion(void **unused) {
+    (void)unused;
+    sample s = make(circle, 4000, 2);
+    assert_true(measure(&s, NULL).window < 10);
+    for (long long i = 0; i < s.count; i++) {
+        point(&s, i)[0] = cos(0.011234 * (double)i);
+        point(&s, i)[1] = sin(0.011234 * (double)i);
+    }
+    saltus_series_dimension d = measure(&s, NULL);
+    check_near((double)d.window, 3 * acos(exp(-1)) / 0.011234, 10);
+    check_near(d.dimension, 1, 0.05);
+    saltus_series_options options = saltus_series_defaults();
+    options.window = 17;
+    assert_true(measure(&s, &options).window == 17);
+    drop(&s);
+}
+
+/* Closed curves. */
+
+static saltus_series_curve look_at(const sample *s) {
+    saltus_series_options options = saltus_series_defaults();
+    saltus_series_points points = points_of(s);
+    saltus_series_curve curve;
+    saltus_message message = {""};
+    check_ok(saltus_series_closed_curve(&points, &options, &curve, &message), &message);
+    return curve;
+}
+
+static void check_curve(filler *fill, long long count, int dimension, int curves) {
+    sample s = make(fill, count, dimension);
+    saltus_series_curve c = look_at(&s);
+    if (c.closed != (curves > 0) || c.curves != curves)
+        fail_msg("%d curves instead of %d: thickness %g thinning %g kept %g balance %g ends %g", c.curves,
+                 curves, c.thickness, c.thinning, c.kept, c.balance, c.ends);
+    drop(&s);
+}
+
+static void curves_are_seen(void **unused) {
+    (void)unused;
+    static const long long counts[] = {500, 1000, 4000};
+    for (size_t k = 0; k < sizeof counts / sizeof *counts; k++) {
+        check_curve(circle, counts[k], 2, 1);
+        check_curve(ellipse, counts[k], 10, 1);
+        check_curve(wiggles, counts[k], 4, 1);
+        check_curve(corner, counts[k], 2, 1);
+        check_curve(triangle, counts[k], 2, 1);
+        check_curve(circle_map, counts[k], 2, 1);
+        check_curve(delayed_logistic, counts[k], 2, 1);
+        check_curve(two_curves, counts[k], 2, 2);
+        check_curve(three_curves, counts[k], 2, 3);
+    }
+}
+
+static void other_sets_are_none(void **unused) {
+    (void)unused;
+    static const long long counts[] = {500, 1000, 4000};
+    for (size_t k = 0; k < sizeof counts / sizeof *counts; k++) {
+        check_curve(noisy_circle, counts[k], 2, 0);
+        check_curve(cube, counts[k], 2, 0);
+        check_curve(cube, counts[k], 3, 0);
+        check_curve(gaussian, counts[k], 10, 0);
+        check_curve(torus, counts[k], 3, 0);
+        check_curve(henon, counts[k], 2, 0);
+        check_curve(logistic_full, counts[k], 2, 0);
+        check_curve(logistic_band, counts[k], 2, 0);
+        check_curve(logistic_accumulation, counts[k], 2, 0);
+        check_curve(standard_map, counts[k], 2, 0);
+        check_curve(period_6, counts[k], 2, 0);
+        check_curve(period_64, counts[k], 2, 0);
+        check_curve(fixed_point, counts[k], 2, 0);
+        check_curve(spiral_in, counts[k], 2, 0);
+        check_curve(creep_in, counts[k], 2, 0);
+    }
+}
+
+/* Which measure tells what. */
+static void measures_mean_what_they_say(void **unused) {
+    (void)unused;
+    sample s = make(circle, 4000, 2);
+    saltus_series_curve c = look_at(&s);
+    check_near(c.thinning, 2, 0.2);
+    assert_true(c.thickness < 0.003 && c.kept == 1 && c.balance > 0.9 && c.ends > 0.8 && !c.recurs);
+    drop(&s);
+    s = make(torus, 4000, 3);
+    c = look_at(&s);
+    assert_true(c.thickness > 0.5 && c.kept == 1);
+    drop(&s);
+    s = make(logistic_full, 4000, 2);
+    c = look_at(&s);
+    assert_true(c.thickness < 0.01 && c.kept < 0.05);
+    drop(&s);
+    s = make(logistic_accumulation, 4000, 2);
+    c = look_at(&s);
+    assert_true(c.thickness < 0.01 && c.kept > 0.95 && c.balance < 0.57);
+    drop(&s);
+    s = make(creep_in, 4000, 2);
+    c = look_at(&s);
+    assert_true(c.thickness < 0.01 && c.kept > 0.95 && c.ends < 0.1);
+    drop(&s);
+    s = make(period_64, 500, 2);
+    assert_true(look_at(&s).recurs);
+    drop(&s);
+}
+
+/* What all three share. */
+
+static void check_refused(const saltus_series_points *points, const saltus_series_options *options) {
+    saltus_series_dimension dimension;
+    saltus_series_curve curve;
+    saltus_message message = {""};
+    assert_int_equal(saltus_series_correlation_dimension(points, options, &dimension, &message),
+                     SALTUS_BAD_INPUT);
+    assert_true(message.text[0] != 0);
+    assert_int_equal(saltus_series_closed_curve(points, options, &curve, NULL), SALTUS_BAD_INPUT);
+}
+
+static void unsuitable_points(void **unused) {
+    (void)unused;
+    static const double negative[2] = {1, -1}, infinite[2] = {1, INFINITY};
+    sample s = make(henon, 1000, 2);
+    saltus_series_points good = points_of(&s), points = good;
+    saltus_series_options options = saltus_series_defaults();
+    points.count = SALTUS_SERIES_LEAST - 1;
+    check_refused(&points, &options);
+    points.count = -5;
+    check_refused(&points, &options);
+    points = good;
+    points.dimension = 0;
+    check_refused(&points, &options);
+    points = good;
+    points.weights = negative;
+    check_refused(&points, &options);
+    points.weights = infinite;
+    check_refused(&points, &options);
+    s.values[777] = NAN;
+    check_refused(&good, &options);
+    s.values[777] = -INFINITY;
+    check_refused(&good, &options);
+    drop(&s);
+}
+
+static void unsuitable_options(void **unused) {
+    (void)unused;
+    sample s = make(henon, 1000, 2);
+    saltus_series_points points = points_of(&s);
+    saltus_series_options options = saltus_series_defaults();
+    options.resolution = NAN;
+    check_refused(&points, &options);
+    options.resolution = -1e-9;
+    check_refused(&points, &options);
+    options = saltus_series_defaults();
+    options.window = 251;
+    check_refused(&points, &options);
+    options.window = -2;
+    check_refused(&points, &options);
+    options = saltus_series_defaults();
+    options.pairs = 0;
+    check_refused(&points, &options);
+    options = saltus_series_defaults();
+    options.frequencies = 0;
+    check_refused(&points, &options);
+    drop(&s);
+}
+
+static void unsuitable_series(void **unused) {
+    (void)unused;
+    sample s = make(henon, 1000, 1);
+    saltus_series_options options = saltus_series_defaults();
+    saltus_series_chaos chaos;
+    saltus_message message = {""};
+    assert_int_equal(saltus_series_chaos_test(s.values, SALTUS_SERIES_LEAST - 1, &options, &chaos, &message),
+                     SALTUS_BAD_INPUT);
+    options.frequencies = 0;
+    assert_int_equal(saltus_series_chaos_test(s.values, 1000, &options, &chaos, &message), SALTUS_BAD_INPUT);
+    options.frequencies = 100;
+    s.values[777] = NAN;
+    assert_int_equal(saltus_series_chaos_test(s.values, 1000, &options, &chaos, &message), SALTUS_BAD_INPUT);
+    s.values[777] = INFINITY;
+    assert_int_equal(saltus_series_chaos_test(s.values, 1000, &options, &chaos, NULL), SALTUS_BAD_INPUT);
+    drop(&s);
+}
+
+static saltus_status judge_all(const sample *s) {
+    saltus_series_options options = saltus_series_defaults();
+    saltus_series_points points = points_of(s);
+    saltus_series_chaos chaos;
+    saltus_series_dimension dimension;
+    saltus_series_curve curve;
+    options.frequencies = 3;
+    saltus_status status = saltus_series_chaos_test(s->values, s->count, &options, &chaos, NULL);
+    if (status == SALTUS_OK)
+        status = saltus_series_correlation_dimension(&points, &options, &dimension, NULL);
+    if (status == SALTUS_OK)
+        status = saltus_series_closed_curve(&points, &options, &curve, NULL);
+    return status;
+}
+
+/* The k-th allocation fails, for all k until none is left to fail. Leaks show under the address sanitizer. */
+static void failing_allocations(void **unused) {
+    (void)unused;
+    sample s = make(henon, 500, 2);
+    int refused = 0;
+    for (long k = 1;; k++) {
+        allocations = 0;
+        failing = k;
+        saltus_status status = judge_all(&s);
+        failing = -1;
+        if (allocations < k) {
+            assert_int_equal(status, SALTUS_OK);
+            break;
+        }
+        assert_int_equal(status, SALTUS_NO_MEMORY);
+        refused++;
+    }
+    assert_int_equal(refused, 7);
+    drop(&s);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(regular_and_chaotic_series),
+        cmocka_unit_test(agrees_with_the_definition),
+        cmocka_unit_test(scale_and_shift_do_not_matter),
+        cmocka_unit_test(seeds_give_other_angles),
+        cmocka_unit_test(constant_series),
+        cmocka_unit_test(long_series),
+        cmocka_unit_test(known_dimensions),
+        cmocka_unit_test(logistic_map_fills_the_interval),
+        cmocka_unit_test(henon_attractor),
+        cmocka_unit_test(points_that_recur),
+        cmocka_unit_test(finest_scale_counts),
+        cmocka_unit_test(weights_undo_scales),
+        cmocka_unit_test(drawn_pairs),
+        cmocka_unit_test(ceiling_is_told),
+        cmocka_unit_test(window_follows_the_motion),
+        cmocka_unit_test(curves_are_seen),
+        cmocka_unit_test(other_sets_are_none),
+        cmocka_unit_test(measures_mean_what_they_say),
+        cmocka_unit_test(unsuitable_points),
+        cmocka_unit_test(unsuitable_options),
+        cmocka_unit_test(unsuitable_series),
+        cmocka_unit_test(failing_allocations),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

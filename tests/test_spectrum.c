@@ -1,0 +1,772 @@
+/* Spectra: lines that are known, noise that is known, aliasing against exact coefficients, motions.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "allocations.h"
+#include "check.h"
+
+#include <complex.h>
+#include <gsl/gsl_randist.h>
+#include <gsl/gsl_rng.h>
+
+static long allocations, failing = -1;
+
+static bool refuse(void) {
+    return ++allocations == failing;
+}
+
+static const double golden = 0.61803398874989485;
+
+static double *room(long long count) {
+    double *samples = calloc((size_t)count, sizeof *samples);
+    assert_non_null(samples);
+    return samples;
+}
+
+static saltus_spectrum orbits_of(const double *samples, long long count, int per_period, int periods) {
+    saltus_signal signal = {.samples = samples, .count = count, .per_period = per_period};
+    saltus_message message = {""};
+    saltus_spectrum spectrum;
+    check_ok(saltus_signal_orbits(&signal, periods, &spectrum, &message), &message);
+    return spectrum;
+}
+
+static saltus_spectrum welch_of(const double *samples, long long count, int per_period, long long segment) {
+    saltus_signal signal = {.samples = samples, .count = count, .per_period = per_period};
+    saltus_message message = {""};
+    saltus_spectrum spectrum;
+    check_ok(saltus_signal_welch(&signal, segment, 0.95, &spectrum, &message), &message);
+    return spectrum;
+}
+
+static double broadband_of(const double *samples, long long count) {
+    saltus_message message = {""};
+    double fraction = -1;
+    check_ok(saltus_series_broadband(samples, count, &fraction, &message), &message);
+    return fraction;
+}
+
+/* Lines */
+
+/* Lines of a motion of period 5 T, with a mean, from an even and an odd number of samples. */
+static void known_lines_are_found(void **unused) {
+    (void)unused;
+    enum { p = 5, lines = 9, orbits = 3 };
+    static const int harmonic[lines] = {1, 2, 3, 5, 7, 10, 23, 40, 61};
+    for (int per_period = 63; per_period <= 64; per_period++) {
+        long long count = (long long)orbits * p * per_period;
+        double *samples = room(count), amplitude[lines], phase[lines];
+        for (int l = 0; l < lines; l++) {
+            amplitude[l] = pow(10, -0.7 * l) * (1 + golden * l);
+            phase[l] = 3 * sin(1.0 + 5 * l);
+        }
+        for (long long j = 0; j < count; j++) {
+            samples[j] = 0.3;
+            for (int l = 0; l < lines; l++)
+                samples[j] += amplitude[l] *
+                              cos(2 * M_PI * (double)(harmonic[l] * j % (p * per_period)) / (p * per_period) +
+                                  phase[l]);
+        }
+        saltus_spectrum s = orbits_of(samples, count, per_period, p);
+        assert_int_equal(s.kind, SALTUS_SPECTRUM_LINES);
+        assert_int_equal(s.orbits, orbits);
+        check_near(s.mean, 0.3, 1e-14);
+        check_near(s.parseval, 0, 1e-12);
+        assert_true(s.between < 1e-14 && s.broadband < 1e-25);
+        double power = 0, share = 0;
+        for (int l = 0; l < lines; l++) {
+            const saltus_spectral_line *line = &s.lines[harmonic[l] - 1];
+            assert_int_equal(line->harmonic, harmonic[l]);
+            check_near(line->frequency, harmonic[l] / 5.0, 1e-15);
+            check_near(line->amplitude, amplitude[l], 1e-10 * amplitude[l]);
+            check_near(line->phase, phase[l], 1e-10);
+            check_near(line->decibels, 20 * log10(amplitude[l] / amplitude[0]), 1e-8);
+            power += amplitude[l] * amplitude[l] / 2;
+            share += line->share;
+        }
+        check_near(s.variance, power, 1e-13 * power);
+        check_near(share, 1, 1e-13);
+        saltus_spectrum_clear(&s);
+        free(samples);
+    }
+}
+
+/* The alternating signal stands at half the samples' frequency with its full amplitude. */
+static void fastest_line(void **unused) {
+    (void)unused;
+    enum { count = 256 };
+    double samples[count];
+    for (int j = 0; j < count; j++)
+        samples[j] = j % 2 ? -0.7 : 0.7;
+    saltus_spectrum s = orbits_of(samples, count, 16, 4);
+    check_near(s.lines[s.line_count - 1].amplitude, 0.7, 1e-15);
+    check_near(s.lines[s.line_count - 1].share, 1, 1e-14);
+    check_near(s.parseval, 0, 1e-12);
+    saltus_spectrum_clear(&s);
+    assert_true(broadband_of(samples, count) < 1e-20);
+}
+
+/* What does not return after the period that is claimed shows between the lines. */
+static void wrong_period_shows(void **unused) {
+    (void)unused;
+    enum { count = 512 };
+    double samples[count];
+    for (int j = 0; j < count; j++)
+        samples[j] = cos(2 * M_PI * j / 32.0) + 0.01 * cos(2 * M_PI * j / 64.0);
+    saltus_spectrum s = orbits_of(samples, count, 32, 1);
+    check_near(s.between, 0.01, 1e-14);
+    check_near(s.broadband, 1e-4 / (1 + 1e-4), 1e-14);
+    saltus_spectrum_clear(&s);
+    for (int j = 0; j < count; j++)
+        samples[j] = cos(2 * M_PI * j / 64.0);
+    s = orbits_of(samples, count, 32, 1);
+    assert_true(s.between > 1e10);
+    check_near(s.broadband, 1, 1e-14);
+    saltus_spectrum_clear(&s);
+}
+
+static void parseval_holds(void **unused) {
+    (void)unused;
+    gsl_rng *rng = gsl_rng_alloc(gsl_rng_mt19937);
+    static const int per_period[] = {1, 2, 7, 16, 64, 97};
+    for (size_t k = 0; k < sizeof per_period / sizeof per_period[0]; k++) {
+        long long periods = 6 * (1 + 400 / per_period[k]), count = periods * per_period[k];
+        double *samples = room(count);
+        for (long long j = 0; j < count; j++)
+            samples[j] = 1e3 + gsl_ran_gaussian(rng, 1) + sin(0.1 * (double)j);
+        saltus_spectrum s = orbits_of(samples, count, per_period[k], (int)periods / 2);
+        double power = 0, windowed = 0;
+        for (long long b = 0; b < s.bins; b++)
+            power += s.density[b] * s.resolution;
+        check_near(power, s.variance, 1e-12 * s.variance);
+        check_near(s.parseval, 0, 1e-12);
+        saltus_spectrum_clear(&s);
+        s = welch_of(samples, count, per_period[k], periods / 3);
+        check_near(s.parseval, 0, 1e-12);
+        for (long long b = 0; b < s.bins; b++)
+            windowed += s.density[b] * s.resolution;
+        check_near(windowed, s.variance, 0.3 * s.variance);
+        saltus_spectrum_clear(&s);
+        free(samples);
+    }
+    gsl_rng_free(rng);
+}
+
+/* Aliasing */
+
+/* Exact coefficients of amplitude exp(i phase) of impacting signals whose jumps fall between the samples. */
+typedef struct impacting {
+    double (*value)(double t);
+    double complex (*line)(int k);
+    double least; /* the trust that 1024 samples a period deserve at least */
+} impacting;
+
+static const double shift = 0.31830988618;
+
+static double bounce(double t) {
+    return fabs(sin(M_PI * (t - shift)));
+}
+static double complex bounce_line(int k) {
+    return -4 / (M_PI * (4.0 * k * k - 1)) * cexp(-2 * M_PI * I * k * shift);
+}
+/* A parabola from impact to impact, and its rate, which jumps. */
+static double parabola(double t) {
+    double s = t - shift - floor(t - shift);
+    return s * (1 - s);
+}
+static double complex parabola_line(int k) {
+    return -1 / (M_PI * M_PI * k * k) * cexp(-2 * M_PI * I * k * shift);
+}
+static double saw(double t) {
+    return 1 - 2 * (t - shift - floor(t - shift));
+}
+static double complex saw_line(int k) {
+    return 2 / (M_PI * I * k) * cexp(-2 * M_PI * I * k * shift);
+}
+/* The saw's even harmonics only, and a smooth part: lines that vanish by symmetry take no trust away. */
+static double twice(double t) {
+    return saw(2 * t) + cos(2 * M_PI * t);
+}
+static double complex twice_line(int k) {
+    return k == 1 ? 1 : k % 2 ? 0 : 2 / (M_PI * I * (k / 2.0)) * cexp(-2 * M_PI * I * (k / 2.0) * shift);
+}
+
+static void trust_is_deserved(void **unused) {
+    (void)unused;
+    static const impacting cases[] = {
+        {bounce, bounce_line, 30}, {parabola, parabola_line, 30}, {saw, saw_line, 2}, {twice, twice_line, 2}};
+    enum { per_period = 1024, orbits = 2, count = per_period * orbits };
+    double samples[count];
+    for (size_t c = 0; c < sizeof cases / sizeof cases[0]; c++) {
+        for (int j = 0; j < count; j++)
+            samples[j] = cases[c].value((double)j / per_period);
+        saltus_spectrum s = orbits_of(samples, count, per_period, 1);
+        assert_true(s.trustworthy >= cases[c].least && s.trustworthy < per_period / 4.0);
+        for (int k = 1; k <= (int)s.trustworthy; k++) {
+            const saltus_spectral_line *line = &s.lines[k - 1];
+            double complex exact = cases[c].line(k), found = line->amplitude * cexp(I * line->phase);
+            double above = fmax(cabs(exact), cabs(cases[c].line(k + 1)));
+            check_near(cabs(found - exact), 0, 0.01 * above);
+        }
+        saltus_spectrum_clear(&s);
+    }
+}
+
+/* A smooth signal is trusted as far as can be looked: the lines fall to rounding before. */
+static void smooth_signals_do_not_alias(void **unused) {
+    (void)unused;
+    enum { count = 512, per_period = 128 };
+    double samples[count];
+    for (int j = 0; j < count; j++)
+        samples[j] = exp(sin(2 * M_PI * j / per_period));
+    saltus_spectrum s = orbits_of(samples, count, per_period, 1);
+    check_near(s.trustworthy, per_period / 4.0 - 1, 1);
+    /* Modified Bessel functions: exp(sin x) = I_0(1) + 2 sum I_k(1) cos(k (x - pi / 2)). */
+    check_near(s.mean, 1.2660658777520083356, 1e-14);
+    check_near(s.lines[0].amplitude, 1.1303182079849700544, 1e-14);
+    check_near(s.lines[1].amplitude, 0.27149533953407656236, 1e-14);
+    check_near(s.lines[0].phase, -M_PI / 2, 1e-14);
+    saltus_spectrum_clear(&s);
+}
+
+/* Noise */
+
+static void white_noise_is_covered(void **unused) {
+    (void)unused;
+    enum { runs = 6, per_period = 8, segment = 128, periods = 16 * segment, count = periods * per_period };
+    gsl_rng *rng = gsl_rng_alloc(gsl_rng_mt19937);
+    double *samples = room(count), level = 2 * 0.5 * 0.5 / per_period, mean = 0;
+    long long covered = 0, bins = 0;
+    for (int run = 0; run < runs; run++) {
+        for (int j = 0; j < count; j++)
+            samples[j] = gsl_ran_gaussian(rng, 0.5);
+        saltus_spectrum s = welch_of(samples, count, per_period, segment);
+        assert_int_equal(s.segments, 31);
+        check_near(s.degrees, 2 * 31 / (1 + 2 * (1 - 1 / 31.0) / 36), 1e-9);
+        assert_int_equal(s.line_count, 0);
+        assert_true(s.broadband > 0.999);
+        for (long long k = 2; k < s.bins - 2; k++, bins++) {
+            covered += s.low * s.density[k] < level && level < s.high * s.density[k];
+            mean += s.density[k] / level;
+        }
+        saltus_spectrum_clear(&s);
+    }
+    check_near((double)covered / (double)bins, 0.95, 0.01);
+    check_near(mean / (double)bins, 1, 0.01);
+    free(samples);
+    gsl_rng_free(rng);
+}
+
+/* One segment has two degrees of freedom. */
+static void one_segment(void **unused) {
+    (void)unused;
+    enum { count = 256 };
+    double samples[count];
+    for (int j = 0; j < count; j++)
+        samples[j] = sin(j * j);
+    saltus_spectrum s = welch_of(samples, count, 16, 16);
+    assert_int_equal(s.segments, 1);
+    check_near(s.degrees, 2, 1e-12);
+    check_near(s.low, 1 / -log(0.025), 1e-9);
+    check_near(s.high, 1 / -log(0.975), 1e-9);
+    saltus_spectrum_clear(&s);
+}
+
+/* A sine's power is in the three bins of the window, a quarter of its peak in each neighbour. */
+static void sine_has_its_power(void **unused) {
+    (void)unused;
+    enum { per_period = 32, segment = 16, periods = 256, count = per_period * periods };
+    double *samples = room(count);
+    for (int j = 0; j < count; j++)
+        samples[j] = 0.8 * cos(2 * M_PI * 1.25 * j / per_period + 1);
+    saltus_spectrum s = welch_of(samples, count, per_period, segment);
+    const double *d = s.density + 20;
+    check_near((d[-1] + d[0] + d[1]) * s.resolution, 0.32, 1e-12);
+    check_near(d[1] / d[0], 0.25, 1e-12);
+    assert_int_equal(s.line_count, 1);
+    check_near(s.lines[0].frequency, 1.25, 1e-10);
+    check_near(s.lines[0].amplitude, 0.8, 1e-9);
+    check_near(s.lines[0].phase, 1, 1e-7);
+    assert_true(s.broadband < 1e-9);
+    saltus_spectrum_clear(&s);
+    free(samples);
+}
+
+/* Lines of any frequency */
+
+/* Lines of three incommensurate frequencies, two of them five bins apart, under a little noise or none. */
+static void incommensurate_lines(void **unused) {
+    (void)unused;
+    enum { count = 4000, per_period = 4, lines = 5, most = 16 };
+    gsl_rng *rng = gsl_rng_alloc(gsl_rng_mt19937);
+    const double frequency[lines] = {0.1 * M_SQRT2, 1 - golden, 1 - golden + 5.0 * per_period / count, 1.3,
+                                     1.99},
+                 amplitude[lines] = {1e-3, 1, 0.3, 0.05, 2e-4};
+    double *samples = room(count);
+    for (int noisy = 0; noisy < 2; noisy++) {
+        double sigma = noisy ? 1e-4 : 0, broadband, tolerance = noisy ? 1e-4 : 1e-8;
+        saltus_spectral_line found[most];
+        saltus_message message = {""};
+        int line_count;
+        for (int j = 0; j < count; j++) {
+            samples[j] = -2 + gsl_ran_gaussian(rng, sigma);
+            for (int l = 0; l < lines; l++)
+                samples[j] += amplitude[l] * cos(2 * M_PI * frequency[l] * j / per_period + l - 2);
+        }
+        saltus_signal signal = {.samples = samples, .count = count, .per_period = per_period};
+        check_ok(saltus_signal_lines(&signal, 0, most, found, &line_count, &broadband, &message), &message);
+        assert_int_equal(line_count, lines);
+        for (int l = 0; l < lines; l++) {
+            check_near(found[l].frequency, frequency[l],
+                       10 * tolerance * per_period / (count * amplitude[l]));
+            check_near(found[l].amplitude, amplitude[l], tolerance);
+            check_near(found[l].phase, l - 2, 30 * tolerance / amplitude[l]);
+        }
+        if (noisy)
+            check_near(broadband, sigma * sigma / 0.546, 0.1 * sigma * sigma);
+        else
+            assert_true(broadband < 1e-9);
+    }
+    free(samples);
+    gsl_rng_free(rng);
+}
+
+/* A quasi-periodic section: a function of the angle. */
+static double section_of(int kind, double angle) {
+    switch (kind) {
+    case 0:
+        return cos(angle);
+    case 1:
+        return exp(2 * cos(angle)) + 0.3 * sin(3 * angle);
+    case 2:
+        return fabs(sin(angle / 2)); /* a corner, as of a curve that meets a stop */
+    default:
+        return cos(angle) + 0.4 * cos(M_SQRT2 * angle) * cos(2 * angle); /* two angles */
+    }
+}
+
+static void quasiperiodic_is_not_broadband(void **unused) {
+    (void)unused;
+    static const double turns[] = {0.61803398874989485, 0.2527, 0.4975, 0.0131};
+    enum { count = 3000 };
+    double samples[count];
+    for (int kind = 0; kind < 4; kind++)
+        for (size_t k = 0; k < sizeof turns / sizeof turns[0]; k++) {
+            for (int j = 0; j < count; j++)
+                samples[j] = section_of(kind, 2 * M_PI * turns[k] * j);
+            assert_true(broadband_of(samples, count) < (kind == 2 ? 1e-5 : 1e-8));
+        }
+    /* Curves visited in turn. */
+    for (int j = 0; j < count; j++)
+        samples[j] = j % 3 + 0.2 * cos(2 * M_PI * golden * j / 3);
+    assert_true(broadband_of(samples, count) < 1e-8);
+}
+
+static void periodic_is_not_broadband(void **unused) {
+    (void)unused;
+    enum { count = 4000 };
+    double samples[count];
+    for (int p = 1; p <= 64; p++) {
+        for (int j = 0; j < count; j++)
+            samples[j] = sin(17.0 * (j % p) * (j % p) + p);
+        assert_true(broadband_of(samples, count) < 1e-8);
+    }
+}
+
+static void logistic(double *samples, int count, double r) {
+    double x = 0.3;
+    for (int j = -2000; j < count; j++) {
+        x = r * x * (1 - x);
+        if (j >= 0)
+            samples[j] = x;
+    }
+}
+
+static void chaos_and_noise_are_broadband(void **unused) {
+    (void)unused;
+    enum { count = 4096 };
+    gsl_rng *rng = gsl_rng_alloc(gsl_rng_mt19937);
+    double samples[count], a = 0.1, b = 0.1;
+    for (int j = 0; j < count; j++)
+        samples[j] = gsl_ran_gaussian(rng, 1);
+    assert_true(broadband_of(samples, count) > 0.99);
+    logistic(samples, count, 4);
+    assert_true(broadband_of(samples, count) > 0.99);
+    logistic(samples, count, 3.97);
+    assert_true(broadband_of(samples, count) > 0.99);
+    logistic(samples, count, 3.5);
+    assert_true(broadband_of(samples, count) < 1e-20);
+    /* Two bands visited in turn: a line at half the frequency, and what chaos leaves of the variance. */
+    logistic(samples, count, 3.6);
+    check_near(broadband_of(samples, count), 0.09, 0.01);
+    for (int j = 0; j < count; j++) {
+        double next = 1 - 1.4 * a * a + b;
+        b = 0.3 * a;
+        samples[j] = a = next;
+    }
+    assert_true(broadband_of(samples, count) > 0.99);
+    gsl_rng_free(rng);
+}
+
+/* A little noise is found to its size; a peak that is narrow but no line is none. */
+static void noise_on_lines(void **unused) {
+    (void)unused;
+    enum { count = 4096 };
+    gsl_rng *rng = gsl_rng_alloc(gsl_rng_mt19937);
+    double samples[count];
+    for (int j = 0; j < count; j++)
+        samples[j] = M_SQRT2 * cos(2 * M_PI * golden * j) + gsl_ran_gaussian(rng, 0.01);
+    check_near(broadband_of(samples, count), 1e-4, 1e-5);
+    for (double memory = 50; memory < 1000; memory *= 4) {
+        double complex z = 1, step = cexp(2 * M_PI * I * 0.21 - 1 / memory);
+        for (int j = 0; j < count; j++) {
+            z = step * z + gsl_ran_gaussian(rng, 1) + I * gsl_ran_gaussian(rng, 1);
+            samples[j] = creal(z);
+        }
+        assert_true(broadband_of(samples, count) > 0.9);
+    }
+    gsl_rng_free(rng);
+}
+
+/* Rest, and what cannot be analysed */
+
+static void rest_has_no_spectrum(void **unused) {
+    (void)unused;
+    enum { count = 128 };
+    double samples[count];
+    for (int j = 0; j < count; j++)
+        samples[j] = -3 + 1e-15 * (j % 2);
+    for (int welch = 0; welch < 2; welch++) {
+        saltus_spectrum s = welch ? welch_of(samples, count, 16, 4) : orbits_of(samples, count, 16, 1);
+        assert_int_equal(s.kind, SALTUS_SPECTRUM_CONSTANT);
+        check_near(s.mean, -3, 1e-14);
+        assert_true(s.variance == 0 && s.line_count == 0 && s.bins == 0 && s.broadband == 0);
+        saltus_spectrum_clear(&s);
+    }
+    assert_true(broadband_of(samples, count) == 0);
+    for (int j = 0; j < count; j++)
+        samples[j] = 1e-13 * sin(j);
+    saltus_signal signal = {.samples = samples, .count = count, .per_period = 16, .rounding = 1e-12};
+    saltus_spectrum s;
+    assert_int_equal(saltus_signal_orbits(&signal, 1, &s, NULL), SALTUS_OK);
+    assert_int_equal(s.kind, SALTUS_SPECTRUM_CONSTANT);
+    assert_true(s.mean == 0);
+}
+
+static void unsuitable_input(void **unused) {
+    (void)unused;
+    enum { count = 128 };
+    double samples[count] = {0}, fraction;
+    saltus_spectral_line lines[4];
+    saltus_signal signal = {.samples = samples, .count = count, .per_period = 16};
+    saltus_spectrum s;
+    saltus_message message = {""};
+    int line_count;
+    samples[7] = 1;
+    assert_int_equal(saltus_signal_orbits(&signal, 3, &s, &message), SALTUS_BAD_INPUT);
+    assert_non_null(strstr(message.text, "whole orbits"));
+    assert_int_equal(saltus_signal_orbits(&signal, 0, &s, &message), SALTUS_BAD_INPUT);
+    assert_int_equal(saltus_signal_orbits(&signal, -1, &s, &message), SALTUS_BAD_INPUT);
+    assert_int_equal(saltus_signal_welch(&signal, 9, 0.95, &s, &message), SALTUS_BAD_INPUT);
+    assert_int_equal(saltus_signal_welch(&signal, 0, 0.95, &s, &message), SALTUS_BAD_INPUT);
+    assert_int_equal(saltus_signal_welch(&signal, 2, 0.95, &s, &message), SALTUS_BAD_INPUT);
+    assert_int_equal(saltus_signal_welch(&signal, 4, 1, &s, &message), SALTUS_BAD_INPUT);
+    assert_int_equal(saltus_signal_welch(&signal, 4, NAN, &s, &message), SALTUS_BAD_INPUT);
+    assert_int_equal(saltus_series_broadband(samples, 63, &fraction, &message), SALTUS_BAD_INPUT);
+    assert_int_equal(saltus_series_broadband(samples, 0, &fraction, &message), SALTUS_BAD_INPUT);
+    assert_int_equal(saltus_signal_lines(&signal, NAN, 4, lines, &line_count, &fraction, &message),
+                     SALTUS_BAD_INPUT);
+    assert_int_equal(saltus_signal_lines(&signal, 0, 0, lines, &line_count, &fraction, &message),
+                     SALTUS_BAD_INPUT);
+    samples[100] = NAN;
+    assert_int_equal(saltus_signal_orbits(&signal, 1, &s, &message), SALTUS_BAD_INPUT);
+    assert_non_null(strstr(message.text, "sample 100"));
+    samples[100] = 1e200;
+    assert_int_equal(saltus_signal_welch(&signal, 4, 0.95, &s, &message), SALTUS_BAD_INPUT);
+    samples[100] = -INFINITY;
+    assert_int_equal(saltus_series_broadband(samples, count, &fraction, &message), SALTUS_BAD_INPUT);
+    signal.per_period = 0;
+    assert_int_equal(saltus_signal_orbits(&signal, 1, &s, &message), SALTUS_BAD_INPUT);
+}
+
+/* Motions */
+
+static saltus_motion classify(const saltus_system *system, long long transient) {
+    saltus_classify_options options = saltus_classify_defaults();
+    saltus_message message = {""};
+    saltus_motion motion;
+    double state[20];
+    options.transient = transient;
+    check_ok(saltus_system_default_state(system, state, &message), &message);
+    check_ok(saltus_classify(system, state, &options, &motion, &message), &message);
+    return motion;
+}
+
+static saltus_system *pipe_with_stop(double omega, double d) {
+    saltus_spec spec = pipe_spec(5, omega);
+    add_stop(&spec, d, 0.9, SALTUS_UPPER);
+    return build(&spec);
+}
+
+/* Figure 7(d): lines at multiples of omega/4 only; the velocity's lines are the displacement's, times i omega
+ * k/4. */
+static void figure_7d(void **unused) {
+    (void)unused;
+    saltus_system *system = pipe_with_stop(42, 0.035);
+    saltus_motion motion = classify(system, 20000);
+    saltus_spectrum_options options = saltus_spectrum_defaults();
+    saltus_message message = {""};
+    saltus_spectra spectra;
+    assert_string_equal(motion.label, "4/4");
+    check_ok(saltus_motion_spectra(system, &motion, &options, &spectra, &message), &message);
+    const saltus_spectrum *x = &spectra.spectra[0], *v = &spectra.spectra[1];
+    assert_int_equal(spectra.analysed, 32);
+    for (int k = 0; k < 2; k++) {
+        assert_int_equal(spectra.spectra[k].kind, SALTUS_SPECTRUM_LINES);
+        assert_int_equal(spectra.spectra[k].periods, 4);
+        assert_true(spectra.spectra[k].between < 1e-10);
+        assert_true(spectra.spectra[k].broadband < 1e-20);
+        assert_true(spectra.spectra[k].trustworthy >= 32);
+        check_near(spectra.spectra[k].parseval, 0, 1e-12);
+    }
+    /* All of them are there: none is below 1e-6 of the highest up to 4 omega. */
+    for (int k = 0; k < 16; k++) {
+        double complex rate = 42 * x->lines[k].frequency * I * x->lines[k].amplitude *
+                              cexp(I * x->lines[k].phase),
+                       velocity = v->lines[k].amplitude * cexp(I * v->lines[k].phase);
+        assert_true(x->lines[k].decibels > -120);
+        check_near(cabs(rate - velocity), 0, 2e-3 * cabs(rate));
+    }
+    saltus_spectra_clear(&spectra);
+    saltus_motion_clear(&motion);
+    saltus_system_free(system);
+}
+
+/* The linear oscillator's response is one line, known in closed form; also of --of q1 and v1. */
+static void closed_form_response(void **unused) {
+    (void)unused;
+    saltus_spec spec = oscillator_spec(0.1, 1, 0.05, 1.5);
+    saltus_system *system = build(&spec);
+    saltus_motion motion = classify(system, 20000);
+    saltus_spectrum_options options = saltus_spectrum_defaults();
+    saltus_message message = {""};
+    saltus_spectra spectra;
+    check_ok(saltus_quantity_parse(system, "q1", &options.quantities[0], &message), &message);
+    check_ok(saltus_quantity_parse(system, "v1", &options.quantities[1], &message), &message);
+    check_ok(saltus_motion_spectra(system, &motion, &options, &spectra, &message), &message);
+    double complex response = 0.05 / (1 - 2.25 + 0.15 * I);
+    for (int k = 0; k < 2; k++) {
+        const saltus_spectrum *s = &spectra.spectra[k];
+        double complex line = response * (k ? 1.5 * I : 1);
+        check_near(s->lines[0].amplitude, cabs(line), 1e-10 * cabs(line));
+        check_near(s->lines[0].phase, carg(line), 1e-10);
+        check_near(s->mean, 0, 1e-12);
+        assert_true(s->lines[1].decibels < -200 && s->between < 1e-10);
+    }
+    saltus_spectra_clear(&spectra);
+    saltus_motion_clear(&motion);
+    saltus_system_free(system);
+}
+
+/* Chaos: a continuum; the numbers do not depend on how often they are asked for. */
+static void chaos_has_a_continuum(void **unused) {
+    (void)unused;
+    saltus_system *system = pipe_with_stop(10, 0.035);
+    saltus_spectrum_options options = saltus_spectrum_defaults();
+    saltus_message message = {""};
+    saltus_spectra spectra, again;
+    double state[10];
+    check_ok(saltus_system_default_state(system, state, &message), &message);
+    check_ok(saltus_motion_settle(system, &options.flow, 200, state, &message), &message);
+    options.periods = 256;
+    options.per_period = 128;
+    check_ok(saltus_spectra_run(system, state, 0, &options, &spectra, &message), &message);
+    check_ok(saltus_spectra_run(system, state, 0, &options, &again, &message), &message);
+    for (int k = 0; k < 2; k++) {
+        const saltus_spectrum *s = &spectra.spectra[k];
+        assert_int_equal(s->kind, SALTUS_SPECTRUM_WELCH);
+        assert_int_equal(s->segment_periods, 16);
+        assert_int_equal(s->segments, 31);
+        assert_true(s->broadband > 0.5);
+        check_near(s->parseval, 0, 1e-12);
+        assert_memory_equal(s->density, again.spectra[k].density, (size_t)s->bins * sizeof(double));
+    }
+    saltus_spectra_clear(&spectra);
+    saltus_spectra_clear(&again);
+    saltus_system_free(system);
+}
+
+/* An unstable orbit is left when it is run on from, and stays when each orbit begins anew. */
+static void unstable_orbits_begin_anew(void **unused) {
+    (void)unused;
+    saltus_spec spec = pipe_spec(5, 42);
+    saltus_system *system = build(&spec);
+    saltus_orbit_options shooting = saltus_orbit_defaults();
+    saltus_spectrum_options options = saltus_spectrum_defaults();
+    saltus_message message = {""};
+    saltus_orbit orbit;
+    double guess[10] = {1e-9};
+    /* The straight pipe, disturbed by less than rounding shows, under a load that buckles it. */
+    check_ok(saltus_orbit_find(system, 1, guess, &shooting, &orbit, &message), &message);
+    assert_true(exp(orbit.multipliers[0].log_modulus) > 1.1);
+    orbit.state[0] += 1e-8;
+    options.per_period = 64;
+    options.periods = 16;
+    options.quantity_count = 1;
+    double between[2];
+    for (int anew = 0; anew < 2; anew++) {
+        saltus_spectra spectra;
+        options.anew = anew;
+        check_ok(saltus_spectra_run(system, orbit.state, 1, &options, &spectra, &message), &message);
+        between[anew] = spectra.spectra[0].between;
+        saltus_spectra_clear(&spectra);
+    }
+    assert_true(between[0] > 0.1 && between[1] < 1e-12);
+    saltus_orbit_clear(&orbit);
+    saltus_system_free(system);
+}
+
+/* Held by the stop under a pulsating flow: the stop point rests, mode 2 follows the forcing. */
+static void held_pipe(void **unused) {
+    (void)unused;
+    saltus_spec spec = pipe_spec(5, 42);
+    set_parameter(&spec, "sigma", 0.01);
+    add_stop(&spec, 0.01, 0.5, SALTUS_UPPER);
+    saltus_system *system = build(&spec);
+    saltus_motion motion = classify(system, 20000);
+    saltus_spectrum_options options = saltus_spectrum_defaults();
+    saltus_message message = {""};
+    saltus_spectra spectra;
+    check_ok(saltus_quantity_parse(system, "q2", &options.quantities[1], &message), &message);
+    check_ok(saltus_motion_spectra(system, &motion, &options, &spectra, &message), &message);
+    assert_int_equal(spectra.spectra[0].kind, SALTUS_SPECTRUM_CONSTANT);
+    check_near(spectra.spectra[0].mean, 0.01, 1e-15);
+    assert_int_equal(spectra.spectra[1].kind, SALTUS_SPECTRUM_LINES);
+    assert_true(spectra.spectra[1].lines[0].share > 0.99);
+    saltus_spectra_clear(&spectra);
+    saltus_motion_clear(&motion);
+    saltus_system_free(system);
+}
+
+static void quantities_have_names(void **unused) {
+    (void)unused;
+    saltus_system *system = pipe_with_stop(42, 0.035);
+    saltus_message message = {""};
+    saltus_quantity quantity;
+    static const char *const words[] = {
+        "", "q", "q0", "q6", "v6", "q1x", "speed", "q-1", "q99999999999999999999"};
+    for (size_t k = 0; k < sizeof words / sizeof words[0]; k++)
+        assert_int_equal(saltus_quantity_parse(system, words[k], &quantity, &message), SALTUS_BAD_INPUT);
+    static const char *const names[] = {"displacement", "velocity", "q5", "v1"};
+    for (size_t k = 0; k < sizeof names / sizeof names[0]; k++) {
+        char name[16];
+        check_ok(saltus_quantity_parse(system, names[k], &quantity, &message), &message);
+        saltus_quantity_name(quantity, name);
+        assert_string_equal(name, names[k]);
+    }
+    saltus_system_free(system);
+}
+
+static void unsuitable_wishes(void **unused) {
+    (void)unused;
+    saltus_system *system = pipe_with_stop(42, 0.035);
+    saltus_spectrum_options good = saltus_spectrum_defaults(), options;
+    saltus_message message = {""};
+    saltus_spectra spectra;
+    double state[10] = {0.001};
+    for (int wish = 0; wish < 9; wish++) {
+        options = good;
+        if (wish == 0)
+            options.per_period = 18;
+        else if (wish == 1)
+            options.quantity_count = 3;
+        else if (wish == 2)
+            options.quantities[1].coordinate = 6;
+        else if (wish == 3)
+            options.periods = 7;
+        else if (wish == 4)
+            options.periods = 1000000000000;
+        else if (wish == 5)
+            options.segment = 9, options.periods = 8;
+        else if (wish == 6)
+            options.confidence = 0;
+        else if (wish == 7)
+            options.reach = NAN;
+        else
+            options.segment = -1;
+        assert_int_equal(saltus_spectra_run(system, state, 4, &options, &spectra, &message),
+                         SALTUS_BAD_INPUT);
+        assert_true(spectra.count == 0 && message.text[0]);
+    }
+    state[0] = 0.05;
+    assert_int_equal(saltus_spectra_run(system, state, 4, &good, &spectra, &message), SALTUS_BAD_INPUT);
+    saltus_system_free(system);
+}
+
+/* The k-th allocation fails, for all k until none is left to fail. Leaks show under the address sanitizer. */
+static saltus_status all_of_it(void) {
+    saltus_spec spec = pipe_spec(1, 42);
+    saltus_system *system = NULL;
+    saltus_message message = {""};
+    saltus_spectrum_options options = saltus_spectrum_defaults();
+    saltus_spectra spectra = {0};
+    double state[2] = {0.01, 0};
+    add_stop(&spec, 0.03, 0.9, SALTUS_UPPER);
+    saltus_status status = saltus_system_new(&spec, &system, &message);
+    if (status == SALTUS_OK)
+        status = saltus_spectra_run(system, state, 1, &options, &spectra, &message);
+    saltus_spectra_clear(&spectra);
+    options.periods = 16;
+    options.per_period = 64;
+    if (status == SALTUS_OK)
+        status = saltus_spectra_run(system, state, 0, &options, &spectra, &message);
+    saltus_spectra_clear(&spectra);
+    saltus_system_free(system);
+    return status;
+}
+
+static void failing_allocations(void **unused) {
+    (void)unused;
+    int refused = 0;
+    for (long k = 1;; k++) {
+        allocations = 0;
+        failing = k;
+        saltus_status status = all_of_it();
+        failing = -1;
+        if (allocations < k) {
+            assert_int_equal(status, SALTUS_OK);
+            break;
+        }
+        assert_int_equal(status, SALTUS_NO_MEMORY);
+        refused++;
+    }
+    assert_true(refused > 20);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(known_lines_are_found),
+        cmocka_unit_test(fastest_line),
+        cmocka_unit_test(wrong_period_shows),
+        cmocka_unit_test(parseval_holds),
+        cmocka_unit_test(trust_is_deserved),
+        cmocka_unit_test(smooth_signals_do_not_alias),
+        cmocka_unit_test(white_noise_is_covered),
+        cmocka_unit_test(one_segment),
+        cmocka_unit_test(sine_has_its_power),
+        cmocka_unit_test(incommensurate_lines),
+        cmocka_unit_test(quasiperiodic_is_not_broadband),
+        cmocka_unit_test(periodic_is_not_broadband),
+        cmocka_unit_test(chaos_and_noise_are_broadband),
+        cmocka_unit_test(noise_on_lines),
+        cmocka_unit_test(rest_has_no_spectrum),
+        cmocka_unit_test(unsuitable_input),
+        cmocka_unit_test(figure_7d),
+        cmocka_unit_test(closed_form_response),
+        cmocka_unit_test(chaos_has_a_continuum),
+        cmocka_unit_test(unstable_orbits_begin_anew),
+        cmocka_unit_test(held_pipe),
+        cmocka_unit_test(quantities_have_names),
+        cmocka_unit_test(unsuitable_wishes),
+        cmocka_unit_test(failing_allocations),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

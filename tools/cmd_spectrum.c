@@ -1,0 +1,124 @@
+/* saltus spectrum: lines and power spectral density of a motion.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "cli.h"
+
+#include <string.h>
+
+#define PLACE(member) offsetof(cli_request, member)
+
+static const cli_option of = {
+    "--of", CLI_LIST, PLACE(of), 0,
+    0,      0,        "what",    "displacement, velocity, q3 or v2; at most two (default the first two)"};
+static const cli_option periods = {"--periods",
+                                   CLI_WHOLE,
+                                   PLACE(periods),
+                                   0,
+                                   1,
+                                   1e6,
+                                   "n",
+                                   "periods to analyse, otherwise 8 orbits or 2048 periods without one"};
+static const cli_option segment = {"--segment",
+                                   CLI_WHOLE,
+                                   PLACE(segment),
+                                   0,
+                                   1,
+                                   1e6,
+                                   "m",
+                                   "periods in a segment of Welch's method, then for periodic motion too"};
+static const cli_option samples = {"--samples",
+                                   CLI_WHOLE,
+                                   PLACE(samples),
+                                   0,
+                                   16,
+                                   65536,
+                                   "k",
+                                   "samples per period, a multiple of 4; otherwise chosen by what aliases"};
+static const cli_option *const options[] = {
+    &cli_set,  &of,       &periods,       &segment,     &samples,        &cli_json,  &cli_output,
+    &cli_rtol, &cli_atol, &cli_transient, &cli_longest, &cli_integrator, &cli_quiet, NULL};
+
+static bool known_ending(const char *path) {
+    static const char *const endings[] = {".png", ".pdf", ".svg", ".csv"};
+    const char *dot = strrchr(path, '.');
+    for (size_t k = 0; dot && k < sizeof endings / sizeof endings[0]; k++)
+        if (strcmp(dot, endings[k]) == 0)
+            return true;
+    return false;
+}
+
+/* What is asked for, checked before anything is computed. */
+static saltus_status read_wishes(const cli_request *request, const saltus_system *system,
+                                 saltus_spectrum_options *wishes, saltus_message *message) {
+    *wishes = saltus_spectrum_defaults();
+    wishes->flow = cli_flow_options(request);
+    wishes->per_period = (int)request->samples;
+    wishes->periods = request->periods;
+    wishes->segment = request->segment;
+    if (request->output && !known_ending(request->output))
+        return saltus_fail(message, SALTUS_BAD_INPUT,
+                           "-o %.300s: the ending must be .png, .pdf, .svg or .csv", request->output);
+    if (request->samples % 4)
+        return saltus_fail(message, SALTUS_BAD_INPUT, "--samples %ld: must be a multiple of 4",
+                           request->samples);
+    if (request->of.count > SALTUS_QUANTITIES_MAX)
+        return saltus_fail(message, SALTUS_BAD_INPUT, "--of %.40s: only %d can be given",
+                           request->of.items[2], SALTUS_QUANTITIES_MAX);
+    for (int k = 0; k < request->of.count; k++) {
+        saltus_message reason = {""};
+        if (saltus_quantity_parse(system, request->of.items[k], &wishes->quantities[k], &reason) != SALTUS_OK)
+            return saltus_fail(message, SALTUS_BAD_INPUT, "--of %s", reason.text);
+    }
+    wishes->quantity_count = request->of.count ? request->of.count : wishes->quantity_count;
+    return SALTUS_OK;
+}
+
+static saltus_status analyse(const cli_request *request, const saltus_scene *scene,
+                             const saltus_system *system, const double *state, saltus_message *message) {
+    saltus_classify_options how = cli_classify_options(request);
+    saltus_spectrum_options wishes;
+    saltus_motion motion = {0};
+    saltus_spectra spectra = {0};
+    saltus_status status = read_wishes(request, system, &wishes, message);
+    if (status == SALTUS_OK)
+        status = saltus_classify(system, state, &how, &motion, message);
+    cli_progress_end(request);
+    if (status == SALTUS_OK)
+        status = saltus_motion_spectra(system, &motion, &wishes, &spectra, message);
+    if (status == SALTUS_OK && request->output)
+        status =
+            saltus_spectra_write(scene, system, &motion, &spectra, &wishes.flow, request->output, message);
+    if (status == SALTUS_OK)
+        (request->json ? saltus_write_spectra_json : saltus_write_spectra_text)(stdout, scene, system,
+                                                                                &motion, &spectra);
+    if (status == SALTUS_OK && request->output && !request->json)
+        printf("written: %s\n", request->output);
+    saltus_spectra_clear(&spectra);
+    saltus_motion_clear(&motion);
+    return status;
+}
+
+static int run(const cli_request *request) {
+    saltus_scene scene;
+    saltus_system *system;
+    saltus_message message = {""};
+    double state[SALTUS_SCENE_STATE_MAX];
+    int code = cli_build(request, &scene, &system, state);
+    if (code != CLI_DONE)
+        return code;
+    saltus_status status = analyse(request, &scene, system, state, &message);
+    saltus_system_free(system);
+    return cli_report(status, &message);
+}
+
+const cli_command cmd_spectrum = {
+    .name = "spectrum",
+    .usage = "SCENE [--set key=value ...] [--of what] [--json] [-o spectrum.png|pdf|svg|csv]",
+    .help =
+        "Settle on the attractor and analyse it: of periodic motion the lines of whole orbits, at multiples "
+        "of\n"
+        "omega/p; otherwise the power spectral density by Welch's method with its confidence band, and the\n"
+        "lines that stand out. Says up to which frequency aliasing leaves it trustworthy.",
+    .needs_scene = true,
+    .options = options,
+    .run = run,
+};
