@@ -111,6 +111,25 @@ refuse 2 "--at x" continue fig7d --in omega=35:56 --at x -o branch.h5
 refuse 2 "--and" continue fig7d --in omega=35:56 --locus PD -o branch.h5
 refuse 2 "--locus QQ" continue fig7d --in omega=35:56 --locus QQ --and d=0.02:0.05 -o branch.h5
 refuse 2 "--direction left" continue fig7d --in omega=35:56 --direction left -o branch.h5
+refuse 2 "--of q9" spectrum fig7d --of q9
+refuse 2 "--of speed" spectrum fig7d --of speed
+refuse 2 "--of v2" spectrum fig7d --of q1 --of v1 --of v2
+refuse 2 "--samples 18" spectrum fig7d --samples 18
+refuse 2 "--segment 0" spectrum fig7d --segment 0
+refuse 2 "spectrum.bmp" spectrum fig7d -o spectrum.bmp
+refuse 2 "two orbits take 8" spectrum fig7d --periods 7
+refuse 2 "segment = 9" spectrum fig7d --segment 9 --periods 8
+refuse 2 "1000000 periods" spectrum fig7d --periods 1000000
+refuse 1 "nowhere/spectrum.csv" spectrum fig7d -o nowhere/spectrum.csv
+refuse 2 "--exponents 11" lyapunov fig7d --exponents 11
+refuse 2 "only one" lyapunov fig7d --all --exponents 2
+refuse 2 "--members 65" lyapunov fig7d --members 65
+refuse 2 "--precision 0" lyapunov fig7d --precision 0
+refuse 2 "--interval -1" lyapunov fig7d --interval -1
+refuse 2 "interval = 0.3" lyapunov fig7d --interval 0.3
+refuse 2 "periods = 100" lyapunov fig7d --periods 100
+refuse 2 "x.bmp" lyapunov fig7c --precision 1e-6 -o x.bmp
+refuse 1 "nowhere/x.png" lyapunov fig7c --precision 1e-6 -o nowhere/x.png
 refuse 2 "undecided" continue fig7c --in omega=5:15 --transient 500 -o branch.h5
 refuse 2 "branch.txt" continue fig7d --in omega=35:56 -o branch.txt
 refuse 1 "nowhere/branch.h5" continue fig7d --in omega=35:56 -o nowhere/branch.h5
@@ -155,6 +174,27 @@ accept "equilibrium" classify pipe --set sigma=0 --set sides=none --json
 accept "held" classify pipe --set sigma=0 d=0.01 --json
 accept "chaotic" classify fig7c --json --transient 500
 accept "undecided" classify fig7c --json --transient 500 --measure 0
+accept "positive: nearby trajectories separate" lyapunov fig7c --precision 0.05
+accept '"sign": "negative"' lyapunov fig7d --json
+accept "trace and restitution give" lyapunov fig7d --all
+accept "2 of 10 directions are lost in lasting contacts" lyapunov chatter --all --periods 1600
+accept "every direction is lost in lasting contacts" lyapunov bouncing-ball
+accept "precision     NOT reached" lyapunov fig7c --precision 1e-4 --periods 4000
+for kind in png pdf svg csv; do
+    accept "convergence: conv.$kind" lyapunov fig7c --precision 0.1 -o conv.$kind
+    [ -s conv.$kind ] || fail "conv.$kind is empty"
+done
+awk -F, '!/^#/ {print NF}' conv.csv | sort -u | grep -q '^3$' || fail "conv.csv has ragged rows"
+accept "multiples of omega/4" spectrum fig7d
+accept '"between_lines"' spectrum fig7d --json
+accept "spectrum.csv" spectrum fig7d --of q3 -o spectrum.csv
+awk -F, '!/^#/ {print NF}' spectrum.csv | sort -u | wc -l | grep -q '^1$' || fail "spectrum.csv has ragged rows"
+accept "degrees of freedom" spectrum fig7c --transient 100 --periods 128
+accept "does not move" spectrum pipe --set sigma=0 d=0.01
+for kind in png pdf svg; do
+    accept "spectrum.$kind" spectrum impact-oscillator -o spectrum.$kind
+    [ -s spectrum.$kind ] || fail "spectrum.$kind is empty"
+done
 accept '"seeds"' classify fig3 --seeds 5 --json
 accept "2/2" classify fig3 --seeds 5
 accept "saltus classify" --help
@@ -166,6 +206,11 @@ for kind in png pdf svg; do
 done
 accept "sheet.png" diagnose fig3 -o sheet.png --data sheet.h5
 [ -s sheet.h5 ] && [ -s sheet.gp ] || fail "--data leaves no sheet.h5 and sheet.gp"
+grep -q "multiples of" sheet.gp || fail "the page of fig3 has no spectrum"
+accept "quasi-periodic" diagnose impact-oscillator --set c=0 omega=0.618034 d=3 -o torus.png --data torus.h5
+for word in "stroboscopic section, 2000 points" "95 % band" "convergence of the largest exponent"; do
+    grep -q "$word" torus.gp || fail "the page of a torus has no '$word'"
+done
 accept "4/4, stable" orbit fig7d --periods 4
 accept "4/4" orbit fig7d --periods 8
 accept "not inside the unit circle" orbit fig7a --periods 1

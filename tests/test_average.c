@@ -121,6 +121,7 @@ static void chaotic_maps(void **unused) {
     check_calibrated(logistic, 3.9, 0.49600, 10000);
     check_calibrated(logistic, 3.7, 0.35496, 10000);
     check_calibrated(logistic, 3.58, 0.10541, 10000);
+    check_calibrated(logistic, 3.8282, 0.25866, 20000); /* intermittent */
     check_calibrated(henon, 0, 0.41922, 1000);
     check_calibrated(henon, 0, 0.41922, 10000);
     check_cautious(logistic, 3.58, 0.10541, 1000);

@@ -63,7 +63,8 @@ static saltus_status write_record(const fixture *f, const char *path, saltus_mes
 
 static saltus_status write_sheet(const fixture *f, const char *path, const char *data,
                                  saltus_message *message) {
-    return saltus_write_sheet(&f->scene, f->system, &f->motion, &f->record, &f->options, path, data, message);
+    const saltus_diagnosis diagnosis = {.motion = &f->motion, .record = &f->record};
+    return saltus_write_sheet(&f->scene, f->system, &diagnosis, &f->options, path, data, message);
 }
 
 static char *read_all(const char *path, size_t *length) {
@@ -415,6 +416,168 @@ static void sheets_are_drawn(void **state) {
     folder_files(f->folder, true);
 }
 
+/* Draw a diagnosis and return its script, which every gnuplot must take without a word. */
+static char *script_of(const fixture *f, const saltus_system *drawn, const saltus_diagnosis *diagnosis) {
+    saltus_message message = {""};
+    char path[128], data[128], command[512];
+    size_t length;
+    saltus_status status = saltus_write_sheet(&f->scene, drawn, diagnosis, &f->options,
+                                              path_in(f, "s.svg", path), path_in(f, "d.h5", data), &message);
+    if (gnuplot_is_there()) {
+        check_ok(status, &message);
+        snprintf(command, sizeof command,
+                 "cd %s && rm s.svg && gnuplot d.gp 2>messages && test ! -s messages && test -s s.svg",
+                 f->folder);
+        assert_int_equal(system(command), 0);
+    }
+    char *script = read_all(path_in(f, "d.gp", path), &length);
+    folder_files(f->folder, true);
+    return script;
+}
+
+/* Headings of the panels, one after the other and no more, and nothing but numbers in the datablocks. */
+static void check_script(const char *script, const char *const *panels) {
+    const char *at = script;
+    char mark[64];
+    for (int k = 0; k < 7; k++) {
+        snprintf(mark, sizeof mark, "{/:Bold (%c)}  %s", 'a' + k, panels[k] ? panels[k] : "");
+        const char *found = strstr(at, mark);
+        if ((found != NULL) != (panels[k] != NULL))
+            fail_msg("panel '%s' is %s", mark, found ? "too much" : "missing");
+        if (!found)
+            break;
+        at = found;
+    }
+    for (const char *block = script; (block = strstr(block, " << EOD\n")); block++) {
+        const char *row = strchr(block, '\n') + 1, *end = strstr(row, "\nEOD\n");
+        assert_non_null(end);
+        for (row += strcspn(row, "\n"); row < end; row++)
+            if (!strchr("0123456789+-.e \n", *row))
+                fail_msg("a datablock holds %.40s", row - 20);
+    }
+}
+
+/* Periodic motion, with its spectrum and without. */
+static void sheets_of_orbits_have_their_panels(void **state) {
+    fixture *f = *state;
+    saltus_message message = {""};
+    saltus_spectra spectra = {0};
+    saltus_spectrum_options options = saltus_spectrum_defaults();
+    options.quantity_count = 1;
+    options.per_period = 256;
+    options.periods = 2LL * f->motion.periods;
+    check_ok(saltus_motion_spectra(f->system, &f->motion, &options, &spectra, &message), &message);
+    saltus_diagnosis diagnosis = {.motion = &f->motion, .record = &f->record, .spectra = &spectra};
+    char *script = script_of(f, f->system, &diagnosis);
+    check_script(script, (const char *const[]){"phase portrait", "one orbit; dots: impacts", "impacts",
+                                               "shapes", "displacement", "Floquet", NULL});
+    assert_non_null(strstr(script, "red: multiples of"));
+    assert_non_null(strstr(script, "largest exponent ln|"));
+    assert_null(strstr(script, "$convergence"));
+    free(script);
+    diagnosis.spectra = NULL;
+    script = script_of(f, f->system, &diagnosis);
+    check_script(script,
+                 (const char *const[]){"phase portrait", "one orbit", "impacts", "shapes", "Floquet", NULL});
+    assert_null(strstr(script, "$low1"));
+    free(script);
+    saltus_spectra_clear(&spectra);
+}
+
+/* What is told of a chaotic motion; numbers that are not known are left out. */
+static void sheets_of_chaos_have_their_panels(void **state) {
+    fixture *f = *state;
+    saltus_message message = {""};
+    saltus_spectra spectra = {0};
+    saltus_spectrum_options options = saltus_spectrum_defaults();
+    saltus_lyapunov_progress history[] = {
+        {10, 0.9, NAN}, {20, 0.8, INFINITY}, {30, 0.77, 0.02}, {40, 0.75, 0.01}};
+    saltus_motion chaos = f->motion;
+    chaos.kind = SALTUS_CHAOTIC;
+    strcpy(chaos.label, "chaotic");
+    chaos.periods = 0;
+    chaos.lyapunov = 0.75;
+    chaos.lyapunov_error = 0.01;
+    chaos.evidence = (saltus_evidence){.periods = 40,
+                                       .members = 8,
+                                       .half = {0.76, 0.74},
+                                       .half_errors = {0.02, 0.02},
+                                       .zero_one = 0.99,
+                                       .dimension = NAN,
+                                       .dimension_error = NAN,
+                                       .broadband = 1e-5,
+                                       .laminar = 0.25,
+                                       .laminar_period = 3,
+                                       .longest_phase = 70,
+                                       .history = history,
+                                       .history_count = 4};
+    options.quantity_count = 1;
+    options.per_period = 64;
+    options.periods = 64;
+    check_ok(saltus_spectra_run(f->system, chaos.state, 0, &options, &spectra, &message), &message);
+    const saltus_diagnosis diagnosis = {
+        .motion = &chaos, .record = &f->record, .section = &f->record, .spectra = &spectra};
+    char *script = script_of(f, f->system, &diagnosis);
+    check_script(script, (const char *const[]){"phase portrait", "time history; dots: impacts",
+                                               "stroboscopic section, 4 points", "impacts of 4",
+                                               "displacement", "convergence", NULL});
+    assert_non_null(strstr(script, "largest exponent 0.750 ± 0.010 per unit of time"));
+    assert_non_null(strstr(script, "0–1 test 0.990"));
+    assert_non_null(strstr(script, "broadband fraction 1.0·10^{−5}"));
+    assert_non_null(strstr(script, "intermittent: 25 % of the time near a motion of period 3 "));
+    assert_null(strstr(script, "dimension"));
+    assert_non_null(strstr(script, "$convergence << EOD\n# time exponent standard-error\n30 "));
+    free(script);
+    saltus_spectra_clear(&spectra);
+}
+
+/* Nothing was measured: what is lacking is said, and the shapes take the place. */
+static void sheets_of_the_undecided_say_why(void **state) {
+    fixture *f = *state;
+    saltus_motion undecided = f->motion;
+    undecided.kind = SALTUS_UNDECIDED;
+    strcpy(undecided.label, "undecided");
+    strcpy(undecided.reason, "exponent 0.1 +- 0.2; more periods (--measure) would tell");
+    undecided.periods = 0;
+    undecided.lyapunov = undecided.lyapunov_error = NAN;
+    const saltus_diagnosis diagnosis = {.motion = &undecided, .record = &f->record};
+    char *script = script_of(f, f->system, &diagnosis);
+    check_script(script, (const char *const[]){"phase portrait", "time history", "stroboscopic section",
+                                               "impacts", "shapes", NULL});
+    assert_non_null(strstr(script, "exponent 0.1 ± 0.2; more periods (--measure) would tell"));
+    free(script);
+}
+
+/* A mass that has come to rest: there is nothing to analyse. */
+static void sheets_of_rest_are_short(void **state) {
+    fixture *f = *state;
+    saltus_message message = {""};
+    saltus_spec spec = oscillator_spec(0.5, 1, 0, 1);
+    saltus_system *mass = build(&spec);
+    saltus_classify_options how = saltus_classify_defaults();
+    saltus_motion motion = {0};
+    saltus_record record = {0};
+    saltus_spectra spectra = {0};
+    saltus_spectrum_options options = saltus_spectrum_defaults();
+    const double start[] = {0.1, 0};
+    check_ok(saltus_classify(mass, start, &how, &motion, &message), &message);
+    assert_int_equal(motion.kind, SALTUS_EQUILIBRIUM);
+    check_ok(saltus_record_run(mass, motion.state, &f->options, 0, 4, per_period, &record, &message),
+             &message);
+    check_ok(saltus_motion_spectra(mass, &motion, &options, &spectra, &message), &message);
+    const saltus_diagnosis diagnosis = {.motion = &motion, .record = &record, .spectra = &spectra};
+    char *script = script_of(f, mass, &diagnosis);
+    if (motion.multiplier_count > 0)
+        check_script(script, (const char *const[]){"phase portrait", "Floquet", "time history", NULL});
+    else
+        check_script(script, (const char *const[]){"phase portrait", "time history", NULL});
+    free(script);
+    saltus_spectra_clear(&spectra);
+    saltus_record_clear(&record);
+    saltus_motion_clear(&motion);
+    saltus_system_free(mass);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(json_tells_the_motion),
@@ -431,6 +594,10 @@ int main(void) {
         cmocka_unit_test(absent_gnuplot_is_named),
         cmocka_unit_test(failing_gnuplot_is_quoted),
         cmocka_unit_test(sheets_are_drawn),
+        cmocka_unit_test(sheets_of_orbits_have_their_panels),
+        cmocka_unit_test(sheets_of_chaos_have_their_panels),
+        cmocka_unit_test(sheets_of_the_undecided_say_why),
+        cmocka_unit_test(sheets_of_rest_are_short),
     };
     return cmocka_run_group_tests(tests, open_fixture, close_fixture);
 }

@@ -566,7 +566,8 @@ static void closed_form_response(void **unused) {
     saltus_system_free(system);
 }
 
-/* Chaos: a continuum; the numbers do not depend on how often they are asked for. */
+/* Chaos: a continuum beside the response at omega/2, whose phase turns over so seldom that it can pass for a
+ * line; the numbers do not depend on how often they are asked for. */
 static void chaos_has_a_continuum(void **unused) {
     (void)unused;
     saltus_system *system = pipe_with_stop(10, 0.035);
@@ -576,16 +577,16 @@ static void chaos_has_a_continuum(void **unused) {
     double state[10];
     check_ok(saltus_system_default_state(system, state, &message), &message);
     check_ok(saltus_motion_settle(system, &options.flow, 200, state, &message), &message);
-    options.periods = 256;
-    options.per_period = 128;
+    options.periods = 2048;
+    options.per_period = 32;
     check_ok(saltus_spectra_run(system, state, 0, &options, &spectra, &message), &message);
     check_ok(saltus_spectra_run(system, state, 0, &options, &again, &message), &message);
     for (int k = 0; k < 2; k++) {
         const saltus_spectrum *s = &spectra.spectra[k];
         assert_int_equal(s->kind, SALTUS_SPECTRUM_WELCH);
-        assert_int_equal(s->segment_periods, 16);
+        assert_int_equal(s->segment_periods, 128);
         assert_int_equal(s->segments, 31);
-        assert_true(s->broadband > 0.5);
+        assert_true(s->broadband > 0.1);
         check_near(s->parseval, 0, 1e-12);
         assert_memory_equal(s->density, again.spectra[k].density, (size_t)s->bins * sizeof(double));
     }

@@ -8,23 +8,86 @@ static const cli_option *const options[] = {&cli_set,        &cli_output,  &cli_
                                             &cli_longest,    &cli_measure, &cli_rtol, &cli_atol,
                                             &cli_integrator, &cli_quiet,   NULL};
 
-/* One orbit of a periodic motion; enough of the rest to see what it does. */
-static saltus_status record_motion(const saltus_system *system, const saltus_flow_options *flow,
-                                   const saltus_motion *motion, saltus_record *record,
+/* A motion and what its page shows. */
+typedef struct page {
+    saltus_motion motion;
+    saltus_record record, section;
+    saltus_spectra spectra;
+    bool sectioned, analysed;
+} page;
+
+static void clear_page(page *p) {
+    saltus_spectra_clear(&p->spectra);
+    saltus_record_clear(&p->section);
+    saltus_record_clear(&p->record);
+    saltus_motion_clear(&p->motion);
+}
+
+/* One orbit of a periodic motion; enough of any other to see what it does. */
+static saltus_status record_motion(const saltus_system *system, const saltus_flow_options *flow, page *p,
                                    saltus_message *message) {
-    enum { undecided_periods = 400, resting_periods = 4, samples = 240 };
-    long long periods = motion->periods                  ? motion->periods
-                        : !saltus_motion_settled(motion) ? undecided_periods
-                                                         : resting_periods;
-    return saltus_record_run(system, motion->state, flow, 0, periods, samples, record, message);
+    enum {
+        unsettled_periods = 240,
+        resting_periods = 4,
+        orbit_samples = 960,
+        samples = 240,
+        section_points = 2000
+    };
+    const saltus_motion *motion = &p->motion;
+    bool settled = saltus_motion_settled(motion);
+    long long periods = motion->periods ? motion->periods : settled ? resting_periods : unsettled_periods;
+    int per_period = periods * samples < orbit_samples ? orbit_samples / (int)periods : samples;
+    saltus_status status =
+        saltus_record_run(system, motion->state, flow, 0, periods, per_period, &p->record, message);
+    p->sectioned = !settled;
+    if (status == SALTUS_OK && p->sectioned)
+        status = saltus_record_run(system, motion->state, flow, 0, section_points, 1, &p->section, message);
+    return status;
+}
+
+/* The spectrum of what moves, up to the frequencies that the page shows. */
+static saltus_status analyse_motion(const saltus_system *system, const saltus_flow_options *flow, page *p,
+                                    saltus_message *message) {
+    enum { line_samples = 1024, density_samples = 256 };
+    bool periodic = p->motion.kind == SALTUS_PERIODIC;
+    saltus_spectrum_options options = saltus_spectrum_defaults();
+    options.flow = *flow;
+    options.quantity_count = 1;
+    options.per_period = periodic ? line_samples : density_samples;
+    options.periods = periodic ? 2LL * p->motion.periods : 0;
+    p->analysed = periodic || !saltus_motion_settled(&p->motion);
+    return p->analysed ? saltus_motion_spectra(system, &p->motion, &options, &p->spectra, message)
+                       : SALTUS_OK;
+}
+
+static saltus_status diagnose(const cli_request *request, const saltus_scene *scene,
+                              const saltus_system *system, const double *state, saltus_message *message) {
+    saltus_classify_options how = cli_classify_options(request);
+    page p = {.sectioned = false};
+    saltus_status status = saltus_classify(system, state, &how, &p.motion, message);
+    cli_progress_end(request);
+    if (status == SALTUS_OK)
+        status = record_motion(system, &how.flow, &p, message);
+    if (status == SALTUS_OK)
+        status = analyse_motion(system, &how.flow, &p, message);
+    if (status == SALTUS_OK) {
+        const saltus_diagnosis diagnosis = {&p.motion, &p.record, p.sectioned ? &p.section : NULL,
+                                            p.analysed ? &p.spectra : NULL};
+        status =
+            saltus_write_sheet(scene, system, &diagnosis, &how.flow, request->output, request->data, message);
+    }
+    if (status == SALTUS_OK) {
+        saltus_write_motion_text(stdout, scene, system, &p.motion);
+        printf("figure: %s\n", request->output);
+    }
+    clear_page(&p);
+    return status;
 }
 
 static int run(const cli_request *request) {
     saltus_scene scene;
     saltus_system *system;
     saltus_message message = {""};
-    saltus_motion motion = {0};
-    saltus_record record = {0};
     double state[SALTUS_SCENE_STATE_MAX];
     if (!request->output) {
         fprintf(stderr, "saltus: diagnose: needs -o file.png, file.pdf or file.svg\n");
@@ -33,20 +96,7 @@ static int run(const cli_request *request) {
     int code = cli_build(request, &scene, &system, state);
     if (code != CLI_DONE)
         return code;
-    saltus_classify_options how = cli_classify_options(request);
-    saltus_status status = saltus_classify(system, state, &how, &motion, &message);
-    cli_progress_end(request);
-    if (status == SALTUS_OK)
-        status = record_motion(system, &how.flow, &motion, &record, &message);
-    if (status == SALTUS_OK)
-        status = saltus_write_sheet(&scene, system, &motion, &record, &how.flow, request->output,
-                                    request->data, &message);
-    if (status == SALTUS_OK) {
-        saltus_write_motion_text(stdout, &scene, system, &motion);
-        printf("figure: %s\n", request->output);
-    }
-    saltus_record_clear(&record);
-    saltus_motion_clear(&motion);
+    saltus_status status = diagnose(request, &scene, system, state, &message);
     saltus_system_free(system);
     return cli_report(status, &message);
 }
@@ -56,7 +106,9 @@ const cli_command cmd_diagnose = {
     .usage = "SCENE [--set key=value ...] -o sheet.png|pdf|svg [--data out.h5]",
     .help = "Classify the motion and draw it on one page: phase portrait with stroboscopic points and the "
             "stop, time\n"
-            "history, impact map, shapes of the structure.",
+            "history, impact map, shapes of the structure, spectrum, multipliers; without a period the "
+            "stroboscopic\n"
+            "section and the convergence of the largest exponent.",
     .needs_scene = true,
     .options = options,
     .run = run,

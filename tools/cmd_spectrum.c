@@ -79,6 +79,7 @@ static saltus_status analyse(const cli_request *request, const saltus_scene *sce
     saltus_motion motion = {0};
     saltus_spectra spectra = {0};
     saltus_status status = read_wishes(request, system, &wishes, message);
+    how.measure = saltus_classify_defaults().measure;
     if (status == SALTUS_OK)
         status = saltus_classify(system, state, &how, &motion, message);
     cli_progress_end(request);

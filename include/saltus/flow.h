@@ -93,7 +93,8 @@ saltus_status saltus_flow_new(const saltus_system *const *systems, int lanes,
                               saltus_message *message);
 /* NULL is accepted. */
 void saltus_flow_free(saltus_flow *flow);
-/* Number of trajectories that run side by side for a system's model on this processor. */
+/* Number of trajectories that run side by side for a system on this processor, by the integrator chosen for
+ * it: 1 where that is the stiff one. */
 int saltus_flow_width(const saltus_system *system);
 const saltus_system *saltus_flow_system(const saltus_flow *flow, int lane);
 int saltus_flow_columns(const saltus_flow *flow);

@@ -46,8 +46,8 @@ void saltus_write_lyapunov_json(FILE *file, const saltus_scene *scene, const sal
 /* The same for people, with what the numbers say of the motion. */
 void saltus_write_lyapunov_text(FILE *file, const saltus_scene *scene, const saltus_system *system,
                                 const saltus_lyapunov_options *options, const saltus_lyapunov *lyapunov);
-/* How the estimate of the largest exponent converged: a figure (.png, .pdf, .svg) or its rows (.csv), complete
- * or not at all. Errors: SALTUS_BAD_INPUT for another ending, SALTUS_IO. */
+/* How the estimate of the largest exponent converged: a figure (.png, .pdf, .svg) or its rows (.csv),
+ * complete or not at all. Errors: SALTUS_BAD_INPUT for another ending, SALTUS_IO. */
 saltus_status saltus_write_convergence(const saltus_scene *scene, const saltus_system *system,
                                        const saltus_lyapunov_options *options,
                                        const saltus_lyapunov *lyapunov, const char *path,
@@ -94,11 +94,11 @@ typedef struct saltus_diagnosis {
     const saltus_spectra *spectra; /* the first one is shown; NULL: none */
 } saltus_diagnosis;
 
-/* The one-page diagnosis of a motion: phase portrait, time history, impact map, shapes, spectrum, multipliers;
- * without a period the stroboscopic section and the convergence of the largest exponent; caption. `path` ends
- * in .png, .pdf or .svg. With `data` (a .h5 path, may be NULL) the record goes there and gnuplot's script
- * beside it, with the ending .gp. Errors: SALTUS_BAD_INPUT, SALTUS_IO (gnuplot absent or failed, file not
- * writable). */
+/* The one-page diagnosis of a motion: phase portrait, time history, impact map, shapes, spectrum,
+ * multipliers; without a period the stroboscopic section and the convergence of the largest exponent;
+ * caption. `path` ends in .png, .pdf or .svg. With `data` (a .h5 path, may be NULL) the record goes there and
+ * gnuplot's script beside it, with the ending .gp. Errors: SALTUS_BAD_INPUT, SALTUS_IO (gnuplot absent or
+ * failed, file not writable). */
 saltus_status saltus_write_sheet(const saltus_scene *scene, const saltus_system *system,
                                  const saltus_diagnosis *diagnosis, const saltus_flow_options *options,
                                  const char *path, const char *data, saltus_message *message);

@@ -25,7 +25,8 @@ typedef struct saltus_lyapunov_options {
                                  0: chosen from the growth */
     unsigned long seed;       /* of the tangent vectors; other than 0 the initial state is disturbed too, by
                                  1e-6 of the system's scales */
-    /* Called now and then with the periods measured; may be NULL. Returning false ends the measurement. */
+    /* Called now and then with the periods measured, 0 in the transient; may be NULL. Returning false ends
+     * the measurement. The result's `history` and `history_count` are up to date then. */
     bool (*progress)(void *context, long long periods, long long at_most);
     void *context;
 } saltus_lyapunov_options;
@@ -63,7 +64,7 @@ typedef struct saltus_lyapunov {
     double independent;    /* number of independent values that the largest exponent rests on */
     int members;
     double *member_exponents; /* largest exponent of each trajectory; */
-    bool agree;               /* their scatter fits their standard errors */
+    bool agree;               /* their scatter fits their standard errors, or is below the precision */
     bool precise;             /* the precision asked for was reached */
     saltus_lyapunov_progress *history;
     int history_count;

@@ -4,9 +4,8 @@
  * Frequencies are in units of the forcing frequency omega, times in forcing periods T. Two layers: functions
  * of signals, which know nothing of dynamics, and functions that sample a motion on the flow's dense output.
  *
- * All of them plan transforms with FFTW (FFTW_ESTIMATE: the same numbers each time). FFTW's planner is not
- * thread-safe: call them from one thread at a time, or have FFTW guard its planner
- * (fftw_make_planner_thread_safe).
+ * Transforms are planned by FFTW with FFTW_ESTIMATE, so that the numbers are the same each time, and with its
+ * planner behind a lock, so that several threads may call these functions at once.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_SPECTRUM_H
 #define SALTUS_SPECTRUM_H
@@ -109,8 +108,9 @@ saltus_status saltus_signal_welch(const saltus_signal *signal, long long segment
  * level around them would show anywhere with probability 1e-3 at most are candidates. Each is fitted,
  * frequency included, by the window's own transform; all are refitted as others are found and taken away (the
  * relaxation of Li and Stoica, IEEE Trans. Signal Process. 44 (1996) 281-295). What does not have the width
- * and the shape of a line is not one and stays in the continuum. So do lines that the signal is too short to
- * tell apart: less than 4 over its length from each other, 6 in a comb of many equal ones.
+ * and the shape of a line is not one and stays in the continuum; so do lines that the signal is too short to
+ * tell apart, less than 4 over its length from each other (6 in a comb of many equal ones). A peak much
+ * narrower than 1 over the length cannot be told from a line.
  *
  * `highest` (0: no limit) bounds the frequencies looked at, for the fraction too; `lines` has room for
  * `most`. The signal has at least 64 samples. A signal that does not move has no line and nothing left.
@@ -120,10 +120,11 @@ saltus_status saltus_signal_lines(const saltus_signal *signal, double highest, i
                                   saltus_message *message);
 
 /* Fraction of the variance of a stroboscopic series (one sample a forcing period, 64 at least) that is not in
- * sharp lines, at most 512 of them: below 1e-8 for periodic and smooth quasi-periodic motion, 1e-5 where the
- * section's curve has corners, 1e-2 where the series jumps along it; near 1 for noise and most chaos; in
- * between where chaos has lines of its own, as in several bands visited in turn. Errors: those of
- * saltus_signal_lines. */
+ * sharp lines, at most 512 of them. Of some thousand samples: below 1e-8 for periodic and smooth
+ * quasi-periodic motion, 1e-4 where the section's curve has corners, a few hundredths where the series itself
+ * jumps along it (a velocity that is struck at the section's phase: take a displacement); near 1 for noise
+ * and most chaos; in between where chaos has lines of its own, as in several bands visited in turn. Errors:
+ * those of saltus_signal_lines. */
 saltus_status saltus_series_broadband(const double *series, long long count, double *fraction,
                                       saltus_message *message);
 

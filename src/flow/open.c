@@ -236,5 +236,5 @@ void saltus_flow_free(saltus_flow *flow) {
 }
 
 int saltus_flow_width(const saltus_system *system) {
-    return saltus_kernel_find(system->spec.model->name, 0)->lanes;
+    return system->stiff ? 1 : saltus_kernel_find(system->spec.model->name, 0)->lanes;
 }

@@ -107,17 +107,25 @@ static void put_reason(FILE *file, const saltus_system *system, const saltus_cou
     fprintf(file, "plot NaN notitle\nunset label %d\nset xtics auto\nset ytics auto\n", first_tag);
 }
 
-static void put_curves(FILE *file, const saltus_course *c, double origin) {
+/* The band is cut off at the panel's edges by hand: gnuplot lets filled areas run out of a panel at its left.
+ */
+static void put_band(FILE *file, double origin, saltus_range range) {
+    fprintf(file, "cut(x) = x < %.9g ? %.9g : x > %.9g ? %.9g : x\n", range.low, range.low, range.high,
+            range.high);
+    fprintf(
+        file,
+        "plot $convergence using 1:(cut($2 - (%.17g) - $3)):(cut($2 - (%.17g) + $3)) with filledcurves fc "
+        "rgb '" BAND "' fs solid noborder title '± standard error', \\\n",
+        origin, origin);
+}
+
+static void put_curves(FILE *file, const saltus_course *c, double origin, saltus_range range) {
     saltus_line value = {.length = 0};
     saltus_line_uncertain(&value, saltus_uncertain_text(c->exponent, c->standard_error));
     fputs("set key at graph 1, graph 1.02 right bottom horizontal Left reverse samplen 1.8 width -1 font "
           "',11' textcolor rgb '#303030'\n",
           file);
-    fprintf(
-        file,
-        "plot $convergence using 1:($2 - (%.17g) - $3):($2 - (%.17g) + $3) with filledcurves fc rgb '" BAND
-        "' fs solid noborder title '± standard error', \\\n",
-        origin, origin);
+    put_band(file, origin, range);
     fprintf(file,
             "     $convergence using 1:($2 - (%.17g)) with lines lw 2 lc rgb '" TRACE
             "' title 'estimate', \\\n",
@@ -148,7 +156,7 @@ void saltus_course_panel(FILE *file, const saltus_system *system, const saltus_c
     put_axes(file, system, time);
     double origin = choose_origin(file, c, &exponent);
     put_levels(file, c->exponent, origin, exponent);
-    put_curves(file, c, origin);
+    put_curves(file, c, origin, exponent);
     fprintf(file, "unset arrow %d\nunset logscale x\nset format x '%% h'\nset xtics auto\nset key off\n",
             first_tag + 1);
     if (origin == 0 && exponent.low < 0 && exponent.high > 0)

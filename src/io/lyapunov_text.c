@@ -128,8 +128,6 @@ static void put_members(FILE *file, const saltus_lyapunov *l) {
 
 static void put_measured(FILE *file, const saltus_system *system, const saltus_lyapunov_options *o,
                          const saltus_lyapunov *l) {
-    /* The directions' turning into those that grow counts as transient too, at most this long. */
-    double turning = 50 + fmax(1, o->interval);
     put_head(file, "impacts");
     fprintf(file, "%.6g per period; sticks: %.6g per period\n", l->impacts_per_period, l->sticks_per_period);
     put_head(file, "measured");
@@ -137,8 +135,8 @@ static void put_measured(FILE *file, const saltus_system *system, const saltus_l
             l->time, saltus_system_integrator(system));
     put_head(file, "transient");
     fprintf(file, "%lld periods", l->transient);
-    if ((double)(l->transient - o->transient) > turning)
-        fprintf(file, ", %lld asked for: the exponent was still drifting", o->transient);
+    if (l->transient > o->transient)
+        fprintf(file, ": %lld as asked for, then until directions and exponent had settled", o->transient);
     fputc('\n', file);
 }
 

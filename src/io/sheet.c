@@ -1,10 +1,14 @@
-/* The one-page diagnosis of a motion: four panels drawn by gnuplot from a script that holds its own data.
+/* The one-page diagnosis of a motion: up to six panels drawn by gnuplot from a script that holds its own
+ * data.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "io/sheet.h"
 
+#include "io/caption.h"
 #include "io/describe.h"
 #include "io/gnuplot.h"
+#include "io/lyapunov_plot.h"
 #include "io/output.h"
+#include "io/spectrum.h"
 
 #include <errno.h>
 #include <math.h>
@@ -19,12 +23,15 @@
 #define EDGE "#808080"
 #define HOLD "#e0a010"
 
-/* Places on the page, in parts of its width and height. */
-static const double left_column[2] = {0.078, 0.478}, right_column[2] = {0.573, 0.973};
+/* Where a panel is, in parts of the page's width and height. */
+typedef struct place {
+    double across[2], up[2];
+    char letter;
+} place;
 
-typedef struct rows_of_panels {
-    double low[2], high[2]; /* begin and end of each */
-} rows_of_panels;
+typedef void panel(const saltus_sheet *sheet, const place *at);
+
+enum { panels_most = 6 };
 
 static void put_style(FILE *file) {
     fputs("set encoding utf8\n"
@@ -39,21 +46,34 @@ static void put_style(FILE *file) {
           file);
 }
 
-/* Begin a panel: its place, heading and axes. */
-static void open_panel(FILE *file, const double across[2], const double up[2], char letter,
-                       const char *heading) {
+/* Begin a panel: its place and heading. */
+static void open_panel(FILE *file, const place *at, const char *heading) {
     fprintf(file,
             "set lmargin at screen %g\nset rmargin at screen %g\nset bmargin at screen %g\nset tmargin at "
             "screen %g\n",
-            across[0], across[1], up[0], up[1]);
-    fprintf(file,
-            "set label 99 '{/:Bold (%c)}  %s' at graph 0, graph 1 offset 0,1.1 left front tc rgb '#202020'\n",
-            letter, heading);
+            at->across[0], at->across[1], at->up[0], at->up[1]);
+    fprintf(
+        file,
+        "set label 99 '{/:Bold (%c)}  %s' at screen %g, screen %g offset 0,1.1 left front tc rgb '#202020'\n",
+        at->letter, heading, at->across[0], at->up[1]);
 }
 
-static void put_axes(FILE *file, const char *x, saltus_range across, const char *y, saltus_range up) {
-    fprintf(file, "set xlabel '%s'\nset xrange [%.9g:%.9g]\n", x, across.low, across.high);
-    fprintf(file, "set ylabel '%s' offset -0.6,0\nset yrange [%.9g:%.9g]\n", y, up.low, up.high);
+/* A round distance of tics whose numbers have room beside each other. */
+static double tic_step(saltus_range range, double tics) {
+    static const double round[] = {1, 2, 5, 10};
+    double least = (range.high - range.low) / tics;
+    double power = pow(10, floor(log10(least)));
+    int k = 0;
+    while (k < 3 && round[k] * power < least)
+        k++;
+    return round[k] * power;
+}
+
+static void put_axes(FILE *file, const place *at, const char *x, saltus_range across, const char *y,
+                     saltus_range up) {
+    fprintf(file, "set xlabel '%s'\nset xrange [%.9g:%.9g]\nset xtics %.9g\n", x, across.low, across.high,
+            tic_step(across, 16 * (at->across[1] - at->across[0]) + 1.5));
+    fprintf(file, "set ylabel '%s' offset -0.4,0\nset yrange [%.9g:%.9g]\n", y, up.low, up.high);
 }
 
 static void close_panel(FILE *file) {
@@ -87,16 +107,16 @@ static void put_stops(const saltus_sheet *sheet, bool vertical) {
 }
 
 /* Velocity jumps as dashes, the trajectory, and its stroboscopic points with a white rim. */
-static void put_portrait(const saltus_sheet *sheet, const double up[2]) {
+static void put_portrait(const saltus_sheet *sheet, const place *at) {
+    bool settled = saltus_motion_settled(sheet->motion);
     char x[160], y[160];
     saltus_sheet_displacement_name(sheet, x, sizeof x);
     saltus_sheet_velocity_name(sheet, y, sizeof y);
-    open_panel(sheet->file, left_column, up, 'a',
-               "phase portrait, dots at {/:Italic τ} = 0 (mod {/:Italic T})");
-    put_axes(sheet->file, x, sheet->displacement, y, sheet->velocity);
+    open_panel(sheet->file, at, "phase portrait, dots at {/:Italic τ} = 0 (mod {/:Italic T})");
+    put_axes(sheet->file, at, x, sheet->displacement, y, sheet->velocity);
     put_stops(sheet, true);
     fputs("plot ", sheet->file);
-    if (saltus_sheet_impacts(sheet) > 0)
+    if (saltus_sheet_impacts(sheet->record, sheet->events) > 0)
         fprintf(sheet->file, "$jumps using 1:2 with lines lc rgb '%s' lw 1.5, \\\n     ",
                 sheet->orbit ? STRIKE : "#d8c44e2a");
     fprintf(sheet->file, "$orbit using 2:3 with lines lc rgb '%s' lw %s, \\\n", sheet->orbit ? TRACE : THIN,
@@ -104,33 +124,21 @@ static void put_portrait(const saltus_sheet *sheet, const double up[2]) {
     fprintf(sheet->file,
             "     $strobe using 1:2 with points pt 7 ps %s lc rgb '#ffffff', \\\n"
             "     $strobe using 1:2 with points pt 7 ps %s lc rgb '" STROBE "'\n",
-            sheet->orbit ? "1.5" : "0.6", sheet->orbit ? "1.0" : "0.5");
+            settled ? "1.5" : "0.6", settled ? "1.0" : "0.5");
     close_panel(sheet->file);
 }
 
-static const char *history_heading(const saltus_sheet *sheet) {
-    bool struck = saltus_sheet_impacts(sheet) > 0;
-    if (sheet->contacts && !struck)
-        return "time history; bars: contact";
-    if (sheet->contacts)
-        return sheet->orbit ? "one orbit; dots: impacts, bar: contact"
-                            : "time history; dots: impacts, bars: contact";
-    if (struck)
-        return sheet->orbit ? "one orbit; dots: impacts" : "time history; dots: impacts";
-    return sheet->orbit ? "one orbit" : "time history";
-}
-
-static void put_history(const saltus_sheet *sheet, const double up[2]) {
+static void put_history(const saltus_sheet *sheet, const place *at) {
     const saltus_record *r = sheet->record;
-    saltus_range time = {r->time[sheet->recent], r->time[sheet->rows - 1]};
+    saltus_range time = {r->time[0], r->time[sheet->history_rows - 1]};
     char name[160];
     saltus_sheet_displacement_name(sheet, name, sizeof name);
-    open_panel(sheet->file, right_column, up, 'b', history_heading(sheet));
-    put_axes(sheet->file, "time {/:Italic τ}/{/:Italic T}", time, name, sheet->displacement);
+    open_panel(sheet->file, at, saltus_sheet_history_heading(sheet));
+    put_axes(sheet->file, at, "time {/:Italic τ}/{/:Italic T}", time, name, sheet->displacement);
     put_stops(sheet, false);
     fprintf(sheet->file, "plot $history using 1:2 with lines lc rgb '" TRACE "' lw %s",
             sheet->orbit ? "2" : "1.3");
-    if (saltus_sheet_impacts(sheet) > 0)
+    if (saltus_sheet_impacts(sheet->record, sheet->history_events) > 0)
         fputs(", \\\n     $impacts using 1:2 with points pt 7 ps 0.75 lc rgb '" STRIKE "'", sheet->file);
     if (sheet->contacts)
         fputs(", \\\n     $contacts using 1:2 with lines lc rgb '" HOLD "' lw 8", sheet->file);
@@ -138,29 +146,54 @@ static void put_history(const saltus_sheet *sheet, const double up[2]) {
     close_panel(sheet->file);
 }
 
+/* The section points of a long record, in their own range. */
+static void put_section(const saltus_sheet *sheet, const place *at) {
+    const double *scale = saltus_system_scale(sheet->system);
+    long long count = sheet->section->strobes;
+    saltus_range x = {INFINITY, -INFINITY}, v = x;
+    char heading[96], across[160], up[160];
+    for (long long k = 0; k < count; k++) {
+        double point[2];
+        saltus_sheet_strobe(sheet, sheet->section, k, point);
+        saltus_range_add(&x, point[0]);
+        saltus_range_add(&v, point[1]);
+    }
+    saltus_range_pad(&x, 0.06, scale[0]);
+    saltus_range_pad(&v, 0.06, scale[saltus_system_dof(sheet->system)]);
+    snprintf(heading, sizeof heading, "stroboscopic section, %lld points", count);
+    saltus_sheet_displacement_name(sheet, across, sizeof across);
+    saltus_sheet_velocity_name(sheet, up, sizeof up);
+    open_panel(sheet->file, at, heading);
+    put_axes(sheet->file, at, across, x, up, v);
+    fputs("plot $section using 1:2 with points pt 7 ps 0.25 lc rgb '" STROBE "'\n", sheet->file);
+    close_panel(sheet->file);
+}
+
 /* Marks of the impact map: colour by stop, triangle by side. */
 static void put_impact_marks(const saltus_sheet *sheet, bool logarithmic) {
     static const char *const colour[SALTUS_STOPS_MAX] = {STRIKE, TRACE, "#2f8f6f", "#8a5aa0"};
-    const char *separator = "plot ", *value = logarithmic ? "abs($4)" : "$4";
-    bool many = sheet->events > 400;
+    const char *separator = "plot ", *value = logarithmic ? "abs($2)" : "$2";
+    const char *size = sheet->mapped > 400 ? "0.5" : sheet->mapped > 60 ? "0.8" : "1.3";
     for (int f = 0; f < saltus_system_face_count(sheet->system); f++) {
         saltus_face face = saltus_system_face(sheet->system, f);
         fprintf(sheet->file,
-                "%s$impacts using ($5 == %d && $6 == %d ? $3 : NaN):(%s) with points pt %d ps %s lc rgb "
+                "%s$impact_map using ($3 == %d && $4 == %d ? $1 : NaN):(%s) with points pt %d ps %s lc rgb "
                 "'%s%s' title "
                 "'stop %d, %s side'",
-                separator, face.side, face.stop + 1, value, face.side > 0 ? 9 : 11, many ? "0.5" : "1.3",
-                many ? "#60" : "#", colour[face.stop] + 1, face.stop + 1, saltus_side_word(face.side));
+                separator, face.side, face.stop + 1, value, face.side > 0 ? 9 : 11, size,
+                sheet->mapped > 400 ? "#60" : "#", colour[face.stop] + 1, face.stop + 1,
+                saltus_side_word(face.side));
         separator = ", \\\n     ";
     }
     fputc('\n', sheet->file);
 }
 
 /* Chatter spans decades of speed, which a logarithmic axis shows. */
-static void put_impact_map(const saltus_sheet *sheet, const double up[2]) {
-    const saltus_record *r = sheet->record;
+static void put_impact_map(const saltus_sheet *sheet, const place *at) {
+    const saltus_record *r = sheet->section;
+    char heading[96];
     saltus_range size = {INFINITY, 0}, signed_range = {0, 0}, phase = {0, 1};
-    for (long long k = 0; k < sheet->events; k++) {
+    for (long long k = 0; k < sheet->mapped; k++) {
         double velocity = r->events[k].velocity_before;
         if (r->events[k].kind == SALTUS_RELEASE || velocity == 0)
             continue;
@@ -171,12 +204,13 @@ static void put_impact_map(const saltus_sheet *sheet, const double up[2]) {
     saltus_range_pad(&signed_range, 0.08, 1);
     if (signed_range.high < 0.08 * (signed_range.high - signed_range.low))
         signed_range.high = fmax(signed_range.high, 0);
-    open_panel(sheet->file, left_column, up, 'c', "impacts");
+    saltus_sheet_impacts_heading(sheet, heading, sizeof heading);
+    open_panel(sheet->file, at, heading);
     if (logarithmic) {
         size = (saltus_range){size.low / 3, size.high * 3};
         fputs("set logscale y\nset format y '10^{%T}'\n", sheet->file);
     }
-    put_axes(sheet->file, "phase {/:Italic τ}/{/:Italic T} (mod 1)", phase,
+    put_axes(sheet->file, at, "phase {/:Italic τ}/{/:Italic T} (mod 1)", phase,
              logarithmic ? "impact speed |{/:Bold n·q′}|" : "velocity before impact, {/:Bold n·q′}",
              logarithmic ? size : signed_range);
     if (saltus_system_face_count(sheet->system) > 1)
@@ -189,16 +223,16 @@ static void put_impact_map(const saltus_sheet *sheet, const double up[2]) {
 }
 
 /* Multipliers and the unit circle, with equal scales on both axes. */
-static void put_multipliers(const saltus_sheet *sheet, const double across[2], const double up[2],
-                            char letter) {
+static void put_multipliers(const saltus_sheet *sheet, const place *at) {
     enum { page_width = 1600, page_height = 1200 };
-    double reach = 1.15, aspect = (across[1] - across[0]) * page_width / ((up[1] - up[0]) * page_height);
+    double aspect = (at->across[1] - at->across[0]) * page_width / ((at->up[1] - at->up[0]) * page_height);
+    double reach = 1.15 * fmax(1, 1 / aspect);
     for (int k = 0; k < sheet->motion->multiplier_count; k++)
         reach = fmax(reach, 1.15 * fmax(fabs(sheet->motion->multipliers[k].re) / aspect,
                                         fabs(sheet->motion->multipliers[k].im)));
     saltus_range imaginary = {-reach, reach}, real = {-reach * aspect, reach * aspect};
-    open_panel(sheet->file, across, up, letter, "Floquet multipliers and the unit circle");
-    put_axes(sheet->file, "real part", real, "imaginary part", imaginary);
+    open_panel(sheet->file, at, "Floquet multipliers and the unit circle");
+    put_axes(sheet->file, at, "real part", real, "imaginary part", imaginary);
     fputs("set object circle at 0,0 size first 1 back fillstyle empty border lc rgb '" EDGE "' lw 1.5\n"
           "plot $multipliers using 1:2 with points pt 7 ps 1.3 lc rgb '" TRACE "'\n",
           sheet->file);
@@ -230,30 +264,29 @@ static saltus_range shape_range(const saltus_sheet *sheet) {
     return range;
 }
 
-static void put_shapes(const saltus_sheet *sheet, const double up[2]) {
-    const double across[2] = {right_column[0], right_column[1] - 0.045};
-    saltus_range range = shape_range(sheet), unit = {0, 1};
-    open_panel(sheet->file, across, up, 'd', "shapes of the pipe; grey: all that it sweeps");
-    put_axes(sheet->file, "position {/:Italic ξ}", unit, "displacement {/:Italic η}", range);
+static void put_shapes(const saltus_sheet *sheet, const place *at) {
+    const place beside = {{at->across[0], at->across[1] - 0.05}, {at->up[0], at->up[1]}, at->letter};
+    saltus_range range = shape_range(sheet), unit = {0, 1}, time = {0, saltus_sheet_shape_time(sheet)};
+    open_panel(sheet->file, &beside, "shapes of the pipe; grey: all swept");
+    put_axes(sheet->file, &beside, "position {/:Italic ξ}", unit, "displacement {/:Italic η}", range);
     for (int f = 0; f < saltus_system_face_count(sheet->system); f++) {
         saltus_face face = saltus_system_face(sheet->system, f);
         put_block(sheet->file, saltus_system_spec(sheet->system)->stops[face.stop].xi, face.side * face.d,
                   face.side, range, 10 + f);
     }
     fprintf(sheet->file,
-            "set colorbox user origin screen %g,%g size 0.010,%g noborder\nset cbtics scale "
-            "0.4 offset -0.6,0\n"
-            "set cblabel '{/:Italic τ}/{/:Italic T}' offset -0.4,0 rotate by 0\n",
-            across[1] + 0.012, up[0], up[1] - up[0]);
-    if (sheet->orbit)
-        fprintf(sheet->file, "set cbrange [0:%d]\n", sheet->motion->periods);
+            "set colorbox user origin screen %g,%g size 0.010,%g noborder\n"
+            "set label '{/:Italic τ}/{/:Italic T}' at screen %g, graph 0 offset 0,-1.05 tc rgb '#303030'\n",
+            beside.across[1] + 0.012, at->up[0], at->up[1] - at->up[0], beside.across[1] + 0.012);
+    fprintf(sheet->file, "set cbrange [0:%g]\nset cbtics %g scale 0.4 offset -0.6,0\n", time.high,
+            tic_step(time, 5));
     fputs("plot $envelope using 1:2:3 with filledcurves fc rgb '#f0f0f0', \\\n"
           "     $shapes using 1:2:3 with lines palette lw 1.6\nunset colorbox\n",
           sheet->file);
     close_panel(sheet->file);
 }
 
-static void put_masses(const saltus_sheet *sheet, const double up[2]) {
+static void put_masses(const saltus_sheet *sheet, const place *at) {
     const saltus_record *r = sheet->record;
     const saltus_spec *spec = saltus_system_spec(sheet->system);
     saltus_range x1 = {INFINITY, -INFINITY}, x2 = {INFINITY, -INFINITY};
@@ -263,8 +296,8 @@ static void put_masses(const saltus_sheet *sheet, const double up[2]) {
     }
     saltus_range_pad(&x1, 0.08, saltus_system_scale(sheet->system)[0]);
     saltus_range_pad(&x2, 0.08, saltus_system_scale(sheet->system)[1]);
-    open_panel(sheet->file, right_column, up, 'd', "both masses; grey: stops");
-    put_axes(sheet->file, "displacement {/:Italic x}_1", x1, "displacement {/:Italic x}_2", x2);
+    open_panel(sheet->file, at, "both masses; grey: stops");
+    put_axes(sheet->file, at, "displacement {/:Italic x}_1", x1, "displacement {/:Italic x}_2", x2);
     fputs("set parametric\nset trange [-1:1]\nplot ", sheet->file);
     for (int f = 0; f < saltus_system_face_count(sheet->system); f++) {
         saltus_face face = saltus_system_face(sheet->system, f);
@@ -281,86 +314,78 @@ static void put_masses(const saltus_sheet *sheet, const double up[2]) {
     close_panel(sheet->file);
 }
 
-static void put_folded(const saltus_sheet *sheet, const double across[2], const double up[2], char letter) {
-    saltus_range phase = {0, 1};
-    char name[160];
-    saltus_sheet_displacement_name(sheet, name, sizeof name);
-    open_panel(sheet->file, across, up, letter, "all periods on top of each other");
-    put_axes(sheet->file, "phase {/:Italic τ}/{/:Italic T} (mod 1)", phase, name, sheet->displacement);
-    put_stops(sheet, false);
-    fprintf(sheet->file, "plot $folded using 1:2 with lines lc rgb '%s' lw %s\n", sheet->orbit ? TRACE : THIN,
-            sheet->orbit ? "2" : "0.7");
+static void put_spectrum(const saltus_sheet *sheet, const place *at) {
+    const saltus_spectra_source source = {.system = sheet->system, .spectra = sheet->spectra};
+    saltus_line heading = {.length = 0};
+    char words[256];
+    saltus_sheet_spectrum_heading(sheet, words, sizeof words);
+    saltus_line_add(&heading, "%s", words);
+    saltus_spectrum_low_panel(&source, sheet->file, at->across, at->up, at->letter - 'a', &heading);
+}
+
+/* The key takes up to three lines between the heading and the panel. The numbers of very small exponents are
+ * long. */
+static void put_convergence(const saltus_sheet *sheet, const place *at) {
+    const saltus_course course = {sheet->course, sheet->course_count, sheet->motion->lyapunov,
+                                  sheet->motion->lyapunov_error};
+    place lower = {{at->across[0], at->across[1]}, {at->up[0], at->up[1] - 0.052}, at->letter};
+    double size = 0;
+    for (int k = 0; k < sheet->course_count; k++)
+        size = fmax(size, fabs(sheet->course[k].exponent) + sheet->course[k].standard_error);
+    if (size < 1e-3)
+        lower.across[0] += 0.025;
+    open_panel(sheet->file, at, "convergence of the largest exponent");
+    saltus_course_panel(sheet->file, sheet->system, &course, lower.across, lower.up);
     close_panel(sheet->file);
 }
 
-/* Which panels a motion gets: what it has, and nothing twice. */
+/* Which panels a motion gets: what it has, and nothing twice. The structure's shapes, of a motion without a
+ * period, where there is room for them. */
+static int choose_panels(const saltus_sheet *sheet, panel *chosen[panels_most]) {
+    bool pipe = saltus_is_pipe(sheet->system), settled = saltus_motion_settled(sheet->motion);
+    bool multipliers = settled && sheet->motion->multiplier_count > 0;
+    int count = 0, last = (sheet->spectrum != NULL) + (sheet->course_count > 0) + multipliers;
+    chosen[count++] = put_portrait;
+    chosen[count++] = put_history;
+    if (!settled)
+        chosen[count++] = put_section;
+    if (saltus_sheet_impacts(sheet->section, sheet->mapped) > 0)
+        chosen[count++] = put_impact_map;
+    if (count + last < panels_most && (pipe || saltus_system_dof(sheet->system) > 1))
+        chosen[count++] = pipe ? put_shapes : put_masses;
+    if (sheet->spectrum)
+        chosen[count++] = put_spectrum;
+    if (sheet->course_count > 0)
+        chosen[count++] = put_convergence;
+    if (multipliers)
+        chosen[count++] = put_multipliers;
+    return count;
+}
+
+/* Two rows, of three columns where there are more than four panels. With an odd number the time history takes
+ * two columns. */
 static void put_panels(const saltus_sheet *sheet, double top) {
-    double gap = 0.128, bottom = 0.078, height = (top - 0.05 - bottom - gap) / 2;
-    const double lower[2] = {bottom, bottom + height},
-                 upper[2] = {bottom + height + gap, bottom + 2 * height + gap};
-    bool struck = saltus_sheet_impacts(sheet) > 0;
-    bool multipliers = sheet->motion->kind != SALTUS_UNDECIDED && sheet->motion->multiplier_count > 0;
-    bool shown = !struck && multipliers;
-    put_portrait(sheet, upper);
-    put_history(sheet, upper);
-    if (struck)
-        put_impact_map(sheet, lower);
-    else if (multipliers)
-        put_multipliers(sheet, left_column, lower, 'c');
-    else
-        put_folded(sheet, left_column, lower, 'c');
-    if (saltus_is_pipe(sheet->system))
-        put_shapes(sheet, lower);
-    else if (saltus_system_dof(sheet->system) > 1)
-        put_masses(sheet, lower);
-    else if (multipliers && !shown)
-        put_multipliers(sheet, right_column, lower, 'd');
-    else
-        put_folded(sheet, right_column, lower, 'd');
-}
-
-/* Ranges of the first two panels, with the stops near the motion. */
-static void find_ranges(saltus_sheet *sheet) {
-    const saltus_record *r = sheet->record;
-    saltus_range x = {INFINITY, -INFINITY}, v = x;
-    for (long long row = 0; row < sheet->rows; row++) {
-        saltus_range_add(&x, r->displacement[row]);
-        saltus_range_add(&v, r->velocity[row]);
+    panel *chosen[panels_most];
+    int count = choose_panels(sheet, chosen), columns = count > 4 ? 3 : 2, cell = 0;
+    double left = columns == 3 ? 0.08 : 0.078, width = columns == 3 ? 0.239 : 0.4,
+           beside = columns == 3 ? 0.088 : 0.095, below = 0.128, bottom = 0.086,
+           height = count > 2 ? (top - 0.05 - bottom - below) / 2 : top - 0.05 - bottom;
+    if (count == 3) {
+        chosen[1] = chosen[2];
+        chosen[2] = put_history;
     }
-    double width = x.high - x.low;
-    for (int f = 0; f < saltus_system_face_count(sheet->system); f++) {
-        saltus_face face = saltus_system_face(sheet->system, f);
-        double d = face.side * face.d;
-        if (saltus_sheet_observes(sheet, face.stop) && d > x.low - 0.6 * width && d < x.high + 0.6 * width)
-            saltus_range_add(&x, d);
+    for (int k = 0; k < count; k++) {
+        int column = cell % columns, row = cell / columns;
+        int span = chosen[k] == put_history && count % 2 ? 2 : 1;
+        double x = left + column * (width + beside),
+               y = bottom + (count > 2 ? 1 - row : 0) * (height + below);
+        const place at = {{x, x + span * width + (span - 1) * beside}, {y, y + height}, (char)('a' + k)};
+        chosen[k](sheet, &at);
+        cell += span;
     }
-    const double *scale = saltus_system_scale(sheet->system);
-    saltus_range_pad(&x, 0.07, scale[0]);
-    saltus_range_pad(&v, 0.07, scale[saltus_system_dof(sheet->system)]);
-    sheet->displacement = x;
-    sheet->velocity = v;
 }
 
-/* One closed orbit where the motion has one and the record covers it; otherwise the record, its last part if
- * it is long, with the last 20 periods as time history. */
-static void choose_rows(saltus_sheet *sheet) {
-    const saltus_record *r = sheet->record;
-    double end = r->time[r->samples - 1], span = 20;
-    int periods = sheet->motion->periods;
-    sheet->orbit = sheet->motion->kind != SALTUS_UNDECIDED && periods > 0 && end >= periods;
-    sheet->rows = r->samples < SALTUS_SHEET_ROWS_MAX ? r->samples : SALTUS_SHEET_ROWS_MAX;
-    if (sheet->orbit)
-        for (sheet->rows = 1; sheet->rows < r->samples && r->time[sheet->rows] <= periods;)
-            sheet->rows++;
-    end = r->time[sheet->rows - 1];
-    while (!sheet->orbit && r->time[sheet->recent] < end - span)
-        sheet->recent++;
-    while (sheet->events < r->event_count && r->event_rows[sheet->events] + 1 < sheet->rows)
-        sheet->events++;
-    find_ranges(sheet);
-}
-
-/* The script; `picture` is the file that it draws to, NULL for standard output. */
+/* The script; a standalone one names the file that it draws to. */
 static void write_script(saltus_sheet *sheet, const char *path, bool standalone) {
     const char *name = saltus_path_name(path);
     fprintf(sheet->file,
@@ -377,7 +402,7 @@ static void write_script(saltus_sheet *sheet, const char *path, bool standalone)
     fputs("set multiplot\n", sheet->file);
     double top = saltus_sheet_caption(sheet);
     fputs("set label 'Saltus " SALTUS_VERSION
-          "' at screen 0.985,0.012 right tc rgb '#909090' font ',9' front\n",
+          "' at screen 0.985,0.01 right tc rgb '#909090' font ',9' front\n",
           sheet->file);
     put_panels(sheet, top);
     fputs("unset multiplot\n", sheet->file);
@@ -407,18 +432,30 @@ static saltus_status keep_data(saltus_sheet *sheet, const saltus_flow_options *o
     return status;
 }
 
+static saltus_sheet make_sheet(const saltus_scene *scene, const saltus_system *system,
+                               const saltus_diagnosis *d) {
+    saltus_sheet sheet = {.scene = scene, .system = system, .motion = d->motion, .record = d->record};
+    bool settled = saltus_motion_settled(d->motion);
+    sheet.section = d->section && !settled ? d->section : d->record;
+    sheet.spectra = d->spectra;
+    if (d->spectra && d->spectra->count > 0 && d->spectra->spectra[0].kind != SALTUS_SPECTRUM_CONSTANT)
+        sheet.spectrum = &d->spectra->spectra[0];
+    saltus_sheet_choose(&sheet);
+    return sheet;
+}
+
 saltus_status saltus_write_sheet(const saltus_scene *scene, const saltus_system *system,
-                                 const saltus_motion *motion, const saltus_record *record,
-                                 const saltus_flow_options *options, const char *path, const char *data,
-                                 saltus_message *message) {
+                                 const saltus_diagnosis *diagnosis, const saltus_flow_options *options,
+                                 const char *path, const char *data, saltus_message *message) {
+    const saltus_record *record = diagnosis->record, *section = diagnosis->section;
+    int n = saltus_system_dimension(system);
     if (!saltus_gnuplot_terminal(path))
         return saltus_fail(message, SALTUS_BAD_INPUT, "%s: the ending must be .png, .pdf or .svg", path);
     if (data && !saltus_path_ends(data, ".h5"))
         return saltus_fail(message, SALTUS_BAD_INPUT, "%s: the ending must be .h5", data);
-    if (record->samples < 2 || record->dimension != saltus_system_dimension(system))
+    if (record->samples < 2 || record->dimension != n || (section && section->dimension != n))
         return saltus_fail(message, SALTUS_BAD_INPUT, "the record does not belong to the system");
-    saltus_sheet sheet = {.scene = scene, .system = system, .motion = motion, .record = record};
-    choose_rows(&sheet);
+    saltus_sheet sheet = make_sheet(scene, system, diagnosis);
     saltus_status status = data ? keep_data(&sheet, options, path, data, message) : SALTUS_OK;
     if (status != SALTUS_OK)
         return status;

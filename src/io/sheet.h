@@ -17,32 +17,48 @@ typedef struct saltus_sheet {
     const saltus_system *system;
     const saltus_motion *motion;
     const saltus_record *record;
-    bool orbit;         /* one closed orbit is shown; otherwise a stretch of trajectory */
-    long long rows;     /* rows of the record that are shown */
-    long long events;   /* events that are shown */
-    long long recent;   /* first row of the time history */
-    long long contacts; /* intervals of lasting contact among what is shown */
+    const saltus_record *section;           /* for section points and impact map */
+    const saltus_spectrum *spectrum;        /* of the first quantity; NULL: none, or nothing moves */
+    const saltus_spectra *spectra;          /* where it comes from */
+    const saltus_lyapunov_progress *course; /* of the largest exponent, finite numbers */
+    int course_count;                       /* 0: was not measured */
+    bool orbit;                             /* one closed orbit is shown; otherwise a stretch of trajectory */
+    long long rows;                         /* rows of the record that are shown, ... */
+    long long events;                       /* ... events among them, ... */
+    long long history_rows;                 /* ... rows of the time history, from the first one on, ... */
+    long long history_events;               /* ... and its events */
+    long long mapped;                       /* events of `section` in the impact map */
+    long long contacts;                     /* intervals of lasting contact in the time history */
     saltus_range displacement, velocity;
 } saltus_sheet;
 
-/* sheet_data.c: datablocks of the script; counts the contacts. */
+/* sheet_data.c: what is shown, ... */
+void saltus_sheet_choose(saltus_sheet *sheet);
+/* ... and it as datablocks of the script; counts the contacts. */
 void saltus_sheet_data(saltus_sheet *sheet);
-/* Number of impacts shown. */
-long long saltus_sheet_impacts(const saltus_sheet *sheet);
+/* Impacts among the first events of a record. */
+long long saltus_sheet_impacts(const saltus_record *record, long long events);
 /* Whether stop s limits the observed coordinate itself. */
 bool saltus_sheet_observes(const saltus_sheet *sheet, int s);
+/* Observed displacement and velocity of stroboscopic point k of a record. */
+void saltus_sheet_strobe(const saltus_sheet *sheet, const saltus_record *record, long long k,
+                         double point[2]);
 /* Widen a range to hold a value, or by a part of its width; an empty range gets a width from `scale`. */
 void saltus_range_add(saltus_range *range, double value);
 void saltus_range_pad(saltus_range *range, double part, double scale);
-/* Range of the structure's shapes over the rows shown. */
+/* Range of the structure's shapes over the rows shown; the periods that they are spread over. */
 saltus_range saltus_sheet_shape_range(const saltus_sheet *sheet);
+double saltus_sheet_shape_time(const saltus_sheet *sheet);
 
-/* sheet_caption.c: the header lines, as labels, and the names of axes, in gnuplot's enhanced text. The
- * caption's lower edge, in parts of the page's height. */
+/* sheet_caption.c: the header lines, as labels, headings of panels and names of axes, in gnuplot's enhanced
+ * text. The caption's lower edge, in parts of the page's height. */
 double saltus_sheet_caption(const saltus_sheet *sheet);
+const char *saltus_sheet_history_heading(const saltus_sheet *sheet);
+void saltus_sheet_impacts_heading(const saltus_sheet *sheet, char *text, size_t room);
+void saltus_sheet_spectrum_heading(const saltus_sheet *sheet, char *text, size_t room);
 void saltus_sheet_displacement_name(const saltus_sheet *sheet, char *text, size_t room);
 void saltus_sheet_velocity_name(const saltus_sheet *sheet, char *text, size_t room);
 
-enum { SALTUS_SHEET_SHAPES = 16, SALTUS_SHEET_POINTS = 96, SALTUS_SHEET_ROWS_MAX = 60000 };
+enum { SALTUS_SHEET_SHAPES = 16, SALTUS_SHEET_POINTS = 96 };
 
 #endif

@@ -14,9 +14,19 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { longest = 12, returns = 5, steps = 7, bisections = 6, probes = 64, wait_most = 2000, remembered = 8 };
-static const double converged = 1e-6, hopeless = 3;
-static const double within_reach = 16; /* of the distances of neighbouring points */
+enum {
+    longest = 12,
+    returns = 48,
+    fewest = 5,
+    steps = 10,
+    bisections = 6,
+    probes = 64,
+    wait_most = 2000,
+    remembered = 8
+};
+static const double converged = 1e-6, hopeless = 10;
+/* Near is what lies within so many distances of neighbouring points, or such a part of their extent. */
+static const double spacings = 16, part_of_extent = 0.06;
 
 typedef struct amid {
     const saltus_system *system;
@@ -43,15 +53,16 @@ static void reserve(amid *a) {
     a->pivots = (int *)saltus_arena_doubles(&a->arena, n);
 }
 
-/* The points that come back best after p periods, apart from each other in time; how many. */
+/* The points that come back best after p periods, apart from each other in time; how many. Short periods,
+ * whose trials cost little, get more of them. */
 static int best_returns(const amid *a, int p, long long places[returns]) {
     double distance[returns];
-    int found = 0;
+    int found = 0, most = returns / p > fewest ? returns / p : fewest;
     long long last = -p - 1;
     for (long long k = 0; k + p < a->count; k++) {
         double d = saltus_section_distance(a->system, a->points + k * a->n, a->points + (k + p) * a->n);
-        int slot = found < returns ? found : returns - 1;
-        if (k - last <= p || (found == returns && !(d < distance[slot])))
+        int slot = found < most ? found : most - 1;
+        if (k - last <= p || (found == most && !(d < distance[slot])))
             continue;
         for (; slot > 0 && d < distance[slot - 1]; slot--) {
             distance[slot] = distance[slot - 1];
@@ -59,7 +70,7 @@ static int best_returns(const amid *a, int p, long long places[returns]) {
         }
         distance[slot] = d;
         places[slot] = last = k;
-        found += found < returns;
+        found += found < most;
     }
     return found;
 }
@@ -146,15 +157,17 @@ static double nearest(const amid *a, const double *point, long long self, long l
     return least;
 }
 
-static double median_spacing(const amid *a) {
-    double spacing[probes];
+/* What distance from the points is near. */
+static double near_enough(const amid *a) {
+    double spacing[probes], extent = 0;
     long long which;
     for (int k = 0; k < probes; k++) {
-        long long place = a->count * k / probes;
-        spacing[k] = nearest(a, a->points + place * a->n, place, &which);
+        const double *point = a->points + a->count * k / probes * a->n;
+        spacing[k] = nearest(a, point, a->count * k / probes, &which);
+        extent = fmax(extent, saltus_section_distance(a->system, point, a->points));
     }
     qsort(spacing, probes, sizeof spacing[0], compare);
-    return spacing[probes / 2];
+    return fmax(spacings * spacing[probes / 2], part_of_extent * extent);
 }
 
 /* Whether a state comes to the orbit: to a tenth of its distance, in the time that takes on the orbit's
@@ -205,7 +218,7 @@ static bool within_basin(amid *a, const saltus_motion *orbit, saltus_status *sta
     saltus_flow_options plain = *a->flow;
     plain.columns = plain.directions = 0;
     *status = saltus_flow_new(&a->system, 1, &plain, &flow, message);
-    bool near = *status == SALTUS_OK && distance_of_basin(a, flow, orbit) < within_reach * median_spacing(a);
+    bool near = *status == SALTUS_OK && distance_of_basin(a, flow, orbit) < near_enough(a);
     saltus_flow_free(flow);
     return near;
 }

@@ -12,8 +12,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { align_samples = 50 }; /* for random directions to turn into those that grow */
-static const double disturbance = 1e-6;
+enum {
+    align_samples = 50,  /* for random directions to turn into those that grow */
+    most_aligned = 1000, /* for neighbouring trajectories to become strangers */
+    look_cycles = 64
+};
+static const double disturbance = 1e-6, strangers = 17; /* e^17 of it is more than the attractor */
 /* Members whose scatter is less likely than this do not measure the same thing. */
 static const double unlikely = 1e-4;
 static const double bounds_apart = 6; /* the errors of regular motions are bounds, more or less */
@@ -101,7 +105,10 @@ static saltus_status follow(saltus_ensemble *e, saltus_flow *flow, long long cyc
                             saltus_message *message) {
     saltus_event event;
     saltus_status status = SALTUS_OK;
-    while (status == SALTUS_OK && saltus_flow_time(flow, 0).cycle < cycle) {
+    while (status == SALTUS_OK && saltus_flow_time(flow, 0).cycle < cycle && !e->stopped) {
+        if (saltus_flow_time(flow, 0).cycle % look_cycles == 0)
+            e->stopped =
+                e->options->progress && !e->options->progress(e->options->context, 0, e->options->periods);
         status = saltus_flow_advance(flow, (saltus_time){saltus_flow_time(flow, 0).cycle + 1, 0}, 0, &event,
                                      message);
         saltus_flow_state(flow, 0, state);
@@ -129,6 +136,23 @@ static saltus_status run_transient(saltus_ensemble *e, saltus_message *message) 
     return status;
 }
 
+/* Until the directions are aligned; and, where neighbours separate, until the members have nothing in common
+ * with the trajectory that they come from, which each would else retrace. */
+static saltus_status align(saltus_ensemble *e, saltus_message *message) {
+    double least = 0;
+    saltus_status status = SALTUS_OK;
+    for (int m = 0; m < e->members; m++)
+        e->member[m].grown = 0;
+    do {
+        least = INFINITY;
+        status = saltus_ensemble_run(e, align_samples / e->member[0].growth.whole + 1, message);
+        for (int m = 0; m < e->members; m++)
+            least = fmin(least, e->member[m].grown += e->member[m].recent);
+    } while (status == SALTUS_OK && e->members > 1 && least > 1 && least < strangers &&
+             e->member[0].samples < most_aligned);
+    return status;
+}
+
 saltus_status saltus_ensemble_place(saltus_ensemble *e, const double *state, saltus_message *message) {
     memcpy(e->initial, state, (size_t)e->n * sizeof *state);
     if (e->options->seed)
@@ -136,12 +160,14 @@ saltus_status saltus_ensemble_place(saltus_ensemble *e, const double *state, sal
     saltus_status status = run_transient(e, message);
     for (int m = 0; m < e->members && status == SALTUS_OK; m++) {
         saltus_flow *flow = e->flows[m / e->width];
+        if (m > 0)
+            saltus_motion_disturb(e->system, e->rng, disturbance, e->member[m].state);
         status = saltus_flow_start(flow, m % e->width, (saltus_time){0, 0}, e->member[m].state, message);
         if (status == SALTUS_OK)
             saltus_growth_begin(&e->member[m].growth, flow, m % e->width, e->rng);
     }
     if (status == SALTUS_OK)
-        status = saltus_ensemble_run(e, align_samples / e->member[0].growth.whole + 1, message);
+        status = align(e, message);
     saltus_ensemble_forget(e);
     return status;
 }
@@ -248,13 +274,25 @@ bool saltus_ensemble_regular(const saltus_ensemble *e) {
     return true;
 }
 
+/* Directions of the members are random and independent: an error that all of them share in size shows in
+ * their scatter. */
+static double scatter(const saltus_estimate *each, int count, double mean) {
+    double square = 0;
+    for (int k = 0; k < count; k++)
+        square += (each[k].mean - mean) * (each[k].mean - mean);
+    return count > 1 ? sqrt(square / (count - 1) / count) : 0;
+}
+
 saltus_estimate saltus_ensemble_exponent(const saltus_ensemble *e, int column, bool weighted) {
-    saltus_estimate each[64];
+    saltus_estimate each[64] = {{0}};
     for (int m = 0; m < e->members; m++) {
         const saltus_average *average = &e->member[m].averages[column];
         each[m] = per_time(e, m, weighted ? saltus_average_weighted(average) : saltus_average_plain(average));
     }
-    return saltus_estimates_join(each, e->members);
+    saltus_estimate joint = saltus_estimates_join(each, e->members);
+    if (weighted)
+        joint.standard_error = fmax(joint.standard_error, scatter(each, e->members, joint.mean));
+    return joint;
 }
 
 saltus_estimate saltus_ensemble_member(const saltus_ensemble *e, int member) {
@@ -265,7 +303,7 @@ saltus_estimate saltus_ensemble_member(const saltus_ensemble *e, int member) {
 }
 
 saltus_estimate saltus_ensemble_half(const saltus_ensemble *e, int column, int half) {
-    saltus_estimate each[64];
+    saltus_estimate each[64] = {{0}};
     for (int m = 0; m < e->members; m++)
         each[m] =
             per_time(e, m, saltus_average_part(&e->member[m].averages[column], 0.5 * half, 0.5 * half + 0.5));
@@ -284,6 +322,13 @@ bool saltus_ensemble_agrees(const saltus_ensemble *e) {
     if (e->members == 1)
         return true;
     return regular ? farthest < bounds_apart : !(gsl_cdf_chisq_Q(square, e->members - 1) < unlikely);
+}
+
+double saltus_ensemble_spread(const saltus_ensemble *e) {
+    double mean = saltus_ensemble_exponent(e, 0, saltus_ensemble_regular(e)).mean, farthest = 0;
+    for (int m = 0; m < e->members; m++)
+        farthest = fmax(farthest, fabs(saltus_ensemble_member(e, m).mean - mean));
+    return farthest;
 }
 
 const double *saltus_ensemble_state(const saltus_ensemble *e, int member) {

@@ -12,7 +12,7 @@ typedef struct saltus_member {
     double volume;            /* what impacts have taken of it until the last sample */
     saltus_flow_info begin;   /* of the flow when it began */
     long long samples, goal;  /* samples taken, and to be taken */
-    double recent;            /* growth of the first vector since the last run began */
+    double recent, grown;     /* growth of the first vector since the last run began */
     double *state;
 } saltus_member;
 
@@ -28,6 +28,7 @@ typedef struct saltus_ensemble {
     gsl_integration_glfixed_table *table;
     gsl_rng *rng;
     long long transient; /* periods before the measurement */
+    bool stopped;        /* by the caller, in the transient */
     double *initial;
     double *points; /* where the first member's section points go, `room` of them, or NULL; the owner's */
     long long room;
@@ -61,6 +62,8 @@ saltus_estimate saltus_ensemble_half(const saltus_ensemble *ensemble, int column
 saltus_estimate saltus_ensemble_member(const saltus_ensemble *ensemble, int member);
 /* Whether the members' largest exponents scatter no more than their standard errors allow. */
 bool saltus_ensemble_agrees(const saltus_ensemble *ensemble);
+/* How far a member's largest exponent is from that of all, at most. */
+double saltus_ensemble_spread(const saltus_ensemble *ensemble);
 /* The state of a member now, at phase 0. */
 const double *saltus_ensemble_state(const saltus_ensemble *ensemble, int member);
 

@@ -17,6 +17,7 @@ enum {
 };
 static const double precise_enough = 1e-6; /* standard error per period */
 static const double halves_apart = 4;      /* standard errors: the exponent is still drifting */
+static const double halves_agree = 3;      /* no end before they do */
 
 saltus_lyapunov_options saltus_lyapunov_defaults(void) {
     saltus_lyapunov_options options = {.flow = saltus_flow_defaults(),
@@ -39,11 +40,6 @@ static saltus_status check(const saltus_system *system, const saltus_lyapunov_op
                            o->exponents, n);
     if (o->members < 1 || o->members > 64)
         return saltus_fail(message, SALTUS_BAD_INPUT, "members = %d: must be from 1 to 64", o->members);
-    if (o->transient < 0 || o->periods < (long long)least_samples * o->members)
-        return saltus_fail(message, SALTUS_BAD_INPUT,
-                           "periods = %lld: must be at least %d for each of %d trajectories, after a "
-                           "transient of 0 or more",
-                           o->periods, least_samples, o->members);
     if (!(o->precision > 0))
         return saltus_fail(message, SALTUS_BAD_INPUT, "precision = %g: must be greater than 0", o->precision);
     if (!(o->interval >= 0 && part <= 1000000 && fabs(part - floor(part + 0.5)) < 1e-6 * part + 1e-300))
@@ -51,6 +47,12 @@ static saltus_status check(const saltus_system *system, const saltus_lyapunov_op
                            "interval = %g: must be a whole number of periods or a whole part of one, such as "
                            "0.25",
                            o->interval);
+    double least = least_samples * fmax(1, floor(o->interval)) * o->members;
+    if (o->transient < 0 || !((double)o->periods >= least))
+        return saltus_fail(message, SALTUS_BAD_INPUT,
+                           "periods = %lld: must be at least %.0f, %d intervals of %g periods for each of %d "
+                           "trajectories, after a transient of 0 or more",
+                           o->periods, least, least_samples, fmax(1, o->interval), o->members);
     return SALTUS_OK;
 }
 
@@ -84,28 +86,52 @@ static void remember(saltus_lyapunov *l, double time, saltus_estimate now) {
     l->history[l->history_count++] = (saltus_lyapunov_progress){time, now.mean, now.standard_error};
 }
 
-/* Whether the two halves of the run tell different exponents: it had not settled. */
-static bool drifts(const saltus_ensemble *e) {
+/* How far the two halves of the run are apart, and how many standard errors that is. */
+static double drift(const saltus_ensemble *e, double *errors) {
     saltus_estimate first = saltus_ensemble_half(e, 0, 0), second = saltus_ensemble_half(e, 0, 1);
-    return fabs(first.mean - second.mean) > halves_apart * hypot(first.standard_error, second.standard_error);
+    double apart = fabs(first.mean - second.mean);
+    *errors = apart > 0 ? apart / hypot(first.standard_error, second.standard_error) : 0;
+    return apart;
 }
 
 static bool all_lost(const saltus_ensemble *e) {
     return saltus_ensemble_lost(e) >= e->n;
 }
 
-/* Measure until the largest exponent is known as well as asked for. */
+static long long next_chunk(long long done, long long left) {
+    long long chunk = done / chunks_per_run;
+    chunk = chunk < shortest_chunk ? shortest_chunk : chunk > longest_chunk ? longest_chunk : chunk;
+    return chunk < left ? chunk : left;
+}
+
+/* As precise as asked for, by a run whose halves and trajectories do not contradict each other by more than
+ * that.
+ */
+static bool is_precise(const saltus_ensemble *e, const saltus_estimate *now, long long least) {
+    double period = saltus_system_period(e->system), errors, apart = drift(e, &errors),
+           target = fmax(e->options->precision * fabs(now->mean), precise_enough / period);
+    return all_lost(e) || (saltus_ensemble_samples(e) >= least && now->standard_error <= target &&
+                           (errors < halves_agree || apart <= target) &&
+                           (saltus_ensemble_agrees(e) || saltus_ensemble_spread(e) <= target));
+}
+
+/* Run on until all batches of the averages are complete: then all that is told refers to the same time. */
+static saltus_status complete_batches(saltus_ensemble *e, saltus_message *message) {
+    const saltus_average *average = &e->averages[0];
+    long long missing = average->open ? average->size - average->open : 0;
+    return missing ? saltus_ensemble_run(e, missing, message) : SALTUS_OK;
+}
+
+/* Measure until the largest exponent is known as well as asked for. A run that drifts was transient: after it
+ * as much is measured anew before there can be an end. */
 static saltus_status measure(saltus_ensemble *e, saltus_lyapunov *l, saltus_message *message) {
     const saltus_lyapunov_options *o = e->options;
-    double period = saltus_system_period(e->system);
-    long long spent = 0, next_look = least_samples;
+    long long spent = 0, least = least_samples, next_look = least_samples, each;
     saltus_status status = SALTUS_OK;
     bool stopped = false;
+    each = (long long)e->member[0].growth.whole * e->members;
     while (status == SALTUS_OK && !stopped && !l->precise) {
-        long long done = saltus_ensemble_samples(e), each = e->member[0].growth.whole * e->members;
-        long long chunk = done / chunks_per_run, left = (o->periods - spent) / each;
-        chunk = chunk < shortest_chunk ? shortest_chunk : chunk > longest_chunk ? longest_chunk : chunk;
-        chunk = chunk < left ? chunk : left;
+        long long done = saltus_ensemble_samples(e), chunk = next_chunk(done, (o->periods - spent) / each);
         if (chunk < 1)
             break;
         status = saltus_ensemble_run(e, chunk, message);
@@ -115,28 +141,30 @@ static saltus_status measure(saltus_ensemble *e, saltus_lyapunov *l, saltus_mess
         done += chunk;
         saltus_estimate now = saltus_ensemble_exponent(e, 0, saltus_ensemble_regular(e));
         if (isfinite(now.standard_error))
-            remember(l, (double)(saltus_ensemble_periods(e)) * period, now);
-        if (done >= next_look) {
-            next_look = 2 * done;
-            if (drifts(e) && (o->periods - spent) / each >= done) {
-                saltus_ensemble_forget(e);
-                next_look = least_samples;
-                l->history_count = 0;
-                continue;
-            }
-        }
-        l->precise = done >= least_samples &&
-                     now.standard_error <= fmax(o->precision * fabs(now.mean), precise_enough / period);
-        l->precise |= all_lost(e);
+            remember(l, (double)saltus_ensemble_periods(e) * saltus_system_period(e->system), now);
         stopped = o->progress && !o->progress(o->context, spent, o->periods);
+        bool look = done >= next_look;
+        double errors;
+        if (look)
+            next_look = 2 * done;
+        drift(e, &errors);
+        if (look && errors > halves_apart && (o->periods - spent) / each >= done) {
+            saltus_ensemble_forget(e);
+            least = next_look = done;
+            l->history_count = 0;
+        } else
+            l->precise = is_precise(e, &now, least);
     }
-    return status;
+    return status == SALTUS_OK ? complete_batches(e, message) : status;
 }
 
-/* Larger exponents first; those that are lost are the last ones. */
+/* Larger exponents first, where they differ by more than their errors; those that are lost are the last ones.
+ */
 static void order(saltus_lyapunov *l) {
     for (int i = 1; i < l->count; i++)
-        for (int j = i; j > 0 && l->exponents[j] > l->exponents[j - 1]; j--) {
+        for (int j = i; j > 0 && l->exponents[j] > l->exponents[j - 1] + hypot(l->standard_errors[j],
+                                                                               l->standard_errors[j - 1]);
+             j--) {
             double exponent = l->exponents[j], error = l->standard_errors[j];
             l->exponents[j] = l->exponents[j - 1];
             l->standard_errors[j] = l->standard_errors[j - 1];
@@ -145,13 +173,15 @@ static void order(saltus_lyapunov *l) {
         }
 }
 
-/* Kaplan and Yorke: how many exponents add up to zero, the last one in part. */
+/* Kaplan and Yorke: how many exponents add up to zero, the last one in part. One that is zero within three of
+ * its errors counts as zero. */
 static double kaplan_yorke(const saltus_lyapunov *l) {
     double sum = 0;
     for (int k = 0; k < l->count; k++) {
-        if (sum + l->exponents[k] < 0)
-            return k + (isfinite(l->exponents[k]) ? sum / fabs(l->exponents[k]) : 0);
-        sum += l->exponents[k];
+        double exponent = fabs(l->exponents[k]) <= 3 * l->standard_errors[k] ? 0 : l->exponents[k];
+        if (sum + exponent < 0)
+            return k + (isfinite(exponent) ? sum / fabs(exponent) : 0);
+        sum += exponent;
     }
     return l->count == l->dimension ? l->count : NAN;
 }
@@ -174,7 +204,8 @@ static void tell_exponents(const saltus_ensemble *e, saltus_lyapunov *l) {
     }
     for (int m = 0; m < e->members; m++)
         l->member_exponents[m] = all_lost(e) ? -INFINITY : saltus_ensemble_member(e, m).mean;
-    l->agree = all_lost(e) || saltus_ensemble_agrees(e);
+    l->agree = all_lost(e) || saltus_ensemble_agrees(e) ||
+               saltus_ensemble_spread(e) <= e->options->precision * fabs(l->exponents[0]);
 }
 
 /* Both sides of the sum rule, by the same averages over the same time. */
@@ -194,6 +225,8 @@ static void tell_sums(const saltus_ensemble *e, saltus_lyapunov *l) {
     for (int c = 0; c < l->count; c++)
         l->sum += l->exponents[c];
     l->sum_rule = saltus_ensemble_exponent(e, e->columns, saltus_ensemble_regular(e)).mean;
+    /* What the sum lacks the smallest exponent lacks: it is the most difficult one. */
+    l->standard_errors[l->count - 1] = hypot(l->standard_errors[l->count - 1], l->sum - l->sum_rule);
 }
 
 static void tell(const saltus_ensemble *e, saltus_lyapunov *l) {

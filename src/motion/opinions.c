@@ -11,6 +11,7 @@
 
 static const double halves_errors = 2, halves_apart = 4;
 static const double zero_exponent = 2e-3; /* per period: what may be a torus */
+static const double slow_exponent = 1e-5; /* per period: what shrinks no faster may be a torus */
 static const double lines_only = 1e-2;    /* broadband part of a torus' section points */
 
 /* The observed displacement at the section points, or its rate where a contact holds it there. */
@@ -75,8 +76,8 @@ static bool negative(const saltus_estimate *estimate, double errors) {
 saltus_outcome saltus_runs_weigh(const saltus_runs *r) {
     bool settled = fabs(r->first.mean - r->second.mean) <
                    halves_apart * hypot(r->first.standard_error, r->second.standard_error);
-    if (r->lost || (negative(&r->all, SALTUS_SIGNIFICANT) && negative(&r->first, halves_errors) &&
-                    negative(&r->second, halves_errors)))
+    bool shrinks = negative(&r->all, SALTUS_SIGNIFICANT) && -r->all.mean * r->period > slow_exponent;
+    if (r->lost || (shrinks && r->first.mean < 0 && r->second.mean < 0))
         return SALTUS_OUTCOME_REGULAR;
     if (fabs(r->all.mean) * r->period < zero_exponent)
         return SALTUS_OUTCOME_TORUS;
@@ -90,7 +91,8 @@ saltus_outcome saltus_runs_conclude(const saltus_runs *r, saltus_outcome outcome
                                     const saltus_evidence *evidence) {
     if (outcome != SALTUS_OUTCOME_TORUS && outcome != SALTUS_OUTCOME_CHAOS)
         return outcome;
-    if (evidence->curves > 0 && evidence->broadband < lines_only)
+    /* An orbit that is approached slowly has lines and neighbours that stay, too, but no extent. */
+    if (evidence->curves > 0 && evidence->broadband < lines_only && !(evidence->dimension < 0.5))
         return SALTUS_OUTCOME_TORUS;
     bool chaos = outcome == SALTUS_OUTCOME_CHAOS ||
                  (r->enough && positive(&r->all, SALTUS_SIGNIFICANT) && positive(&r->first, halves_errors) &&

@@ -15,6 +15,7 @@ saltus_status saltus_transform_open(saltus_transform *t, long long count, saltus
         if (pass == 0 && !saltus_arena_open(&t->arena))
             break;
     }
+    fftw_make_planner_thread_safe();
     if (t->arena.base)
         t->plan = fftw_plan_dft_r2c_1d((int)count, t->input, t->output, FFTW_ESTIMATE | FFTW_DESTROY_INPUT);
     return t->plan

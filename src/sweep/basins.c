@@ -83,9 +83,10 @@ static saltus_status polish(saltus_basins *basins, const double *state, int *att
                             saltus_message *message) {
     saltus_classify_options options = saltus_classify_defaults();
     saltus_motion motion = {0};
+    options.measure = 0;
     options.flow.integrator = basins->sweep->options.flow.integrator;
     saltus_status status = saltus_classify(basins->sweep->system, state, &options, &motion, message);
-    if (status != SALTUS_OK || motion.kind == SALTUS_UNDECIDED) {
+    if (status != SALTUS_OK || !saltus_motion_settled(&motion)) {
         saltus_motion_clear(&motion);
         return status == SALTUS_NO_MEMORY ? status : SALTUS_OK;
     }

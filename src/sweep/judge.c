@@ -104,6 +104,7 @@ static saltus_classify_options polishing(const saltus_trajectory *t) {
     saltus_classify_options options = saltus_classify_defaults();
     options.flow.integrator = t->sweep->options.flow.integrator;
     options.transient = polish_periods;
+    options.measure = 0;
     options.longest = t->sweep->options.longest;
     return options;
 }
@@ -113,7 +114,7 @@ static saltus_judgement polish(saltus_trajectory *t) {
     saltus_classify_options options = polishing(t);
     saltus_motion motion = {0};
     saltus_status status = saltus_classify(t->system, t->state, &options, &motion, NULL);
-    bool found = status == SALTUS_OK && motion.kind != SALTUS_UNDECIDED;
+    bool found = status == SALTUS_OK && saltus_motion_settled(&motion);
     saltus_judgement judgement = found ? adopt(t, &motion) : goes_on;
     t->starved |= status == SALTUS_NO_MEMORY;
     saltus_motion_clear(&motion);

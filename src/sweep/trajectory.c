@@ -11,7 +11,6 @@
 #include <string.h>
 
 enum { blind_periods = 64, settling_after_record = 400 };
-static const double unbounded = 1e8;
 
 bool saltus_trajectory_open(saltus_trajectory *t, const saltus_sweep *sweep) {
     size_t n = (size_t)sweep->dimension;
@@ -265,11 +264,10 @@ static bool recorded(saltus_trajectory *t) {
 static bool at_section(saltus_trajectory *t) {
     bool ends = cycle_of(t) >= t->stage_end;
     saltus_flow_state(t->flow, t->lane, t->state);
-    for (int i = 0; i < t->sweep->dimension; i++)
-        if (!(fabs(t->state[i]) < unbounded * saltus_system_scale(t->system)[i])) {
-            saltus_trajectory_fail(t);
-            return true;
-        }
+    if (saltus_motion_bounded(t->system, t->state, cycle_of(t), NULL) != SALTUS_OK) {
+        saltus_trajectory_fail(t);
+        return true;
+    }
     if (measures_growth(t))
         follow_growth(t);
     if (t->stage != SALTUS_STAGE_ORBIT && t->stage != SALTUS_STAGE_TRANSIENT)
