@@ -17,9 +17,9 @@ fail() {
     echo "FAILED: $*"
 }
 
-# The sweep of these tests.
-sweep="sweep fig6 --over omega=12:54:24 --over d=0.03:0.036:2 --at-most 150 --record 20 --start both --seeds 2
-       --what turning,impacts,stroboscopic --quiet"
+# The sweep of these tests: with chaos, whose exponents are measured.
+sweep="sweep fig6 --over omega=12:54:16 --over d=0.03:0.036:2 --at-most 150 --record 20 --start both --seeds 2
+       --what turning,impacts,stroboscopic,lyapunov --measure 500 --quiet"
 
 # run FILE ARGUMENTS...
 run() {
@@ -36,6 +36,8 @@ same() {
 
 run whole.h5 --threads 1 >/dev/null || fail "the sweep does not run"
 [ ! -e whole.h5.journal ] || fail "a finished sweep leaves its journal"
+"$saltus" export whole.h5 -o rows.csv >/dev/null || fail "the sweep's rows cannot be exported"
+[ "$(grep -c ,chaotic, rows.csv)" -gt 20 ] || fail "the sweep has not met much chaos"
 for lanes in 1 4; do
     run lanes.h5 --threads 1 --lanes "$lanes" >/dev/null || fail "$lanes lanes do not run"
     same whole.h5 lanes.h5 "$lanes lanes"

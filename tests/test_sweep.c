@@ -144,7 +144,7 @@ static bool check_label(const outcome *o, long long place, int seed) {
     const saltus_sweep_row *row = &result.rows[seed];
     char label[32];
     saltus_sweep_label(row, label);
-    if (row->verdict == SALTUS_ROW_UNDECIDED || row->verdict == SALTUS_ROW_FAILED)
+    if (!saltus_sweep_settled(row))
         return false;
     saltus_system *system = system_at(o->sweep, place % saltus_sweep_points(o->sweep));
     saltus_motion motion = motion_from(system, result.states + seed * saltus_sweep_dimension(o->sweep),
@@ -281,9 +281,10 @@ static void bad_sweeps_are_refused(void **unused) {
     check_refused("pipe", "", "q99=0:0.1:3", NULL, &good);
     check_refused("pipe", "free", "d=0.01:0.02:3", NULL, &good);
     check_refused("pipe", "sides=both", "d=-0.01:0.02:4", NULL, &good);
-    saltus_sweep_options bad[9];
-    for (int k = 0; k < 9; k++)
+    saltus_sweep_options bad[10];
+    for (int k = 0; k < 10; k++)
         bad[k] = good;
+    bad[9].measure = -1;
     bad[0].seeds = 0;
     bad[1].passes = 0;
     bad[2].passes = 8;
@@ -293,7 +294,7 @@ static void bad_sweeps_are_refused(void **unused) {
     bad[6].lanes = -1;
     bad[7].threads = -1;
     bad[8].flow.rtol = 1;
-    for (int k = 0; k < 9; k++)
+    for (int k = 0; k < 10; k++)
         check_refused("pipe", "", "omega=20:30:3", NULL, &bad[k]);
     saltus_sweep_options carried = good;
     carried.passes = 1u << SALTUS_PASS_UP;
@@ -315,11 +316,12 @@ typedef struct division {
 static const division divisions[] = {
     {"pipe", "", "omega=38:44:5", "d=0.03,0.035", 15, 1, 2, false},
     {"pipe", "omega=43", "d=0.0294:0.0301:5", NULL, 1, 7, 1, false},
-    {"pipe", "N=2", "sigma=0:0.3:4", "kappa=0,5000", 7, 1, 1, true},
+    {"pipe", "N=2", "sigma=0:0.3:4", "kappa=0,5000", 15, 1, 1, true},
     {"pipe", "N=2 u0=2", "sigma=0.3:0:4", NULL, 0, 6, 2, false},
+    {"pipe", "d=0.035", "omega=9:12:4", NULL, 8, 3, 2, false},
     {"pipe", "free N=3", "omega=10:40:6", NULL, 5, 3, 1, false},
     {"chatter", "", "d=0.022:0.027:4", NULL, 15, 1, 1, true},
-    {"pipe", "N=12", "omega=40:42:2", NULL, 6, 1, 1, true},
+    {"pipe", "N=12", "omega=40:42:2", NULL, 14, 1, 1, true},
     {"fig3", "", "omega=12:20:6", NULL, 15, 5, 3, false},
     {"impact-oscillator", "sides=both", "omega=0.6:2.4:9", "d=0.3,0.6", 15, 1, 1, false},
     {"two-mass", "", "c=0:0.1:5", NULL, 9, 7, 2, true},
@@ -336,6 +338,7 @@ static saltus_sweep_options divided(const division *d, int lanes, int threads) {
     options.adaptive = !d->fixed;
     options.transient = d->fixed ? 20 : 200;
     options.record = 10;
+    options.measure = 600;
     options.longest = 8;
     options.lanes = lanes;
     options.threads = threads;
@@ -499,6 +502,189 @@ static void loose_tolerances_count_right(void **unused) {
             check_label(&s.outcome, 0, 0);
             close_single(&s);
         }
+}
+
+/* With the exponent, measured over so many periods at most. */
+static saltus_sweep_options measured(long long periods) {
+    saltus_sweep_options options = saltus_sweep_defaults();
+    options.keep = SALTUS_KEEP_LYAPUNOV;
+    options.measure = periods;
+    return options;
+}
+
+/* The exponent of a row that has settled is that of the orbit that classification finds from there. */
+static void check_exponent(const single *s, double tolerance) {
+    const saltus_sweep_row *row = s->result.rows;
+    saltus_system *system = system_at(s->sweep, 0);
+    saltus_motion motion = motion_from(system, s->result.states, 20);
+    assert_string_equal(s->label, motion.label);
+    if (isinf(motion.lyapunov))
+        assert_true(row->lyapunov == -INFINITY);
+    else
+        check_near(row->lyapunov, motion.lyapunov, tolerance);
+    assert_true(row->lyapunov_error == 0);
+    saltus_motion_clear(&motion);
+    saltus_system_free(system);
+}
+
+static void exponents_of_what_has_settled(void **unused) {
+    (void)unused;
+    enum { points = 10 };
+    static const struct {
+        const char *scene, *settings, *key;
+        double value;
+        const char *label;
+    } cases[] = {{"chatter", "", "d", 0.025, "chatter/2"},
+                 {"vibrating-table", "r=0.3 F=1.4", "F", 1.4, "chatter/1"},
+                 {"pipe", "sigma=0 N=1", "d", 0.02, "held"},
+                 {"pipe", "sigma=0 N=1", "d", 0.05, "equilibrium"},
+                 {"bouncing-ball", "", "r", 0.5, "held"},
+                 {"impact-oscillator", "", "omega", 1.3, "1/1"},
+                 {"pipe", "free N=3 omega=20", "omega", 20, "0/2"}};
+    const saltus_sweep_options options = measured(0);
+    unsigned long random = 20;
+    int settled = 0;
+    for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
+        saltus_scene scene = scene_of(cases[k].scene, cases[k].settings);
+        single s = run_single(&scene, cases[k].key, cases[k].value, &options);
+        assert_string_equal(s.label, cases[k].label);
+        check_exponent(&s, 1e-6);
+        close_single(&s);
+    }
+    for (int k = 0; k < points; k++) {
+        char settings[64];
+        snprintf(settings, sizeof settings, "d=%.9g", random_between(&random, 0.02, 0.045));
+        saltus_scene scene = scene_of("pipe", settings);
+        single s = run_single(&scene, "omega", random_between(&random, 10, 55), &options);
+        if (saltus_sweep_settled(s.result.rows)) {
+            check_exponent(&s, 1e-6);
+            settled++;
+        } else
+            assert_true(s.result.rows->verdict == SALTUS_ROW_UNDECIDED && isnan(s.result.rows->lyapunov));
+        close_single(&s);
+    }
+    assert_true(settled >= 4);
+}
+
+/* The pipe's chaos at omega = 10, d = 0.035, where the exponent is 0.756 +- 0.01 by an independent
+ * computation: the exponents of 20 trajectories scatter as their standard errors say. */
+static void chaos_and_its_exponent(void **unused) {
+    (void)unused;
+    enum { seeds = 20 };
+    saltus_scene scene = scene_of("pipe", "d=0.035");
+    saltus_sweep_options options = measured(8000);
+    double mean = 0, squares = 0, scatter = 0;
+    options.seeds = seeds;
+    single s = run_single(&scene, "omega", 10, &options);
+    for (int k = 0; k < seeds; k++) {
+        const saltus_sweep_row *row = &s.result.rows[k];
+        assert_int_equal(row->verdict, SALTUS_ROW_CHAOTIC);
+        assert_int_equal(row->attractor, 0);
+        assert_true(fabs(row->lyapunov - 0.756) < 3.5 * row->lyapunov_error);
+        assert_true(row->lyapunov > 3 * row->lyapunov_error && row->lyapunov_error < 0.1);
+        mean += row->lyapunov / seeds;
+        squares += row->lyapunov_error * row->lyapunov_error;
+    }
+    for (int k = 0; k < seeds; k++)
+        scatter += pow((s.result.rows[k].lyapunov - mean) / s.result.rows[k].lyapunov_error, 2);
+    check_near(mean, 0.756, 0.01 + 3 * sqrt(squares) / seeds);
+    assert_true(scatter > 6 && scatter < 44); /* chi-square of 19 degrees of freedom: 0.1 to 99.9 % */
+    close_single(&s);
+}
+
+static void check_verdict(const char *name, const char *settings, const char *key, double value,
+                          const char *label, double exponent, double errors) {
+    saltus_scene scene = scene_of(name, settings);
+    const saltus_sweep_options options = measured(8000);
+    single s = run_single(&scene, key, value, &options);
+    const saltus_sweep_row *row = s.result.rows;
+    if (strcmp(s.label, label) != 0)
+        fail_msg("%s %s %s=%g: %s instead of %s", name, settings, key, value, s.label, label);
+    if (fabs(row->lyapunov - exponent) > errors * row->lyapunov_error + 1e-9)
+        fail_msg("%s: exponent %g +- %g instead of %g", label, row->lyapunov, row->lyapunov_error, exponent);
+    close_single(&s);
+}
+
+/* Exponents of long periods from their multipliers: saltus classify with a longest period of 64 and more. */
+static void verdicts_without_a_period(void **unused) {
+    (void)unused;
+    check_verdict("impact-oscillator", "c=0 d=30 q1=1", "omega", 1.7320508, "quasi-periodic", 0, 5);
+    check_verdict("impact-oscillator", "c=0 d=30 F0=0.3 q1=0.4", "omega", 0.61803, "quasi-periodic", 0, 5);
+    check_verdict("pipe", "d=0.030875", "omega", 53.305084745762713, "quasi-periodic", 0, 5);
+    check_verdict("pipe", "d=0.035", "omega", 50.035535535, "long-period", -0.425140947, 5);
+    check_verdict("pipe", "d=0.035", "omega", 50.744744745, "long-period", -0.7023903178, 5);
+    check_verdict("pipe", "d=0.035", "omega", 53.254254254, "long-period", -0.3887199749, 5);
+}
+
+/* What is asked for besides does not change what is told: all but verdict and exponent of a row. */
+static void exponents_leave_the_rest_alone(void **unused) {
+    (void)unused;
+    static const struct {
+        const char *settings;
+        double omega;
+        bool fixed;
+    } cases[] = {
+        {"d=0.035", 10, false}, {"d=0.035", 10, true}, {"d=0.035", 42, false}, {"d=0.035", 42, true}};
+    for (int k = 0; k < 4; k++) {
+        saltus_scene scene = scene_of("pipe", cases[k].settings);
+        saltus_sweep_options with = measured(1000);
+        with.keep |= SALTUS_KEEP_TURNING | SALTUS_KEEP_IMPACTS | SALTUS_KEEP_STROBOSCOPIC;
+        with.adaptive = !cases[k].fixed;
+        with.transient = cases[k].fixed ? 200 : 500;
+        saltus_sweep_options without = with;
+        without.keep &= ~(unsigned)SALTUS_KEEP_LYAPUNOV;
+        single a = run_single(&scene, "omega", cases[k].omega, &with),
+               b = run_single(&scene, "omega", cases[k].omega, &without);
+        const saltus_sweep_row *x = a.result.rows, *y = b.result.rows;
+        assert_true(x->impacts == y->impacts && x->periods == y->periods && x->recorded == y->recorded &&
+                    x->largest == y->largest && x->smallest == y->smallest &&
+                    x->impact_rate == y->impact_rate && x->largest_speed == y->largest_speed &&
+                    x->contact_fraction == y->contact_fraction);
+        assert_true(a.result.turning_counts[0] == b.result.turning_counts[0] &&
+                    a.result.strobe_counts[0] == b.result.strobe_counts[0]);
+        assert_memory_equal(a.result.strobes, b.result.strobes,
+                            (size_t)a.result.strobe_counts[0] * 10 * sizeof(double));
+        assert_true(isnan(y->lyapunov) && isnan(y->lyapunov_error) && isfinite(x->lyapunov));
+        assert_int_equal(y->verdict, k < 2 ? SALTUS_ROW_UNDECIDED : SALTUS_ROW_PERIODIC);
+        assert_int_equal(x->verdict, k < 2 ? SALTUS_ROW_CHAOTIC : SALTUS_ROW_PERIODIC);
+        close_single(&a);
+        close_single(&b);
+    }
+}
+
+/* The verdicts of classification, from its own more thorough search, in a region of much chaos. */
+static void verdicts_are_those_of_classification(void **unused) {
+    (void)unused;
+    static const double points[][2] = {{3.04396, 0.0160301},  {3.10979, 0.012242},  {3.17298, 0.00623677},
+                                       {3.00617, 0.0107657},  {3.07625, 0.019749},  {3.23848, 0.00395883},
+                                       {2.98076, 0.0151182},  {3.00445, 0.0106066}, {3.03221, 0.00435469},
+                                       {3.24867, 0.000491112}};
+    const saltus_sweep_options options = measured(8000);
+    int chaotic = 0;
+    for (size_t k = 0; k < sizeof points / sizeof points[0]; k++) {
+        char settings[96];
+        saltus_message message = {""};
+        saltus_classify_options how = saltus_classify_defaults();
+        saltus_motion motion;
+        snprintf(settings, sizeof settings, "c=0.02 r=0.8 d=%.9g", points[k][1]);
+        saltus_scene scene = scene_of("impact-oscillator", settings);
+        single s = run_single(&scene, "omega", points[k][0], &options);
+        saltus_system *system = system_at(s.sweep, 0);
+        how.measure = 64000;
+        check_ok(saltus_classify(system, s.result.states, &how, &motion, &message), &message);
+        if (strcmp(s.label, motion.label) != 0)
+            fail_msg("%s omega=%g: %s, classification says %s", settings, points[k][0], s.label,
+                     motion.label);
+        if (motion.kind == SALTUS_CHAOTIC) {
+            double errors = hypot(s.result.rows->lyapunov_error, motion.lyapunov_error);
+            check_near(s.result.rows->lyapunov, motion.lyapunov, 4 * errors);
+            chaotic++;
+        }
+        saltus_motion_clear(&motion);
+        saltus_system_free(system);
+        close_single(&s);
+    }
+    assert_int_equal(chaotic, 5);
 }
 
 /* A fixed run gives the classes of an adaptive one, and records exactly the periods asked for. */
@@ -1025,6 +1211,11 @@ int main(void) {
         cmocka_unit_test(damaged_blocks_are_refused),
         cmocka_unit_test(classes_and_clouds_of_random_points),
         cmocka_unit_test(loose_tolerances_count_right),
+        cmocka_unit_test(exponents_of_what_has_settled),
+        cmocka_unit_test(chaos_and_its_exponent),
+        cmocka_unit_test(verdicts_without_a_period),
+        cmocka_unit_test(exponents_leave_the_rest_alone),
+        cmocka_unit_test(verdicts_are_those_of_classification),
         cmocka_unit_test(fixed_runs),
         cmocka_unit_test(measures_of_a_sticking_orbit),
         cmocka_unit_test(extremes_where_another_stop_is_hit),

@@ -140,7 +140,8 @@ static void make_row(saltus_sweep_row *row, unsigned long long key) {
                               .impact_rate = real(key, 7),
                               .largest_speed = real(key, 8) * 1e-300,
                               .contact_fraction = real(key, 9),
-                              .lyapunov = real(key, 10)};
+                              .lyapunov = mix(key, 15) % 7 ? real(key, 10) : -INFINITY,
+                              .lyapunov_error = mix(key, 15) % 7 ? real(key, 16) : 0};
     row->attractor = row->verdict == SALTUS_ROW_FAILED ? -1 : (int)(mix(key, 11) % seeds);
     if (row->verdict == SALTUS_ROW_PERIODIC) {
         row->impacts = (int)(mix(key, 12) % 12) - 1;
@@ -249,9 +250,10 @@ static void check_rows(const saltus_sweep_file *file, const saltus_sweep *sweep)
                     there->attractor == expected.attractor && there->settled == expected.settled &&
                     there->settled_impacts == expected.settled_impacts &&
                     there->recorded == expected.recorded);
-        assert_true(
-            there->impact_rate == expected.impact_rate && there->largest_speed == expected.largest_speed &&
-            there->contact_fraction == expected.contact_fraction && there->lyapunov == expected.lyapunov);
+        assert_true(there->impact_rate == expected.impact_rate &&
+                    there->largest_speed == expected.largest_speed &&
+                    there->contact_fraction == expected.contact_fraction &&
+                    there->lyapunov == expected.lyapunov && there->lyapunov_error == expected.lyapunov_error);
         if (isnan(expected.largest)) {
             assert_memory_equal(&there->largest, &nan, sizeof nan);
             assert_memory_equal(&there->smallest, &nan, sizeof nan);
@@ -306,9 +308,9 @@ static void results_read_back(void **state) {
     assert_true(there->keep == expected.keep && there->passes == expected.passes &&
                 there->seeds == expected.seeds && there->seed == expected.seed &&
                 there->adaptive == expected.adaptive && there->transient == expected.transient &&
-                there->record == expected.record && there->longest == expected.longest &&
-                there->flow.rtol == expected.flow.rtol && there->flow.atol == expected.flow.atol &&
-                there->flow.order == expected.flow.order &&
+                there->record == expected.record && there->measure == expected.measure &&
+                there->longest == expected.longest && there->flow.rtol == expected.flow.rtol &&
+                there->flow.atol == expected.flow.atol && there->flow.order == expected.flow.order &&
                 there->flow.integrator == expected.flow.integrator);
     assert_true(file.pass_count == 2 && file.passes[0] == SALTUS_PASS_RESET &&
                 file.passes[1] == SALTUS_PASS_DOWN && file.axis_count == 2 && file.points == 35 &&
@@ -578,7 +580,7 @@ static void check_refused(const char *path, const saltus_sweep *sweep, bool basi
             fail_msg("\"%s\" does not say \"%s\"", message.text, words[k]);
 }
 
-enum { changes = 14 };
+enum { changes = 15 };
 
 /* The sweep with one of the things changed that its results depend on, and what the sentence then says. */
 static saltus_sweep *changed_sweep(const fixture *f, int change, const char *words[3]) {
@@ -596,7 +598,8 @@ static saltus_sweep *changed_sweep(const fixture *f, int change, const char *wor
         {"adaptive is yes there and no"},
         {"transient is 321 there and 322"},
         {"rtol is "},
-        {"omega value 1 is 0.5 there and 0.5625"}};
+        {"omega value 1 is 0.5 there and 0.5625"},
+        {"measure is 8000 there and 8001"}};
     static const double other[] = {0.5, 0.3125, 1.75, 1, 2};
     saltus_scene scene = f->scene;
     saltus_sweep_options options = full_options();
@@ -617,6 +620,7 @@ static saltus_sweep *changed_sweep(const fixture *f, int change, const char *wor
     options.transient += change == 11;
     options.flow.rtol *= change == 12 ? 2 : 1;
     axes[0].low = change == 13 ? 0.5625 : 0.5;
+    options.measure += change == 14;
     memcpy(words, said[change], sizeof said[change]);
     return make_sweep(&scene, axes, 2, &options);
 }
@@ -893,7 +897,8 @@ static void wrong_contents_are_refused(void **state) {
         {"rows/periods", -1},       {"rows/impacts", -2},         {"rows/settled", -1}};
     static const char *const needed[] = {"rows/lyapunov",      "turning/first", "turning/displacement",
                                          "stroboscopic/state", "axes/axis2",    "sweep/initial",
-                                         "parameters/omega",   "impacts/phase", "parameters/stop_1"};
+                                         "parameters/omega",   "impacts/phase", "parameters/stop_1",
+                                         "rows/lyapunov_error"};
     char path[path_size];
     size_t length;
     unsigned char *bytes = finished_bytes(f, f->sweep, "a.h5", &length);
@@ -929,15 +934,74 @@ static void wrong_options_are_refused(void **state) {
     size_t length;
     unsigned char *bytes = finished_bytes(f, f->sweep, "a.h5", &length);
     path_in(f, "b.h5", path);
-    static const char *const numbers[] = {"seeds", "dimension", "axes", "longest", "adaptive"};
+    static const char *const numbers[] = {"seeds", "dimension", "axes", "longest", "adaptive", "measure"};
     for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++)
         for (int which = 0; which < 3; which++) {
             static const long long value[] = {-1, 1LL << 40, 1000000000};
             write_all(path, bytes, length);
             spoil_number(path, "sweep", numbers[k], value[which]);
-            if (k != 3 || which != 2)
+            if ((k != 3 || which != 2) && (k != 5 || which == 0))
                 check_unsound(path, "");
         }
+    folder_files(f->folder, true);
+    free(bytes);
+}
+
+/* Make a file one of before exponents had standard errors: without that column and the option that belongs to
+ * it, with the six verdicts of then, which are counted up row by row; all motions are 1/1. */
+static void make_old(const char *path) {
+    static const char *const words[] = {"pending", "periodic", "equilibrium", "held", "undecided", "failed"};
+    static int verdicts[2 * 5 * 7 * seeds], ones[2 * 5 * 7 * seeds];
+    const hsize_t size[] = {2, 5, 7, seeds};
+    for (int k = 0; k < 2 * 5 * 7 * seeds; k++) {
+        verdicts[k] = 1 + k % 5;
+        ones[k] = 1;
+    }
+    hid_t file = H5Fopen(path, H5F_ACC_RDWR, H5P_DEFAULT), type = H5Tenum_create(H5T_NATIVE_INT);
+    for (int k = 0; k < 6; k++)
+        assert_true(H5Tenum_insert(type, words[k], &k) >= 0);
+    hid_t space = H5Screate_simple(4, size, NULL);
+    assert_true(H5Ldelete(file, "rows/verdict", H5P_DEFAULT) >= 0 &&
+                H5Ldelete(file, "rows/lyapunov_error", H5P_DEFAULT) >= 0 &&
+                H5Adelete_by_name(file, "sweep", "measure", H5P_DEFAULT) >= 0);
+    hid_t set = H5Dcreate2(file, "rows/verdict", type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+    assert_true(H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, verdicts) >= 0);
+    H5Dclose(set);
+    for (int k = 0; k < 2; k++) {
+        set = H5Dopen2(file, k ? "rows/periods" : "rows/impacts", H5P_DEFAULT);
+        assert_true(H5Dwrite(set, H5T_NATIVE_INT, H5S_ALL, H5S_ALL, H5P_DEFAULT, ones) >= 0);
+        H5Dclose(set);
+    }
+    H5Sclose(space);
+    H5Tclose(type);
+    H5Fclose(file);
+}
+
+/* Files and journals of before are read as what they are, or refused. */
+static void files_of_before(void **state) {
+    static const int verdicts[] = {SALTUS_ROW_PERIODIC, SALTUS_ROW_EQUILIBRIUM, SALTUS_ROW_HELD,
+                                   SALTUS_ROW_UNDECIDED, SALTUS_ROW_FAILED};
+    const fixture *f = *state;
+    saltus_message message = {""};
+    saltus_sweep_file file;
+    char path[path_size], journal[path_size];
+    size_t length, whole;
+    free(finished_bytes(f, f->sweep, "a.h5", &length));
+    make_old(path_in(f, "a.h5", path));
+    check_ok(saltus_sweep_file_read(path, &file, &message), &message);
+    assert_true(file.options.measure == 0);
+    for (long long row = 0; row < file.row_count; row++) {
+        assert_int_equal(file.rows[row].verdict, verdicts[row % 5]);
+        assert_true(!isnan(file.rows[row].lyapunov) && isnan(file.rows[row].lyapunov_error));
+    }
+    saltus_sweep_file_clear(&file);
+    check_refused(path, f->sweep, false, true, SALTUS_BAD_INPUT,
+                  (const char *const[3]){path, "measure is 0 there and 8000 now"});
+    unsigned char *bytes = journal_bytes(f, path, journal, &whole);
+    bytes[8] = 1;
+    write_all(journal, bytes, whole);
+    check_refused(path, f->sweep, false, true, SALTUS_BAD_INPUT,
+                  (const char *const[3]){journal, "was written by another version"});
     folder_files(f->folder, true);
     free(bytes);
 }
@@ -994,15 +1058,15 @@ static void check_number(char **text, double expected) {
 }
 
 static void check_table(const fixture *f, char *const *lines, int count) {
-    static const char *const verdicts[] = {"pending", "periodic",  "equilibrium",
-                                           "held",    "undecided", "failed"};
+    static const char *const verdicts[] = {"pending", "periodic",    "equilibrium", "held",  "quasi-periodic",
+                                           "chaotic", "long-period", "undecided",   "failed"};
     made_up m;
     saltus_axis axes[2];
     full_axes(axes);
     assert_int_equal(count, 1 + seeds * f->places);
     assert_string_equal(lines[0], "omega,d,pass,seed,verdict,impacts,periods,sticking,attractor,settled,"
                                   "settled_impacts,recorded,largest,smallest,impact_rate,largest_speed,"
-                                  "contact_fraction,lyapunov");
+                                  "contact_fraction,lyapunov,lyapunov_error");
     for (int line = 1; line < count; line++) {
         int row = line - 1, place = row / seeds, s = row % seeds;
         char *text = lines[line];
@@ -1017,7 +1081,7 @@ static void check_table(const fixture *f, char *const *lines, int count) {
                                 r->attractor,        (double)r->settled, (double)r->settled_impacts,
                                 (double)r->recorded, r->largest,         r->smallest,
                                 r->impact_rate,      r->largest_speed,   r->contact_fraction,
-                                r->lyapunov};
+                                r->lyapunov,         r->lyapunov_error};
         for (size_t k = 0; k < sizeof whole / sizeof *whole; k++)
             check_number(&text, whole[k]);
         assert_int_equal(*text, 0);
@@ -1230,6 +1294,7 @@ int main(void) {
         cmocka_unit_test(full_disks_leave_the_file_as_it_was),
         cmocka_unit_test(damaged_files_are_refused),
         cmocka_unit_test(wrong_contents_are_refused),
+        cmocka_unit_test(files_of_before),
         cmocka_unit_test(wrong_options_are_refused),
         cmocka_unit_test(tables_hold_all_rows),
         cmocka_unit_test(tables_can_be_resumed),

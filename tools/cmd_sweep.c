@@ -39,10 +39,21 @@ static const cli_option what = {
     "kept beside the rows: turning, impacts, stroboscopic, lyapunov; class and max are always told "
     "(default turning,impacts over one axis, class over two)"};
 
+static const cli_option measure = {
+    "--measure",
+    CLI_WHOLE,
+    PLACE(measure),
+    8000,
+    0,
+    1e9,
+    "n",
+    "with --what lyapunov: periods at most to measure a motion without a period; chaos is asserted from an "
+    "eighth of them on (at least 500), 0: undecided"};
+
 static const cli_option *const options[] = {
-    &cli_set,       &sweep_over, &start,        &seeds,      &cli_seed,       &what,        &sweep_at_most,
-    &sweep_longest, &transient,  &sweep_record, &cli_output, &sweep_resume,   &sweep_lanes, &sweep_threads,
-    &cli_quiet,     &sweep_json, &sweep_rtol,   &sweep_atol, &cli_integrator, NULL};
+    &cli_set,       &sweep_over, &start,        &seeds,      &cli_seed,   &what,           &sweep_at_most,
+    &sweep_longest, &transient,  &sweep_record, &measure,    &cli_output, &sweep_resume,   &sweep_lanes,
+    &sweep_threads, &cli_quiet,  &sweep_json,   &sweep_rtol, &sweep_atol, &cli_integrator, NULL};
 
 /* A word of a list with commas, and the bits that it stands for. */
 typedef struct word {
@@ -118,6 +129,7 @@ static bool read_options(const cli_request *request, saltus_sweep_options *o) {
     *o = sweep_read_options(request);
     o->seeds = (int)request->seeds;
     o->seed = (unsigned long)request->seed;
+    o->measure = request->measure;
     o->adaptive = request->transient < 0;
     if (!o->adaptive)
         o->transient = request->transient;
@@ -153,7 +165,13 @@ const cli_command cmd_sweep = {
         "trajectory is\n"
         "recorded as soon as its least period is certain, over one orbit; where it is not after --at-most "
         "periods,\n"
-        "over --record of them. An interrupted run is finished by --resume, with the same bits. saltus "
+        "over --record of them. With --what lyapunov the largest exponent is told of each: of an orbit from "
+        "its\n"
+        "multipliers, of a motion without a period as measured with a tangent vector, and with it whether "
+        "that "
+        "is\n"
+        "quasi-periodic, chaotic or on its way to a longer period. An interrupted run is finished by "
+        "--resume, with the same bits. saltus "
         "plot draws the\n"
         "file, saltus export writes its tables.",
     .needs_scene = true,

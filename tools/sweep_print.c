@@ -108,6 +108,24 @@ static double rate(const sweep_report *report) {
     return report->seconds > 0 ? (double)report->computed / report->seconds : 0;
 }
 
+/* What could have been decided. */
+static void print_hint(const saltus_sweep *sweep, const sweep_report *report) {
+    const saltus_sweep_options *o = saltus_sweep_choices(sweep);
+    long long undecided = 0;
+    for (int k = 0; k < report->tally.count; k++)
+        if (strcmp(report->tally.classes[k].label, "undecided") == 0)
+            undecided = report->tally.classes[k].count;
+    if (!undecided)
+        return;
+    if (!(o->keep & SALTUS_KEEP_LYAPUNOV))
+        printf(
+            "undecided: no period up to %d T was found; --what lyapunov would tell chaos from the others\n",
+            o->longest);
+    else if (o->measure > 0)
+        printf("undecided: exponents that %lld periods do not tell from zero; a larger --measure would\n",
+               o->measure);
+}
+
 static void print_table(const sweep_order *order, const sweep_report *report, const saltus_sweep_file *file,
                         const share *shares) {
     const saltus_sweep *sweep = order->sweep;
@@ -117,6 +135,8 @@ static void print_table(const sweep_order *order, const sweep_report *report, co
         print_attractors(file, shares);
     else if (report->tally.count)
         print_classes(&report->tally, counted(report));
+    if (!order->basins)
+        print_hint(sweep, report);
     if (report->computed)
         printf("%.3g s, %.4g trajectories/s%s\n", report->seconds, rate(report),
                report->computed < report->rows ? "; the others were there" : "");

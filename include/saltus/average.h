@@ -51,7 +51,8 @@ saltus_estimate saltus_average_plain(const saltus_average *average);
 saltus_estimate saltus_average_weighted(const saltus_average *average);
 /* Over a part of the run, 0 <= from < to <= 1, in whole batches. */
 saltus_estimate saltus_average_part(const saltus_average *average, double from, double to);
-/* Several runs of the same length together: their errors are independent. */
+/* Several runs of the same length together: errors of random values are independent, those of regular ones
+ * are bounds and do not average out. */
 saltus_estimate saltus_estimates_join(const saltus_estimate *estimates, int count);
 
 #ifdef __cplusplus

@@ -49,7 +49,8 @@ enum {
     SALTUS_KEEP_TURNING = 1,      /* observed displacement where its velocity reverses, impacts included */
     SALTUS_KEEP_IMPACTS = 2,      /* phase, speed and face of each impact */
     SALTUS_KEEP_STROBOSCOPIC = 4, /* the state at phase 0 */
-    SALTUS_KEEP_LYAPUNOV = 8      /* the largest exponent, in the row; one tangent vector is carried along */
+    SALTUS_KEEP_LYAPUNOV = 8 /* the largest exponent, in the row, and with it a verdict on motions without
+                                a period */
 };
 
 typedef struct saltus_sweep_options {
@@ -63,13 +64,16 @@ typedef struct saltus_sweep_options {
      * `record` recorded whatever the motion. */
     bool adaptive;
     long long transient, record;
-    int longest; /* longest period looked for, 1 to 256 */
-    int lanes;   /* at most; 0: as many as the processor has */
-    int threads; /* at most; 0: as many as there are cores */
+    long long measure; /* with SALTUS_KEEP_LYAPUNOV: periods at most over which the exponent of a motion
+                          without a period is measured; chaos is asserted from an eighth of them on, and from
+                          500; 0: not at all */
+    int longest;       /* longest period looked for, 1 to 256 */
+    int lanes;         /* at most; 0: as many as the processor has */
+    int threads;       /* at most; 0: as many as there are cores */
 } saltus_sweep_options;
 
 /* rtol 1e-10, atol 1e-14; nothing kept, one pass from reset, one seed, adaptive with at most 2000 periods,
- * 100 recorded, longest period 20, all lanes and threads. */
+ * 100 recorded, 8000 measured, longest period 20, all lanes and threads. */
 saltus_sweep_options saltus_sweep_defaults(void);
 
 /* A sweep is made of a scene, its axes and its options, checked together; it is not changed by running. */
@@ -107,8 +111,12 @@ typedef enum saltus_verdict {
     SALTUS_ROW_PERIODIC,    /* n/p, chatter included */
     SALTUS_ROW_EQUILIBRIUM, /* at rest without contact force */
     SALTUS_ROW_HELD,        /* in contact for good */
-    SALTUS_ROW_UNDECIDED,   /* no period up to the longest looked for within the time given */
-    SALTUS_ROW_FAILED,      /* the flow gave up, or the initial state is not admissible */
+    /* The next three only with SALTUS_KEEP_LYAPUNOV. */
+    SALTUS_ROW_QUASIPERIODIC, /* largest exponent zero, spectrum of lines, closed curves in the section */
+    SALTUS_ROW_CHAOTIC,       /* largest exponent positive by three standard errors, and in both halves */
+    SALTUS_ROW_UNSETTLED,     /* exponent negative: a longer period, or one that is reached slowly */
+    SALTUS_ROW_UNDECIDED,     /* no period up to the longest looked for within the time given */
+    SALTUS_ROW_FAILED,        /* the flow gave up, or the initial state is not admissible */
     SALTUS_VERDICTS
 } saltus_verdict_kind;
 
@@ -119,7 +127,8 @@ typedef struct saltus_sweep_row {
     int periods;   /* periodic: p */
     int sticking;  /* periodic: sticking intervals per orbit */
     int attractor; /* which of the distinct attractors met at this point in this pass, from 0 by seeds; all
-                      undecided motions of a point count as one; -1: failed */
+                      chaotic motions of a point count as one, and so do all quasi-periodic, all unsettled
+                      and all undecided ones; -1: failed */
     long long settled;         /* periods until the verdict */
     long long settled_impacts; /* impacts on the way */
     long long recorded;        /* periods recorded */
@@ -127,11 +136,15 @@ typedef struct saltus_sweep_row {
     double impact_rate;        /* impacts per forcing period, those simulated one by one */
     double largest_speed;      /* of an impact; 0 without any */
     double contact_fraction;   /* part of the time in contact */
-    double lyapunov;           /* largest exponent per unit of time; NAN where not asked for */
+    double lyapunov;       /* largest exponent per unit of time; NAN where not asked for, -INFINITY where all
+                              directions are lost */
+    double lyapunov_error; /* its standard error; 0 where an orbit's multipliers give it */
 } saltus_sweep_row;
 
-/* "4/4", "chatter/2", "held", ... as in saltus_motion. */
+/* "4/4", "chatter/2", "held", "chaotic", ... as in saltus_motion. */
 void saltus_sweep_label(const saltus_sweep_row *row, char label[32]);
+/* Whether the trajectory has come to an orbit or a rest. */
+bool saltus_sweep_settled(const saltus_sweep_row *row);
 
 typedef struct saltus_sweep_impact {
     double phase; /* in [0, 1) */
@@ -143,7 +156,7 @@ typedef struct saltus_sweep_impact {
 typedef struct saltus_sweep_result {
     long long place; /* pass_index * points + point; its rows are place * seeds ... */
     const saltus_sweep_row *rows;
-    const double *states; /* seeds x dimension: at phase 0 at the end of the recording */
+    const double *states; /* seeds x dimension: at phase 0 at the end */
     /* Clouds, one seed after the other. */
     const long long *turning_counts, *impact_counts, *strobe_counts; /* per seed */
     const double *turning;

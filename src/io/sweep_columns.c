@@ -32,8 +32,12 @@ const saltus_sweep_column saltus_sweep_columns[SALTUS_SWEEP_COLUMNS] = {
     {"impact_rate", "1/T", "impacts per forcing period, those simulated one by one", REAL, ROW(impact_rate)},
     {"largest_speed", "1", "largest speed of an impact; 0 without any", REAL, ROW(largest_speed)},
     {"contact_fraction", "1", "part of the time in contact", REAL, ROW(contact_fraction)},
-    {"lyapunov", "1", "largest Lyapunov exponent per unit of time; NaN where not asked for", REAL,
-     ROW(lyapunov)},
+    {"lyapunov", "1",
+     "largest Lyapunov exponent per unit of time; NaN where not asked for, -inf where all directions are "
+     "lost",
+     REAL, ROW(lyapunov)},
+    {"lyapunov_error", "1", "its standard error; 0 where an orbit's multipliers give it", REAL,
+     ROW(lyapunov_error)},
 };
 
 const saltus_sweep_cloud saltus_sweep_clouds[SALTUS_CLOUDS] = {
@@ -95,8 +99,15 @@ hid_t saltus_entry_type(saltus_h5 *w, saltus_sweep_entry entry, bool stored) {
     return -1;
 }
 
-static const char *const verdict_words[] = {"pending", "periodic",  "equilibrium",
-                                            "held",    "undecided", "failed"};
+static const char *const verdict_words[SALTUS_VERDICTS] = {[SALTUS_ROW_PENDING] = "pending",
+                                                           [SALTUS_ROW_PERIODIC] = "periodic",
+                                                           [SALTUS_ROW_EQUILIBRIUM] = "equilibrium",
+                                                           [SALTUS_ROW_HELD] = "held",
+                                                           [SALTUS_ROW_QUASIPERIODIC] = "quasi-periodic",
+                                                           [SALTUS_ROW_CHAOTIC] = "chaotic",
+                                                           [SALTUS_ROW_UNSETTLED] = "long-period",
+                                                           [SALTUS_ROW_UNDECIDED] = "undecided",
+                                                           [SALTUS_ROW_FAILED] = "failed"};
 static const char *const keep_words[] = {"turning", "impacts", "stroboscopic", "lyapunov", NULL};
 static const char *const pass_words[] = {"reset", "up", "down", NULL};
 static const char *const spacing_words[] = {"linear", "logarithmic", "list", NULL};

@@ -20,7 +20,7 @@ typedef struct saltus_sweep_column {
     size_t offset; /* into the row, impact, ... */
 } saltus_sweep_column;
 
-enum { SALTUS_SWEEP_COLUMNS = 14 };
+enum { SALTUS_SWEEP_COLUMNS = 15 };
 /* Of saltus_sweep_row. */
 extern const saltus_sweep_column saltus_sweep_columns[SALTUS_SWEEP_COLUMNS];
 

@@ -106,7 +106,8 @@ static void open_columns(maker *m) {
                                       .impact_rate = NAN,
                                       .largest_speed = NAN,
                                       .contact_fraction = NAN,
-                                      .lyapunov = NAN};
+                                      .lyapunov = NAN,
+                                      .lyapunov_error = NAN};
     const int none = 0;
     m->rows =
         saltus_h5_open_group(&m->w, "rows", "one entry for each trajectory: [pass][axis2][axis1][seed]");

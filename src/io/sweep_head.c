@@ -39,6 +39,7 @@ static void put_options(saltus_h5 *w, const saltus_sweep *sweep) {
     saltus_h5_integer(w, group, "adaptive", o->adaptive);
     saltus_h5_integer(w, group, "transient", o->transient);
     saltus_h5_integer(w, group, "record", o->record);
+    saltus_h5_integer(w, group, "measure", o->measure);
     saltus_h5_integer(w, group, "longest", o->longest);
     saltus_h5_double(w, group, "rtol", o->flow.rtol);
     saltus_h5_double(w, group, "atol", o->flow.atol);

@@ -79,6 +79,7 @@ static void put_options(const writer *w, const saltus_sweep_options *o) {
     put_word(w, "adaptive", o->adaptive ? "yes" : "no");
     put_whole(w, "transient", o->transient);
     put_whole(w, "record", o->record);
+    put_whole(w, "measure", o->measure);
     put_whole(w, "longest", o->longest);
     put_real(w, "rtol", o->flow.rtol);
     put_real(w, "atol", o->flow.atol);

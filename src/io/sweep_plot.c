@@ -41,7 +41,7 @@ double saltus_sweep_measure(saltus_view view, const saltus_sweep_row *row) {
     case SALTUS_VIEW_LYAPUNOV:
         return row->lyapunov;
     case SALTUS_VIEW_SETTLED:
-        return row->verdict == SALTUS_ROW_UNDECIDED ? NAN : (double)row->settled;
+        return saltus_sweep_settled(row) ? (double)row->settled : NAN;
     default:
         return NAN;
     }

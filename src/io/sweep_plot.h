@@ -112,6 +112,12 @@ saltus_status saltus_sweep_put_diagram(saltus_sweep_page *page, saltus_message *
 saltus_status saltus_sweep_put_map(saltus_sweep_page *page, saltus_message *message);
 /* The classes along the axis, one band for each pass, with labels; the strip's panel is drawn whole. */
 bool saltus_sweep_put_strip(const saltus_sweep_page *page, saltus_frame frame);
+/* sweep_plot_exponent.c: what stands behind the exponents of a diagram: columns, errors, the zero line. The
+ * data come before the plot command, when the frame is known. */
+void saltus_sweep_put_exponents(const saltus_sweep_page *page);
+void saltus_sweep_put_exponent_elements(const saltus_sweep_page *page);
+/* Whether all directions are lost anywhere: an exponent of -infinity. */
+bool saltus_sweep_any_lost(const saltus_sweep_page *page);
 /* What a map shows at a point, as an entry of its legend. */
 typedef struct saltus_map_kind {
     char label[64], figures[48];

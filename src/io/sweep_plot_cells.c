@@ -201,9 +201,11 @@ static uint32_t shade(const saltus_classes *classes, const saltus_sweep_class *c
  * their family. */
 static void set_colours(saltus_classes *classes) {
     static const uint32_t plain[SALTUS_VERDICTS] = {
-        [SALTUS_ROW_PENDING] = 0xffffff,     [SALTUS_ROW_PERIODIC] = 0xa08f78,
-        [SALTUS_ROW_EQUILIBRIUM] = 0x5d7f8c, [SALTUS_ROW_HELD] = 0x2e2e33,
-        [SALTUS_ROW_UNDECIDED] = 0xc6c6c6,   [SALTUS_ROW_FAILED] = 0xff2d78};
+        [SALTUS_ROW_PENDING] = 0xffffff,       [SALTUS_ROW_PERIODIC] = 0xa08f78,
+        [SALTUS_ROW_EQUILIBRIUM] = 0x5d7f8c,   [SALTUS_ROW_HELD] = 0x4b5963,
+        [SALTUS_ROW_QUASIPERIODIC] = 0xb4e3d6, [SALTUS_ROW_CHAOTIC] = 0x17171a,
+        [SALTUS_ROW_UNSETTLED] = 0x97939c,     [SALTUS_ROW_UNDECIDED] = 0xc6c6c6,
+        [SALTUS_ROW_FAILED] = 0xff2d78};
     int shown = 0;
     for (int k = 0; k < classes->count; k++) {
         saltus_sweep_class *c = &classes->list[k];

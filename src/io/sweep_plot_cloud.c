@@ -72,6 +72,11 @@ static double observed(const saltus_sweep_page *page, long long row, long long k
     return sum;
 }
 
+/* An exponent of -infinity has no place in a diagram. */
+static double shown(double number) {
+    return isinf(number) ? NAN : number;
+}
+
 static double cloud_value(const saltus_sweep_page *page, long long row, long long k) {
     const saltus_sweep_file *sweep = page->sweep;
     double speed;
@@ -86,7 +91,7 @@ static double cloud_value(const saltus_sweep_page *page, long long row, long lon
     case SALTUS_VIEW_ATTRACTORS:
         return attractors_of(sweep, row);
     default:
-        return saltus_sweep_measure(page->view, &sweep->rows[row]);
+        return shown(saltus_sweep_measure(page->view, &sweep->rows[row]));
     }
 }
 
@@ -175,6 +180,8 @@ static saltus_status find_range(saltus_sweep_page *page, saltus_message *message
                     saltus_range_add(&found, cloud_value(page, row + seed, k));
         }
     add_branches(page, &found);
+    if (!(found.low <= found.high) && page->view == SALTUS_VIEW_LYAPUNOV && saltus_sweep_any_lost(page))
+        found = (saltus_range){-1, 0};
     if (!(found.low <= found.high))
         return saltus_fail(message, SALTUS_BAD_INPUT,
                            "%.200s: there is nothing to show in view %s from %s = %.6g to %.6g", page->path,
@@ -353,7 +360,9 @@ static void put_plot(const saltus_sweep_page *page, const saltus_raster *rasters
     put_face_names(page);
     fputs("plot \\\n", file);
     put_face_elements(page);
-    if (page->view == SALTUS_VIEW_LYAPUNOV)
+    if (page->view == SALTUS_VIEW_LYAPUNOV && !dense)
+        saltus_sweep_put_exponent_elements(page);
+    else if (page->view == SALTUS_VIEW_LYAPUNOV)
         fputs("     0 with lines lc rgb '#909090' lw 1.2 notitle, \\\n", file);
     put_cloud_elements(page, rasters, dense);
     if (page->branches) {
@@ -416,6 +425,8 @@ saltus_status saltus_sweep_put_diagram(saltus_sweep_page *page, saltus_message *
     fputs("set multiplot\n", file);
     saltus_sweep_caption(page);
     saltus_frame strip = place_frames(page);
+    if (page->view == SALTUS_VIEW_LYAPUNOV && !dense)
+        saltus_sweep_put_exponents(page);
     if (dense)
         sound = paint(page, rasters);
     if (sound) {

@@ -42,8 +42,11 @@ static void add_shares(saltus_map *map) {
 
 /* Words for a class in the legend. */
 static void word_class(const saltus_sweep_file *sweep, const saltus_sweep_class *c, char label[64]) {
-    if (c->verdict == SALTUS_ROW_UNDECIDED)
+    bool measured = (sweep->options.keep & SALTUS_KEEP_LYAPUNOV) && sweep->options.measure > 0;
+    if (c->verdict == SALTUS_ROW_UNDECIDED && !measured)
         snprintf(label, 64, "no period up to %d", sweep->options.longest);
+    else if (c->verdict == SALTUS_ROW_UNSETTLED)
+        snprintf(label, 64, "long period, or slow");
     else if (c->verdict == SALTUS_ROW_HELD)
         snprintf(label, 64, "held by the stop");
     else if (c->verdict == SALTUS_ROW_EQUILIBRIUM)
@@ -52,7 +55,7 @@ static void word_class(const saltus_sweep_file *sweep, const saltus_sweep_class 
         snprintf(label, 64, "not computed yet");
     else if (c->verdict == SALTUS_ROW_FAILED)
         snprintf(label, 64, "failed");
-    else if (c->impacts == 0)
+    else if (c->verdict == SALTUS_ROW_PERIODIC && c->impacts == 0)
         snprintf(label, 64, "%.31s  no impact", c->label);
     else
         snprintf(label, 64, "%.31s", c->label);
@@ -90,7 +93,8 @@ bool saltus_map_classes(saltus_map *map) {
             continue;
         }
         word_class(sweep, c, map->kinds[k].label);
-        if (c->verdict == SALTUS_ROW_PERIODIC)
+        if (c->verdict == SALTUS_ROW_PERIODIC || c->verdict == SALTUS_ROW_CHAOTIC ||
+            c->verdict == SALTUS_ROW_QUASIPERIODIC)
             snprintf(map->kinds[k].name, sizeof map->kinds[k].name, "%s", c->label);
     }
     name_rest(map->kinds + rest, others);

@@ -196,7 +196,8 @@ static void put_legend(const saltus_map *map) {
 /* What the colours without number mean, above the map, as far as they occur. */
 static void put_exceptions(const saltus_map *map) {
     enum { apart = 240 };
-    static const char *const words[] = {"not computed yet", "failed", "undecided"};
+    bool measured = map->page->view == SALTUS_VIEW_LYAPUNOV;
+    const char *const words[] = {"not computed yet", "failed", measured ? "not measured" : "no period found"};
     static const uint32_t colours[] = {0xffffff, 0xff2d78, 0xc6c6c6};
     int x = 48, y = (int)(map->page->caption * SALTUS_PAGE_HEIGHT) - 8;
     for (int k = 0; k < 3; k++) {

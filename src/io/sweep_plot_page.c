@@ -68,7 +68,7 @@ void saltus_sweep_name_measure(const saltus_sweep_page *page, saltus_line *line)
         saltus_line_add(line, "part of the time in contact");
         break;
     case SALTUS_VIEW_LYAPUNOV:
-        saltus_line_add(line, "largest Lyapunov exponent");
+        saltus_line_add(line, "largest Lyapunov exponent  per unit of time");
         break;
     case SALTUS_VIEW_CLASS:
         saltus_line_add(line, "period in {/:Italic T}");
@@ -126,6 +126,19 @@ static void add_head(const saltus_sweep_page *page, saltus_line *line) {
                         floor(1000 * done_part(sweep)) / 10);
 }
 
+/* How exponents were measured, where they are shown. */
+static void add_exponents(const saltus_sweep_page *page, saltus_line *line) {
+    const saltus_sweep_options *o = &page->sweep->options;
+    if (page->view != SALTUS_VIEW_LYAPUNOV)
+        return;
+    if (o->measure > 0)
+        saltus_line_add(line, ";  without a period: measured over up to %lld periods", o->measure);
+    if (page->sweep->axis_count == 1 && o->measure > 0)
+        saltus_line_add(line, ", bars ± one standard error");
+    if (saltus_sweep_any_lost(page))
+        saltus_line_add(line, ";  %s: all directions lost", page->sweep->axis_count > 1 ? "black" : "▼");
+}
+
 /* How many values, how they were started, and how long they were waited for. */
 static void add_method(const saltus_sweep_page *page, saltus_line *line) {
     const saltus_sweep_file *sweep = page->sweep;
@@ -151,6 +164,7 @@ static void add_method(const saltus_sweep_page *page, saltus_line *line) {
     else
         saltus_line_add(line, ";  recorded: %lld period%s after %lld", o->record, o->record == 1 ? "" : "s",
                         o->transient);
+    add_exponents(page, line);
     bool numbers = page->view >= SALTUS_VIEW_LARGEST && saltus_sweep_visits(sweep) > 1;
     if (numbers && sweep->axis_count > 1)
         saltus_line_add(line, ";  shown: the first");

@@ -40,7 +40,7 @@ bool saltus_map_numbers(saltus_map *map) {
     for (long long p = 0; p < sweep->points && sorted && map->number; p++) {
         map->number[p] =
             (float)saltus_sweep_measure(page->view, &sweep->rows[saltus_sweep_visit(sweep, p, 0)]);
-        if (!isnan(map->number[p]))
+        if (isfinite(map->number[p]))
             sorted[count++] = map->number[p];
     }
     bool sound = sorted && map->number;
@@ -60,6 +60,8 @@ bool saltus_map_numbers(saltus_map *map) {
 
 uint32_t saltus_map_colour(const saltus_map *map, double number) {
     double low = map->range.low, high = map->range.high;
+    if (isinf(number))
+        return 0x000000;
     if (map->logarithmic)
         return saltus_colour_ramp((log(fmax(number, low)) - log(low)) / (log(high) - log(low)));
     if (map->page->view != SALTUS_VIEW_LYAPUNOV)

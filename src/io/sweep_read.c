@@ -5,6 +5,7 @@
 
 #include <limits.h>
 #include <math.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -16,6 +17,7 @@ typedef struct reader {
     const char *path;
     saltus_message *message;
     saltus_sweep_file *made;
+    bool without_error; /* of before exponents had one: there is no entry `measure`, and no such column */
     int initial_count;
     double *initial;
     hsize_t size[SALTUS_H5_RANK_MAX]; /* of the rows' datasets */
@@ -64,7 +66,8 @@ static bool get_whole(hid_t group, const char *name, long long low, long long hi
 }
 
 /* What of the options is missing or not as it should be; NULL when all is there. */
-static const char *get_options(hid_t group, saltus_sweep_file *made) {
+static const char *get_options(reader *r, hid_t group) {
+    saltus_sweep_file *made = r->made;
     saltus_sweep_options *o = &made->options;
     char words[SALTUS_WORDS_MAX], integrator[16];
     long long seeds, seed, adaptive, longest, order, dimension, axes;
@@ -80,6 +83,10 @@ static const char *get_options(hid_t group, saltus_sweep_file *made) {
         !get_whole(group, "record", 0, LLONG_MAX, &o->record) ||
         !get_whole(group, "longest", 1, INT_MAX, &longest))
         return "adaptive, transient, record, longest";
+    r->without_error = H5Aexists(group, "measure") == 0;
+    o->measure = 0;
+    if (!r->without_error && !get_whole(group, "measure", 0, LLONG_MAX, &o->measure))
+        return "measure";
     if (!saltus_h5_get_double(group, "rtol", &o->flow.rtol) || !isfinite(o->flow.rtol) ||
         !saltus_h5_get_double(group, "atol", &o->flow.atol) || !isfinite(o->flow.atol) ||
         !get_whole(group, "order", 0, INT_MAX, &order) ||
@@ -109,7 +116,7 @@ static saltus_status read_options(reader *r) {
     hid_t group = H5Lexists(r->file, "sweep", H5P_DEFAULT) > 0 ? H5Gopen2(r->file, "sweep", H5P_DEFAULT) : -1;
     if (group < 0)
         return refuse(r, "the group /sweep is missing");
-    const char *lacking = get_options(group, made);
+    const char *lacking = get_options(r, group);
     for (int k = 0; k < made->axis_count && !lacking; k++) {
         char name[32], word[16];
         snprintf(name, sizeof name, "key%d", k + 1);
@@ -124,7 +131,6 @@ static saltus_status read_options(reader *r) {
     for (int k = 0; k < SALTUS_PASSES; k++)
         if (made->options.passes >> k & 1)
             made->passes[made->pass_count++] = (saltus_pass)k;
-    made->options.flow.columns = made->options.keep & SALTUS_KEEP_LYAPUNOV ? 1 : 0;
     return lacking ? refuse_part(r, "sweep", lacking) : SALTUS_OK;
 }
 
@@ -207,6 +213,12 @@ static bool row_sound(const saltus_sweep_file *made, const saltus_sweep_row *row
            !(made->complete && row->verdict == SALTUS_ROW_PENDING);
 }
 
+/* Standard errors of exponents that were measured without. */
+static void fill_errors(saltus_sweep_file *made) {
+    for (long long k = 0; k < made->row_count; k++)
+        made->rows[k].lyapunov_error = NAN;
+}
+
 static saltus_status read_rows(reader *r) {
     saltus_sweep_file *made = r->made;
     size_t rows = (size_t)made->row_count;
@@ -220,6 +232,10 @@ static saltus_status read_rows(reader *r) {
     for (int k = 0; k < SALTUS_SWEEP_COLUMNS && status == SALTUS_OK; k++) {
         const saltus_sweep_column *column = &saltus_sweep_columns[k];
         size_t bytes = saltus_entry_bytes(column->entry);
+        if (r->without_error && column->offset == offsetof(saltus_sweep_row, lyapunov_error)) {
+            fill_errors(made);
+            continue;
+        }
         if (!get_rows(r, "rows", column, data))
             status = refuse_part(r, "rows", column->name);
         for (size_t i = 0; i < rows && status == SALTUS_OK; i++)

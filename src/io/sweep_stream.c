@@ -18,8 +18,8 @@ void saltus_sweep_stream_close(saltus_sweep_stream *stream) {
 
 /* Every NaN is the same one: equal results give equal files. */
 static void clean(saltus_sweep_row *row) {
-    double *measure[] = {&row->largest,       &row->smallest,         &row->impact_rate,
-                         &row->largest_speed, &row->contact_fraction, &row->lyapunov};
+    double *measure[] = {&row->largest,          &row->smallest, &row->impact_rate,   &row->largest_speed,
+                         &row->contact_fraction, &row->lyapunov, &row->lyapunov_error};
     for (size_t k = 0; k < sizeof measure / sizeof *measure; k++)
         if (isnan(*measure[k]))
             *measure[k] = NAN;
@@ -35,7 +35,8 @@ static void read_nothing(saltus_sweep_stream *stream, int seeds) {
                                              .impact_rate = NAN,
                                              .largest_speed = NAN,
                                              .contact_fraction = NAN,
-                                             .lyapunov = NAN};
+                                             .lyapunov = NAN,
+                                             .lyapunov_error = NAN};
 }
 
 saltus_status saltus_sweep_stream_read(saltus_sweep_stream *stream, long long place,

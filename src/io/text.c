@@ -165,9 +165,12 @@ static void put_evidence(FILE *file, const saltus_motion *motion) {
     if (saltus_motion_settled(motion) || e->periods == 0)
         return;
     put_head(file, "exponent");
-    fprintf(file, "%.6g +- %.2g per unit of time; first half %.6g +- %.2g, second half %.6g +- %.2g\n",
-            motion->lyapunov, motion->lyapunov_error, e->half[0], e->half_errors[0], e->half[1],
-            e->half_errors[1]);
+    if (isinf(motion->lyapunov))
+        fputs("-infinity: every direction is lost in lasting contacts\n", file);
+    else
+        fprintf(file, "%.6g +- %.2g per unit of time; first half %.6g +- %.2g, second half %.6g +- %.2g\n",
+                motion->lyapunov, motion->lyapunov_error, e->half[0], e->half_errors[0], e->half[1],
+                e->half_errors[1]);
     if (!isnan(e->zero_one)) {
         put_head(file, "opinions");
         fprintf(file,

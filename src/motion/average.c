@@ -140,9 +140,11 @@ static saltus_estimate estimate(const double *sum, int batches, long long size, 
     double random = sqrt(variance_of_mean(sum, batches, mean)), bounded = excursion(sum, batches, mean);
     double error = fmax(random, bounded);
     result.regular = bounded >= random;
+    if (result.regular)
+        error = 2 * bounded;
     if (which != PLAIN && batches >= enough_to_weight) {
         double weighted = weighted_mean(sum, batches),
-               apart = fmax(disagreement(sum, batches, weighted), least_gain * bounded);
+               apart = fmax(2 * disagreement(sum, batches, weighted), least_gain * bounded);
         bool calm = bounded < too_calm * random && apart < too_good * error;
         result.weighted = which == WEIGHTED || calm || (result.regular && apart < error);
         if (result.weighted) {
@@ -182,8 +184,9 @@ saltus_estimate saltus_average_part(const saltus_average *a, double from, double
 
 saltus_estimate saltus_estimates_join(const saltus_estimate *estimates, int count) {
     saltus_estimate joint = {.regular = true, .weighted = true};
-    double squares = 0;
+    double squares = 0, sum = 0;
     for (int k = 0; k < count; k++) {
+        sum += estimates[k].standard_error / count;
         joint.regular &= estimates[k].regular;
         joint.weighted &= estimates[k].weighted;
         joint.mean += estimates[k].mean / count;
@@ -191,6 +194,6 @@ saltus_estimate saltus_estimates_join(const saltus_estimate *estimates, int coun
         joint.independent += estimates[k].independent;
         joint.count += estimates[k].count;
     }
-    joint.standard_error = sqrt(squares) / count;
+    joint.standard_error = joint.regular || joint.weighted ? sum : sqrt(squares) / count;
     return joint;
 }

@@ -213,6 +213,7 @@ typedef struct search {
     saltus_orbit orbit;
     double *field, closest;
     bool found, stopped;
+    bool limited; /* no very long orbits of very many impacts */
 } search;
 
 static saltus_status open_search(search *s, const double *state, saltus_message *message) {
@@ -236,13 +237,20 @@ static void close_search(search *s) {
     free(s->field);
 }
 
+/* Newton's method is not asked about very long orbits of very many impacts: each try would take minutes. */
+static bool is_too_long(const search *s, int p) {
+    enum { most_impacts = 150 };
+    double impacts = (double)saltus_flow_information(s->flow, 0).impacts / (double)s->h.count;
+    return s->limited && p * impacts > most_impacts;
+}
+
 /* Try the period that recurs at present. */
 static saltus_status try_period(search *s, saltus_message *message) {
     const saltus_classify_options *o = s->options;
     int p = saltus_system_forced(s->system)
                 ? candidate_period(s->system, &s->h, o->longest, recurrence, &s->closest)
                 : 0;
-    if (!p || !polish(s->system, o, &s->h, p, s->closest, &s->orbit, message))
+    if (!p || is_too_long(s, p) || !polish(s->system, o, &s->h, p, s->closest, &s->orbit, message))
         return SALTUS_OK;
     saltus_status status =
         confirm(s->system, s->flow, &s->h, fmax(1e-9, 1e4 * o->flow.rtol), &s->orbit, &s->found, message);
@@ -297,10 +305,10 @@ static saltus_status check_options(const saltus_classify_options *options, saltu
     return SALTUS_OK;
 }
 
-saltus_status saltus_motion_find_period(const saltus_system *system, const double *state,
-                                        const saltus_classify_options *options, saltus_motion *motion,
-                                        saltus_message *message) {
-    search s = {.system = system, .options = options};
+static saltus_status find_period(const saltus_system *system, const double *state,
+                                 const saltus_classify_options *options, bool limited, saltus_motion *motion,
+                                 saltus_message *message) {
+    search s = {.system = system, .options = options, .limited = limited};
     *motion = (saltus_motion){0};
     saltus_status status = open_search(&s, state, message);
     if (status == SALTUS_OK && !saltus_motion_open(system, motion))
@@ -315,6 +323,12 @@ saltus_status saltus_motion_find_period(const saltus_system *system, const doubl
     return status;
 }
 
+saltus_status saltus_motion_find_period(const saltus_system *system, const double *state,
+                                        const saltus_classify_options *options, saltus_motion *motion,
+                                        saltus_message *message) {
+    return find_period(system, state, options, false, motion, message);
+}
+
 /* A motion in which nothing irregular goes on: look for longer periods than were asked for. */
 static saltus_status find_long_period(search *s, saltus_motion *motion, saltus_message *message) {
     saltus_classify_options options = *s->options;
@@ -323,7 +337,7 @@ static saltus_status find_long_period(search *s, saltus_motion *motion, saltus_m
     options.longest = longest_period;
     options.transient = 8 * longest_period;
     options.progress = NULL;
-    saltus_status status = saltus_motion_find_period(s->system, motion->state, &options, &found, message);
+    saltus_status status = find_period(s->system, motion->state, &options, true, &found, message);
     if (status == SALTUS_OK && saltus_motion_settled(&found)) {
         saltus_motion_clear(motion);
         *motion = found;

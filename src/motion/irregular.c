@@ -311,6 +311,12 @@ static void tell(judge *j, saltus_outcome result) {
             "a chaotic transient: exponent %.3g while it lasts, but a neighbouring trajectory has come to %s "
             "within %lld periods; a longer --transient would show this one do so",
             m->lyapunov, e->left_for, saltus_ensemble_samples(&j->ensemble));
+    else if (result == SALTUS_OUTCOME_REGULAR && isinf(m->lyapunov))
+        snprintf(m->reason, sizeof m->reason,
+                 "nothing irregular: every perturbation dies in lasting contacts, so that a period longer "
+                 "than %d T, "
+                 "or one that is reached slowly, must show; a longer --transient or --longest would find it",
+                 j->options->longest);
     else if (result == SALTUS_OUTCOME_REGULAR)
         snprintf(
             m->reason, sizeof m->reason,

@@ -78,6 +78,8 @@ void saltus_lyapunov_clear(saltus_lyapunov *l) {
 
 /* Keep the present estimate; where there is no room, every second one of the past goes. */
 static void remember(saltus_lyapunov *l, double time, saltus_estimate now) {
+    if (l->history_count && l->history[l->history_count - 1].time >= time)
+        l->history_count--;
     if (l->history_count == history_room) {
         l->history_count /= 2;
         for (int k = 0; k < l->history_count; k++)
@@ -155,7 +157,12 @@ static saltus_status measure(saltus_ensemble *e, saltus_lyapunov *l, saltus_mess
         } else
             l->precise = is_precise(e, &now, least);
     }
-    return status == SALTUS_OK ? complete_batches(e, message) : status;
+    if (status == SALTUS_OK)
+        status = complete_batches(e, message);
+    saltus_estimate last = saltus_ensemble_exponent(e, 0, saltus_ensemble_regular(e));
+    if (status == SALTUS_OK && isfinite(last.standard_error))
+        remember(l, (double)saltus_ensemble_periods(e) * saltus_system_period(e->system), last);
+    return status;
 }
 
 /* Larger exponents first, where they differ by more than their errors; those that are lost are the last ones.

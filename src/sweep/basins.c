@@ -104,8 +104,7 @@ static saltus_status polish(saltus_basins *basins, const double *state, int *att
 saltus_status saltus_basins_sort(saltus_basins *basins, const saltus_sweep_row *row, const double *state,
                                  int *attractor, saltus_message *message) {
     *attractor = -1;
-    if (row->verdict != SALTUS_ROW_PERIODIC && row->verdict != SALTUS_ROW_EQUILIBRIUM &&
-        row->verdict != SALTUS_ROW_HELD)
+    if (!saltus_sweep_settled(row))
         return SALTUS_OK;
     *attractor = find(basins, state, near_orbit);
     return *attractor >= 0 ? SALTUS_OK : polish(basins, state, attractor, message);

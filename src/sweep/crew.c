@@ -1,8 +1,11 @@
-/* One thread's trajectories side by side in the lanes of a flow.
+/* One thread's trajectories side by side in the lanes of a flow, and of a second one for those whose exponent
+ * is measured, with a tangent vector.
  *
- * A lane whose trajectory has finished its task takes the next seed at once. A system that lacks a term which
- * the others have (an amplitude of zero at the edge of a grid) cannot run beside them: its trajectory runs in
- * a flow of one lane, with the same bits.
+ * A lane whose trajectory has finished its task, or goes on in the other flow, takes the next one at once.
+ * The second flow runs when its lanes are full or nothing else is left to run, so that no lane of either is
+ * idle as long as there is work; one that has been measured and has more of its line before it waits for a
+ * lane of the first. A system that lacks a term which the others have (an amplitude of zero at the edge of a
+ * grid) cannot run beside them: its trajectory runs in a flow of one lane, with the same bits.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "sweep/sweep.h"
 
@@ -13,13 +16,22 @@
 
 enum { lanes_max = 16 };
 
+/* A flow and who is in its lanes. */
+typedef struct team {
+    saltus_flow *flow;
+    int lanes, live;
+    saltus_trajectory *at[lanes_max]; /* NULL: the lane rests */
+} team;
+
 typedef struct crew {
     const saltus_sweep *sweep;
     saltus_gate *gate;
-    saltus_job *job;            /* the task whose seeds are being handed out */
-    saltus_flow *flow, *single; /* all lanes; one lane, made when it is needed */
-    int lanes;
-    saltus_trajectory trajectory[lanes_max];
+    saltus_job *job; /* the task whose seeds are being handed out */
+    team plain, tangent;
+    saltus_flow *single[2]; /* of one lane, without and with a tangent vector; made when they are needed */
+    int size, waiting;
+    saltus_trajectory *queue[2 * lanes_max]; /* that wait for a lane without a tangent vector */
+    saltus_trajectory trajectory[2 * lanes_max];
 } crew;
 
 static int lane_count(const saltus_sweep *sweep) {
@@ -29,23 +41,29 @@ static int lane_count(const saltus_sweep *sweep) {
     return asked > 0 && asked < width ? asked : width;
 }
 
-static bool open_flow(const crew *c, int lanes, saltus_flow **flow) {
+static bool open_flow(const crew *c, int lanes, int columns, saltus_flow **flow) {
     const saltus_system *systems[lanes_max];
+    saltus_flow_options options = c->sweep->options.flow;
     saltus_message message = {""};
+    options.columns = columns;
     for (int l = 0; l < lanes; l++)
         systems[l] = c->sweep->system;
-    saltus_status status = saltus_flow_new(systems, lanes, &c->sweep->options.flow, flow, &message);
+    saltus_status status = saltus_flow_new(systems, lanes, &options, flow, &message);
     if (status != SALTUS_OK)
         saltus_gate_fail(c->gate, status, message.text);
     return status == SALTUS_OK;
 }
 
 static bool open_crew(crew *c) {
-    c->lanes = lane_count(c->sweep);
-    if (!open_flow(c, c->lanes, &c->flow))
+    bool measures = c->sweep->options.keep & SALTUS_KEEP_LYAPUNOV;
+    c->plain.lanes = lane_count(c->sweep);
+    c->tangent.lanes = measures ? c->plain.lanes : 0;
+    c->size = c->plain.lanes + c->tangent.lanes;
+    if (!open_flow(c, c->plain.lanes, 0, &c->plain.flow) ||
+        (measures && !open_flow(c, c->tangent.lanes, 1, &c->tangent.flow)))
         return false;
-    for (int l = 0; l < c->lanes; l++)
-        if (!saltus_trajectory_open(&c->trajectory[l], c->sweep)) {
+    for (int k = 0; k < c->size; k++)
+        if (!saltus_trajectory_open(&c->trajectory[k], c->sweep)) {
             saltus_gate_fail(c->gate, SALTUS_NO_MEMORY, "no memory for the trajectories of a sweep");
             return false;
         }
@@ -64,19 +82,40 @@ static void leave_job(crew *c, saltus_trajectory *t) {
 }
 
 static void close_crew(crew *c) {
-    saltus_flow_free(c->flow);
-    saltus_flow_free(c->single);
-    for (int l = 0; l < c->lanes; l++) {
-        saltus_job *job = c->trajectory[l].job;
-        for (int k = 0; k < c->lanes && job; k++)
-            if (c->trajectory[k].job == job)
-                c->trajectory[k].job = NULL;
+    saltus_flow_free(c->plain.flow);
+    saltus_flow_free(c->tangent.flow);
+    saltus_flow_free(c->single[0]);
+    saltus_flow_free(c->single[1]);
+    for (int k = 0; k < c->size; k++) {
+        saltus_job *job = c->trajectory[k].job;
+        for (int i = 0; i < c->size && job; i++)
+            if (c->trajectory[i].job == job)
+                c->trajectory[i].job = NULL;
         if (job == c->job)
             c->job = NULL;
         saltus_job_free(job);
-        saltus_trajectory_close(&c->trajectory[l]);
+        saltus_trajectory_close(&c->trajectory[k]);
     }
     saltus_job_free(c->job);
+}
+
+static void enter(team *side, int lane, saltus_trajectory *t) {
+    side->at[lane] = t;
+    side->live++;
+}
+
+/* A lane that rests knows no system that may be freed. */
+static void leave(const crew *c, team *side, int lane) {
+    side->at[lane] = NULL;
+    side->live--;
+    saltus_flow_retune(side->flow, lane, c->sweep->system, NULL);
+}
+
+static int free_lane(const team *side) {
+    int lane = 0;
+    while (lane < side->lanes && side->at[lane])
+        lane++;
+    return lane;
 }
 
 /* The next seed of the task at hand, or of the next task; false when there is none. */
@@ -98,44 +137,79 @@ static bool take_seed(crew *c, saltus_trajectory *t) {
     return true;
 }
 
+/* One that waits with a part of its line before it, or an idle one with a new seed; NULL when there is
+ * nothing more to do. There is an idle one for each lane of the first flow that is free. */
+static saltus_trajectory *next_trajectory(crew *c) {
+    if (c->waiting > 0) {
+        saltus_trajectory *first = c->queue[0];
+        memmove(c->queue, c->queue + 1, (size_t)--c->waiting * sizeof(saltus_trajectory *));
+        return first;
+    }
+    int k = 0;
+    while (k < c->size && c->trajectory[k].job)
+        k++;
+    return k < c->size && take_seed(c, &c->trajectory[k]) ? &c->trajectory[k] : NULL;
+}
+
+/* The flow of one lane, made when it is first needed; NULL after a failure. */
+static saltus_flow *single_flow(crew *c, int columns) {
+    bool sound = c->single[columns] || open_flow(c, 1, columns, &c->single[columns]);
+    return sound ? c->single[columns] : NULL;
+}
+
 /* Give the trajectory the system of its place; the old one is freed once no flow knows it. */
 static saltus_status change_system(crew *c, saltus_trajectory *t, int lane, saltus_flow **flow, int *at) {
-    long long point = saltus_sweep_task_place(c->sweep, t->job->task, t->place) % c->sweep->points;
     saltus_system *system = NULL, *old = t->system;
     saltus_message message;
-    saltus_status status = saltus_sweep_system(c->sweep, point, &system, &message);
+    saltus_status status = saltus_sweep_system(c->sweep, saltus_trajectory_point(t), &system, &message);
     if (status != SALTUS_OK)
         return status;
-    bool fits = c->lanes == 1 || system->coefficients.terms == c->sweep->system->coefficients.terms;
-    if (!fits && !c->single && !open_flow(c, 1, &c->single)) {
+    bool fits = c->plain.lanes == 1 || system->coefficients.terms == c->sweep->system->coefficients.terms;
+    *flow = fits ? c->plain.flow : single_flow(c, 0);
+    *at = fits ? lane : 0;
+    if (!*flow) {
         saltus_system_free(system);
         return SALTUS_NO_MEMORY;
     }
-    *flow = fits ? c->flow : c->single;
-    *at = fits ? lane : 0;
     if (!fits)
-        saltus_flow_retune(c->flow, lane, c->sweep->system, &message);
+        saltus_flow_retune(c->plain.flow, lane, c->sweep->system, &message);
     status = saltus_flow_retune(*flow, *at, system, &message);
     t->system = status == SALTUS_OK ? system : old;
     saltus_system_free(status == SALTUS_OK ? old : system);
     return status;
 }
 
-/* Run a trajectory's place to its end in the flow of one lane. */
+/* The next event of a flow, and what its trajectory makes of it. */
+static saltus_course advance(saltus_flow *flow, saltus_trajectory *const *at, int *lane) {
+    saltus_event event;
+    saltus_message message;
+    if (saltus_flow_run(flow, lane, &event, &message) == SALTUS_OK)
+        return saltus_trajectory_follow(at[*lane], &event);
+    saltus_trajectory_fail(at[*lane]);
+    return SALTUS_COURSE_OVER;
+}
+
+/* Begin to measure in a lane; false when that cannot be. */
+static bool measure_in(saltus_trajectory *t, saltus_flow *flow, int lane) {
+    return saltus_flow_retune(flow, lane, t->system, NULL) == SALTUS_OK &&
+           saltus_trajectory_measure(t, flow, lane);
+}
+
+/* Run a trajectory's place to its end in flows of one lane. */
 static void run_single(crew *c, saltus_trajectory *t) {
-    bool over = false;
-    while (!over) {
-        saltus_event event;
+    saltus_course course = SALTUS_COURSE_ON;
+    while (course != SALTUS_COURSE_OVER) {
         int lane = 0;
-        saltus_message message;
-        if (saltus_flow_run(c->single, &lane, &event, &message) == SALTUS_OK)
-            over = saltus_trajectory_follow(t, &event);
+        if (course == SALTUS_COURSE_ON)
+            course = advance(t->flow, &t, &lane);
         else {
-            saltus_trajectory_fail(t);
-            over = true;
+            saltus_flow *flow = single_flow(c, 1);
+            course = flow && measure_in(t, flow, 0) ? SALTUS_COURSE_ON : SALTUS_COURSE_OVER;
         }
     }
-    saltus_flow_retune(c->single, 0, c->sweep->system, NULL);
+    for (int k = 0; k < 2; k++)
+        if (c->single[k])
+            saltus_flow_retune(c->single[k], 0, c->sweep->system, NULL);
 }
 
 /* Store what came out of the trajectory's place and hand it out where all seeds are there. */
@@ -148,34 +222,105 @@ static void finish_place(crew *c, saltus_trajectory *t) {
     t->place++;
 }
 
-/* Start places, one after the other, until one is under way in the crew's lanes; false when there is nothing
- * left to do. */
-static bool go_on(crew *c, int lane) {
-    saltus_trajectory *t = &c->trajectory[lane];
-    while (saltus_gate_open(c->gate)) {
-        saltus_flow *flow = c->flow;
+/* Start a trajectory's places, one after the other, until one is under way in the lane; false when its line
+ * is done. */
+static bool go_on(crew *c, saltus_trajectory *t, int lane) {
+    while (saltus_gate_open(c->gate) && t->place < t->job->length) {
+        saltus_flow *flow = c->plain.flow;
         int at = lane;
-        if (t->job && t->place == t->job->length)
-            leave_job(c, t);
-        if (!t->job && !take_seed(c, t))
-            return false;
         saltus_status status = change_system(c, t, lane, &flow, &at);
         bool under_way = status == SALTUS_OK && saltus_trajectory_start(t, flow, at);
         t->starved |= status == SALTUS_NO_MEMORY;
         if (status != SALTUS_OK)
             saltus_trajectory_refuse(t);
-        if (under_way && flow == c->flow)
+        if (under_way && flow == c->plain.flow)
             return true;
         if (under_way)
             run_single(c, t);
         finish_place(c, t);
     }
+    if (t->place == t->job->length)
+        leave_job(c, t);
     return false;
+}
+
+/* Give a lane of the first flow something to do. */
+static void occupy(crew *c, int lane) {
+    saltus_trajectory *t = NULL;
+    bool under_way = false;
+    while (!under_way && saltus_gate_open(c->gate) && (t = next_trajectory(c)))
+        under_way = go_on(c, t, lane);
+    if (under_way)
+        enter(&c->plain, lane, t);
+    else
+        saltus_flow_retune(c->plain.flow, lane, c->sweep->system, NULL);
+}
+
+/* An event of the first flow. */
+static void run_plain(crew *c) {
+    team *here = &c->plain, *there = &c->tangent;
+    int lane = 0;
+    saltus_course course = advance(here->flow, here->at, &lane);
+    saltus_trajectory *t = here->at[lane];
+    if (course == SALTUS_COURSE_MEASURE) {
+        int other = free_lane(there);
+        if (measure_in(t, there->flow, other)) {
+            enter(there, other, t);
+            leave(c, here, lane);
+            occupy(c, lane);
+            return;
+        }
+        saltus_flow_retune(there->flow, other, c->sweep->system, NULL);
+    }
+    if (course == SALTUS_COURSE_ON)
+        return;
+    finish_place(c, t);
+    if (!go_on(c, t, lane)) {
+        leave(c, here, lane);
+        occupy(c, lane);
+    }
+}
+
+/* An event of the second flow. */
+static void run_tangent(crew *c) {
+    team *here = &c->tangent;
+    int lane = 0;
+    saltus_course course = advance(here->flow, here->at, &lane);
+    saltus_trajectory *t = here->at[lane];
+    if (course == SALTUS_COURSE_MEASURE && saltus_trajectory_measure(t, here->flow, lane))
+        return;
+    if (course == SALTUS_COURSE_ON)
+        return;
+    finish_place(c, t);
+    leave(c, here, lane);
+    if (t->place < t->job->length)
+        c->queue[c->waiting++] = t;
+    else
+        leave_job(c, t);
+    if (c->plain.live < c->plain.lanes)
+        occupy(c, free_lane(&c->plain));
+}
+
+/* Whether one that is measured goes on along its line afterwards. */
+static bool line_waits(const crew *c) {
+    bool waits = false;
+    for (int l = 0; l < c->tangent.lanes; l++) {
+        const saltus_trajectory *t = c->tangent.at[l];
+        waits |= t && t->place + 1 < t->job->length;
+    }
+    return waits;
+}
+
+/* The second flow's turn: it is full, or nothing else is to be done, or not enough for all lanes while lines
+ * wait for it. */
+static bool is_tangents_turn(const crew *c) {
+    const team *plain = &c->plain, *tangent = &c->tangent;
+    return tangent->live > 0 && (plain->live == 0 || tangent->live == tangent->lanes ||
+                                 (plain->live < plain->lanes && line_waits(c)));
 }
 
 void saltus_crew_run(const saltus_sweep *sweep, saltus_gate *gate) {
     crew *c = calloc(1, sizeof *c);
-    int live = 0;
     if (!c) {
         saltus_gate_fail(gate, SALTUS_NO_MEMORY, "no memory for the trajectories of a sweep");
         return;
@@ -183,21 +328,13 @@ void saltus_crew_run(const saltus_sweep *sweep, saltus_gate *gate) {
     c->sweep = sweep;
     c->gate = gate;
     bool sound = open_crew(c);
-    for (int l = 0; l < c->lanes && sound; l++)
-        live += go_on(c, l);
-    while (live > 0 && saltus_gate_open(gate)) {
-        saltus_event event;
-        saltus_message message;
-        int lane = 0;
-        bool over = true;
-        if (saltus_flow_run(c->flow, &lane, &event, &message) == SALTUS_OK)
-            over = saltus_trajectory_follow(&c->trajectory[lane], &event);
+    for (int l = 0; l < c->plain.lanes && sound; l++)
+        occupy(c, l);
+    while (sound && c->plain.live + c->tangent.live > 0 && saltus_gate_open(gate)) {
+        if (is_tangents_turn(c))
+            run_tangent(c);
         else
-            saltus_trajectory_fail(&c->trajectory[lane]);
-        if (over) {
-            finish_place(c, &c->trajectory[lane]);
-            live -= !go_on(c, lane);
-        }
+            run_plain(c);
     }
     close_crew(c);
     free(c);

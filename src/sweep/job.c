@@ -78,13 +78,13 @@ bool saltus_job_put(saltus_job *job, int place, int seed, const saltus_sweep_row
     return --job->missing[place] == 0;
 }
 
-/* Whether two trajectories ended on the same attractor: on the same orbit, in the same rest, or both nowhere
- * in particular. */
+/* Whether two trajectories ended on the same attractor: on the same orbit, in the same rest, or both on
+ * something that is neither and of the same kind. */
 static bool same_attractor(const saltus_system *system, const saltus_cell *a, const saltus_cell *b,
                            size_t n) {
     if (a->row.verdict != b->row.verdict || a->row.periods != b->row.periods)
         return false;
-    if (a->row.verdict == SALTUS_ROW_UNDECIDED)
+    if (!saltus_sweep_settled(&a->row))
         return true;
     if (a->row.verdict != SALTUS_ROW_PERIODIC)
         return saltus_section_distance(system, a->state, b->state) < same_point;

@@ -68,6 +68,7 @@ static unsigned char *put_row(unsigned char *to, const saltus_sweep_row *r) {
     clean.largest_speed = r->largest_speed;
     clean.contact_fraction = r->contact_fraction;
     clean.lyapunov = r->lyapunov;
+    clean.lyapunov_error = r->lyapunov_error;
     return put(to, &clean, sizeof clean);
 }
 

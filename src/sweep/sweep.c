@@ -23,6 +23,7 @@ saltus_sweep_options saltus_sweep_defaults(void) {
                                   .adaptive = true,
                                   .transient = 2000,
                                   .record = 100,
+                                  .measure = 8000,
                                   .longest = 20};
 }
 
@@ -41,6 +42,8 @@ static saltus_status check_options(const saltus_sweep_options *o, saltus_message
     if (o->transient < (o->adaptive ? 1 : 0) || o->record < 1)
         return saltus_fail(message, SALTUS_BAD_INPUT, "transient = %lld, record = %lld: %s", o->transient,
                            o->record, "must be at least 0 (adaptive: 1) and 1");
+    if (o->measure < 0)
+        return saltus_fail(message, SALTUS_BAD_INPUT, "measure = %lld: must not be negative", o->measure);
     if (o->longest < 1 || o->longest > longest_max)
         return saltus_fail(message, SALTUS_BAD_INPUT, "longest = %d: must be from 1 to %d", o->longest,
                            longest_max);
@@ -176,8 +179,7 @@ saltus_status saltus_sweep_new(const saltus_scene *scene, const saltus_axis *axe
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the sweep");
     made->scene = *scene;
     made->options = *options;
-    made->options.flow.columns = options->keep & SALTUS_KEEP_LYAPUNOV ? 1 : 0;
-    made->options.flow.directions = 0;
+    made->options.flow.columns = made->options.flow.directions = 0;
     for (int k = 0; k < SALTUS_PASSES; k++)
         if (options->passes >> k & 1)
             made->passes[made->pass_count++] = (saltus_pass)k;
@@ -280,11 +282,20 @@ long long saltus_sweep_task_place(const saltus_sweep *sweep, long long task, int
 }
 
 void saltus_sweep_label(const saltus_sweep_row *row, char label[32]) {
-    static const char *const words[] = {"pending", "", "equilibrium", "held", "undecided", "failed"};
+    static const char *const words[SALTUS_VERDICTS] = {
+        [SALTUS_ROW_PENDING] = "pending",     [SALTUS_ROW_EQUILIBRIUM] = "equilibrium",
+        [SALTUS_ROW_HELD] = "held",           [SALTUS_ROW_QUASIPERIODIC] = "quasi-periodic",
+        [SALTUS_ROW_CHAOTIC] = "chaotic",     [SALTUS_ROW_UNSETTLED] = "long-period",
+        [SALTUS_ROW_UNDECIDED] = "undecided", [SALTUS_ROW_FAILED] = "failed"};
     if (row->verdict != SALTUS_ROW_PERIODIC)
         snprintf(label, 32, "%s", words[row->verdict]);
     else if (row->impacts < 0)
         snprintf(label, 32, "chatter/%d", row->periods);
     else
         snprintf(label, 32, "%d/%d", row->impacts, row->periods);
+}
+
+bool saltus_sweep_settled(const saltus_sweep_row *row) {
+    return row->verdict == SALTUS_ROW_PERIODIC || row->verdict == SALTUS_ROW_EQUILIBRIUM ||
+           row->verdict == SALTUS_ROW_HELD;
 }

@@ -5,6 +5,7 @@
 
 #include "saltus/sweep.h"
 
+#include "motion/growth.h"
 #include "motion/motion.h"
 
 #include <gsl/gsl_rng.h>
@@ -132,8 +133,31 @@ typedef enum saltus_stage {
     SALTUS_STAGE_TRANSIENT, /* not looked at */
     SALTUS_STAGE_SETTLING,
     SALTUS_STAGE_RECORDING,
-    SALTUS_STAGE_ORBIT /* once around a periodic orbit */
+    SALTUS_STAGE_ORBIT,    /* once around a periodic orbit */
+    SALTUS_STAGE_MEASURING /* its exponent, with a tangent vector */
 } saltus_stage;
+
+/* How it goes on. */
+typedef enum saltus_course {
+    SALTUS_COURSE_ON,
+    SALTUS_COURSE_MEASURE, /* its exponent is wanted: it needs a lane with a tangent vector */
+    SALTUS_COURSE_OVER     /* this place is over, the row being filled */
+} saltus_course;
+
+/* The exponent under way. */
+typedef struct saltus_measuring {
+    saltus_arena arena;
+    saltus_growth growth;
+    saltus_average average; /* of the growth per period */
+    long long samples;      /* periods measured; below zero the vector still turns into what grows */
+    long long run_end;      /* samples at which they are weighed next */
+    long long deadline;     /* cycle by which a period must have shown; 0: there need not be one */
+    long long steps;        /* of the flow until the first sample */
+    bool given;             /* the verdict is there: nothing but the exponent is lacking */
+    bool suspected;         /* a torus: section points are collected */
+    double *points;         /* `count` of them, n each */
+    long long count;
+} saltus_measuring;
 
 typedef struct saltus_trajectory {
     const saltus_sweep *sweep;
@@ -157,7 +181,7 @@ typedef struct saltus_trajectory {
     double *home;               /* where it was before it was disturbed, ... */
     long long home_cycle;       /* ... and when */
     double *state, *orbit;      /* now; of a settled orbit, longest x n */
-    double *tangent, growth;    /* with SALTUS_KEEP_LYAPUNOV: logarithm of how a tangent vector grew */
+    saltus_measuring measuring; /* with SALTUS_KEEP_LYAPUNOV */
     gsl_rng *rng;
 } saltus_trajectory;
 
@@ -175,19 +199,42 @@ void saltus_trajectory_hope(saltus_trajectory *trajectory);
  * and it may be moved onto an orbit that Newton's method has found. */
 saltus_judgement saltus_trajectory_judge(saltus_trajectory *trajectory);
 
+/* exponent.c */
+/* The largest exponent of a row that has settled, from the multipliers of the orbit at its state. False where
+ * Newton's method does not find the orbit there. */
+bool saltus_trajectory_exponent(saltus_trajectory *trajectory);
+
+/* measure.c */
+bool saltus_measuring_open(saltus_measuring *measuring, int dimension);
+void saltus_measuring_close(saltus_measuring *measuring);
+/* Measure the exponent, from where the trajectory is, in a lane of a flow with one tangent vector that has
+ * been given its system; it may be the lane that it is in. Aims it. False when it cannot go on there: the row
+ * stays as it is. */
+bool saltus_trajectory_measure(saltus_trajectory *trajectory, saltus_flow *flow, int lane);
+/* What follows from an event of a trajectory that is measured; *section: at a section point. */
+saltus_course saltus_measuring_follow(saltus_trajectory *trajectory, const saltus_event *event,
+                                      bool *section);
+/* One more period. */
+saltus_course saltus_measuring_add(saltus_trajectory *trajectory);
+
 /* trajectory.c, again */
 /* The grid's point at which it is. */
 long long saltus_trajectory_point(const saltus_trajectory *trajectory);
-/* Go on from another state at the same time; the tangent vector stays. False when the flow cannot. */
+/* Its steps, impacts and other contact events since it began. */
+saltus_flow_info saltus_trajectory_information(const saltus_trajectory *trajectory);
+/* Go on from another state at the same time. False when the flow cannot. */
 bool saltus_trajectory_continue(saltus_trajectory *trajectory, const double *state);
+/* Go on in another lane. False when the flow cannot. */
+bool saltus_trajectory_move(saltus_trajectory *trajectory, saltus_flow *flow, int lane);
 bool saltus_trajectory_open(saltus_trajectory *trajectory, const saltus_sweep *sweep);
 void saltus_trajectory_close(saltus_trajectory *trajectory);
 /* Place it at its task's present place, in a lane of a flow that has been given its system, and aim it. False
  * when it cannot start: the row says so. */
 bool saltus_trajectory_start(saltus_trajectory *trajectory, saltus_flow *flow, int lane);
-/* What follows from an event of its lane: true when this place is over, the row being filled; otherwise the
- * lane has been aimed again. */
-bool saltus_trajectory_follow(saltus_trajectory *trajectory, const saltus_event *event);
+/* What follows from an event of its lane; where it goes on, the lane has been aimed again. */
+saltus_course saltus_trajectory_follow(saltus_trajectory *trajectory, const saltus_event *event);
+/* A verdict has been reached, or none will be. */
+void saltus_trajectory_settle(saltus_trajectory *trajectory, saltus_verdict_kind verdict, int periods);
 /* There is no system, or no initial state, at its place: a row that has failed. */
 void saltus_trajectory_refuse(saltus_trajectory *trajectory);
 /* The flow gave up. */

@@ -3,6 +3,8 @@
  * Adaptive: it settles until its period is certain and is then recorded once around the orbit, or, where no
  * period is certain in the time given, for a number of periods. Fixed: it runs and is recorded for given
  * numbers of periods; then it settles, if anything recurs, and goes once around its orbit to be counted.
+ * Where exponents are asked for, an orbit's comes last, from its multipliers, and a motion without a period
+ * is then measured (measure.c).
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "sweep/sweep.h"
 
@@ -12,16 +14,20 @@
 
 enum { blind_periods = 64, settling_after_record = 400 };
 
+static bool measures_growth(const saltus_trajectory *t) {
+    return t->sweep->options.keep & SALTUS_KEEP_LYAPUNOV;
+}
+
 bool saltus_trajectory_open(saltus_trajectory *t, const saltus_sweep *sweep) {
     size_t n = (size_t)sweep->dimension;
     *t = (saltus_trajectory){.sweep = sweep};
     t->state = calloc(n, sizeof *t->state);
     t->home = calloc(n, sizeof *t->home);
     t->orbit = calloc(n * (size_t)sweep->options.longest, sizeof *t->orbit);
-    t->tangent = calloc(n, sizeof *t->tangent);
+    bool measurable = !measures_growth(t) || saltus_measuring_open(&t->measuring, sweep->dimension);
     t->rng = gsl_rng_alloc(gsl_rng_mt19937);
     return saltus_settling_open(&t->settling, sweep->dimension, &sweep->options) && t->state && t->home &&
-           t->orbit && t->tangent && t->rng;
+           t->orbit && measurable && t->rng;
 }
 
 void saltus_trajectory_close(saltus_trajectory *t) {
@@ -32,7 +38,7 @@ void saltus_trajectory_close(saltus_trajectory *t) {
     free(t->state);
     free(t->home);
     free(t->orbit);
-    free(t->tangent);
+    saltus_measuring_close(&t->measuring);
     if (t->rng)
         gsl_rng_free(t->rng);
     *t = (saltus_trajectory){0};
@@ -46,61 +52,62 @@ static long long cycle_of(const saltus_trajectory *t) {
     return saltus_flow_time(t->flow, t->lane).cycle;
 }
 
-static bool measures_growth(const saltus_trajectory *t) {
-    return t->sweep->options.keep & SALTUS_KEEP_LYAPUNOV;
-}
-
-/* Impacts, and other contact events, since the trajectory began. */
-static saltus_flow_info information(const saltus_trajectory *t) {
+saltus_flow_info saltus_trajectory_information(const saltus_trajectory *t) {
     saltus_flow_info info = saltus_flow_information(t->flow, t->lane);
+    info.steps += t->before.steps;
     info.impacts += t->before.impacts;
     info.sticks += t->before.sticks;
     info.releases += t->before.releases;
     return info;
 }
 
-/* To the next section point; in a transient that nobody looks at by many of them. */
+/* To the next section point, or where the tangent vector is looked at; in a transient that nobody looks at by
+ * many periods. */
 static void aim(saltus_trajectory *t) {
-    bool blind = t->stage == SALTUS_STAGE_TRANSIENT && !measures_growth(t);
+    bool blind = t->stage == SALTUS_STAGE_TRANSIENT;
     long long left = t->stage_end - cycle_of(t);
     saltus_time until = {cycle_of(t) + (!blind ? 1 : left < blind_periods ? left : blind_periods), 0};
-    saltus_flow_aim(t->flow, t->lane, until, t->active ? saltus_watch_mask() : 0);
+    if (t->stage == SALTUS_STAGE_MEASURING)
+        saltus_growth_aim(&t->measuring.growth, t->flow, t->lane);
+    else
+        saltus_flow_aim(t->flow, t->lane, until, t->active ? saltus_watch_mask() : 0);
 }
 
-bool saltus_trajectory_continue(saltus_trajectory *t, const double *state) {
-    saltus_time now = saltus_flow_time(t->flow, t->lane);
-    t->before = information(t);
-    if (saltus_flow_start(t->flow, t->lane, now, state, NULL) != SALTUS_OK)
+/* A lane with a tangent vector gets it back as it was last looked at. */
+static void hand_vector_back(saltus_trajectory *t) {
+    if (saltus_flow_columns(t->flow))
+        saltus_flow_set_tangents(t->flow, t->lane, t->measuring.growth.vectors);
+}
+
+static bool start_at(saltus_trajectory *t, saltus_time time, const double *state) {
+    if (saltus_flow_start(t->flow, t->lane, time, state, NULL) != SALTUS_OK)
         return false;
-    if (measures_growth(t))
-        saltus_flow_set_tangents(t->flow, t->lane, t->tangent);
+    hand_vector_back(t);
     saltus_flow_state(t->flow, t->lane, t->state);
     return true;
 }
 
-static void see_section(saltus_trajectory *t) {
-    saltus_flow_info info = information(t);
-    saltus_settling_add(&t->settling, t->state, info.impacts, info.sticks + info.releases);
+bool saltus_trajectory_continue(saltus_trajectory *t, const double *state) {
+    t->before = saltus_trajectory_information(t);
+    return start_at(t, saltus_flow_time(t->flow, t->lane), state);
 }
 
-/* Keep the tangent vector at length one; a stage that measures adds up the logarithms. */
-static void follow_growth(saltus_trajectory *t) {
-    const double *scale = saltus_system_scale(t->system);
-    double square = 0;
-    saltus_flow_tangents(t->flow, t->lane, t->tangent);
-    for (int i = 0; i < t->sweep->dimension; i++)
-        square += (t->tangent[i] / scale[i]) * (t->tangent[i] / scale[i]);
-    if (t->active == &t->watch)
-        t->growth += 0.5 * log(square);
-    for (int i = 0; i < t->sweep->dimension && square > 0; i++)
-        t->tangent[i] /= sqrt(square);
-    saltus_flow_set_tangents(t->flow, t->lane, t->tangent);
+bool saltus_trajectory_move(saltus_trajectory *t, saltus_flow *flow, int lane) {
+    saltus_time now = saltus_flow_time(t->flow, t->lane);
+    t->before = saltus_trajectory_information(t);
+    t->flow = flow;
+    t->lane = lane;
+    return start_at(t, now, t->state);
+}
+
+static void see_section(saltus_trajectory *t) {
+    saltus_flow_info info = saltus_trajectory_information(t);
+    saltus_settling_add(&t->settling, t->state, info.impacts, info.sticks + info.releases);
 }
 
 static void begin_watch(saltus_trajectory *t, saltus_watch *watch, long long periods) {
     bool touching = saltus_flow_contacts(t->flow, t->lane) != 0;
     t->active = watch;
-    t->growth = 0;
     t->stage_end = cycle_of(t) + periods;
     saltus_watch_begin(watch, t->system, watch == &t->watch ? t->sweep->options.keep : 0,
                        saltus_flow_time(t->flow, t->lane), t->state, touching);
@@ -132,7 +139,8 @@ static void open_row(saltus_trajectory *t) {
                                 .impact_rate = NAN,
                                 .largest_speed = NAN,
                                 .contact_fraction = NAN,
-                                .lyapunov = NAN};
+                                .lyapunov = NAN,
+                                .lyapunov_error = NAN};
 }
 
 void saltus_trajectory_refuse(saltus_trajectory *t) {
@@ -143,6 +151,8 @@ void saltus_trajectory_refuse(saltus_trajectory *t) {
 
 void saltus_trajectory_fail(saltus_trajectory *t) {
     long long settled = cycle_of(t);
+    if (t->stage == SALTUS_STAGE_MEASURING && t->measuring.given)
+        return;
     if (t->row.recorded == 0)
         saltus_trajectory_refuse(t);
     t->row.verdict = SALTUS_ROW_FAILED;
@@ -177,8 +187,6 @@ bool saltus_trajectory_start(saltus_trajectory *t, saltus_flow *flow, int lane) 
     }
     if (saltus_flow_start(flow, lane, (saltus_time){0, 0}, t->state, NULL) != SALTUS_OK)
         return false;
-    if (measures_growth(t))
-        follow_growth(t);
     if (o->adaptive)
         begin_settling(t);
     else if (o->transient > 0) {
@@ -191,57 +199,67 @@ bool saltus_trajectory_start(saltus_trajectory *t, saltus_flow *flow, int lane) 
     return true;
 }
 
-static void measure(saltus_trajectory *t) {
-    saltus_time now = saltus_flow_time(t->flow, t->lane);
-    saltus_watch_measure(&t->watch, now, &t->row);
-    if (measures_growth(t))
-        t->row.lyapunov = t->growth / ((double)t->row.recorded * saltus_system_period(t->system));
-}
-
-/* A verdict has been reached, or none will be. */
-static void settle(saltus_trajectory *t, saltus_verdict_kind verdict, int periods) {
+void saltus_trajectory_settle(saltus_trajectory *t, saltus_verdict_kind verdict, int periods) {
     t->row.verdict = verdict;
     t->row.periods = periods;
     t->row.settled = cycle_of(t);
-    t->row.settled_impacts = information(t).impacts;
+    t->row.settled_impacts = saltus_trajectory_information(t).impacts;
 }
 
-/* Once around the orbit; exponents need more. Returns false: the place is not over. */
-static bool go_around(saltus_trajectory *t, int periods) {
-    const saltus_sweep_options *o = &t->sweep->options;
-    long long rounds = o->adaptive && measures_growth(t) ? (o->record + periods - 1) / periods : 1;
-    settle(t, SALTUS_ROW_PERIODIC, periods);
+/* The row is filled but for its exponent. */
+static saltus_course end_place(saltus_trajectory *t) {
+    bool settled = saltus_sweep_settled(&t->row);
+    if (!measures_growth(t) || (settled && saltus_trajectory_exponent(t)))
+        return SALTUS_COURSE_OVER;
+    t->measuring.given = settled;
+    return t->sweep->options.measure > 0 ? SALTUS_COURSE_MEASURE : SALTUS_COURSE_OVER;
+}
+
+static saltus_course go_around(saltus_trajectory *t, int periods) {
+    saltus_trajectory_settle(t, SALTUS_ROW_PERIODIC, periods);
     t->stage = SALTUS_STAGE_ORBIT;
-    begin_watch(t, o->adaptive ? &t->watch : &t->round, rounds * periods);
-    return false;
+    begin_watch(t, t->sweep->options.adaptive ? &t->watch : &t->round, periods);
+    return SALTUS_COURSE_ON;
 }
 
 /* The verdict is not a period: recorded now, or over where it has been recorded. */
-static bool end_settling(saltus_trajectory *t, saltus_verdict_kind verdict) {
-    settle(t, verdict, 0);
+static saltus_course end_settling(saltus_trajectory *t, saltus_verdict_kind verdict) {
+    saltus_trajectory_settle(t, verdict, 0);
     if (!t->sweep->options.adaptive)
-        return true;
+        return end_place(t);
     begin_recording(t);
-    return false;
+    return SALTUS_COURSE_ON;
 }
 
-/* The next section point of a trajectory that settles; true when the place is over. */
-static bool settling_on(saltus_trajectory *t) {
+/* What it has settled on. */
+static saltus_course heed(saltus_trajectory *t, saltus_judgement judgement) {
+    if (judgement.verdict == SALTUS_ROW_PERIODIC)
+        return go_around(t, judgement.periods);
+    if (judgement.verdict != SALTUS_ROW_FAILED)
+        return end_settling(t, judgement.verdict);
+    saltus_trajectory_fail(t);
+    return SALTUS_COURSE_OVER;
+}
+
+/* The next section point of a trajectory that settles. */
+static saltus_course settling_on(saltus_trajectory *t) {
     saltus_judgement judgement = saltus_trajectory_judge(t);
     bool hopeless = cycle_of(t) >= t->stage_end || (!t->sweep->options.adaptive && judgement.recurs == 0 &&
                                                     t->settling.count > 2 * t->sweep->options.longest + 6);
-    if (judgement.verdict == SALTUS_ROW_FAILED) {
-        saltus_trajectory_fail(t);
-        return true;
-    }
-    if (judgement.verdict == SALTUS_ROW_PERIODIC)
-        return go_around(t, judgement.periods);
     if (judgement.verdict != SALTUS_ROW_PENDING)
-        return end_settling(t, judgement.verdict);
-    return hopeless && end_settling(t, SALTUS_ROW_UNDECIDED);
+        return heed(t, judgement);
+    return hopeless ? end_settling(t, SALTUS_ROW_UNDECIDED) : SALTUS_COURSE_ON;
 }
 
-/* Counts of one orbit, when it has been gone around once. */
+/* The next section point of one that is measured: it may settle yet. */
+static saltus_course measuring_on(saltus_trajectory *t) {
+    saltus_judgement judgement = {.verdict = SALTUS_ROW_PENDING};
+    if (!t->measuring.given)
+        judgement = saltus_trajectory_judge(t);
+    return judgement.verdict == SALTUS_ROW_PENDING ? saltus_measuring_add(t) : heed(t, judgement);
+}
+
+/* Counts of one orbit, when it has been gone around. */
 static void count_orbit(saltus_trajectory *t) {
     const saltus_tally *tally = &t->active->tally;
     t->row.impacts = tally->chatter ? -1 : (int)tally->impacts;
@@ -252,24 +270,29 @@ static void count_orbit(saltus_trajectory *t) {
     }
 }
 
-static bool recorded(saltus_trajectory *t) {
-    measure(t);
+static saltus_course orbit_done(saltus_trajectory *t) {
+    count_orbit(t);
+    if (t->active == &t->watch)
+        saltus_watch_measure(&t->watch, saltus_flow_time(t->flow, t->lane), &t->row);
+    return end_place(t);
+}
+
+static saltus_course recorded(saltus_trajectory *t) {
+    saltus_watch_measure(&t->watch, saltus_flow_time(t->flow, t->lane), &t->row);
     if (t->sweep->options.adaptive)
-        return true;
+        return end_place(t);
     begin_settling(t);
     return settling_on(t);
 }
 
 /* A section point has been reached. */
-static bool at_section(saltus_trajectory *t) {
+static saltus_course at_section(saltus_trajectory *t) {
     bool ends = cycle_of(t) >= t->stage_end;
     saltus_flow_state(t->flow, t->lane, t->state);
     if (saltus_motion_bounded(t->system, t->state, cycle_of(t), NULL) != SALTUS_OK) {
         saltus_trajectory_fail(t);
-        return true;
+        return SALTUS_COURSE_OVER;
     }
-    if (measures_growth(t))
-        follow_growth(t);
     if (t->stage != SALTUS_STAGE_ORBIT && t->stage != SALTUS_STAGE_TRANSIENT)
         see_section(t);
     if (t->active && !ends)
@@ -278,17 +301,15 @@ static bool at_section(saltus_trajectory *t) {
     case SALTUS_STAGE_TRANSIENT:
         if (ends)
             begin_recording(t);
-        return false;
+        return SALTUS_COURSE_ON;
     case SALTUS_STAGE_SETTLING:
         return settling_on(t);
     case SALTUS_STAGE_RECORDING:
-        return ends && recorded(t);
+        return ends ? recorded(t) : SALTUS_COURSE_ON;
+    case SALTUS_STAGE_MEASURING:
+        return measuring_on(t);
     default:
-        if (cycle_of(t) == t->row.settled + t->row.periods)
-            count_orbit(t);
-        if (ends && t->active == &t->watch)
-            measure(t);
-        return ends;
+        return ends ? orbit_done(t) : SALTUS_COURSE_ON;
     }
 }
 
@@ -298,13 +319,18 @@ static void see_event(saltus_trajectory *t, const saltus_event *event) {
     saltus_watch_event(t->active, event, t->state, saltus_flow_contacts(t->flow, t->lane) != 0);
 }
 
-bool saltus_trajectory_follow(saltus_trajectory *t, const saltus_event *event) {
-    bool over = false;
-    if (event->kind == SALTUS_REACHED)
-        over = at_section(t);
-    else
+saltus_course saltus_trajectory_follow(saltus_trajectory *t, const saltus_event *event) {
+    saltus_course course = SALTUS_COURSE_ON;
+    bool section = event->kind == SALTUS_REACHED;
+    if (t->stage == SALTUS_STAGE_MEASURING)
+        course = saltus_measuring_follow(t, event, &section);
+    else if (!section)
         see_event(t, event);
-    if (!over)
+    else
+        hand_vector_back(t);
+    if (course == SALTUS_COURSE_ON && section)
+        course = at_section(t);
+    if (course == SALTUS_COURSE_ON)
         aim(t);
-    return over;
+    return course;
 }
