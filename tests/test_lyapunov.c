@@ -555,7 +555,7 @@ static void errors_are_calibrated(void **unused) {
                 {"budd-dux", "", 0.02, 1, 8, 60},
                 {"budd-dux", "", 0.02, 0, 1, 60},
                 {"budd-dux", "omega=3 d=0.1", 0.02, 1, 8, 40},
-                {"vibrating-table", "F=3 r=0.95 q1=9", 0.05, 1, 4, 40}};
+                {"vibrating-table", "F=3 r=0.95 q1=9", 0.03, 1, 4, 30}};
     for (size_t k = 0; k < sizeof rows / sizeof rows[0]; k++) {
         double exponent[60], error[60], mean = 0, square = 0;
         int seeds = shorter(rows[k].seeds), within = 0, disagree = 0;
@@ -750,14 +750,13 @@ static void growth_without_bound(void **unused) {
     saltus_system_free(system);
 }
 
-/* Members on two attractors, a mirror pair of no consequence beside a real difference: `agree` tells. */
-static void transients_and_attractors(void **unused) {
+/* No transient asked for: the long decay of the free motion leaves no trace in the exponents. */
+static void slow_decay(void **unused) {
     (void)unused;
     saltus_lyapunov_options options = saltus_lyapunov_defaults();
     options.transient = 0;
     options.exponents = 0;
-    /* Long free decay before the ball's orbit is reached: what is measured on the way is not kept. */
-    saltus_lyapunov l = run_scene("impact-oscillator", "c=0.01 omega=2 q1=0.9", &options);
+    saltus_lyapunov l = run_scene("impact-oscillator", "c=0.01 omega=1.7 q1=0.9", &options);
     check_near(l.exponents[0], -0.005, 3 * l.standard_errors[0] + 1e-9);
     check_near(l.sum, -0.01, 1e-9);
     saltus_lyapunov_clear(&l);
@@ -855,26 +854,16 @@ static void failing_allocations(void **unused) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(reference_orbits),
-        cmocka_unit_test(scenes_and_shooting),
-        cmocka_unit_test(one_impact_orbits),
-        cmocka_unit_test(bouncing_ball_orbits),
-        cmocka_unit_test(exact_impact_maps),
-        cmocka_unit_test(linear_oscillators),
-        cmocka_unit_test(pipe_at_rest),
-        cmocka_unit_test(chaotic_pipe),
-        cmocka_unit_test(whole_spectrum),
-        cmocka_unit_test(errors_are_calibrated),
-        cmocka_unit_test(lost_directions),
-        cmocka_unit_test(impact_without_rebound),
-        cmocka_unit_test(any_interval),
-        cmocka_unit_test(same_numbers_again),
-        cmocka_unit_test(unfinished_runs),
-        cmocka_unit_test(growth_without_bound),
-        cmocka_unit_test(transients_and_attractors),
-        cmocka_unit_test(bad_options),
-        cmocka_unit_test(bad_states),
-        cmocka_unit_test(failing_allocations),
+        cmocka_unit_test(reference_orbits),  cmocka_unit_test(scenes_and_shooting),
+        cmocka_unit_test(one_impact_orbits), cmocka_unit_test(bouncing_ball_orbits),
+        cmocka_unit_test(exact_impact_maps), cmocka_unit_test(linear_oscillators),
+        cmocka_unit_test(pipe_at_rest),      cmocka_unit_test(chaotic_pipe),
+        cmocka_unit_test(whole_spectrum),    cmocka_unit_test(errors_are_calibrated),
+        cmocka_unit_test(lost_directions),   cmocka_unit_test(impact_without_rebound),
+        cmocka_unit_test(any_interval),      cmocka_unit_test(same_numbers_again),
+        cmocka_unit_test(unfinished_runs),   cmocka_unit_test(growth_without_bound),
+        cmocka_unit_test(slow_decay),        cmocka_unit_test(bad_options),
+        cmocka_unit_test(bad_states),        cmocka_unit_test(failing_allocations),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

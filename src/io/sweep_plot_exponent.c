@@ -6,7 +6,8 @@
 #include <math.h>
 
 static const uint32_t error_colour = 0xc0392b;
-static const double overlap = 0.5; /* pixels */
+static const double overlap = 0.5;  /* pixels */
+static const double raised = 0.012; /* of the page: where what is lost is marked */
 
 /* Each value of the axis has one exponent, and hence a column. */
 static bool single(const saltus_sweep_page *page) {
@@ -37,7 +38,9 @@ static void put_block(const saltus_sweep_page *page, bool lost) {
                 continue;
             error = isfinite(error) ? error : 0;
             fprintf(page->file, "%.9g %.9g %.9g %.7g %.7g %.7g\n", value, edge_of(page, cell, -overlap),
-                    edge_of(page, cell + 1, overlap), lost ? page->up.low : within(&page->up, exponent),
+                    edge_of(page, cell + 1, overlap),
+                    lost ? page->up.low + raised * (page->up.high - page->up.low)
+                         : within(&page->up, exponent),
                     lost ? 0 : within(&page->up, exponent - error),
                     lost ? 0 : within(&page->up, exponent + error));
         }

@@ -156,7 +156,7 @@ typedef struct saltus_measuring {
     bool given;             /* the verdict is there: nothing but the exponent is lacking */
     bool suspected;         /* a torus: section points are collected */
     double *points;         /* `count` of them, n each */
-    long long count;
+    long long count, asked; /* `asked`: of how many a torus has been denied */
 } saltus_measuring;
 
 typedef struct saltus_trajectory {
