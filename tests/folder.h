@@ -1,4 +1,4 @@
-/* What tests that write files share: a folder of their own.
+/* What tests that write files share: a folder of their own, files read back.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_TESTS_FOLDER_H
 #define SALTUS_TESTS_FOLDER_H
@@ -23,6 +23,19 @@ static inline int folder_files(const char *path, bool remove_them) {
     }
     closedir(folder);
     return count;
+}
+
+/* A whole file with a zero after it, to be freed; its length without that. */
+static inline void *read_all(const char *path, size_t *length) {
+    FILE *file = fopen(path, "rb");
+    assert_non_null(file);
+    fseek(file, 0, SEEK_END);
+    *length = (size_t)ftell(file);
+    rewind(file);
+    void *bytes = calloc(*length + 1, 1);
+    assert_int_equal(fread(bytes, 1, *length, file), *length);
+    fclose(file);
+    return bytes;
 }
 
 #endif

@@ -138,18 +138,6 @@ static void write_branch(const fixture *f, const char *path, int count, bool com
     check_ok(saltus_branch_output_close(output, complete, &message), &message);
 }
 
-static char *read_all(const char *path, size_t *length) {
-    FILE *file = fopen(path, "rb");
-    assert_non_null(file);
-    fseek(file, 0, SEEK_END);
-    *length = (size_t)ftell(file);
-    rewind(file);
-    char *text = calloc(*length + 1, 1);
-    assert_int_equal(fread(text, 1, *length, file), *length);
-    fclose(file);
-    return text;
-}
-
 static void write_all(const char *path, const char *text, size_t length) {
     FILE *file = fopen(path, "wb");
     assert_non_null(file);

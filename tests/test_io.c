@@ -67,18 +67,6 @@ static saltus_status write_sheet(const fixture *f, const char *path, const char 
     return saltus_write_sheet(&f->scene, f->system, &diagnosis, &f->options, path, data, message);
 }
 
-static char *read_all(const char *path, size_t *length) {
-    FILE *file = fopen(path, "rb");
-    assert_non_null(file);
-    fseek(file, 0, SEEK_END);
-    *length = (size_t)ftell(file);
-    rewind(file);
-    char *text = calloc(*length + 1, 1);
-    assert_int_equal(fread(text, 1, *length, file), *length);
-    fclose(file);
-    return text;
-}
-
 static char *json_of(const fixture *f) {
     char path[128];
     size_t length;

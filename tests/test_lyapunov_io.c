@@ -138,18 +138,6 @@ static saltus_status write_file(const fixture *f, const char *path, saltus_messa
     return saltus_write_convergence(&f->scene, f->system, &f->options, &f->result, path, message);
 }
 
-static char *read_all(const char *path, size_t *length) {
-    FILE *file = fopen(path, "rb");
-    assert_non_null(file);
-    fseek(file, 0, SEEK_END);
-    *length = (size_t)ftell(file);
-    rewind(file);
-    char *text = calloc(*length + 1, 1);
-    assert_int_equal(fread(text, 1, *length, file), *length);
-    fclose(file);
-    return text;
-}
-
 /* As many digits as two of the error's. */
 static void numbers_have_the_digits_their_errors_leave(void **state) {
     static const struct {

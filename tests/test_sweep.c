@@ -672,7 +672,10 @@ static void verdicts_are_those_of_classification(void **unused) {
         saltus_system *system = system_at(s.sweep, 0);
         how.measure = 64000;
         check_ok(saltus_classify(system, s.result.states, &how, &motion, &message), &message);
-        if (strcmp(s.label, motion.label) != 0)
+        /* Classification also looks for stable orbits amid the chaos, and asserts nothing where there is one.
+         */
+        bool doubts = motion.kind == SALTUS_UNDECIDED && motion.evidence.stable_orbit[0];
+        if (strcmp(s.label, motion.label) != 0 && !doubts)
             fail_msg("%s omega=%g: %s, classification says %s", settings, points[k][0], s.label,
                      motion.label);
         if (motion.kind == SALTUS_CHAOTIC) {

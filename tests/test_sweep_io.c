@@ -81,18 +81,6 @@ static const char *path_in(const fixture *f, const char *name, char path[path_si
     return path;
 }
 
-static unsigned char *read_all(const char *path, size_t *length) {
-    FILE *file = fopen(path, "rb");
-    assert_non_null(file);
-    fseek(file, 0, SEEK_END);
-    *length = (size_t)ftell(file);
-    rewind(file);
-    unsigned char *bytes = calloc(*length + 1, 1);
-    assert_int_equal(fread(bytes, 1, *length, file), *length);
-    fclose(file);
-    return bytes;
-}
-
 static void write_all(const char *path, const void *bytes, size_t length) {
     FILE *file = fopen(path, "wb");
     assert_non_null(file);
@@ -1018,7 +1006,7 @@ static saltus_sweep *plain_sweep(const fixture *f) {
 /* The lines of a table without those before its names. */
 static char **table_lines(const char *path, int *count) {
     size_t length;
-    char *text = (char *)read_all(path, &length), **lines = calloc(length + 1, sizeof *lines);
+    char *text = read_all(path, &length), **lines = calloc(length + 1, sizeof *lines);
     *count = 0;
     for (char *line = strtok(text, "\n"); line; line = strtok(NULL, "\n"))
         if (line[0] != '#')
