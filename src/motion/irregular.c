@@ -295,7 +295,7 @@ static void tell(judge *j, saltus_outcome result) {
     } else if (result == SALTUS_OUTCOME_TORUS && saltus_system_forced(j->system)) {
         m->kind = SALTUS_QUASIPERIODIC;
         snprintf(m->reason, sizeof m->reason,
-                 "largest exponent %.1e +- %.0e per unit of time, zero within its error; the section points "
+                 "largest exponent %.1e +- %.0e per unit of time, next to zero; the section points "
                  "fill %d "
                  "closed curve%s, all but %.1e of their variance is in lines",
                  m->lyapunov, m->lyapunov_error, e->curves, e->curves == 1 ? "" : "s", e->broadband);
