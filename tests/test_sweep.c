@@ -681,8 +681,8 @@ static void verdicts_are_those_of_classification(void **unused) {
         if (motion.kind == SALTUS_CHAOTIC) {
             double errors = hypot(s.result.rows->lyapunov_error, motion.lyapunov_error);
             check_near(s.result.rows->lyapunov, motion.lyapunov, 4 * errors);
-            chaotic++;
         }
+        chaotic += s.result.rows->verdict == SALTUS_ROW_CHAOTIC;
         saltus_motion_clear(&motion);
         saltus_system_free(system);
         close_single(&s);
