@@ -6,8 +6,8 @@
 #include "saltus/motion.h"
 
 /* Look for a stable orbit of up to 12 periods by Newton's method, from the best returns among `count` section
- * points of one trajectory (dimension numbers each). Where one is *found, it is described by the motion, to be
- * cleared. Errors: SALTUS_NO_MEMORY. */
+ * points of one trajectory (dimension numbers each). Where one is *found, it is described by the motion, to
+ * be cleared. Errors: SALTUS_NO_MEMORY. */
 saltus_status saltus_stable_orbit_amid(const saltus_system *system, const saltus_flow_options *flow,
                                        const double *points, long long count, saltus_motion *motion,
                                        bool *found, saltus_message *message);
