@@ -529,6 +529,8 @@ static void check_exponent(const single *s, double tolerance) {
 
 static void exponents_of_what_has_settled(void **unused) {
     (void)unused;
+    if (getenv("SALTUS_SANITIZED"))
+        skip();
     enum { points = 10 };
     static const struct {
         const char *scene, *settings, *key;
@@ -570,6 +572,8 @@ static void exponents_of_what_has_settled(void **unused) {
  * computation: the exponents of 20 trajectories scatter as their standard errors say. */
 static void chaos_and_its_exponent(void **unused) {
     (void)unused;
+    if (getenv("SALTUS_SANITIZED"))
+        skip();
     enum { seeds = 20 };
     saltus_scene scene = scene_of("pipe", "d=0.035");
     saltus_sweep_options options = measured(8000);
@@ -655,6 +659,8 @@ static void exponents_leave_the_rest_alone(void **unused) {
 /* The verdicts of classification, from its own more thorough search, in a region of much chaos. */
 static void verdicts_are_those_of_classification(void **unused) {
     (void)unused;
+    if (getenv("SALTUS_SANITIZED"))
+        skip();
     static const double points[][2] = {{3.04396, 0.0160301},  {3.10979, 0.012242},  {3.17298, 0.00623677},
                                        {3.00617, 0.0107657},  {3.07625, 0.019749},  {3.23848, 0.00395883},
                                        {2.98076, 0.0151182},  {3.00445, 0.0106066}, {3.03221, 0.00435469},
