@@ -167,3 +167,9 @@ void saltus_line_put(FILE *file, const saltus_line *l, const char *colour, doubl
         text += strspn(text, " ");
     }
 }
+
+void saltus_put_version(FILE *file) {
+    fputs("set label 'Saltus " SALTUS_VERSION
+          "' at screen 0.985,0.012 right tc rgb '#909090' font ',9' front\n",
+          file);
+}

@@ -28,5 +28,7 @@ void saltus_line_symbol(saltus_line *l, const char *name);
 void saltus_line_parameters(saltus_line *l, const saltus_system *system, const char *const varied[2]);
 /* Write it as one label or more at the left; the height of the next in *height. */
 void saltus_line_put(FILE *file, const saltus_line *l, const char *colour, double *height);
+/* Who drew the page, in its lower right corner. */
+void saltus_put_version(FILE *file);
 
 #endif

@@ -61,9 +61,7 @@ static double put_caption(FILE *file, const saltus_convergence *c) {
     saltus_line_put(file, &parameters, "#202020", &height);
     saltus_line_put(file, &measurement, "#202020", &height);
     saltus_line_put(file, &doubt, "#c44e2a", &height);
-    fputs("set label 'Saltus " SALTUS_VERSION
-          "' at screen 0.985,0.012 right tc rgb '#909090' font ',9' front\n",
-          file);
+    saltus_put_version(file);
     return height;
 }
 

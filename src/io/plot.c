@@ -159,9 +159,7 @@ static void put_caption(const saltus_plot_page *page) {
     add_parameters(page, &parameters);
     fprintf(page->file, "set label '{/=20:Bold %s}' at screen 0.03,0.967 left front\n", head.text);
     saltus_line_put(page->file, &parameters, "#202020", &height);
-    fputs("set label 'Saltus " SALTUS_VERSION
-          "' at screen 0.985,0.012 right tc rgb '#909090' font ',9' front\n",
-          page->file);
+    saltus_put_version(page->file);
     bool long_names = page->locus || page->count > 1;
     int columns = long_names ? 5 : 8, rows = (legend_entries(page) + columns - 1) / columns;
     fprintf(page->file,

@@ -351,9 +351,7 @@ static double put_caption(const saltus_spectra_source *source, FILE *file) {
     saltus_line_put(file, &parameters, "#202020", &height);
     saltus_line_put(file, &analysed, "#202020", &height);
     saltus_line_put(file, &findings, "#202020", &height);
-    fputs("set label 'Saltus " SALTUS_VERSION
-          "' at screen 0.985,0.012 right tc rgb '#909090' font ',9' front\n",
-          file);
+    saltus_put_version(file);
     return height;
 }
 

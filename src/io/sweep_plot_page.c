@@ -181,9 +181,7 @@ void saltus_sweep_caption(saltus_sweep_page *page) {
     fprintf(page->file, "set label '{/=20:Bold %s}' at screen 0.03,0.967 left front\n", head.text);
     saltus_line_put(page->file, &parameters, "#202020", &height);
     saltus_line_put(page->file, &method, "#606060", &height);
-    fputs("set label 'Saltus " SALTUS_VERSION
-          "' at screen 0.985,0.012 right tc rgb '#909090' font ',9' front\n",
-          page->file);
+    saltus_put_version(page->file);
     page->caption = height;
 }
 
