@@ -352,13 +352,17 @@ KERNEL_INLINE void expand_frame(frame f, const saltus_work *w, int order) {
 }
 
 /* The scene's terms and shape are settled here, once per step; the common cases have loops of their own. */
-KERNEL_INLINE void expand_common(const saltus_work *w, int order, int packs) {
-    const unsigned terms = model_common_terms(packs);
+KERNEL_INLINE void expand_rows(const saltus_work *w, int order, int packs, unsigned terms) {
     const int block = row_block(packs);
     if (w->columns == 0 && w->contacts == 0)
         expand_frame(make_frame(w, terms, packs, block, 0, 0, 0), w, order);
     else
         expand_frame(make_frame(w, terms, packs, block, w->columns, 0, w->contacts), w, order);
+}
+
+KERNEL_INLINE void expand_directions(const saltus_work *w, int order, int packs) {
+    const int block = row_block(packs);
+    expand_frame(make_frame(w, w->terms, packs, block, w->columns, w->directions, w->contacts), w, order);
 }
 
 static void expand_any(const saltus_work *w, int order) {
@@ -372,8 +376,14 @@ static void expand_any(const saltus_work *w, int order) {
 
 #define EXPAND_ROWS(n)                                                                                       \
     static void expand_##n(saltus_work *w, int order) {                                                      \
-        if (n <= model_rows_common)                                                                          \
-            expand_common(w, order, n);                                                                      \
+        if (n <= model_rows_common && !w->directions && w->terms == model_common_terms(n))                   \
+            expand_rows(w, order, n, model_common_terms(n));                                                 \
+        else if (n <= model_rows_plain && !w->directions)                                                    \
+            expand_rows(w, order, n, w->terms);                                                              \
+        else if (n <= model_rows_plain)                                                                      \
+            expand_directions(w, order, n);                                                                  \
+        else                                                                                                 \
+            expand_any(w, order);                                                                            \
     }
 EXPAND_ROWS(1)
 EXPAND_ROWS(2)
@@ -386,10 +396,6 @@ EXPAND_ROWS(8)
 
 static void expand(saltus_work *w, int order) {
     const int packs = row_packs(w->dof);
-    if (packs > model_rows_common || w->directions || w->terms != model_common_terms(packs)) {
-        expand_any(w, order);
-        return;
-    }
     switch (packs) {
     case 1:
         expand_1(w, order);
@@ -412,8 +418,11 @@ static void expand(saltus_work *w, int order) {
     case 7:
         expand_7(w, order);
         break;
-    default:
+    case 8:
         expand_8(w, order);
+        break;
+    default:
+        expand_any(w, order);
     }
 }
 

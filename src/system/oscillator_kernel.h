@@ -7,8 +7,8 @@
 
 #define MODEL_NAME "oscillator"
 
-/* Its few operations leave nothing to gain from loops of their own. */
-enum { model_rows_common = 0 };
+/* Its few operations leave nothing to gain from loops for certain terms. */
+enum { model_rows_common = 0, model_rows_plain = SALTUS_WIDE ? 2 : 1 };
 KERNEL_INLINE unsigned model_common_terms(int rows) {
     (void)rows;
     return 0;

@@ -15,8 +15,14 @@
 
 #define MODEL_NAME "pipe"
 
-/* Systems of so many rows have loops of their own, if they have the terms that such systems mostly have. */
-enum { model_rows_common = SALTUS_WIDE ? 8 : 2 };
+/* Systems of up to so many rows have loops of their own: with the terms that such systems mostly have, or
+ * with any. */
+enum {
+    model_rows_common = SALTUS_WIDE        ? 8
+                        : SALTUS_PACK >= 4 ? 2
+                                           : 4,
+    model_rows_plain = SALTUS_WIDE ? 0 : 2
+};
 KERNEL_INLINE unsigned model_common_terms(int rows) {
     return SALTUS_TERM_FORCED | SALTUS_TERM_CUBIC | (SALTUS_WIDE && rows == 1 ? 0 : SALTUS_TERM_COUPLED);
 }
@@ -261,6 +267,9 @@ KERNEL_INLINE void model_two(frame f, int k, int c, model_pair *resting, model_p
         FOR_ROW_BLOCKS(f, first, count, model_mixed(f, k, c, first, count, inner));
     else if (cubic)
         FOR_ROW_BLOCKS(f, first, count, model_square(f, k, first, count, inner));
+    else
+        for (int p = 0; p < f.packs; p++)
+            inner->now[p] = (saltus_pack){0};
     for (int p = 0; p < f.packs; p++) {
         AHEAD(ahead_resting, c)[p] = resting->next[p];
         AHEAD(ahead_moving, c)[p] = moving->next[p];
