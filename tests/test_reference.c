@@ -2,8 +2,9 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "reference.h"
 
-static const char *const names[] = {"fig7d", "fig7b", "sdof14", "chatter25"};
-enum { name_count = 4 };
+/* The default initial states of the first ones lead to them. */
+static const char *const names[] = {"fig7d", "fig7b", "sdof14", "chatter25", "free5", "two-sided", "modes20"};
+enum { name_count = 7, by_default_count = 4 };
 
 /* Once around the orbit from each of its section points. */
 static void flow_closes(void **unused) {
@@ -12,7 +13,7 @@ static void flow_closes(void **unused) {
         reference r = read_reference(names[f]);
         saltus_system *system = build(&r.spec);
         saltus_flow_options options = saltus_flow_defaults();
-        double state[16];
+        double state[reference_dimension];
         saltus_flow *flow = open_flow(system, &options, 0, r.states[0]);
         for (int p = 0; p < r.periods; p++) {
             advance(flow, p + 1, 0);
@@ -59,7 +60,7 @@ static void shooting_converges(void **unused) {
         saltus_orbit_options options = saltus_orbit_defaults();
         saltus_message message = {""};
         saltus_orbit orbit;
-        double guess[16];
+        double guess[reference_dimension];
         for (int i = 0; i < r.n; i++)
             guess[i] = r.states[0][i] * (1 + (i % 2 ? -1e-3 : 1e-3));
         check_ok(saltus_orbit_find(system, r.periods, guess, &options, &orbit, &message), &message);
@@ -76,7 +77,10 @@ static void shooting_converges(void **unused) {
         for (int i = 0; i < r.n; i++)
             for (int j = 0; j < r.n; j++)
                 check_near(orbit.monodromy[i * r.n + j], r.monodromy[i][j], 1e-9 * largest);
-        if (r.sticking == 0)
+        /* Of twenty modes some multipliers lie below all that doubles hold. */
+        if (orbit.sum_rule < -1e5)
+            assert_true(isnan(orbit.log_volume));
+        else if (r.sticking == 0)
             check_near(orbit.log_volume, orbit.sum_rule, 1e-9);
         else
             for (int k = 0; k < 2; k++)
@@ -90,13 +94,13 @@ static void shooting_converges(void **unused) {
 /* From the default initial state to the same orbit (or, for the mirror pair, its image). */
 static void classification_agrees(void **unused) {
     (void)unused;
-    for (int f = 0; f < name_count; f++) {
+    for (int f = 0; f < by_default_count; f++) {
         reference r = read_reference(names[f]);
         saltus_system *system = build(&r.spec);
         saltus_classify_options options = saltus_classify_defaults();
         saltus_message message = {""};
         saltus_motion motion;
-        double start[16], closest = INFINITY;
+        double start[reference_dimension], closest = INFINITY;
         check_ok(saltus_system_default_state(system, start, &message), &message);
         check_ok(saltus_classify(system, start, &options, &motion, &message), &message);
         assert_string_equal(motion.label, r.label);
@@ -105,7 +109,7 @@ static void classification_agrees(void **unused) {
         assert_true(motion.stable);
         for (int p = 0; p < r.periods; p++)
             for (int sign = 1; sign >= (motion.mirror == SALTUS_MIRROR_PAIR ? -1 : 1); sign -= 2) {
-                double image[16];
+                double image[reference_dimension];
                 for (int i = 0; i < r.n; i++)
                     image[i] = sign * motion.state[i];
                 closest = fmin(closest, reference_distance(&r, image, p));
@@ -128,7 +132,7 @@ static void tolerance_is_kept(void **unused) {
             saltus_flow_options options = saltus_flow_defaults();
             options.rtol = pow(10, -digits);
             options.atol = 1e-3 * options.rtol;
-            double state[16];
+            double state[reference_dimension];
             saltus_flow *flow = open_flow(system, &options, 0, r.states[0]);
             advance(flow, r.periods, 0);
             saltus_flow_state(flow, 0, state);

@@ -178,11 +178,42 @@ static void flow_options_are_checked(void **unused) {
     saltus_system_free(system);
 }
 
+/* A kernel is forced by name; a name that does not exist is no silent default. */
+static void forced_instruction_sets(void **unused) {
+    (void)unused;
+    static const char *const names[] = {"x86-64", "x86-64-v3", "x86-64-v4", "x86-64-v5", ""};
+    const char *forced = getenv("SALTUS_ISA");
+    char *before = forced ? strdup(forced) : NULL;
+    saltus_spec spec = pipe_spec(2, 20);
+    saltus_system *system = build(&spec);
+    saltus_flow_options options = saltus_flow_defaults();
+    for (int k = 0; k < 5; k++) {
+        saltus_message message = {""};
+        saltus_flow *flow = NULL;
+        setenv("SALTUS_ISA", names[k], 1);
+        saltus_status status =
+            saltus_flow_new((const saltus_system *[]){system}, 1, &options, &flow, &message);
+        assert_int_equal(status, k < 3 ? SALTUS_OK : SALTUS_BAD_INPUT);
+        assert_int_equal(strstr(message.text, "SALTUS_ISA") != NULL, k >= 3);
+        saltus_flow_free(flow);
+    }
+    if (before)
+        setenv("SALTUS_ISA", before, 1);
+    else
+        unsetenv("SALTUS_ISA");
+    free(before);
+    saltus_system_free(system);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(refused_parameters),  cmocka_unit_test(refused_stops),
-        cmocka_unit_test(refused_oscillators), cmocka_unit_test(geometry),
-        cmocka_unit_test(vector_field),        cmocka_unit_test(flow_options_are_checked),
+        cmocka_unit_test(refused_parameters),
+        cmocka_unit_test(refused_stops),
+        cmocka_unit_test(refused_oscillators),
+        cmocka_unit_test(geometry),
+        cmocka_unit_test(vector_field),
+        cmocka_unit_test(flow_options_are_checked),
+        cmocka_unit_test(forced_instruction_sets),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -31,13 +31,30 @@ static isa_level processor_level(void) {
 #endif
 }
 
+static const char *const isa_names[] = {
+    [isa_base] = "x86-64", [isa_v3] = "x86-64-v3", [isa_v4] = "x86-64-v4"};
+enum { isa_count = sizeof isa_names / sizeof isa_names[0] };
+
+/* What SALTUS_ISA names: a level, or isa_count where it names none. */
+static int forced_level(const char *forced) {
+    int level = 0;
+    while (level < isa_count && strcmp(forced, isa_names[level]) != 0)
+        level++;
+    return level;
+}
+
+saltus_status saltus_kernel_check(saltus_message *message) {
+    const char *forced = getenv("SALTUS_ISA");
+    if (forced && forced_level(forced) == isa_count)
+        return saltus_fail(message, SALTUS_BAD_INPUT,
+                           "SALTUS_ISA = %.40s: must be x86-64, x86-64-v3 or x86-64-v4", forced);
+    return SALTUS_OK;
+}
+
 static isa_level allowed_level(void) {
     isa_level level = processor_level();
     const char *forced = getenv("SALTUS_ISA");
-    isa_level cap = !forced                            ? level
-                    : strcmp(forced, "x86-64-v4") == 0 ? isa_v4
-                    : strcmp(forced, "x86-64-v3") == 0 ? isa_v3
-                                                       : isa_base;
+    isa_level cap = forced ? (isa_level)forced_level(forced) : level;
     return cap < level ? cap : level;
 }
 

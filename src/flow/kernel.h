@@ -99,6 +99,8 @@ struct saltus_kernel {
  * built in and the processor at hand. The environment variable SALTUS_ISA (x86-64, x86-64-v3, x86-64-v4) can
  * force a lower one. NULL when there is none. */
 const saltus_kernel *saltus_kernel_find(const char *model, int lanes);
+/* Whether SALTUS_ISA, where it is set, names an instruction set. */
+saltus_status saltus_kernel_check(saltus_message *message);
 
 /* Allocate a work for a kernel, with `directions` parameter columns among the columns. Sizes come from the
  * systems' common shape. */

@@ -124,6 +124,17 @@ static saltus_status complete_batches(saltus_ensemble *e, saltus_message *messag
     return missing ? saltus_ensemble_run(e, missing, message) : SALTUS_OK;
 }
 
+/* What is told in the end, of complete batches, has to be as precise, too. */
+static saltus_status confirm(saltus_ensemble *e, saltus_lyapunov *l, long long least, long long *spent,
+                             saltus_message *message) {
+    long long before = saltus_ensemble_samples(e);
+    saltus_status status = complete_batches(e, message);
+    *spent += (saltus_ensemble_samples(e) - before) * (long long)e->member[0].growth.whole * e->members;
+    saltus_estimate now = saltus_ensemble_exponent(e, 0, saltus_ensemble_regular(e));
+    l->precise = status == SALTUS_OK && is_precise(e, &now, least);
+    return status;
+}
+
 /* Measure until the largest exponent is known as well as asked for. A run that drifts was transient: after it
  * as much is measured anew before there can be an end. */
 static saltus_status measure(saltus_ensemble *e, saltus_lyapunov *l, saltus_message *message) {
@@ -154,8 +165,8 @@ static saltus_status measure(saltus_ensemble *e, saltus_lyapunov *l, saltus_mess
             saltus_ensemble_forget(e);
             least = next_look = done;
             l->history_count = 0;
-        } else
-            l->precise = is_precise(e, &now, least);
+        } else if (is_precise(e, &now, least))
+            status = confirm(e, l, least, &spent, message);
     }
     if (status == SALTUS_OK)
         status = complete_batches(e, message);

@@ -17,6 +17,8 @@ enum { turns_max = 3 };
 
 /* Growth over one segment beyond which Newton's equations lose too many digits. */
 static const double growth_max = 1e5;
+/* Beyond this many scales of the system rounding alone exceeds any tolerance. */
+static const double size_max = 1e8;
 
 saltus_orbit_options saltus_orbit_defaults(void) {
     return (saltus_orbit_options){
@@ -59,6 +61,21 @@ static void cut_sequence(saltus_sequence *sequence, int segments, double growth)
         sequence->cut[j] = sequence->base + (double)j * sequence->periods / sequence->cuts;
 }
 
+/* Where there is no orbit Newton's method may run so far that all the forcing does is lost in rounding. */
+static saltus_status check_size(const search *s, saltus_message *message) {
+    const double *scale = saltus_system_scale(saltus_pursuit_system(s->pursuit));
+    double size = 0;
+    for (int i = 0; i < s->itinerary.dimension; i++)
+        size = fmax(size, fabs(s->state[i]) / scale[i]);
+    if (size < size_max)
+        return SALTUS_OK;
+    return saltus_fail(
+        message, SALTUS_NO_CONVERGENCE,
+        "Newton's iteration ran away to a state of %.3g times the usual size, where rounding hides "
+        "the residual",
+        size);
+}
+
 static saltus_status solve(search *s, const saltus_sequence *sequence, const saltus_orbit_options *options,
                            saltus_message *message) {
     saltus_sequence cut = *sequence;
@@ -78,7 +95,7 @@ static saltus_status solve(search *s, const saltus_sequence *sequence, const sal
     s->residual = saltus_pursuit_residual(s->pursuit);
     if (status == SALTUS_OK || s->residual < INFINITY)
         saltus_pursuit_extract(s->pursuit, s->u, &s->sequence, s->state);
-    return status;
+    return status == SALTUS_OK ? check_size(s, message) : status;
 }
 
 /* Bring the state from the sequence's base to the section's phase. */

@@ -1,0 +1,142 @@
+/* Steps, impacts and sections in the order in which an orbit meets them.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "passage.h"
+
+#include <string.h>
+
+enum { trials_most = 400, steps_a_period = 100 };
+
+/* A step under examination: the state alone at tau + h. */
+typedef struct trial {
+    const step *s;
+    const real *x;
+    real tau;
+    int side;
+    real state[model_dimension], rate[model_dimension];
+    real gap, speed; /* towards the stop's face */
+} trial;
+
+static void look(trial *t, real h) {
+    const model *m = t->s->model;
+    step_take(t->s, t->tau, h, 1, t->x, t->state);
+    t->gap = t->side * model_contact(m, t->state) - m->stop.d;
+    t->speed = t->side * model_contact(m, t->state + m->modes);
+}
+
+/* The zero in [low, high] of the gap (rising), or of the speed (falling) when `turning`. */
+static real zero(trial *t, real low, real high, bool turning) {
+    real h = (low + high) / 2, finest = high * real_pow(2, 5 - real_bits);
+    for (int k = 0; k < trials_most && high - low > finest; k++) {
+        look(t, h);
+        real value = turning ? -t->speed : t->gap, slope = t->speed;
+        if (turning) {
+            model_field(t->s->model, t->tau + h, 1, t->state, t->rate);
+            slope = -t->side * model_contact(t->s->model, t->rate + t->s->model->modes);
+        }
+        if (value > 0)
+            high = h;
+        else
+            low = h;
+        real next = slope > 0 ? h - value / slope : low;
+        if (real_abs(next - h) <= finest)
+            return next;
+        h = next > low && next < high ? next : (low + high) / 2;
+    }
+    return h;
+}
+
+/* Whether the face `side` is crossed within h; then *at is when. x: state at the step's beginning, end: at h.
+ */
+static bool crossing(const step *s, int side, real tau, real h, const real *x, const real *end, real *at) {
+    const model *m = s->model;
+    trial t = {.s = s, .x = x, .tau = tau, .side = side};
+    real gap = side * model_contact(m, end) - m->stop.d, top = h;
+    real before = side * model_contact(m, x + m->modes), after = side * model_contact(m, end + m->modes);
+    if (gap <= 0 && !(before > 0 && after < 0))
+        return false;
+    if (before > 0 && after < 0) {
+        top = zero(&t, 0, h, true);
+        look(&t, top);
+        if (t.gap <= 0)
+            return false;
+    }
+    *at = zero(&t, 0, top, false);
+    return true;
+}
+
+/* The first contact within h: its side, or 0. */
+static int contact(const step *s, real tau, real h, const real *x, const real *end, real *at) {
+    int side = 0;
+    for (int face = 1; face >= -1; face -= 2) {
+        real when;
+        if ((face > 0 ? s->model->stop.upper : s->model->stop.lower) &&
+            crossing(s, face, tau, h, x, end, &when) && (side == 0 || when < *at)) {
+            side = face;
+            *at = when;
+        }
+    }
+    return side;
+}
+
+/* Apply the impact; *h becomes half the time in which the stop could be met again at the new acceleration. */
+static const char *hit(passage *p, const model *m, int side, real tau, real *h) {
+    real rate[model_dimension], speed = model_contact(m, p->x + m->modes);
+    if (p->impact_count == passage_impacts)
+        return "more impacts than there is room for: chatter?";
+    if (!(side * speed > 0))
+        return "the orbit grazes its stop";
+    p->impacts[p->impact_count++] = (impact){side, tau / m->period, speed};
+    model_impact(m, tau, p->vectors, p->x);
+    model_field(m, tau, 1, p->x, rate);
+    real press = real_abs(model_contact(m, rate + m->modes)),
+         leave = real_abs(model_contact(m, p->x + m->modes));
+    if (leave < press * *h)
+        *h = leave / press;
+    return NULL;
+}
+
+/* From *tau to the section at `end`; *h is the step size proposed. */
+static const char *reach(passage *p, const step *s, real *tau, real end, real *h) {
+    static const long steps_most = 10000000;
+    real next[model_dimension * (model_dimension + 1)];
+    const size_t size = 2 * (size_t)s->model->modes * p->vectors * sizeof *next;
+    for (bool arrived = false; !arrived;) {
+        if (++p->steps > steps_most)
+            return "too many steps: chatter?";
+        *h = real_min(*h, s->model->period / steps_a_period);
+        real taken = real_min(*h, end - *tau), error = step_take(s, *tau, taken, p->vectors, p->x, next);
+        if (!(error <= 1)) {
+            p->refused++;
+            *h = step_next(s, taken, error);
+            continue;
+        }
+        real at = taken;
+        int side = contact(s, *tau, taken, p->x, next, &at);
+        if (side)
+            step_take(s, *tau, at, p->vectors, p->x, next);
+        memcpy(p->x, next, size);
+        arrived = !side && taken == end - *tau;
+        *tau = arrived ? end : *tau + at;
+        if (taken == *h || error > 1 / (real)1000)
+            *h = step_next(s, taken, error);
+        const char *trouble = side ? hit(p, s->model, side, *tau, h) : NULL;
+        if (trouble)
+            return trouble;
+    }
+    return NULL;
+}
+
+const char *passage_run(passage *p, step *s, int periods, bool tangents, const real *start) {
+    const int n = 2 * s->model->modes;
+    *p = (passage){.vectors = tangents ? n + 1 : 1};
+    memcpy(p->x, start, n * sizeof *start);
+    for (int j = 0; tangents && j < n; j++)
+        p->x[n * (1 + j) + j] = 1;
+    real tau = 0, h = s->model->period / steps_a_period;
+    const char *trouble = NULL;
+    for (int k = 0; k < periods && !trouble; k++) {
+        memcpy(p->section[k], p->x, n * sizeof *start);
+        trouble = reach(p, s, &tau, (k + 1) * s->model->period, &h);
+    }
+    return trouble;
+}
