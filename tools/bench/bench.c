@@ -1,298 +1,203 @@
-/* saltus_bench: error against cost of one trajectory, Saltus' integrators beside those of other libraries.
+/* saltus_bench: error against cost of one trajectory, Saltus' integrators beside those of other libraries,
+ * and what each feature costs.
  *
- * Every row is measured in the same run on the same machine against the 128-bit orbits of data/reference: the
- * largest error of the impact times (in T), of the state after the orbit (velocities count a hundredth), the
- * median CPU time of repeated runs, and the evaluations of the vector field (for Taylor series: orders). The
- * summary compares times at equal error by interpolation in the logarithms.
+ * Every row is measured in the same run on the same machine from a reference orbit of data/reference once
+ * around it: the largest error of the impact times (in T), the relative error of the state, the median CPU
+ * time of repeated runs, the evaluations of the vector field (for Taylor series: orders), and the error of
+ * the leading multipliers with the CPU time when tangent vectors are carried along.
+ *
+ * usage: saltus_bench [--quick] [--only problem] [--to folder] [--cost-only] [folder of references]
+ * Tables go to `folder` (work-precision.csv, cost.csv, README.md), the README's to the standard output.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "reference.h"
-#include "rivals.h"
+#include "cost.h"
+#include "report.h"
 
-#include <gsl/gsl_sort.h>
-#include <gsl/gsl_statistics.h>
-#include <time.h>
+typedef struct request {
+    const char *references, *to, *only;
+    bool quick, cost_only;
+    effort effort;
+} request;
 
-enum { events_max = 512, rows_max = 24, repeats = 15, methods_max = 6 };
+static const char *const known[][2] = {
+    {"fig7d", "pipe, five modes, one impact in a period (4/4)"},
+    {"chatter25", "pipe that comes to rest on its stop by complete chatter"},
+    {"free5", "pipe, five modes, no stop"},
+    {"modes20", "pipe, twenty modes: stiff"},
+    {"two-sided", "oscillator between two stops"},
+    {"near-grazing", "an impact of very low speed"},
+    {"sdof14", "pipe, one mode, two stops"},
+};
 
-/* One measured run. */
-typedef struct row {
-    double rtol, time_error, state_error, seconds, evaluations;
-    bool done;
-} row;
-
-static double cpu_seconds(void) {
-    struct timespec now;
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+static void list_methods(results *r) {
+    r->methods[r->method_count++] = (method){"Saltus Taylor", "taylor", SALTUS_TAYLOR, NULL};
+    r->methods[r->method_count++] = (method){"Saltus Radau", "radau", SALTUS_RADAU, NULL};
+    for (int k = 0; k < saltus_rival_count && r->method_count < methods_max; k++)
+        r->methods[r->method_count++] =
+            (method){saltus_rivals[k].name, saltus_rivals[k].key, SALTUS_AUTOMATIC, &saltus_rivals[k]};
 }
 
-static double median(double *values, size_t count) {
-    gsl_sort(values, 1, count);
-    return gsl_stats_median_from_sorted_data(values, 1, count);
+static void list_tolerances(results *r, bool quick) {
+    for (int digits = 3; digits <= 15; digits += quick ? 3 : 1)
+        r->tolerances[r->tolerance_count++] = pow(10, -digits);
 }
 
-/* Errors of impact times in order, as far as the reference lists them; a missing impact is an error of a
- * period. */
-static double impact_error(const reference *r, const double *times, int count) {
-    double worst = 0;
-    int k = 0;
-    for (int e = 0; e < r->event_count; e++)
-        if (r->kind[e] == 'i') {
-            worst = fmax(worst, k < count ? fabs(times[k] - r->time[e]) : 1);
-            k++;
-        }
-    return worst;
-}
-
-static bool run_saltus(const reference *r, const saltus_system *system, saltus_integrator integrator,
-                       double rtol, row *out) {
-    saltus_flow_options options = saltus_flow_defaults();
-    saltus_message message = {""};
-    saltus_flow *flow = NULL;
-    saltus_event event;
-    double times[events_max], state[SALTUS_SCENE_STATE_MAX], seconds[repeats];
-    int count = 0;
-    options.rtol = rtol;
-    options.atol = 1e-3 * rtol;
-    options.integrator = integrator;
-    if (saltus_flow_new(&system, 1, &options, &flow, &message) != SALTUS_OK)
-        return false;
-    for (int k = 0; k < repeats; k++) {
-        enum { batch = 20 };
-        double start = cpu_seconds();
-        for (int b = 0; b < batch; b++) {
-            count = 0;
-            saltus_status status = saltus_flow_start(flow, 0, (saltus_time){0, 0}, r->states[0], &message);
-            do {
-                if (status == SALTUS_OK)
-                    status = saltus_flow_advance(flow, (saltus_time){r->periods, 0}, SALTUS_WATCH_IMPACT,
-                                                 &event, &message);
-                if (status != SALTUS_OK) {
-                    saltus_flow_free(flow);
-                    return false;
-                }
-                if (event.kind == SALTUS_IMPACT && count < events_max)
-                    times[count++] = saltus_time_periods(event.time);
-            } while (event.kind != SALTUS_REACHED);
-        }
-        seconds[k] = (cpu_seconds() - start) / batch;
-    }
-    saltus_flow_state(flow, 0, state);
-    *out = (row){.rtol = rtol,
-                 .time_error = impact_error(r, times, count),
-                 .state_error = reference_distance(r, state, 0),
-                 .seconds = median(seconds, repeats),
-                 .evaluations = (double)saltus_flow_information(flow, 0).field_evaluations,
-                 .done = true};
-    saltus_flow_free(flow);
-    return true;
-}
-
-static bool run_rival(const reference *r, const rival *method, double rtol, row *out) {
-    const double *p = r->spec.parameters;
-    const saltus_stop *stop = &r->spec.stops[0];
-    rival_pipe pipe = {.modes = (int)p[0],
-                       .alpha = p[1],
-                       .beta = p[2],
-                       .kappa = p[3],
-                       .u0 = p[4],
-                       .sigma = p[5],
-                       .omega = p[6],
-                       .xi = stop->xi,
-                       .d = stop->d,
-                       .r = stop->r};
-    rival_event events[events_max];
-    double times[events_max], state[16], seconds[repeats];
-    rival_result result = {.events = events, .capacity = events_max, .state = state};
-    for (int k = 0; k < repeats; k++) {
-        result.count = 0;
-        if (method->run(&pipe, r->states[0], r->periods, rtol, rtol, &result) != RIVAL_OK)
-            return false;
-        seconds[k] = result.cpu_seconds;
-    }
-    int count = 0;
-    for (int k = 0; k < result.count && k < events_max; k++)
-        if (events[k].kind == RIVAL_IMPACT)
-            times[count++] = events[k].time_over_T;
-    *out = (row){.rtol = rtol,
-                 .time_error = impact_error(r, times, count),
-                 .state_error = reference_distance(r, state, 0),
-                 .seconds = median(seconds, repeats),
-                 .evaluations = (double)result.field_evaluations,
-                 .done = true};
-    return true;
-}
-
-/* Time at which a method reaches an error, interpolated between the two measured rows around it; NaN outside.
- */
-static double time_at_error(const row *rows, int count, double error) {
-    for (int k = 0; k + 1 < count; k++) {
-        if (!rows[k].done || !rows[k + 1].done || rows[k].time_error < error ||
-            rows[k + 1].time_error > error)
+static void open_problems(const request *q, problem *places, results *r) {
+    for (size_t k = 0; k < sizeof known / sizeof known[0]; k++) {
+        if (q->only && strcmp(q->only, known[k][0]) != 0)
             continue;
-        double a = log(rows[k].time_error), b = log(rows[k + 1].time_error);
-        double w = a == b ? 0 : (log(error) - a) / (b - a);
-        return exp((1 - w) * log(rows[k].seconds) + w * log(rows[k + 1].seconds));
+        problem *p = &places[r->problem_count];
+        if (problem_open(q->references, known[k][0], known[k][1], p))
+            r->problems[r->problem_count++] = p;
+        else
+            fprintf(stderr, "saltus_bench: %s/%s.json cannot be read: left out\n", q->references,
+                    known[k][0]);
     }
-    return NAN;
 }
 
-/* Every measured row. */
-static void print_rows(const char *name, const row *rows, int count) {
-    for (int k = 0; k < count; k++)
-        if (rows[k].done)
-            printf("| %s | %.0e | %.1e | %.1e | %.1f | %.0f |\n", name, rows[k].rtol, rows[k].time_error,
-                   rows[k].state_error, 1e6 * rows[k].seconds, rows[k].evaluations);
+/* Where a rival's variational equations would take minutes, a few tolerances stand for all; the implicit one
+ * has none and takes differences. */
+static derivative derivative_of(const problem *p, const method *m, int digits) {
+    if (!m->rival)
+        return derivative_tangents;
+    const bool large = p->orbit.n > 20;
+    if (large && digits % 4 != 0)
+        return derivative_none;
+    return m->rival->tangents ? derivative_tangents : derivative_differences;
 }
 
-static void print_all(const char *const *names, row (*rows)[rows_max], int methods, int count) {
-    printf("| method | rtol | event error / T | state error | CPU us | evaluations |\n"
-           "| --- | --- | --- | --- | --- | --- |\n");
-    for (int m = 0; m < methods; m++)
-        print_rows(names[m], rows[m], count);
+static bool is_sensible(const problem *p, const method *m, double rtol) {
+    const bool below_their_range = m->rival && rtol < 0.5e-14;
+    return !below_their_range && !(m->rival && m->rival->stiff && !p->stiff);
 }
 
-/* Event error and time at a few tolerances, a line a method. */
-static void print_overview(const char *const *names, row (*rows)[rows_max], int methods, int count) {
-    enum { first = 2, step = 2, last = 8 };
-    printf("| event error in CPU time |");
-    for (int k = first; k <= last && k < count; k += step)
-        printf(" rtol %.0e |", rows[0][k].rtol);
-    printf("\n| --- |");
-    for (int k = first; k <= last && k < count; k += step)
-        printf(" --- |");
-    for (int m = 0; m < methods; m++) {
-        printf("\n| %s |", names[m]);
-        for (int k = first; k <= last && k < count; k += step)
-            if (!rows[m][k].done)
-                printf(" failed |");
-            else if (rows[m][k].time_error < 0.5)
-                printf(" %.1e T in %.0f us |", rows[m][k].time_error, 1e6 * rows[m][k].seconds);
-            else
-                printf(" impacts missing, %.0f us |", 1e6 * rows[m][k].seconds);
-    }
-    printf("\n");
-}
-
-static void print_summary(const char *const *names, row (*rows)[rows_max], int methods, int count) {
-    static const double errors[] = {1e-6, 1e-8, 1e-9, 1e-10, 1e-12};
-    printf("\n| time at equal event error |");
-    for (size_t e = 0; e < sizeof errors / sizeof errors[0]; e++)
-        printf(" %.0e T |", errors[e]);
-    printf("\n| --- |");
-    for (size_t e = 0; e < sizeof errors / sizeof errors[0]; e++)
-        printf(" --- |");
-    for (int m = 0; m < methods; m++) {
-        printf("\n| %s |", names[m]);
-        for (size_t e = 0; e < sizeof errors / sizeof errors[0]; e++) {
-            double own = time_at_error(rows[0], count, errors[e]),
-                   time = time_at_error(rows[m], count, errors[e]);
-            if (isnan(time))
-                printf(" - |");
-            else
-                printf(" %.1f us (%.1f x) |", 1e6 * time, time / own);
+static void measure_all(const request *q, results *r) {
+    for (int p = 0; p < r->problem_count; p++)
+        for (int t = 0; t < r->tolerance_count; t++)
+            r->conditions[p][t] = measure_condition(r->problems[p], r->tolerances[t]);
+    for (int p = 0; p < r->problem_count; p++)
+        for (int m = 0; m < r->method_count; m++) {
+            const double before = processor_seconds();
+            for (int t = 0; t < r->tolerance_count; t++) {
+                const double rtol = r->tolerances[t];
+                const int digits = (int)lround(-log10(rtol));
+                if (is_sensible(r->problems[p], &r->methods[m], rtol))
+                    r->measures[p][m][t] =
+                        measure_method(r->problems[p], &r->methods[m], rtol,
+                                       derivative_of(r->problems[p], &r->methods[m], digits), &q->effort);
+            }
+            fprintf(stderr, "%s, %s: %.1f s\n", r->problems[p]->name, r->methods[m].name,
+                    processor_seconds() - before);
         }
-    }
-    printf("\n");
 }
 
-static bool compare(const char *folder, const char *name, bool all) {
-    static row rows[methods_max][rows_max];
-    const char *names[methods_max] = {"Saltus Taylor", "Saltus Radau"};
-    reference r;
-    saltus_system *system = NULL;
-    saltus_message message = {""};
-    int methods = 2, count = 0;
-    if (!reference_read(folder, name, &r) || saltus_system_new(&r.spec, &system, &message) != SALTUS_OK) {
-        fprintf(stderr, "saltus_bench: %s/%s.json cannot be read as a reference orbit\n", folder, name);
-        return false;
+static FILE *open_output(const request *q, const char *name) {
+    char path[1024];
+    snprintf(path, sizeof path, "%s/%s", q->to, name);
+    FILE *file = fopen(path, "w");
+    if (!file)
+        fprintf(stderr, "saltus_bench: %s cannot be written\n", path);
+    return file;
+}
+
+static bool close_output(FILE *file) {
+    const bool written = file && !ferror(file);
+    return (file == NULL || fclose(file) == 0) && written;
+}
+
+static void write_page(FILE *page, const results *r, const cost_table *costs) {
+    fprintf(page, "# Error against run time, and what each feature costs\n\nMade by `tools/bench.sh`.\n\n");
+    report_machine(page, "- ");
+    fprintf(page, "\nRuns start on a reference orbit of `../reference` and go once around it. Problems:\n\n");
+    for (int p = 0; p < r->problem_count; p++)
+        fprintf(page, "- %s: %s; %s, %d T, integrator chosen: %s\n", r->problems[p]->name,
+                r->problems[p]->what, r->problems[p]->orbit.label, r->problems[p]->orbit.periods,
+                saltus_system_integrator(r->problems[p]->system));
+    fprintf(page,
+            "\nOne problem alone, without touching this folder: `mkdir -p /tmp/bench && build/saltus_bench "
+            "--only fig7d --to /tmp/bench data/reference`; the costs alone: `--cost-only`.\n\nEvery "
+            "measurement is in [work-precision.csv](work-precision.csv) and [cost.csv](cost.csv).\n\n"
+            "![](work-precision.png)\n![](work-precision-evaluations.png)\n![](work-precision-state.png)\n"
+            "![](work-precision-multipliers.png)\n\n## Equal error\n\nError of the event times in T; of an "
+            "orbit without impacts, relative error of the state. A dash: not reached at any tolerance. "
+            "SUNDIALS looks for events on an interpolant; a dip beyond a stop that is shallower than the "
+            "interpolant's error stays unseen, as in near-grazing.\n\n");
+    report_summary(page, r);
+    report_details(page, r);
+    fprintf(page, "## Asked and got\n\n");
+    report_asked(page, r);
+    fprintf(page, "## Costs\n\n");
+    cost_print(page, costs, false);
+}
+
+static bool write_all(const request *q, const results *r, const cost_table *costs) {
+    FILE *csv = q->cost_only ? NULL : open_output(q, "work-precision.csv");
+    FILE *cost = open_output(q, "cost.csv"), *page = q->cost_only ? NULL : open_output(q, "README.md");
+    if (csv) {
+        report_machine(csv, "# ");
+        report_csv(csv, r);
     }
-    printf("\n**%s** (%s, %d T)\n\n", name, r.label, r.periods);
-    for (int digits = 4; digits <= 14; digits++, count++) {
-        double rtol = pow(10, -digits);
-        memset(&rows[0][count], 0, sizeof rows[0][count]);
-        memset(&rows[1][count], 0, sizeof rows[1][count]);
-        run_saltus(&r, system, SALTUS_TAYLOR, rtol, &rows[0][count]);
-        run_saltus(&r, system, SALTUS_RADAU, rtol, &rows[1][count]);
-        for (int m = 0; m < saltus_rival_count && m + 2 < methods_max; m++) {
-            names[m + 2] = saltus_rivals[m].name;
-            rows[m + 2][count].done = false;
-            run_rival(&r, &saltus_rivals[m], rtol, &rows[m + 2][count]);
-            methods = m + 3;
-        }
+    if (cost) {
+        report_machine(cost, "# ");
+        cost_csv(cost, costs);
     }
-    (all ? print_all : print_overview)(names, rows, methods, count);
-    print_summary(names, rows, methods, count);
-    saltus_system_free(system);
-    free(r.text);
+    if (page)
+        write_page(page, r, costs);
+    const bool done[] = {q->cost_only || close_output(csv), close_output(cost),
+                         q->cost_only || close_output(page)};
+    return done[0] && done[1] && done[2];
+}
+
+static void print_readme(const results *r, const cost_table *costs) {
+    printf("\n");
+    report_summary(stdout, r);
+    report_worst(stdout, r);
+    cost_print(stdout, costs, true);
+}
+
+static bool read_arguments(int count, char **arguments, request *q) {
+    *q = (request){.references = "data/reference", .to = ".", .effort = {15, 0.08, 1.0}};
+    for (int k = 1; k < count; k++)
+        if (strcmp(arguments[k], "--quick") == 0)
+            q->quick = true;
+        else if (strcmp(arguments[k], "--cost-only") == 0)
+            q->cost_only = true;
+        else if (strcmp(arguments[k], "--only") == 0 && k + 1 < count)
+            q->only = arguments[++k];
+        else if (strcmp(arguments[k], "--to") == 0 && k + 1 < count)
+            q->to = arguments[++k];
+        else if (arguments[k][0] != '-')
+            q->references = arguments[k];
+        else
+            return false;
+    if (q->quick)
+        q->effort = (effort){3, 0.01, 0.2};
     return true;
-}
-
-/* Median CPU time of one forcing period after the transient at omega = 42, with a stop at d = 0.035 or
- * without, and the impacts per period. */
-static double period_cost(int modes, bool stop, double *impacts) {
-    enum { settle = 100, measured = 40, runs = 5 };
-    saltus_spec spec = saltus_spec_defaults(saltus_model_find("pipe"));
-    saltus_system *system = NULL;
-    saltus_message message = {""};
-    saltus_flow *flow = NULL;
-    saltus_event event;
-    saltus_flow_options options = saltus_flow_defaults();
-    double state[SALTUS_SCENE_STATE_MAX], seconds[runs];
-    spec.parameters[0] = modes;
-    spec.stops[0] = saltus_stop_defaults();
-    spec.stops[0].d = 0.035;
-    spec.stop_count = stop;
-    bool ready =
-        saltus_system_new(&spec, &system, &message) == SALTUS_OK &&
-        saltus_system_default_state(system, state, &message) == SALTUS_OK &&
-        saltus_flow_new((const saltus_system *[]){system}, 1, &options, &flow, &message) == SALTUS_OK &&
-        saltus_flow_start(flow, 0, (saltus_time){0, 0}, state, &message) == SALTUS_OK &&
-        saltus_flow_advance(flow, (saltus_time){settle, 0}, 0, &event, &message) == SALTUS_OK;
-    long long before = ready ? saltus_flow_information(flow, 0).impacts : 0;
-    for (int k = 0; k < runs && ready; k++) {
-        double start = cpu_seconds();
-        ready = saltus_flow_advance(flow, (saltus_time){settle + measured * (k + 1), 0}, 0, &event,
-                                    &message) == SALTUS_OK;
-        seconds[k] = (cpu_seconds() - start) / measured;
-    }
-    if (ready)
-        *impacts = (double)(saltus_flow_information(flow, 0).impacts - before) / (runs * measured);
-    else
-        fprintf(stderr, "saltus_bench: N = %d: %s\n", modes, message.text);
-    saltus_flow_free(flow);
-    saltus_system_free(system);
-    return ready ? median(seconds, runs) : NAN;
-}
-
-static void scale_with_modes(void) {
-    static const int modes[] = {5, 10, 20, 32};
-    double base[2] = {0, 0};
-    printf("\n**Cost per forcing period against the number of modes** (omega = 42, rtol 1e-13; CPU us)\n\n"
-           "| N | (N/5)^2.5 | no stop | ratio | stop at d = 0.035 | ratio | impacts per period |\n"
-           "| --- | --- | --- | --- | --- | --- | --- |\n");
-    for (size_t k = 0; k < sizeof modes / sizeof modes[0]; k++) {
-        double impacts[2] = {0, 0}, seconds[2];
-        for (int stop = 0; stop < 2; stop++) {
-            seconds[stop] = period_cost(modes[k], stop, &impacts[stop]);
-            if (k == 0)
-                base[stop] = seconds[stop];
-        }
-        printf("| %d | %.1f | %.1f | %.1f | %.1f | %.1f | %.1f |\n", modes[k], pow(modes[k] / 5.0, 2.5),
-               1e6 * seconds[0], seconds[0] / base[0], 1e6 * seconds[1], seconds[1] / base[1], impacts[1]);
-    }
 }
 
 int main(int count, char **arguments) {
-    const char *folder = "data/reference";
-    bool all = false;
-    for (int k = 1; k < count; k++)
-        if (strcmp(arguments[k], "--all") == 0)
-            all = true;
-        else
-            folder = arguments[k];
-    if (!compare(folder, "fig7d", all) || !compare(folder, "chatter25", all))
-        return 1;
-    scale_with_modes();
-    return 0;
+    request q;
+    if (!read_arguments(count, arguments, &q)) {
+        fprintf(stderr, "usage: saltus_bench [--quick] [--only problem] [--cost-only] [--to folder] "
+                        "[folder of references]\n");
+        return 2;
+    }
+    problem *places = calloc(problems_max, sizeof *places);
+    results *r = calloc(1, sizeof *r);
+    cost_table *costs = calloc(1, sizeof *costs);
+    bool done = places && r && costs;
+    if (done) {
+        list_methods(r);
+        list_tolerances(r, q.quick);
+        if (!q.cost_only)
+            open_problems(&q, places, r);
+        measure_all(&q, r);
+        done = (q.only || cost_measure(costs, q.quick)) && write_all(&q, r, costs);
+        print_readme(r, costs);
+        for (int p = 0; p < r->problem_count; p++)
+            problem_close(r->problems[p]);
+    }
+    free(costs);
+    free(r);
+    free(places);
+    return done ? 0 : 1;
 }

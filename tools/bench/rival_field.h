@@ -1,8 +1,9 @@
-/* The vector field of the pipe, its impact law and the rule that ends a chatter, for all integrators that
- * Saltus is compared with.
+/* The vector fields of the pipe and of the oscillator, the impact law, the rule that ends a chatter and the
+ * variational equations, for all integrators that Saltus is compared with.
  *
  * Plain C that C++ compiles as well, so that every library calls a field that its compiler could inline. The
- * field is specialised for the five modes of the paper. model.md defines the symbols.
+ * field is specialised for the five modes of the paper and for one mass. A state may be followed by tangent
+ * vectors of its own length. model.md defines the symbols.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_BENCH_RIVAL_FIELD_H
 #define SALTUS_BENCH_RIVAL_FIELD_H
@@ -17,57 +18,87 @@
 #include <time.h>
 
 static const double pi = 3.14159265358979323846;
-/* Projecting onto the stop from an outgoing speed v costs an error of order v^2 / (a (1 - r)) in the state.
- */
-static const double chatter_share_of_tolerance = 0.05;
-/* Below this height in units of d * DBL_EPSILON, rounding of the gap decides when the next impact of a
- * chatter is. */
-static const double least_height = 8;
-/* Over this fraction of a step a fourth-order step errs far below the tolerance, and costs less than the
- * library's. */
-static const double short_step = 1e-3;
-/* A first step a little longer than the foreseen flight reaches the impact; a much longer one would be
- * wasted. */
-static const double flight_allowance = 1.05;
 
-enum { modes_of_paper = 5 };
+enum { modes_of_paper = 5, faces_max = 2 };
 
-struct pipe_field {
-    int modes;
-    double alpha, kappa, root_beta, u0, sigma, omega, d, r, normal_square;
-    double tolerance;    /* of a displacement at the stop */
-    bool sticking;       /* which of the two vector fields is in force */
-    double contact_time; /* when the present flight left the stop */
-    int contact_order;   /* order of the gap's zero at that time; 0 if the flight did not start on the stop */
-    long evaluations;
-    double forced_time, flow, flow_rate; /* the flow velocity and its rate at the time they were last used */
-    double *wave_square, *damping, *normal;
-    double *gyroscopic, *pulsating; /* one entry per pair of an odd and an even mode, row by row */
-    double *curvature, *flow_velocity, *flow_curvature;
-    double *rate, *stage, *sum;
+struct scene_field {
+    int modes, columns;
+    size_t count; /* entries of the state and of the tangent vectors behind it */
+    double omega, d, r, length, normal_square, first_step;
+    double tolerance; /* of a displacement at the stop */
+    int faces;
+    double side[faces_max];   /* +1: forbids g > d, -1: forbids g < -d */
+    bool sticking;            /* which of the two vector fields is in force */
+    int contact_face;         /* the face that holds, or that the present flight left */
+    double contact_time;      /* when it left */
+    int contact_order;        /* order of the gap's zero at that time; 0 if the flight started elsewhere */
+    long evaluations;         /* of the field; those with tangent vectors count once */
+    double forced_time;       /* when the next two were last worked out */
+    double drive, drive_rate; /* flow velocity and its rate; oscillator: cos(omega tau) */
+    bool oscillator;
+    double stiffness[2][2], damper[2][2], force[2], load[2]; /* oscillator, over the masses */
+    double alpha, kappa, root_beta, u0, sigma;
+    double *wave_square, *damping;
+    double *gyroscopic, *pulsating;     /* an entry for each pair of an odd and an even mode, row by row */
+    double *gyroscopic_t, *pulsating_t; /* the same by columns */
+    double *work;                       /* six rows of a mode each */
+    double *normal, *impulse;           /* n, and M^-1 n: the direction in which the stop pushes */
+    const double *start;
+    double *vector;             /* the state and its tangent vectors */
+    double *rate, *stage, *sum; /* of their length */
+    double *before, *after;     /* the field on both sides of an impact */
 };
 
 /* The pairs' entries are G_ij, antisymmetric, and B_ij / lambda_j^2, symmetric: each product serves both
  * modes. */
-static inline void set_couplings(struct pipe_field *field) {
-    int pair = 0;
-    for (int i = 1; i <= field->modes; i += 2)
-        for (int j = 2; j <= field->modes; j += 2, pair++) {
+static inline void set_couplings(struct scene_field *field) {
+    const int odd = (field->modes + 1) / 2, even = field->modes / 2;
+    for (int k = 0; k < odd; k++)
+        for (int l = 0; l < even; l++) {
+            const int i = 2 * k + 1, j = 2 * l + 2;
             const double difference = (double)i * i - (double)j * j;
-            field->gyroscopic[pair] = 4.0 * i * j / difference;
-            field->pulsating[pair] = -8.0 * i * j / (pi * pi * difference * difference);
+            const double g = 4.0 * i * j / difference;
+            const double b = -8.0 * i * j / (pi * pi * difference * difference);
+            field->gyroscopic[k * even + l] = field->gyroscopic_t[l * odd + k] = g;
+            field->pulsating[k * even + l] = field->pulsating_t[l * odd + k] = b;
         }
 }
 
-static inline void set_modes(struct pipe_field *field, double xi) {
-    field->normal_square = 0;
+static inline void set_pipe(struct scene_field *field, const rival_scene *scene) {
+    field->alpha = scene->alpha;
+    field->kappa = scene->kappa;
+    field->root_beta = sqrt(scene->beta);
+    field->u0 = scene->u0;
+    field->sigma = scene->sigma;
     for (int i = 0; i < field->modes; i++) {
         const double wave = (i + 1) * pi;
         field->wave_square[i] = wave * wave;
         field->damping[i] = field->alpha * wave * wave * wave * wave;
-        field->normal[i] = sin(wave * xi);
-        field->normal_square += field->normal[i] * field->normal[i];
+        field->normal[i] = field->impulse[i] = sin(wave * scene->xi);
     }
+    const int last = field->modes - 1;
+    field->first_step = 0.5 / hypot(field->damping[last], field->wave_square[last]);
+    set_couplings(field);
+}
+
+static inline void set_oscillator(struct scene_field *field, const rival_oscillator *o) {
+    const bool two = field->modes == 2;
+    const double k2 = two ? o->k[1] : 0, c2 = two ? o->c[1] : 0;
+    const double k[2][2] = {{o->k[0] + k2, -k2}, {-k2, k2}}, c[2][2] = {{o->c[0] + c2, -c2}, {-c2, c2}};
+    double fastest = field->omega;
+    field->oscillator = true;
+    for (int i = 0; i < field->modes; i++) {
+        for (int j = 0; j < 2; j++) {
+            field->stiffness[i][j] = k[i][j] / o->m[i];
+            field->damper[i][j] = c[i][j] / o->m[i];
+        }
+        field->force[i] = o->force[i] / o->m[i];
+        field->load[i] = o->load[i] / o->m[i];
+        field->normal[i] = o->weight[i];
+        field->impulse[i] = o->weight[i] / o->m[i];
+        fastest = fmax(fastest, hypot(field->damper[i][i], sqrt(field->stiffness[i][i])));
+    }
+    field->first_step = 0.5 / fastest;
 }
 
 static inline double *take(double **pool, size_t count) {
@@ -76,42 +107,23 @@ static inline double *take(double **pool, size_t count) {
     return taken;
 }
 
-static inline void divide_pool(struct pipe_field *field, size_t modes, size_t pairs) {
+static inline void divide_pool(struct scene_field *field, size_t modes, size_t pairs) {
     double *pool = (double *)(field + 1);
     field->wave_square = take(&pool, modes);
     field->damping = take(&pool, modes);
     field->normal = take(&pool, modes);
-    field->curvature = take(&pool, modes);
-    field->flow_velocity = take(&pool, modes);
-    field->flow_curvature = take(&pool, modes);
+    field->impulse = take(&pool, modes);
+    field->work = take(&pool, 6 * modes);
     field->gyroscopic = take(&pool, pairs);
     field->pulsating = take(&pool, pairs);
-    field->rate = take(&pool, 2 * modes);
-    field->stage = take(&pool, 2 * modes);
-    field->sum = take(&pool, 2 * modes);
-}
-
-static inline struct pipe_field *new_field(const rival_pipe *pipe, double rtol, double atol) {
-    const size_t modes = (size_t)pipe->modes, pairs = (modes + 1) / 2 * (modes / 2);
-    struct pipe_field *field =
-        (struct pipe_field *)calloc(1, sizeof *field + (12 * modes + 2 * pairs) * sizeof(double));
-    if (!field)
-        return NULL;
-    field->modes = pipe->modes;
-    field->alpha = pipe->alpha;
-    field->kappa = pipe->kappa;
-    field->root_beta = sqrt(pipe->beta);
-    field->u0 = pipe->u0;
-    field->sigma = pipe->sigma;
-    field->omega = pipe->omega;
-    field->d = pipe->d;
-    field->r = pipe->r;
-    field->tolerance = atol + rtol * pipe->d;
-    field->forced_time = NAN;
-    divide_pool(field, modes, pairs);
-    set_modes(field, pipe->xi);
-    set_couplings(field);
-    return field;
+    field->gyroscopic_t = take(&pool, pairs);
+    field->pulsating_t = take(&pool, pairs);
+    field->before = take(&pool, 2 * modes);
+    field->after = take(&pool, 2 * modes);
+    field->vector = take(&pool, field->count);
+    field->rate = take(&pool, field->count);
+    field->stage = take(&pool, field->count);
+    field->sum = take(&pool, field->count);
 }
 
 static inline double dot(int count, const double *left, const double *right) {
@@ -121,55 +133,90 @@ static inline double dot(int count, const double *left, const double *right) {
     return sum;
 }
 
-static inline double along_normal(const struct pipe_field *field, const double *vector) {
-    return field->modes == modes_of_paper ? dot(modes_of_paper, field->normal, vector)
-                                          : dot(field->modes, field->normal, vector);
+static inline void set_faces(struct scene_field *field, const rival_scene *scene) {
+    if (scene->sides == RIVAL_UPPER || scene->sides == RIVAL_BOTH)
+        field->side[field->faces++] = 1;
+    if (scene->sides == RIVAL_LOWER || scene->sides == RIVAL_BOTH)
+        field->side[field->faces++] = -1;
+    field->normal_square = dot(field->modes, field->normal, field->impulse);
 }
 
-static inline void add_normal(const struct pipe_field *field, double factor, double *vector) {
-    for (int i = 0; i < field->modes; i++)
-        vector[i] += factor * field->normal[i];
+/* A length of the motion: the clearance, where there is one. */
+static inline double length_of(const rival_scene *scene, const double *state0) {
+    double length = scene->sides == RIVAL_FREE ? 0 : fabs(scene->d);
+    for (int i = 0; i < scene->modes && (scene->d == 0 || scene->sides == RIVAL_FREE); i++)
+        length = fmax(length, fabs(state0[i]));
+    return length;
 }
 
-static inline void set_flow(struct pipe_field *field, double tau) {
+static inline struct scene_field *new_field(const rival_scene *scene, const double *state0, bool tangents,
+                                            double rtol, double atol) {
+    const size_t modes = (size_t)scene->modes, pairs = (modes + 1) / 2 * (modes / 2);
+    const size_t columns = tangents ? 2 * modes : 0, count = 2 * modes * (1 + columns);
+    struct scene_field *field = (struct scene_field *)calloc(
+        1, sizeof *field + (14 * modes + 4 * pairs + 4 * count) * sizeof(double));
+    if (!field)
+        return NULL;
+    field->modes = scene->modes;
+    field->columns = (int)columns;
+    field->count = count;
+    field->omega = scene->omega;
+    field->d = scene->d;
+    field->r = scene->r;
+    field->start = state0;
+    field->length = length_of(scene, state0);
+    field->tolerance = atol + rtol * field->length;
+    divide_pool(field, modes, pairs);
+    if (scene->oscillator)
+        set_oscillator(field, scene->oscillator);
+    else
+        set_pipe(field, scene);
+    set_faces(field, scene);
+    return field;
+}
+
+static inline void set_drive(struct scene_field *field, double tau) {
     if (tau == field->forced_time)
         return;
     field->forced_time = tau;
-    field->flow = field->u0;
-    field->flow_rate = 0;
+    const double phase = field->omega * tau;
+    if (field->oscillator) {
+        field->drive = cos(phase);
+        return;
+    }
+    field->drive = field->u0;
+    field->drive_rate = 0;
     if (field->sigma != 0) {
-        const double phase = field->omega * tau;
-        field->flow += field->u0 * field->sigma * sin(phase);
-        field->flow_rate = field->u0 * field->sigma * field->omega * cos(phase);
+        field->drive += field->u0 * field->sigma * sin(phase);
+        field->drive_rate = field->u0 * field->sigma * field->omega * cos(phase);
     }
 }
 
-/* Returns the factor of lambda_i^2 q_i that all modes share, and scales what the couplings multiply. */
-static inline double common_load(const struct pipe_field *field, int modes, const double *q,
-                                 const double *velocity, double *__restrict__ curvature,
-                                 double *__restrict__ flow_velocity, double *__restrict__ flow_curvature) {
-    const double coriolis = 2 * field->root_beta * field->flow, surge = field->root_beta * field->flow_rate;
-    const double *__restrict__ wave_square = field->wave_square;
+/* Returns the factor of lambda_i^2 q_i that all modes share; curvature[i] becomes lambda_i^2 q_i. */
+static inline double common_load(const struct scene_field *field, int modes, const double *q,
+                                 const double *velocity, double *__restrict__ curvature) {
+    const double surge = field->root_beta * field->drive_rate;
     double stretch = 0;
     for (int i = 0; i < modes; i++) {
-        curvature[i] = wave_square[i] * q[i];
+        curvature[i] = field->wave_square[i] * q[i];
         stretch += curvature[i] * (0.5 * q[i] + field->alpha * velocity[i]);
-        flow_velocity[i] = coriolis * velocity[i];
-        flow_curvature[i] = surge * curvature[i];
     }
-    return field->kappa * stretch - field->flow * field->flow - 0.5 * surge;
+    return field->kappa * stretch - field->drive * field->drive - 0.5 * surge;
 }
 
-/* The field for a number of modes that may be known when this is compiled; `load` comes from common_load. */
-static inline void couple_modes(const struct pipe_field *field, int modes, double load,
-                                const double *velocity, const double *__restrict__ curvature,
-                                const double *__restrict__ flow_velocity,
-                                const double *__restrict__ flow_curvature,
-                                double *__restrict__ acceleration) {
+/* The field where all modes fit into registers; `load` comes from common_load. */
+static inline void couple_few(const struct scene_field *field, double load, const double *velocity,
+                              const double *curvature, double *__restrict__ acceleration) {
+    enum { modes = modes_of_paper };
+    const double coriolis = 2 * field->root_beta * field->drive, surge = field->root_beta * field->drive_rate;
     const double *__restrict__ gyroscopic = field->gyroscopic, *__restrict__ pulsating = field->pulsating;
     const double *__restrict__ wave_square = field->wave_square, *__restrict__ damping = field->damping;
-    for (int i = 0; i < modes; i++)
+    double flow_velocity[modes], flow_curvature[modes];
+    for (int i = 0; i < modes; i++) {
+        flow_velocity[i] = coriolis * velocity[i];
+        flow_curvature[i] = surge * curvature[i];
         acceleration[i] = -damping[i] * velocity[i] - curvature[i] * (wave_square[i] + load);
+    }
     int pair = 0;
     for (int i = 0; i < modes; i += 2) {
         double coupling = 0;
@@ -182,25 +229,129 @@ static inline void couple_modes(const struct pipe_field *field, int modes, doubl
     }
 }
 
-static inline void free_acceleration(struct pipe_field *field, double tau, const double *q,
+/* rows[l] of a matrix of `count` columns, each times its own factor, added up: the sums run over neighbours
+ * in memory. */
+static inline void add_rows(int rows, int count, const double *__restrict__ g, const double *__restrict__ b,
+                            const double *__restrict__ by_g, const double *__restrict__ by_b, double sign,
+                            double *__restrict__ sum) {
+    for (int k = 0; k < rows; k++)
+        for (int l = 0; l < count; l++)
+            sum[l] += by_g[k] * g[k * count + l] + sign * by_b[k] * b[k * count + l];
+}
+
+/* The same for any number of modes: odd and even modes apart. */
+static inline void couple_many(const struct scene_field *field, double load, const double *velocity,
+                               const double *curvature, double *__restrict__ acceleration) {
+    const int modes = field->modes, odd = (modes + 1) / 2, even = modes / 2;
+    const double coriolis = 2 * field->root_beta * field->drive, surge = field->root_beta * field->drive_rate;
+    double *__restrict__ v = field->work, *__restrict__ c = v + modes, *__restrict__ sum = c + modes;
+    for (int k = 0; k < odd; k++) {
+        v[k] = coriolis * velocity[2 * k];
+        c[k] = surge * curvature[2 * k];
+    }
+    for (int l = 0; l < even; l++) {
+        v[odd + l] = coriolis * velocity[2 * l + 1];
+        c[odd + l] = surge * curvature[2 * l + 1];
+    }
+    memset(sum, 0, (size_t)modes * sizeof *sum);
+    add_rows(even, odd, field->gyroscopic_t, field->pulsating_t, v + odd, c + odd, 1, sum);
+    add_rows(odd, even, field->gyroscopic, field->pulsating, v, c, -1, sum + odd);
+    for (int i = 0; i < modes; i++)
+        acceleration[i] = -field->damping[i] * velocity[i] - curvature[i] * (field->wave_square[i] + load);
+    for (int k = 0; k < odd; k++)
+        acceleration[2 * k] -= sum[k];
+    for (int l = 0; l < even; l++)
+        acceleration[2 * l + 1] += sum[odd + l];
+}
+
+static inline void couple(const struct scene_field *field, double load, const double *velocity,
+                          const double *curvature, double *acceleration) {
+    if (field->modes == modes_of_paper)
+        couple_few(field, load, velocity, curvature, acceleration);
+    else
+        couple_many(field, load, velocity, curvature, acceleration);
+}
+
+/* The linear part of the oscillator, and its forces. */
+static inline void pull_masses(const struct scene_field *field, double drive, double loaded, const double *q,
+                               const double *velocity, double *acceleration) {
+    acceleration[0] = drive * field->force[0] + loaded * field->load[0] - field->stiffness[0][0] * q[0] -
+                      field->damper[0][0] * velocity[0];
+    if (field->modes == 1)
+        return;
+    acceleration[0] -= field->stiffness[0][1] * q[1] + field->damper[0][1] * velocity[1];
+    acceleration[1] = drive * field->force[1] + loaded * field->load[1] - field->stiffness[1][0] * q[0] -
+                      field->stiffness[1][1] * q[1] - field->damper[1][0] * velocity[0] -
+                      field->damper[1][1] * velocity[1];
+}
+
+static inline void free_acceleration(struct scene_field *field, double tau, const double *q,
                                      const double *velocity, double *acceleration) {
     field->evaluations++;
-    set_flow(field, tau);
-    if (field->modes == modes_of_paper) {
-        double curvature[modes_of_paper], flow_velocity[modes_of_paper], flow_curvature[modes_of_paper];
-        const double load =
-            common_load(field, modes_of_paper, q, velocity, curvature, flow_velocity, flow_curvature);
-        couple_modes(field, modes_of_paper, load, velocity, curvature, flow_velocity, flow_curvature,
-                     acceleration);
+    set_drive(field, tau);
+    if (field->oscillator) {
+        pull_masses(field, field->drive, 1, q, velocity, acceleration);
+    } else if (field->modes == modes_of_paper) {
+        double curvature[modes_of_paper];
+        const double load = common_load(field, modes_of_paper, q, velocity, curvature);
+        couple_few(field, load, velocity, curvature, acceleration);
     } else {
-        const double load = common_load(field, field->modes, q, velocity, field->curvature,
-                                        field->flow_velocity, field->flow_curvature);
-        couple_modes(field, field->modes, load, velocity, field->curvature, field->flow_velocity,
-                     field->flow_curvature, acceleration);
+        double *curvature = field->work + 3 * field->modes;
+        const double load = common_load(field, field->modes, q, velocity, curvature);
+        couple_many(field, load, velocity, curvature, acceleration);
     }
 }
 
-static inline void pipe_rate(struct pipe_field *field, double tau, const double *state, double *rate) {
+static inline double along_normal(const struct scene_field *field, const double *vector) {
+    return field->modes == modes_of_paper ? dot(modes_of_paper, field->normal, vector)
+                                          : dot(field->modes, field->normal, vector);
+}
+
+static inline void push(const struct scene_field *field, double factor, double *vector) {
+    for (int i = 0; i < field->modes; i++)
+        vector[i] += factor * field->impulse[i];
+}
+
+static inline void hold(const struct scene_field *field, double *acceleration) {
+    push(field, -along_normal(field, acceleration) / field->normal_square, acceleration);
+}
+
+/* The derivative of the acceleration along one tangent vector; `curvature` and `load` are the state's. */
+static inline void pipe_tangent(struct scene_field *field, double load, const double *curvature,
+                                const double *state, const double *tangent, double *acceleration) {
+    const int modes = field->modes;
+    const double *q = state, *velocity = state + modes, *dq = tangent, *dv = tangent + modes;
+    double *__restrict__ bent = field->work + 4 * modes;
+    double stretch = 0;
+    for (int i = 0; i < modes; i++) {
+        bent[i] = field->wave_square[i] * dq[i];
+        stretch += bent[i] * (q[i] + field->alpha * velocity[i]) + field->alpha * curvature[i] * dv[i];
+    }
+    couple(field, load, dv, bent, acceleration);
+    for (int i = 0; i < modes; i++)
+        acceleration[i] -= field->kappa * stretch * curvature[i];
+}
+
+/* Column by column the Jacobian of the field at `state` times vectors of the state's length. */
+static inline void tangent_rates(struct scene_field *field, double tau, const double *state, int columns,
+                                 const double *tangents, double *rates) {
+    const int modes = field->modes;
+    double *curvature = field->work + 5 * modes, load = 0;
+    set_drive(field, tau);
+    if (!field->oscillator)
+        load = common_load(field, modes, state, state + modes, curvature);
+    for (int c = 0; c < columns; c++, tangents += 2 * modes, rates += 2 * modes) {
+        memcpy(rates, tangents + modes, (size_t)modes * sizeof *rates);
+        if (field->oscillator)
+            pull_masses(field, 0, 0, tangents, tangents + modes, rates + modes);
+        else
+            pipe_tangent(field, load, curvature, state, tangents, rates + modes);
+        if (field->sticking)
+            hold(field, rates + modes);
+    }
+}
+
+static inline void state_rate(struct scene_field *field, double tau, const double *state, double *rate) {
     double *acceleration = rate + field->modes;
     if (field->modes == modes_of_paper)
         memcpy(rate, state + modes_of_paper, modes_of_paper * sizeof *rate);
@@ -208,175 +359,14 @@ static inline void pipe_rate(struct pipe_field *field, double tau, const double 
         memcpy(rate, state + field->modes, (size_t)field->modes * sizeof *rate);
     free_acceleration(field, tau, state, state + field->modes, acceleration);
     if (field->sticking)
-        add_normal(field, -along_normal(field, acceleration) / field->normal_square, acceleration);
+        hold(field, acceleration);
 }
 
-static inline double contact_gap(const struct pipe_field *field, const double *state) {
-    return along_normal(field, state) - field->d;
-}
-
-static inline double normal_speed(const struct pipe_field *field, const double *state) {
-    return along_normal(field, state + field->modes);
-}
-
-/* n.f of the free field; the stop can hold the pipe only while this is positive. */
-static inline double pressing(struct pipe_field *field, double tau, const double *state) {
-    free_acceleration(field, tau, state, state + field->modes, field->stage);
-    return along_normal(field, field->stage);
-}
-
-static inline void place_on_stop(const struct pipe_field *field, double *state) {
-    add_normal(field, -contact_gap(field, state) / field->normal_square, state);
-}
-
-static inline void remove_normal_speed(const struct pipe_field *field, double *state) {
-    add_normal(field, -normal_speed(field, state) / field->normal_square, state + field->modes);
-}
-
-/* One classical fourth-order step, for spans far below those that the library steps over. */
-static inline void flow_shortly(struct pipe_field *field, double tau, double span, double *state) {
-    static const double node[4] = {0, 0.5, 0.5, 1}, weight[4] = {1.0 / 6, 1.0 / 3, 1.0 / 3, 1.0 / 6};
-    const int count = 2 * field->modes;
-    double *rate = field->rate, *stage = field->stage, *sum = field->sum;
-    memcpy(stage, state, (size_t)count * sizeof *stage);
-    memcpy(sum, state, (size_t)count * sizeof *sum);
-    for (int k = 0; k < 4; k++) {
-        pipe_rate(field, tau + node[k] * span, stage, rate);
-        for (int i = 0; i < count; i++) {
-            sum[i] += weight[k] * span * rate[i];
-            if (k < 3)
-                stage[i] = state[i] + node[k + 1] * span * rate[i];
-        }
-    }
-    memcpy(state, sum, (size_t)count * sizeof *state);
-}
-
-/* Span to the rising zero of a gap with the given derivatives; false, and the span to its top, where it has
- * none. */
-static inline bool span_to_contact(double gap, double speed, double acceleration, double *span) {
-    const double square = speed * speed - 2 * gap * acceleration;
-    if (square < 0) {
-        *span = -speed / acceleration;
-        return false;
-    }
-    const double divisor = speed + sqrt(square);
-    *span = gap == 0 ? 0 : -2 * gap / divisor;
-    return divisor != 0;
-}
-
-/* Moves a state that is within a short step of its impact onto the stop, to rounding. */
-static inline void polish_contact(struct pipe_field *field, double *tau, double *state) {
-    for (int k = 0; k < 4; k++) {
-        const double gap = contact_gap(field, state);
-        if (fabs(gap) <= 2 * DBL_EPSILON * field->d)
-            return;
-        double span;
-        const double speed = normal_speed(field, state);
-        if (!span_to_contact(gap, speed, pressing(field, *tau, state), &span))
-            return;
-        flow_shortly(field, *tau, span, state);
-        *tau += span;
-    }
-}
-
-static inline void record(const struct pipe_field *field, rival_result *result, double tau, double speed,
-                          rival_event_kind kind) {
-    if (result->count < result->capacity) {
-        rival_event *event = &result->events[result->count];
-        event->time_over_T = tau * field->omega / (2 * pi);
-        event->normal_velocity = speed;
-        event->kind = kind;
-    }
-    result->count++;
-}
-
-/* Takes up the sticking field if the impacts that would follow end within the tolerance. Their remaining
- * duration goes into the recorded time only: the state that the projection gives at tau is as good there as
- * the chatter's own. */
-static inline bool stick(struct pipe_field *field, double tau, double outgoing, double load, double *state,
-                         rival_result *result) {
-    const double settling = load * (1 - field->r);
-    const double tolerable = chatter_share_of_tolerance * field->tolerance * settling;
-    const double invisible = 2 * load * least_height * DBL_EPSILON * field->d;
-    if (settling <= 0 || outgoing * outgoing >= (tolerable > invisible ? tolerable : invisible))
-        return false;
-    record(field, result, outgoing > 0 ? tau + 2 * outgoing / settling : tau, 0, RIVAL_STICK);
-    place_on_stop(field, state);
-    remove_normal_speed(field, state);
-    field->sticking = true;
-    return true;
-}
-
-/* Applies the impact law and returns when the next impact is due if n.q'' stays as it is, INFINITY if never.
- */
-static inline double rebound(struct pipe_field *field, double tau, double *state, rival_result *result) {
-    const double incoming = normal_speed(field, state), outgoing = field->r * incoming;
-    record(field, result, tau, incoming, RIVAL_IMPACT);
-    place_on_stop(field, state);
-    remove_normal_speed(field, state);
-    const double load = pressing(field, tau, state);
-    if (stick(field, tau, outgoing, load, state, result))
-        return INFINITY;
-    add_normal(field, -outgoing / field->normal_square, state + field->modes);
-    field->contact_time = tau;
-    field->contact_order = outgoing > 0 ? 1 : 2;
-    return load > 0 ? 2 * outgoing / load : INFINITY;
-}
-
-static inline void release(struct pipe_field *field, double tau, double *state, rival_result *result) {
-    record(field, result, tau, 0, RIVAL_RELEASE);
-    place_on_stop(field, state);
-    remove_normal_speed(field, state);
-    field->sticking = false;
-    field->contact_time = tau;
-    field->contact_order = 3;
-}
-
-static inline bool valid(const rival_pipe *pipe, const double *state0, int periods, double rtol, double atol,
-                         const rival_result *result) {
-    return pipe && state0 && result && result->state && pipe->modes >= 1 && pipe->beta >= 0 &&
-           pipe->omega > 0 && pipe->xi > 0 && pipe->xi < 1 && pipe->d > 0 && pipe->r >= 0 && pipe->r <= 1 &&
-           periods >= 0 && rtol >= 0 && atol > 0 && (result->events || result->capacity <= 0);
-}
-
-/* Builds the field and decides how the run starts: in free flight, or held by the stop. */
-static inline int begin(const rival_pipe *pipe, const double *state0, int periods, double rtol, double atol,
-                        rival_result *result, struct pipe_field **made) {
-    if (!valid(pipe, state0, periods, rtol, atol, result))
-        return RIVAL_BAD_ARGUMENT;
-    struct pipe_field *field = new_field(pipe, rtol, atol);
-    if (!field)
-        return RIVAL_NO_MEMORY;
-    const double gap = contact_gap(field, state0), speed = normal_speed(field, state0);
-    if (gap > field->tolerance) {
-        free(field);
-        return RIVAL_BAD_ARGUMENT;
-    }
-    result->count = 0;
-    result->steps = 0;
-    result->field_evaluations = 0;
-    result->cpu_seconds = 0;
-    memcpy(result->state, state0, 2 * (size_t)pipe->modes * sizeof *state0);
-    if (gap > -field->tolerance)
-        stick(field, 0, fabs(speed), pressing(field, 0, state0), result->state, result);
-    *made = field;
-    return RIVAL_OK;
-}
-
-static inline double processor_time(void) {
-    struct timespec now;
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
-static inline double end_of_run(const struct pipe_field *field, int periods) {
-    return periods * (2 * pi / field->omega);
-}
-
-/* A start for the library's step control; it takes over from the second step on. */
-static inline double first_step(const struct pipe_field *field) {
-    const int last = field->modes - 1;
-    return 0.5 / hypot(field->damping[last], field->wave_square[last]);
+/* The rate of the state and of the tangent vectors behind it. */
+static inline void scene_rate(struct scene_field *field, double tau, const double *vector, double *rate) {
+    state_rate(field, tau, vector, rate);
+    if (field->columns > 0)
+        tangent_rates(field, tau, vector, field->columns, vector + 2 * field->modes, rate + 2 * field->modes);
 }
 
 #endif

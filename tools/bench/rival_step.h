@@ -4,7 +4,7 @@
 #ifndef SALTUS_BENCH_RIVAL_STEP_H
 #define SALTUS_BENCH_RIVAL_STEP_H
 
-#include "rival_field.h"
+#include "rival_contact.h"
 
 static inline double polynomial(int degree, const double *coefficient, double x) {
     double value = coefficient[degree];
@@ -63,7 +63,7 @@ static inline double suspected_contact(int degree, const double *gap) {
 
 /* The last accepted step, and a way to repeat it with another length into `trial` and `trial_rate`. */
 struct rival_step {
-    struct pipe_field *field;
+    struct scene_field *field;
     double start, length;
     const double *begin, *begin_rate; /* state at its begin */
     double *end;                      /* and at its end; an event takes its place */
@@ -90,14 +90,16 @@ static inline bool surely_below(double gap, double slope, double curve, double g
 
 /* Where in the last step, as a fraction of it, the gap may have reached zero; 0 if nowhere. The zero that a
  * flight starts with is divided out of the quintic that matches the gap and two derivatives at both ends. */
-static inline double suspected_in_step(const struct rival_step *step) {
-    const struct pipe_field *field = step->field;
+static inline double suspected_in_step(const struct rival_step *step, int face) {
+    const struct scene_field *field = step->field;
     const double h = step->length;
-    const double gap = contact_gap(field, step->begin), gap_end = contact_gap(field, step->end);
-    const double slope = h * normal_speed(field, step->begin), slope_end = h * normal_speed(field, step->end);
-    const double curve = h * h * normal_speed(field, step->begin_rate);
-    const double curve_end = h * h * normal_speed(field, step->end_rate);
-    const int divided = step->start == field->contact_time ? field->contact_order : 0;
+    const double gap = contact_gap(field, face, step->begin), gap_end = contact_gap(field, face, step->end);
+    const double slope = h * normal_speed(field, face, step->begin);
+    const double slope_end = h * normal_speed(field, face, step->end);
+    const double curve = h * h * normal_speed(field, face, step->begin_rate);
+    const double curve_end = h * h * normal_speed(field, face, step->end_rate);
+    const bool left = step->start == field->contact_time && face == field->contact_face;
+    const int divided = left ? field->contact_order : 0;
     if (divided == 0 && surely_below(gap, slope, curve, gap_end, slope_end, curve_end))
         return 0;
     double c[6] = {gap, slope, 0.5 * curve};
@@ -112,25 +114,26 @@ static inline double suspected_in_step(const struct rival_step *step) {
     return suspected_contact(5 - divided, c + divided);
 }
 
-/* Repeats the last step up to the impact. Returns 1 with the state on the stop, 0 if the pipe passes below
- * it, -1 on failure. The safeguard takes the gap for a dip that rises to the impact and perhaps falls again
- * behind it. */
-static inline int locate_contact(struct rival_step *step, double guess, double *tau) {
-    struct pipe_field *field = step->field;
+/* Repeats the last step up to the impact. Returns 1 with the state on the stop, 0 if the structure passes
+ * below it, -1 on failure. The safeguard takes the gap for a dip that rises to the impact and perhaps falls
+ * again behind it. */
+static inline int locate_contact(struct rival_step *step, int face, double guess, double *tau) {
+    struct scene_field *field = step->field;
     double length = guess * step->length, low = 0, high = step->length;
     for (int k = 0; k < 60; k++) {
         if (!step->again(step->stepper, length))
             return -1;
         double span;
-        const double gap = contact_gap(field, step->trial), speed = normal_speed(field, step->trial);
-        const double acceleration = normal_speed(field, step->trial_rate);
+        const double gap = contact_gap(field, face, step->trial),
+                     speed = normal_speed(field, face, step->trial);
+        const double acceleration = normal_speed(field, face, step->trial_rate);
         const bool real = span_to_contact(gap, speed, acceleration, &span);
         if (fabs(span) <= short_step * step->length) {
             if (!real)
                 return 0;
             *tau = step->start + length;
-            memcpy(step->end, step->trial, 2 * (size_t)field->modes * sizeof *step->end);
-            polish_contact(field, tau, step->end);
+            memcpy(step->end, step->trial, field->count * sizeof *step->end);
+            polish_contact(field, face, tau, step->end);
             return 1;
         }
         *(gap < 0 && (speed > 0 || acceleration > 0) ? &low : &high) = length;
@@ -141,36 +144,58 @@ static inline int locate_contact(struct rival_step *step, double guess, double *
     return -1;
 }
 
+/* The first contact in the last step, with the face in *face; as locate_contact. */
+static inline int locate_first(struct rival_step *step, int *face, double *tau) {
+    double guess[faces_max];
+    int found = 0;
+    for (int f = 0; f < step->field->faces; f++)
+        guess[f] = suspected_in_step(step, f);
+    for (int tried = 0; tried < step->field->faces && found == 0; tried++) {
+        int first = -1;
+        for (int f = 0; f < step->field->faces; f++)
+            if (guess[f] > 0 && (first < 0 || guess[f] < guess[first]))
+                first = f;
+        if (first < 0)
+            return 0;
+        found = locate_contact(step, first, guess[first], tau);
+        guess[first] = 0;
+        *face = first;
+    }
+    return found;
+}
+
 /* Moves a sticking state that is within a short step of its release there. `slope` is the force's rate of
  * change. */
-static inline void polish_release(struct pipe_field *field, double *tau, double *state, double slope) {
-    double force = pressing(field, *tau, state);
+static inline void polish_release(struct scene_field *field, double *tau, double *state, double slope) {
+    const int face = field->contact_face;
+    double force = pressing(field, face, *tau, state);
     for (int k = 0; k < 6 && slope < 0; k++) {
         const double span = -force / slope, before = force;
         if (fabs(span) <= 2 * DBL_EPSILON * *tau)
             return;
         flow_shortly(field, *tau, span, state);
         *tau += span;
-        force = pressing(field, *tau, state);
+        force = pressing(field, face, *tau, state);
         slope = (force - before) / span;
     }
 }
 
 /* Repeats the last step up to the release by the Illinois method; false on failure. */
 static inline bool locate_release(struct rival_step *step, double force_end, double *tau) {
-    struct pipe_field *field = step->field;
+    struct scene_field *field = step->field;
+    const int face = field->contact_face;
     double low = 0, high = step->length, force_high = force_end;
-    double force_low = pressing(field, step->start, step->begin);
+    double force_low = pressing(field, face, step->start, step->begin);
     bool kept_low = false, kept_high = false;
     for (int k = 0; k < 60; k++) {
         const double length = force_low > 0 ? low + (high - low) * force_low / (force_low - force_high) : 0;
         if (!step->again(step->stepper, length))
             return false;
-        const double force = pressing(field, step->start + length, step->trial);
+        const double force = pressing(field, face, step->start + length, step->trial);
         const double slope = (force_high - force_low) / (high - low);
         if (length == 0 || fabs(force) <= fabs(slope) * short_step * step->length) {
             *tau = step->start + length;
-            memcpy(step->end, step->trial, 2 * (size_t)field->modes * sizeof *step->end);
+            memcpy(step->end, step->trial, field->count * sizeof *step->end);
             polish_release(field, tau, step->end, slope);
             return true;
         }
@@ -190,10 +215,10 @@ static inline bool locate_release(struct rival_step *step, double force_end, dou
 /* Deals with the events of the last step. Returns 1 after an event, 0 without, -1 on failure; `due` is the
  * time to the next impact as far as it can be foreseen. */
 static inline int step_events(struct rival_step *step, double *tau, double *due, rival_result *result) {
-    struct pipe_field *field = step->field;
+    struct scene_field *field = step->field;
     *due = INFINITY;
     if (field->sticking) {
-        const double force = pressing(field, *tau, step->end);
+        const double force = pressing(field, field->contact_face, *tau, step->end);
         if (force > 0)
             return 0;
         if (!locate_release(step, force, tau))
@@ -201,10 +226,10 @@ static inline int step_events(struct rival_step *step, double *tau, double *due,
         release(field, *tau, step->end, result);
         return 1;
     }
-    const double guess = suspected_in_step(step);
-    const int found = guess > 0 ? locate_contact(step, guess, tau) : 0;
+    int face;
+    const int found = locate_first(step, &face, tau);
     if (found == 1)
-        *due = rebound(field, *tau, step->end, result);
+        *due = rebound(field, face, *tau, step->end, result);
     return found;
 }
 

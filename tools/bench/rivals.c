@@ -1,4 +1,4 @@
-/* The integrators of GSL and of SUNDIALS on the pipe against a stop.
+/* The integrators of GSL and of SUNDIALS on a structure with rigid stops, and the list of all rivals.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #define _POSIX_C_SOURCE 200809L
 
@@ -6,26 +6,30 @@
 
 #include <gsl/gsl_errno.h>
 #include <gsl/gsl_odeiv2.h>
+#include <stdio.h>
 
 #ifdef SALTUS_WITH_SUNDIALS
 #include <arkode/arkode_arkstep.h>
 #include <cvode/cvode.h>
 #include <nvector/nvector_serial.h>
+#include <sundials/sundials_version.h>
+#include <sunlinsol/sunlinsol_dense.h>
+#include <sunmatrix/sunmatrix_dense.h>
 #include <sunnonlinsol/sunnonlinsol_fixedpoint.h>
 #endif
 
 struct gsl_run {
-    struct pipe_field *field;
+    struct scene_field *field;
     gsl_odeiv2_system system;
     gsl_odeiv2_step *stepper;
     gsl_odeiv2_control *control;
     gsl_odeiv2_evolve *evolve;
-    double *state, *error;
+    double *error;
     struct rival_step last; /* accepted step */
 };
 
 static int gsl_rate(double tau, const double state[], double rate[], void *field) {
-    pipe_rate(field, tau, state, rate);
+    scene_rate(field, tau, state, rate);
     return GSL_SUCCESS;
 }
 
@@ -38,13 +42,14 @@ static bool gsl_again(void *stepper, double length) {
 }
 
 static int gsl_integrate(struct gsl_run *run, double end, rival_result *result) {
-    double tau = 0, usual = first_step(run->field), due = INFINITY;
+    double tau = 0, usual = run->field->first_step, due = INFINITY;
+    gsl_odeiv2_evolve_reset(run->evolve);
     while (tau < end) {
         const bool shortened = flight_allowance * due < usual;
         double step = shortened ? flight_allowance * due : usual;
         run->last.start = tau;
         if (gsl_odeiv2_evolve_apply(run->evolve, run->control, run->stepper, &run->system, &tau, end, &step,
-                                    run->state) != GSL_SUCCESS)
+                                    run->field->vector) != GSL_SUCCESS)
             return RIVAL_FAILED;
         run->last.length = run->evolve->last_step;
         result->steps++;
@@ -58,8 +63,8 @@ static int gsl_integrate(struct gsl_run *run, double end, rival_result *result) 
     return RIVAL_OK;
 }
 
-static bool gsl_set_up(struct gsl_run *run, double rtol, double atol, rival_result *result) {
-    const size_t dimension = 2 * (size_t)run->field->modes;
+static bool gsl_set_up(struct gsl_run *run, double rtol, double atol) {
+    const size_t dimension = run->field->count;
     run->system = (gsl_odeiv2_system){gsl_rate, NULL, dimension, run->field};
     run->stepper = gsl_odeiv2_step_alloc(gsl_odeiv2_step_rk8pd, dimension);
     run->control = gsl_odeiv2_control_standard_new(atol, rtol, 1, 0);
@@ -67,11 +72,10 @@ static bool gsl_set_up(struct gsl_run *run, double rtol, double atol, rival_resu
     run->error = malloc(3 * dimension * sizeof *run->error);
     if (!run->stepper || !run->control || !run->evolve || !run->error)
         return false;
-    run->state = result->state;
     run->last = (struct rival_step){.field = run->field,
                                     .begin = run->evolve->y0,
                                     .begin_rate = run->evolve->dydt_in,
-                                    .end = run->state,
+                                    .end = run->field->vector,
                                     .end_rate = run->evolve->dydt_out,
                                     .trial = run->error + dimension,
                                     .trial_rate = run->error + 2 * dimension,
@@ -91,18 +95,21 @@ static void gsl_tear_down(struct gsl_run *run) {
     free(run->field);
 }
 
-static int run_gsl_rk8pd(const rival_pipe *pipe, const double *state0, int periods, double rtol, double atol,
-                         rival_result *result) {
+static int run_gsl_rk8pd(const rival_scene *scene, const double *state0, int periods, double rtol,
+                         double atol, rival_result *result) {
     struct gsl_run run = {0};
-    int status = begin(pipe, state0, periods, rtol, atol, result, &run.field);
+    int status = begin(scene, state0, rtol, atol, periods, result, &run.field);
     if (status != RIVAL_OK)
         return status;
     gsl_error_handler_t *const handler = gsl_set_error_handler_off();
-    if (gsl_set_up(&run, rtol, atol, result)) {
+    if (gsl_set_up(&run, rtol, atol)) {
         const double before = processor_time();
-        status = gsl_integrate(&run, end_of_run(run.field, periods), result);
-        result->cpu_seconds = processor_time() - before;
-        result->field_evaluations = run.field->evaluations;
+        for (int k = 0; k < repeats_of(result) && status == RIVAL_OK; k++) {
+            start_over(run.field, result);
+            status = gsl_integrate(&run, end_of_run(run.field, periods), result);
+        }
+        result->cpu_seconds = (processor_time() - before) / repeats_of(result);
+        hand_out(run.field, run.field->vector, result);
     } else {
         status = RIVAL_NO_MEMORY;
     }
@@ -116,11 +123,14 @@ static int run_gsl_rk8pd(const rival_pipe *pipe, const double *state0, int perio
 _Static_assert(sizeof(realtype) == sizeof(double), "SUNDIALS has to be built for double precision");
 
 struct sundials_run {
-    struct pipe_field *field;
+    struct scene_field *field;
     SUNContext context;
     N_Vector state, start;
     void *memory;
-    SUNNonlinearSolver iteration;
+    SUNNonlinearSolver iteration; /* Adams */
+    SUNMatrix jacobian;           /* BDF */
+    SUNLinearSolver solver;
+    double *unit;   /* the identity matrix */
     bool repeating; /* a step is being redone, and its event is known already */
 };
 
@@ -129,38 +139,50 @@ static double *values(N_Vector vector) {
 }
 
 static int sundials_rate(realtype tau, N_Vector state, N_Vector rate, void *run) {
-    pipe_rate(((struct sundials_run *)run)->field, tau, values(state), values(rate));
+    scene_rate(((struct sundials_run *)run)->field, tau, values(state), values(rate));
     return 0;
 }
 
-/* Both functions rise through zero at an event: the gap (or -n.f while sticking), and -n.q' at the top of a
- * flight, which breaks up steps that hold two zeros of the gap. The gap's zero at the start is divided out.
- */
+/* For each face two functions that rise through zero at an event: the gap (or -n.f where it holds), and minus
+ * the speed towards the stop at the top of a flight, which breaks up steps that hold two zeros of the gap.
+ * The gap's zero at the start is divided out. */
 static int sundials_roots(realtype tau, N_Vector vector, realtype *root, void *data) {
     const struct sundials_run *run = data;
-    struct pipe_field *field = run->field;
+    struct scene_field *field = run->field;
     const double *state = values(vector);
     const double elapsed = tau - field->contact_time;
-    root[0] = root[1] = -1;
-    if (run->repeating)
-        return 0;
-    if (field->sticking) {
-        root[0] = -pressing(field, tau, state);
-    } else if (field->contact_order > 0 && elapsed <= 0) {
-        root[1] = 1;
-    } else {
-        root[0] = contact_gap(field, state);
-        for (int k = 0; k < field->contact_order; k++)
-            root[0] /= elapsed;
-        root[1] = -normal_speed(field, state);
+    for (int face = 0; face < field->faces; face++, root += 2) {
+        const int order = face == field->contact_face ? field->contact_order : 0;
+        root[0] = root[1] = -1;
+        if (run->repeating)
+            continue;
+        if (field->sticking) {
+            if (face == field->contact_face)
+                root[0] = -pressing(field, face, tau, state);
+        } else if (order > 0 && elapsed <= 0) {
+            root[1] = 1;
+        } else {
+            root[0] = contact_gap(field, face, state);
+            for (int k = 0; k < order; k++)
+                root[0] /= elapsed;
+            root[1] = -normal_speed(field, face, state);
+        }
     }
     return 0;
 }
 
+/* The face whose event a root is; -1 for the top of a flight. */
+static int face_hit(const struct scene_field *field, const int *found) {
+    for (int face = 0; face < field->faces; face++)
+        if (found[2 * face])
+            return face;
+    return -1;
+}
+
 /* Integrates the step that holds an event anew, up to the time of the event: the interpolant has a lower
  * order than the step. */
-static bool arkode_redo(struct sundials_run *run, double *tau) {
-    struct pipe_field *field = run->field;
+static bool arkode_redo(struct sundials_run *run, int face, double *tau) {
+    struct scene_field *field = run->field;
     double reached, step;
     if (ARKStepGetCurrentTime(run->memory, &reached) || ARKStepGetLastStep(run->memory, &step))
         return false;
@@ -169,7 +191,7 @@ static bool arkode_redo(struct sundials_run *run, double *tau) {
         return false;
     double force_start = 0;
     if (field->sticking)
-        force_start = pressing(field, start, values(run->start));
+        force_start = pressing(field, face, start, values(run->start));
     if (length > short_step * step) {
         run->repeating = true;
         double arrived;
@@ -184,13 +206,14 @@ static bool arkode_redo(struct sundials_run *run, double *tau) {
     if (field->sticking)
         polish_release(field, tau, values(run->state), -force_start / length);
     else
-        polish_contact(field, tau, values(run->state));
+        polish_contact(field, face, tau, values(run->state));
     return true;
 }
 
 static int arkode_integrate(struct sundials_run *run, double end, rival_result *result) {
-    struct pipe_field *field = run->field;
-    double tau = 0, usual = first_step(field), due = INFINITY;
+    struct scene_field *field = run->field;
+    double tau = 0, usual = field->first_step, due = INFINITY;
+    int face = -1;
     bool restart = true;
     while (tau < end) {
         if (restart &&
@@ -198,15 +221,15 @@ static int arkode_integrate(struct sundials_run *run, double end, rival_result *
              ARKStepSetInitStep(run->memory, fmin(fmin(usual, flight_allowance * due), end - tau)) ||
              ARKStepSetStopTime(run->memory, end)))
             return RIVAL_FAILED;
-        int found[2];
+        int found[2 * faces_max];
         const int status = ARKStepEvolve(run->memory, end, run->state, &tau, ARK_NORMAL);
         if (status < 0 || (status == ARK_ROOT_RETURN && ARKStepGetRootInfo(run->memory, found)))
             return RIVAL_FAILED;
-        restart = status == ARK_ROOT_RETURN && found[0];
+        restart = status == ARK_ROOT_RETURN && (face = face_hit(field, found)) >= 0;
         if (!restart)
             continue;
         double step;
-        if (ARKStepGetLastStep(run->memory, &step) || !arkode_redo(run, &tau))
+        if (ARKStepGetLastStep(run->memory, &step) || !arkode_redo(run, face, &tau))
             return RIVAL_FAILED;
         if (!(due < usual) || step > usual)
             usual = step;
@@ -214,7 +237,7 @@ static int arkode_integrate(struct sundials_run *run, double end, rival_result *
         if (field->sticking)
             release(field, tau, values(run->state), result);
         else
-            due = rebound(field, tau, values(run->state), result);
+            due = rebound(field, face, tau, values(run->state), result);
     }
     return RIVAL_OK;
 }
@@ -248,11 +271,11 @@ static int linear_combination(int count, realtype *factor, N_Vector *vectors, N_
     return 0;
 }
 
-static bool sundials_set_up(struct sundials_run *run, rival_result *result) {
-    const sunindextype dimension = 2 * run->field->modes;
+static bool sundials_set_up(struct sundials_run *run) {
+    const sunindextype dimension = (sunindextype)run->field->count;
     if (SUNContext_Create(NULL, &run->context))
         return false;
-    run->state = N_VMake_Serial(dimension, result->state, run->context);
+    run->state = N_VMake_Serial(dimension, run->field->vector, run->context);
     run->start = N_VNew_Serial(dimension, run->context);
     if (!run->state || !run->start)
         return false;
@@ -261,43 +284,63 @@ static bool sundials_set_up(struct sundials_run *run, rival_result *result) {
 }
 
 static void sundials_tear_down(struct sundials_run *run) {
+    if (run->iteration)
+        SUNNonlinSolFree(run->iteration);
+    if (run->solver)
+        SUNLinSolFree(run->solver);
+    if (run->jacobian)
+        SUNMatDestroy(run->jacobian);
     if (run->state)
         N_VDestroy(run->state);
     if (run->start)
         N_VDestroy(run->start);
     if (run->context)
         SUNContext_Free(&run->context);
+    free(run->unit);
     free(run->field);
 }
 
+/* All runs of a library whose memory is set up. CVODE forgets its count of steps where it starts anew. */
+static int sundials_repeat(struct sundials_run *run, int periods,
+                           int (*integrate)(struct sundials_run *, double, rival_result *),
+                           int (*count_steps)(void *, long *), rival_result *result) {
+    int status = RIVAL_OK;
+    const double before = processor_time();
+    for (int k = 0; k < repeats_of(result) && status == RIVAL_OK; k++) {
+        start_over(run->field, result);
+        status = integrate(run, end_of_run(run->field, periods), result);
+    }
+    result->cpu_seconds = (processor_time() - before) / repeats_of(result);
+    if (count_steps && count_steps(run->memory, &result->steps))
+        status = RIVAL_FAILED;
+    result->steps /= repeats_of(result);
+    hand_out(run->field, values(run->state), result);
+    return status;
+}
+
 static bool arkode_set_up(struct sundials_run *run, double rtol, double atol) {
-    int rising[2] = {1, 1};
+    int rising[2 * faces_max] = {1, 1, 1, 1};
     run->memory = ARKStepCreate(sundials_rate, NULL, 0, run->state, run->context);
     return run->memory && !ARKStepSetErrHandlerFn(run->memory, swallow_message, NULL) &&
            !ARKStepSetTableNum(run->memory, ARKODE_DIRK_NONE, ARKODE_FEHLBERG_13_7_8) &&
            !ARKStepSetInterpolantType(run->memory, ARK_INTERP_HERMITE) &&
            !ARKStepSetInterpolantDegree(run->memory, 3) && !ARKStepSetUserData(run->memory, run) &&
            !ARKStepSStolerances(run->memory, rtol, atol) && !ARKStepSetMaxNumSteps(run->memory, -1) &&
-           !ARKStepRootInit(run->memory, 2, sundials_roots) &&
-           !ARKStepSetRootDirection(run->memory, rising) && !ARKStepSetNoInactiveRootWarn(run->memory);
+           (run->field->faces == 0 ||
+            (!ARKStepRootInit(run->memory, 2 * run->field->faces, sundials_roots) &&
+             !ARKStepSetRootDirection(run->memory, rising) && !ARKStepSetNoInactiveRootWarn(run->memory)));
 }
 
-static int run_arkode(const rival_pipe *pipe, const double *state0, int periods, double rtol, double atol,
+static int run_arkode(const rival_scene *scene, const double *state0, int periods, double rtol, double atol,
                       rival_result *result) {
     struct sundials_run run = {0};
-    int status = begin(pipe, state0, periods, rtol, atol, result, &run.field);
+    int status = begin(scene, state0, rtol, atol, periods, result, &run.field);
     if (status != RIVAL_OK)
         return status;
-    if (sundials_set_up(&run, result) && arkode_set_up(&run, rtol, atol)) {
-        const double before = processor_time();
-        status = arkode_integrate(&run, end_of_run(run.field, periods), result);
-        result->cpu_seconds = processor_time() - before;
-        if (ARKStepGetNumSteps(run.memory, &result->steps))
-            status = RIVAL_FAILED;
-        result->field_evaluations = run.field->evaluations;
-    } else {
+    if (sundials_set_up(&run) && arkode_set_up(&run, rtol, atol))
+        status = sundials_repeat(&run, periods, arkode_integrate, ARKStepGetNumSteps, result);
+    else
         status = RIVAL_NO_MEMORY;
-    }
     if (run.memory)
         ARKStepFree(&run.memory);
     sundials_tear_down(&run);
@@ -307,66 +350,119 @@ static int run_arkode(const rival_pipe *pipe, const double *state0, int periods,
 /* The interpolant of a multistep method has the method's own order, so that the state at a root needs no
  * redoing. */
 static int cvode_integrate(struct sundials_run *run, double end, rival_result *result) {
-    struct pipe_field *field = run->field;
+    struct scene_field *field = run->field;
     double tau = 0;
+    int face = -1;
     bool restart = true;
     while (tau < end) {
         if (restart && (CVodeReInit(run->memory, tau, run->state) || CVodeSetStopTime(run->memory, end)))
             return RIVAL_FAILED;
-        int found[2];
+        int found[2 * faces_max];
         const int status = CVode(run->memory, end, run->state, &tau, CV_NORMAL);
         if (status < 0 || (status == CV_ROOT_RETURN && CVodeGetRootInfo(run->memory, found)))
             return RIVAL_FAILED;
-        restart = status == CV_ROOT_RETURN && found[0];
+        restart = status == CV_ROOT_RETURN && (face = face_hit(field, found)) >= 0;
         if (restart && field->sticking)
             release(field, tau, values(run->state), result);
         else if (restart)
-            rebound(field, tau, values(run->state), result);
+            rebound(field, face, tau, values(run->state), result);
     }
     return RIVAL_OK;
 }
 
-static bool cvode_set_up(struct sundials_run *run, double rtol, double atol) {
-    int rising[2] = {1, 1};
-    run->memory = CVodeCreate(CV_ADAMS, run->context);
-    run->iteration = SUNNonlinSol_FixedPoint(run->state, 0, run->context);
-    return run->memory && run->iteration && !CVodeSetErrHandlerFn(run->memory, swallow_message, NULL) &&
-           !CVodeInit(run->memory, sundials_rate, 0, run->state) && !CVodeSetUserData(run->memory, run) &&
-           !CVodeSStolerances(run->memory, rtol, atol) && !CVodeSetMaxNumSteps(run->memory, -1) &&
-           !CVodeSetNonlinearSolver(run->memory, run->iteration) &&
-           !CVodeRootInit(run->memory, 2, sundials_roots) && !CVodeSetRootDirection(run->memory, rising) &&
-           !CVodeSetNoInactiveRootWarn(run->memory);
+static int cvode_jacobian(realtype tau, N_Vector state, N_Vector rate, SUNMatrix jacobian, void *data,
+                          N_Vector spare1, N_Vector spare2, N_Vector spare3) {
+    (void)rate, (void)spare1, (void)spare2, (void)spare3;
+    const struct sundials_run *run = data;
+    tangent_rates(run->field, tau, values(state), 2 * run->field->modes, run->unit,
+                  SUNDenseMatrix_Data(jacobian));
+    return 0;
 }
 
-static int run_cvode(const rival_pipe *pipe, const double *state0, int periods, double rtol, double atol,
-                     rival_result *result) {
+static bool cvode_set_up_adams(struct sundials_run *run) {
+    run->iteration = SUNNonlinSol_FixedPoint(run->state, 0, run->context);
+    return run->iteration && !CVodeSetNonlinearSolver(run->memory, run->iteration);
+}
+
+/* Newton's method with the exact Jacobian, factorised by LU. */
+static bool cvode_set_up_bdf(struct sundials_run *run) {
+    const sunindextype n = 2 * run->field->modes;
+    run->unit = calloc((size_t)(n * n), sizeof *run->unit);
+    run->jacobian = SUNDenseMatrix(n, n, run->context);
+    run->solver = run->jacobian ? SUNLinSol_Dense(run->state, run->jacobian, run->context) : NULL;
+    if (!run->unit || !run->solver)
+        return false;
+    for (sunindextype i = 0; i < n; i++)
+        run->unit[i * n + i] = 1;
+    return !CVodeSetLinearSolver(run->memory, run->solver, run->jacobian) &&
+           !CVodeSetJacFn(run->memory, cvode_jacobian);
+}
+
+static bool cvode_set_up(struct sundials_run *run, int method, double rtol, double atol) {
+    int rising[2 * faces_max] = {1, 1, 1, 1};
+    run->memory = CVodeCreate(method, run->context);
+    return run->memory && !CVodeSetErrHandlerFn(run->memory, swallow_message, NULL) &&
+           !CVodeInit(run->memory, sundials_rate, 0, run->state) && !CVodeSetUserData(run->memory, run) &&
+           !CVodeSStolerances(run->memory, rtol, atol) && !CVodeSetMaxNumSteps(run->memory, -1) &&
+           (method == CV_BDF ? cvode_set_up_bdf : cvode_set_up_adams)(run) &&
+           (run->field->faces == 0 ||
+            (!CVodeRootInit(run->memory, 2 * run->field->faces, sundials_roots) &&
+             !CVodeSetRootDirection(run->memory, rising) && !CVodeSetNoInactiveRootWarn(run->memory)));
+}
+
+static int run_cvode(int method, const rival_scene *scene, const double *state0, int periods, double rtol,
+                     double atol, rival_result *result) {
     struct sundials_run run = {0};
-    int status = begin(pipe, state0, periods, rtol, atol, result, &run.field);
+    if (result && result->tangents && method == CV_BDF)
+        return RIVAL_BAD_ARGUMENT;
+    int status = begin(scene, state0, rtol, atol, periods, result, &run.field);
     if (status != RIVAL_OK)
         return status;
-    if (sundials_set_up(&run, result) && cvode_set_up(&run, rtol, atol)) {
-        const double before = processor_time();
-        status = cvode_integrate(&run, end_of_run(run.field, periods), result);
-        result->cpu_seconds = processor_time() - before;
-        result->field_evaluations = run.field->evaluations;
-    } else {
+    if (sundials_set_up(&run) && cvode_set_up(&run, method, rtol, atol))
+        status = sundials_repeat(&run, periods, cvode_integrate, NULL, result);
+    else
         status = RIVAL_NO_MEMORY;
-    }
     if (run.memory)
         CVodeFree(&run.memory);
-    if (run.iteration)
-        SUNNonlinSolFree(run.iteration);
     sundials_tear_down(&run);
     return status;
+}
+
+static int run_cvode_adams(const rival_scene *scene, const double *state0, int periods, double rtol,
+                           double atol, rival_result *result) {
+    return run_cvode(CV_ADAMS, scene, state0, periods, rtol, atol, result);
+}
+
+static int run_cvode_bdf(const rival_scene *scene, const double *state0, int periods, double rtol,
+                         double atol, rival_result *result) {
+    return run_cvode(CV_BDF, scene, state0, periods, rtol, atol, result);
 }
 
 #endif
 
 const rival saltus_rivals[] = {
-    {"GSL rk8pd", run_gsl_rk8pd},
+    {"GSL rk8pd", "gsl", run_gsl_rk8pd, .tangents = true},
 #ifdef SALTUS_WITH_SUNDIALS
-    {"SUNDIALS ARKODE 8(7)", run_arkode},
-    {"SUNDIALS CVODE Adams", run_cvode},
+    {"SUNDIALS ARKODE 8(7)", "arkode", run_arkode, .tangents = true},
+    {"SUNDIALS CVODE Adams", "adams", run_cvode_adams, .tangents = true},
+    {"SUNDIALS CVODE BDF", "bdf", run_cvode_bdf, .stiff = true},
+#endif
+#ifdef SALTUS_WITH_ODEINT
+    {"Boost.Odeint dopri5", "dopri5", rival_odeint_dopri5, .tangents = true},
+    {"Boost.Odeint Fehlberg 7(8)", "fehlberg78", rival_odeint_fehlberg78, .tangents = true},
 #endif
 };
 const int saltus_rival_count = sizeof saltus_rivals / sizeof saltus_rivals[0];
+
+void saltus_rivals_versions(char *text, size_t size) {
+    char sundials[32] = "";
+    const char *boost = "";
+#ifdef SALTUS_WITH_SUNDIALS
+    SUNDIALSGetVersion(sundials, sizeof sundials);
+#endif
+#ifdef SALTUS_WITH_ODEINT
+    boost = rival_odeint_version();
+#endif
+    snprintf(text, size, "%s%s%s%s", *sundials ? ", SUNDIALS " : "", sundials, *boost ? ", Boost " : "",
+             boost);
+}

@@ -104,9 +104,9 @@ static int list_rivals(program *list) {
     int count = 0;
 #ifdef SALTUS_WITH_ODEINT
     list[count++] =
-        (program){.name = "Odeint dopri5, dense output", .run = sweep_odeint_dopri5, .tolerance = 3.7e-9};
+        (program){.name = "Odeint dopri5, dense output", .run = rival_odeint_dopri5, .tolerance = 3.7e-9};
     list[count++] =
-        (program){.name = "Odeint Fehlberg 7(8)", .run = sweep_odeint_fehlberg78, .tolerance = 6.5e-9};
+        (program){.name = "Odeint Fehlberg 7(8)", .run = rival_odeint_fehlberg78, .tolerance = 6.5e-9};
 #endif
     for (int k = 0; k < saltus_rival_count; k++)
         if (strstr(saltus_rivals[k].name, "GSL"))

@@ -74,19 +74,19 @@ saltus_status sweep_make_reference(sweep *s, saltus_message *message) {
     return status;
 }
 
-static rival_pipe pipe_of(const saltus_system *system) {
+static rival_scene scene_of(const saltus_system *system) {
     const saltus_spec *spec = saltus_system_spec(system);
     const saltus_stop *stop = &spec->stops[0];
-    return (rival_pipe){.modes = (int)saltus_spec_get(spec, "N"),
-                        .alpha = saltus_spec_get(spec, "alpha"),
-                        .beta = saltus_spec_get(spec, "beta"),
-                        .kappa = saltus_spec_get(spec, "kappa"),
-                        .u0 = saltus_spec_get(spec, "u0"),
-                        .sigma = saltus_spec_get(spec, "sigma"),
-                        .omega = saltus_spec_get(spec, "omega"),
-                        .xi = stop->xi,
-                        .d = stop->d,
-                        .r = stop->r};
+    return (rival_scene){.modes = (int)saltus_spec_get(spec, "N"),
+                         .alpha = saltus_spec_get(spec, "alpha"),
+                         .beta = saltus_spec_get(spec, "beta"),
+                         .kappa = saltus_spec_get(spec, "kappa"),
+                         .u0 = saltus_spec_get(spec, "u0"),
+                         .sigma = saltus_spec_get(spec, "sigma"),
+                         .omega = saltus_spec_get(spec, "omega"),
+                         .xi = stop->xi,
+                         .d = stop->d,
+                         .r = stop->r};
 }
 
 /* One period of a program's motion. */
@@ -94,9 +94,9 @@ static bool one_period(sweep *s, const program *p, const saltus_system *system, 
                        double *end, int *impacts) {
     if (p->kind != program_rival)
         return own_period(system, &p->own, state, end, impacts, NULL) == SALTUS_OK;
-    const rival_pipe pipe = pipe_of(system);
+    const rival_scene scene = scene_of(system);
     rival_result result = {.events = s->events, .capacity = rival_events_max, .state = end};
-    const bool done = p->run(&pipe, state, 1, p->tolerance, p->tolerance, &result) == RIVAL_OK;
+    const bool done = p->run(&scene, state, 1, p->tolerance, p->tolerance, &result) == RIVAL_OK;
     *impacts = 0;
     for (int k = 0; k < result.count && k < result.capacity; k++)
         *impacts += s->events[k].kind == RIVAL_IMPACT;
@@ -195,7 +195,7 @@ static void run_rival(sweep *s, const program *p, row *r) {
         all += saltus_system_period(s->stopped[k]);
     for (int k = 0; k < s->count; k += s->part) {
         simulated += saltus_system_period(s->stopped[k]);
-        const rival_pipe pipe = pipe_of(s->stopped[k]);
+        const rival_scene scene = scene_of(s->stopped[k]);
         const int periods[2] = {settling_periods, recorded_periods};
         motion *m = &s->found[k];
         motion_clear(m);
@@ -205,7 +205,7 @@ static void run_rival(sweep *s, const program *p, row *r) {
             rival_result result = {
                 .events = s->events, .capacity = stage ? rival_events_max : 0, .state = stage ? end : start};
             memcpy(end, m->settled, sizeof end);
-            m->failed |= p->run(&pipe, end, periods[stage], p->tolerance, p->tolerance, &result) != RIVAL_OK;
+            m->failed |= p->run(&scene, end, periods[stage], p->tolerance, p->tolerance, &result) != RIVAL_OK;
             if (stage)
                 keep_recorded(&result, m);
             else

@@ -3,8 +3,8 @@
 #ifndef SALTUS_BENCH_SWEEP_MEASURE_H
 #define SALTUS_BENCH_SWEEP_MEASURE_H
 
+#include "rivals.h"
 #include "sweep_engine.h"
-#include "sweep_rivals.h"
 
 enum { omegas_max = 1000, rival_events_max = 1 << 20 };
 

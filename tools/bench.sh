@@ -1,0 +1,88 @@
+#!/bin/sh
+# Measures error against run time and the cost of each feature (saltus_bench, about five minutes; --quick: one), writes tables
+# and figures to data/bench and puts the README's tables between its two bench marks.
+# SPDX-License-Identifier: GPL-3.0-or-later
+set -eu
+cd "$(dirname "$0")/.."
+build=${SALTUS_BUILD:-build}
+case "$*" in
+"" | --quick) ;;
+*)
+    echo "usage: tools/bench.sh [--quick]" >&2
+    exit 2
+    ;;
+esac
+if [ ! -x "$build/saltus_bench" ]; then
+    echo "bench.sh: no $build/saltus_bench: build it first, or name its folder in SALTUS_BUILD" >&2
+    exit 1
+fi
+mkdir -p data/bench
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+csv=data/bench/work-precision.csv
+
+"$build/saltus_bench" "$@" --to data/bench data/reference >"$work/tables"
+
+problems=$(awk -F, '!/^#/ && $1 != "problem" && !seen[$1]++ {printf "%s ", $1}' "$csv")
+
+# name of the figure, what the panels show, columns of x and y, what x and y are
+figure() {
+    cat >"$work/figure.gp" <<END
+set terminal pngcairo size 1680,880 font "sans,15"
+set output "data/bench/$1.png"
+set datafile separator comma
+problems = "$problems"
+methods = "taylor radau gsl arkode adams bdf dopri5 fehlberg78"
+titles = '"Saltus Taylor" "Saltus Radau" "GSL rk8pd" "SUNDIALS ARKODE 8(7)" "SUNDIALS CVODE Adams" "SUNDIALS CVODE BDF" "Boost.Odeint dopri5" "Boost.Odeint Fehlberg 7(8)"'
+colours = "#c00000 #e8a000 #1f5fb4 #2a9d3a #7b4fa6 #808080 #17a2b8 #8c564b"
+do for [k=1:words(methods)] {
+    set style line k linecolor rgb word(colours, k) linewidth (k <= 2 ? 3 : 1.6) pointtype (k <= 2 ? 7 : 3 + k) pointsize (k <= 2 ? 1.2 : 0.9)
+}
+panels = words(problems) + 1
+wide = panels > 6 ? 4 : panels > 2 ? 3 : panels
+high = (panels + wide - 1) / wide
+error(e) = e < 0.5 ? (e < 1e-16 ? 1e-16 : e) : NaN
+set logscale xy
+set format x "10^{%T}"
+set format y "10^{%T}"
+set yrange [1e-16:1e-1]
+set ytics 1e-16,1e4,1
+unset mytics
+set grid xtics ytics back linetype 1 linewidth 0.7 linecolor rgb "#c8c8c8"
+set xlabel "$4" offset 0,0.4
+unset key
+set multiplot layout high,wide title "$2"
+do for [p=1:words(problems)] {
+    set title word(problems, p) offset 0,-0.4
+    set ylabel ((p - 1) % wide == 0 ? "$5" : "") offset 1.2,0
+    plot for [k=1:words(methods)] "$csv" using ((strcol(1) eq word(problems, p) && strcol(2) eq word(methods, k)) ? \$$3 : NaN):(error($6)) with linespoints linestyle k
+}
+unset title
+unset xlabel
+unset ylabel
+unset logscale
+unset grid
+set key at graph 0.02,0.96 left top Left reverse samplen 2 spacing 1.25 font "sans,15"
+unset border
+unset tics
+set xrange [0:1]
+set yrange [0:1]
+plot for [k=1:words(methods)] NaN with linespoints linestyle k title word(titles, k)
+unset multiplot
+END
+    gnuplot "$work/figure.gp"
+}
+
+figure work-precision "Error of the event times (of an orbit without impacts: of the state) against CPU time" 6 "CPU time, µs" "error" \
+    "valid(4) ? \$4 : \$5"
+figure work-precision-evaluations "Error of the event times against evaluations of the vector field (Taylor: orders)" 7 "evaluations" "error" \
+    "valid(4) ? \$4 : \$5"
+figure work-precision-state "Relative error of the final state against CPU time" 6 "CPU time, µs" "error" "\$5"
+figure work-precision-multipliers "Error of the two leading multipliers against CPU time, tangent vectors included" 10 "CPU time, µs" \
+    "error" "\$9"
+
+awk -v tables="$work/tables" '
+    /<!-- bench -->/ {print; while ((getline line <tables) > 0) print line; skip = 1; next}
+    /<!-- \/bench -->/ {skip = 0}
+    !skip' README.md >"$work/README.md"
+cp "$work/README.md" README.md

@@ -1,0 +1,454 @@
+/* Costs of the parts of a run, measured on the pipe at omega = 42 unless a row says otherwise.
+ *
+ * Times are medians of repeated stretches of the same settled motion; the operations in a step are counted by
+ * the library and free of noise. A scene that does not ask for a feature should take neither.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "cost.h"
+
+#include "measure.h"
+
+#include <time.h>
+
+enum { stretches = 9, lanes_max = 16 };
+
+/* What a run carries, and what is asked of it. */
+typedef struct asked {
+    const char *what;
+    bool stop;
+    double d;
+    saltus_sides sides;
+    unsigned watch;
+    bool dense;
+    int columns, directions;
+    double rtol;
+} asked;
+
+/* Mean over a stretch. */
+typedef struct spent {
+    double us, steps, impacts, operations;
+} spent;
+
+static cost_row *add_row(cost_table *costs, const char *table, const char *what) {
+    cost_row *row = &costs->rows[costs->count < cost_rows_max - 1 ? costs->count++ : cost_rows_max - 1];
+    *row = (cost_row){table, "", NAN, NAN, NAN, NAN, NAN};
+    snprintf(row->what, sizeof row->what, "%s", what);
+    return row;
+}
+
+static void fill_row(cost_row *row, const spent *s, double base) {
+    row->us = s->us;
+    row->steps = s->steps;
+    row->operations = s->operations > 0 ? s->operations : NAN;
+    row->impacts = s->impacts;
+    row->ratio = s->us / base;
+}
+
+static saltus_spec pipe_of(double omega, int modes) {
+    saltus_spec spec = saltus_spec_defaults(saltus_model_find("pipe"));
+    spec.parameters[saltus_model_parameter_index(spec.model, "omega")] = omega;
+    spec.parameters[saltus_model_parameter_index(spec.model, "N")] = modes;
+    return spec;
+}
+
+static void set_parameter(saltus_spec *spec, const char *name, double value) {
+    spec->parameters[saltus_model_parameter_index(spec->model, name)] = value;
+}
+
+static void set_stop(saltus_spec *spec, const asked *a) {
+    spec->stop_count = a->stop;
+    spec->stops[0] = saltus_stop_defaults();
+    spec->stops[0].d = a->d;
+    if (a->stop)
+        spec->stops[0].sides = a->sides ? a->sides : SALTUS_UPPER;
+}
+
+/* Advance lane 0 to a period, stopping where asked. */
+static bool advance(saltus_flow *flow, const asked *a, long long until) {
+    const saltus_time end = {until, 0};
+    double state[SALTUS_SCENE_STATE_MAX];
+    saltus_event event;
+    do {
+        if (saltus_flow_advance(flow, end, a->watch | (a->dense ? SALTUS_WATCH_STEP : 0), &event, NULL) !=
+            SALTUS_OK)
+            return false;
+        if (a->dense && event.kind == SALTUS_STEP)
+            saltus_flow_dense(flow, 0, 0.5 * saltus_flow_step_length(flow, 0), state);
+    } while (event.kind != SALTUS_REACHED);
+    return true;
+}
+
+/* Tangent vectors grow or shrink over a long run: each stretch starts them anew. */
+static void renew_tangents(saltus_flow *flow, const saltus_system *system, int columns) {
+    const int n = saltus_system_dimension(system);
+    double *tangents = calloc((size_t)(columns * n) + 1, sizeof *tangents);
+    for (int c = 0; c < columns && tangents; c++)
+        tangents[c * n + c % n] = 1;
+    if (tangents && columns > 0)
+        saltus_flow_set_tangents(flow, 0, tangents);
+    free(tangents);
+}
+
+static saltus_flow *open_flow(const saltus_system *system, const asked *a) {
+    saltus_flow_options options = saltus_flow_defaults();
+    saltus_flow *flow = NULL;
+    options.columns = a->columns;
+    options.directions = a->directions;
+    if (a->rtol > 0) {
+        options.rtol = a->rtol;
+        options.atol = 1e-3 * a->rtol;
+    }
+    if (saltus_flow_new(&system, 1, &options, &flow, NULL) != SALTUS_OK)
+        return NULL;
+    saltus_direction direction;
+    if (a->directions > 0 &&
+        saltus_spec_direction(saltus_system_spec(system), "omega", &direction, NULL, NULL) == SALTUS_OK)
+        saltus_flow_set_directions(flow, &direction);
+    return flow;
+}
+
+static bool measure_stretches(saltus_flow *flow, const saltus_system *system, const asked *a, int settle,
+                              int length, spent *s) {
+    double seconds[stretches];
+    bool done = advance(flow, &(asked){.what = ""}, settle);
+    const saltus_flow_info before = saltus_flow_information(flow, 0);
+    for (int k = 0; k < stretches && done; k++) {
+        renew_tangents(flow, system, a->columns);
+        const double start = processor_seconds();
+        done = advance(flow, a, settle + (k + 1LL) * length);
+        seconds[k] = (processor_seconds() - start) / length;
+    }
+    if (!done)
+        return false;
+    const saltus_flow_info after = saltus_flow_information(flow, 0);
+    const double periods = (double)stretches * length;
+    *s = (spent){.us = 1e6 * median(seconds, stretches),
+                 .steps = (double)(after.steps - before.steps) / periods,
+                 .impacts = (double)(after.impacts - before.impacts) / periods,
+                 .operations = saltus_flow_operations(flow)};
+    return true;
+}
+
+/* `start` may be NULL: the default state. */
+static bool measure_run(const saltus_spec *spec, const asked *a, const double *start, int settle, int length,
+                        spent *s) {
+    saltus_system *system = NULL;
+    saltus_flow *flow = NULL;
+    saltus_message message = {""};
+    double state[SALTUS_SCENE_STATE_MAX];
+    bool done =
+        saltus_system_new(spec, &system, &message) == SALTUS_OK &&
+        saltus_system_default_state(system, state, &message) == SALTUS_OK &&
+        (flow = open_flow(system, a)) != NULL &&
+        saltus_flow_start(flow, 0, (saltus_time){0, 0}, start ? start : state, &message) == SALTUS_OK &&
+        measure_stretches(flow, system, a, settle, length, s);
+    if (!done)
+        fprintf(stderr, "saltus_bench: %s: %s\n", a->what, message.text);
+    saltus_flow_free(flow);
+    saltus_system_free(system);
+    return done;
+}
+
+static bool cost_of_features(cost_table *costs, int settle, int length) {
+    static const asked features[] = {
+        {.what = "no stop"},
+        {.what = "stop that is never reached", .stop = true, .d = 1},
+        {.what = "two-sided stop that is never reached", .stop = true, .d = 1, .sides = SALTUS_BOTH},
+        {.what = "stop at d = 0.035", .stop = true, .d = 0.035},
+        {.what = "the same, every impact handed out", .stop = true, .d = 0.035, .watch = SALTUS_WATCH_IMPACT},
+        {.what = "no stop, turning points located", .watch = SALTUS_WATCH_TURNING},
+        {.what = "no stop, dense output once in a step", .dense = true},
+        {.what = "no stop, 1 tangent vector", .columns = 1},
+        {.what = "no stop, 2 tangent vectors", .columns = 2},
+        {.what = "no stop, 10 tangent vectors", .columns = 10},
+        {.what = "no stop, 1 parameter column", .columns = 1, .directions = 1},
+        {.what = "stop at d = 0.035, 10 tangent vectors", .stop = true, .d = 0.035, .columns = 10},
+    };
+    double base = NAN;
+    for (size_t k = 0; k < sizeof features / sizeof features[0]; k++) {
+        saltus_spec spec = pipe_of(42, 5);
+        spent s;
+        set_stop(&spec, &features[k]);
+        if (!measure_run(&spec, &features[k], NULL, settle, length, &s))
+            return false;
+        base = k == 0 ? s.us : base;
+        fill_row(add_row(costs, "features", features[k].what), &s, base);
+    }
+    return true;
+}
+
+/* Terms of the field: a straight pipe (u0 = 2) without damping swings on in all four scenes. */
+static bool cost_of_terms(cost_table *costs, int length) {
+    static const struct {
+        const char *what;
+        double sigma, kappa;
+    } terms[] = {
+        {"all terms", 0.2, 5000}, {"sigma = 0", 0, 5000}, {"kappa = 0", 0.2, 0}, {"sigma = kappa = 0", 0, 0}};
+    const double start[SALTUS_SCENE_STATE_MAX] = {0.01, 0.002};
+    double base = NAN;
+    for (size_t k = 0; k < sizeof terms / sizeof terms[0]; k++) {
+        saltus_spec spec = pipe_of(42, 5);
+        spent s;
+        set_parameter(&spec, "u0", 2);
+        set_parameter(&spec, "alpha", 0);
+        set_parameter(&spec, "sigma", terms[k].sigma);
+        set_parameter(&spec, "kappa", terms[k].kappa);
+        if (!measure_run(&spec, &(asked){.what = terms[k].what}, start, 0, length, &s))
+            return false;
+        s.us /= s.steps;
+        base = k == 0 ? s.us : base;
+        fill_row(add_row(costs, "terms", terms[k].what), &s, base);
+    }
+    return true;
+}
+
+static bool cost_of_modes(cost_table *costs, int settle, int length) {
+    static const int modes[] = {1, 2, 5, 10, 20, 32};
+    for (int stop = 0; stop < 2; stop++) {
+        double base = NAN;
+        for (size_t k = 0; k < sizeof modes / sizeof modes[0]; k++) {
+            const asked a = {.what = stop ? "stop at d = 0.035" : "no stop", .stop = stop, .d = 0.035};
+            saltus_spec spec = pipe_of(42, modes[k]);
+            char what[96];
+            spent s;
+            set_stop(&spec, &a);
+            if (!measure_run(&spec, &a, NULL, settle, length, &s))
+                return false;
+            base = modes[k] <= 5 ? s.us : base;
+            snprintf(what, sizeof what, "N = %d, %s", modes[k], a.what);
+            fill_row(add_row(costs, "modes", what), &s, modes[k] < 5 ? NAN : base);
+        }
+    }
+    return true;
+}
+
+/* Trajectories side by side, each with an omega of its own, all over the same periods. */
+static bool measure_lanes(saltus_system **systems, int lanes, int settle, int length, double *us) {
+    const saltus_flow_options options = saltus_flow_defaults();
+    saltus_flow *flow = NULL;
+    saltus_event event;
+    double state[SALTUS_SCENE_STATE_MAX], seconds[stretches];
+    bool done =
+        saltus_flow_new((const saltus_system *const *)systems, lanes, &options, &flow, NULL) == SALTUS_OK;
+    for (int l = 0; l < lanes && done; l++)
+        done = saltus_system_default_state(systems[l], state, NULL) == SALTUS_OK &&
+               saltus_flow_start(flow, l, (saltus_time){0, 0}, state, NULL) == SALTUS_OK;
+    for (int k = -1; k < stretches && done; k++) {
+        const double start = processor_seconds();
+        for (int l = 0; l < lanes; l++)
+            saltus_flow_aim(flow, l, (saltus_time){settle + (k + 1LL) * length, 0}, 0);
+        for (int arrived = 0, lane; arrived < lanes && done; arrived++)
+            done = saltus_flow_run(flow, &lane, &event, NULL) == SALTUS_OK;
+        if (k >= 0)
+            seconds[k] = (processor_seconds() - start) / ((double)length * lanes);
+    }
+    saltus_flow_free(flow);
+    if (done)
+        *us = 1e6 * median(seconds, stretches);
+    return done;
+}
+
+static bool cost_of_lanes(cost_table *costs, int settle, int length) {
+    saltus_system *systems[lanes_max] = {NULL};
+    const asked a = {.stop = true, .d = 0.035};
+    bool done = true;
+    double base = NAN;
+    for (int l = 0; l < lanes_max && done; l++) {
+        saltus_spec spec = pipe_of(42 + 0.01 * l, 5);
+        set_stop(&spec, &a);
+        done = saltus_system_new(&spec, &systems[l], NULL) == SALTUS_OK;
+    }
+    const int width = done ? saltus_flow_width(systems[0]) : 0;
+    for (int lanes = 1; lanes <= lanes_max && lanes <= width && done; lanes *= 2) {
+        char what[96];
+        spent s = {.steps = NAN, .impacts = NAN};
+        done = measure_lanes(systems, lanes, settle, length, &s.us);
+        base = lanes == 1 ? s.us : base;
+        snprintf(what, sizeof what, "%d lane%s", lanes, lanes > 1 ? "s" : "");
+        fill_row(add_row(costs, "lanes", what), &s, base);
+    }
+    for (int l = 0; l < lanes_max; l++)
+        saltus_system_free(systems[l]);
+    return done;
+}
+
+/* A feed that hands out every task of a sweep and drops its results. */
+typedef struct tasks {
+    long long next, count;
+} tasks;
+
+static long long next_task(void *context) {
+    tasks *t = context;
+    return t->next < t->count ? t->next++ : -1;
+}
+
+static saltus_status drop_result(void *context, const saltus_sweep_result *result, saltus_message *message) {
+    (void)context, (void)result, (void)message;
+    return SALTUS_OK;
+}
+
+static double wall_seconds(void) {
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+static bool measure_threads(int threads, int points, int periods, double *us) {
+    enum { repeats = 3 };
+    saltus_scene scene;
+    saltus_sweep *sweep = NULL;
+    double seconds[repeats];
+    saltus_sweep_options options = saltus_sweep_defaults();
+    const saltus_axis axis = {"omega", SALTUS_LINEAR, points, 40, 44, NULL};
+    options.adaptive = false;
+    options.transient = periods / 2;
+    options.record = periods - periods / 2;
+    options.threads = threads;
+    bool done = saltus_scene_load("fig6", &scene, NULL) == SALTUS_OK &&
+                saltus_sweep_new(&scene, &axis, 1, &options, &sweep, NULL) == SALTUS_OK;
+    for (int k = 0; k < repeats && done; k++) {
+        tasks all = {0, saltus_sweep_tasks(sweep)};
+        const saltus_sweep_feed feed = {.context = &all, .next = next_task, .take = drop_result};
+        const double start = wall_seconds();
+        done = saltus_sweep_run(sweep, &feed, NULL) == SALTUS_OK;
+        seconds[k] = (wall_seconds() - start) / ((double)points * periods);
+    }
+    saltus_sweep_free(sweep);
+    if (done)
+        *us = 1e6 * median(seconds, repeats);
+    return done;
+}
+
+static bool cost_of_threads(cost_table *costs, bool quick) {
+    double base = NAN;
+    for (int threads = 1; threads <= 2; threads++) {
+        spent s = {.steps = NAN, .impacts = NAN};
+        char what[96];
+        if (!measure_threads(threads, quick ? 64 : 256, quick ? 200 : 400, &s.us))
+            return false;
+        base = threads == 1 ? s.us : base;
+        snprintf(what, sizeof what, "%d thread%s, wall time", threads, threads > 1 ? "s" : "");
+        fill_row(add_row(costs, "threads", what), &s, base);
+    }
+    return true;
+}
+
+/* Classification against following the flow over the periods that it took to settle. */
+static bool measure_classification(const saltus_system *system, const double *state, double *flow_us,
+                                   double *all_us) {
+    enum { repeats = 5 };
+    double seconds[2][repeats], end[SALTUS_SCENE_STATE_MAX];
+    saltus_classify_options options = saltus_classify_defaults();
+    options.measure = 0;
+    for (int k = 0; k < repeats; k++) {
+        saltus_motion motion = {0};
+        double start = processor_seconds();
+        if (saltus_classify(system, state, &options, &motion, NULL) != SALTUS_OK)
+            return false;
+        seconds[1][k] = (processor_seconds() - start) / (double)motion.transient;
+        memcpy(end, state, (size_t)saltus_system_dimension(system) * sizeof *end);
+        start = processor_seconds();
+        const saltus_status status = saltus_motion_settle(system, &options.flow, motion.transient, end, NULL);
+        seconds[0][k] = (processor_seconds() - start) / (double)motion.transient;
+        saltus_motion_clear(&motion);
+        if (status != SALTUS_OK)
+            return false;
+    }
+    *flow_us = 1e6 * median(seconds[0], repeats);
+    *all_us = 1e6 * median(seconds[1], repeats);
+    return true;
+}
+
+static bool cost_of_classification(cost_table *costs) {
+    saltus_spec spec = pipe_of(42, 5);
+    saltus_system *system = NULL;
+    double state[SALTUS_SCENE_STATE_MAX];
+    spent plain = {.steps = NAN, .impacts = NAN}, classified = plain;
+    set_stop(&spec, &(asked){.stop = true, .d = 0.035});
+    const bool done = saltus_system_new(&spec, &system, NULL) == SALTUS_OK &&
+                      saltus_system_default_state(system, state, NULL) == SALTUS_OK &&
+                      measure_classification(system, state, &plain.us, &classified.us);
+    if (done) {
+        fill_row(add_row(costs, "classification", "flow alone until it has settled"), &plain, plain.us);
+        fill_row(add_row(costs, "classification", "classified: period found, orbit polished, multipliers"),
+                 &classified, plain.us);
+    }
+    saltus_system_free(system);
+    return done;
+}
+
+bool cost_measure(cost_table *costs, bool quick) {
+    const int settle = quick ? 50 : 100, length = quick ? 20 : 100;
+    return cost_of_features(costs, settle, 4 * length) && cost_of_terms(costs, length / 5) &&
+           cost_of_classification(costs) && cost_of_lanes(costs, settle, 2 * length) &&
+           cost_of_threads(costs, quick) && cost_of_modes(costs, settle, length / 2);
+}
+
+static void print_number(FILE *file, const char *format, double value) {
+    if (!isnan(value))
+        fprintf(file, format, value);
+}
+
+void cost_csv(FILE *file, const cost_table *costs) {
+    fprintf(file, "table,what,us,steps,operations_per_step,impacts,ratio\n");
+    for (int k = 0; k < costs->count; k++) {
+        const cost_row *row = &costs->rows[k];
+        fprintf(file, "%s,\"%s\",", row->table, row->what);
+        print_number(file, "%.4g", row->us);
+        fprintf(file, ",");
+        print_number(file, "%.4g", row->steps);
+        fprintf(file, ",");
+        print_number(file, "%.0f", row->operations);
+        fprintf(file, ",");
+        print_number(file, "%.4g", row->impacts);
+        fprintf(file, ",");
+        print_number(file, "%.3f", row->ratio);
+        fprintf(file, "\n");
+    }
+}
+
+static void print_table(FILE *file, const cost_table *costs, const char *table, const char *head,
+                        const char *unit) {
+    fprintf(file,
+            "| %s | %s | ratio | steps | operations in a step | impacts |\n"
+            "| --- | --- | --- | --- | --- | --- |\n",
+            head, unit);
+    for (int k = 0; k < costs->count; k++) {
+        const cost_row *row = &costs->rows[k];
+        if (strcmp(row->table, table) != 0)
+            continue;
+        fprintf(file, "| %s | %.4g | ", row->what, row->us);
+        print_number(file, "%.2f", row->ratio);
+        fprintf(file, " | ");
+        print_number(file, "%.1f", row->steps);
+        fprintf(file, " | ");
+        print_number(file, "%.0f", row->operations);
+        fprintf(file, " | ");
+        print_number(file, "%.1f", row->impacts);
+        fprintf(file, " |\n");
+    }
+    fprintf(file, "\n");
+}
+
+/* Tables whose rows have a time and a ratio only. */
+static void print_short(FILE *file, const cost_table *costs, const char *const *tables, int count,
+                        const char *head, const char *unit) {
+    fprintf(file, "| %s | %s | ratio |\n| --- | --- | --- |\n", head, unit);
+    for (int t = 0; t < count; t++)
+        for (int k = 0; k < costs->count; k++)
+            if (strcmp(costs->rows[k].table, tables[t]) == 0)
+                fprintf(file, "| %s | %.4g | %.2f |\n", costs->rows[k].what, costs->rows[k].us,
+                        costs->rows[k].ratio);
+    fprintf(file, "\n");
+}
+
+void cost_print(FILE *file, const cost_table *costs, bool brief) {
+    static const char *const others[] = {"classification", "lanes", "threads"};
+    if (costs->count == 0)
+        return;
+    print_table(file, costs, "features", "what you pay for (pipe, N = 5, omega = 42)", "µs a period");
+    print_table(file, costs, "terms", "terms of the field (u0 = 2, alpha = 0)", "µs a step");
+    print_short(file, costs, others, 3, "verdicts, and many trajectories (d = 0.035)", "µs a period of one");
+    if (!brief)
+        fprintf(file, "Settled motion, rtol 1e-13; threads: a sweep over omega at rtol 1e-10.\n\n");
+    print_table(file, costs, "modes", "modes (ratio to N = 5)", "µs a period");
+}

@@ -1,0 +1,158 @@
+/* Problems from the files of data/reference.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "problem.h"
+
+#include <complex.h>
+#include <gsl/gsl_eigen.h>
+
+/* Eigenvalues of a matrix given by columns, in no particular order. */
+static bool eigenvalues(int n, const double *columns, double complex *values) {
+    const size_t size = (size_t)n;
+    gsl_matrix *matrix = gsl_matrix_alloc(size, size);
+    gsl_vector_complex *found = gsl_vector_complex_alloc(size);
+    gsl_eigen_nonsymm_workspace *workspace = gsl_eigen_nonsymm_alloc(size);
+    gsl_eigen_nonsymm_params(0, 1, workspace);
+    for (size_t i = 0; i < size; i++)
+        for (size_t j = 0; j < size; j++)
+            gsl_matrix_set(matrix, i, j, columns[j * size + i]);
+    const bool done = gsl_eigen_nonsymm(matrix, found, workspace) == 0;
+    for (size_t k = 0; k < size && done; k++) {
+        const gsl_complex value = gsl_vector_complex_get(found, k);
+        values[k] = GSL_REAL(value) + GSL_IMAG(value) * I;
+    }
+    gsl_eigen_nonsymm_free(workspace);
+    gsl_vector_complex_free(found);
+    gsl_matrix_free(matrix);
+    return done;
+}
+
+static bool set_leading(problem *p) {
+    const int n = p->orbit.n;
+    double columns[reference_dimension * reference_dimension];
+    double complex values[reference_dimension];
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++)
+            columns[j * n + i] = p->orbit.monodromy[i][j];
+    if (!eigenvalues(n, columns, values))
+        return false;
+    for (int k = 0; k < 2; k++) {
+        int largest = k;
+        for (int l = k + 1; l < n; l++)
+            if (cabs(values[l]) > cabs(values[largest]))
+                largest = l;
+        const double complex value = values[largest];
+        values[largest] = values[k];
+        p->leading[k][0] = creal(value);
+        p->leading[k][1] = cimag(value);
+    }
+    return true;
+}
+
+static void set_pipe(rival_scene *scene, const saltus_spec *spec) {
+    scene->alpha = saltus_spec_get(spec, "alpha");
+    scene->beta = saltus_spec_get(spec, "beta");
+    scene->kappa = saltus_spec_get(spec, "kappa");
+    scene->u0 = saltus_spec_get(spec, "u0");
+    scene->sigma = saltus_spec_get(spec, "sigma");
+}
+
+static rival_oscillator oscillator_of(const saltus_spec *spec) {
+    return (rival_oscillator){.m = {saltus_spec_get(spec, "m"), saltus_spec_get(spec, "m2")},
+                              .c = {saltus_spec_get(spec, "c"), saltus_spec_get(spec, "c2")},
+                              .k = {saltus_spec_get(spec, "k"), saltus_spec_get(spec, "k2")},
+                              .force = {saltus_spec_get(spec, "F"), saltus_spec_get(spec, "F2")},
+                              .load = {saltus_spec_get(spec, "F0"), saltus_spec_get(spec, "F02")},
+                              .weight = {spec->stops[0].weight[0], spec->stops[0].weight[1]}};
+}
+
+static void set_scene(problem *p) {
+    const saltus_spec *spec = &p->orbit.spec;
+    const saltus_stop *stop = &spec->stops[0];
+    p->scene = (rival_scene){.modes = (int)saltus_spec_get(spec, "N"),
+                             .omega = saltus_spec_get(spec, "omega"),
+                             .sides = RIVAL_FREE};
+    if (spec->stop_count > 0) {
+        p->scene.xi = stop->xi;
+        p->scene.d = stop->d;
+        p->scene.r = stop->r;
+        p->scene.sides = stop->sides == SALTUS_BOTH    ? RIVAL_BOTH
+                         : stop->sides == SALTUS_LOWER ? RIVAL_LOWER
+                                                       : RIVAL_UPPER;
+    }
+    if (strcmp(saltus_model_name(spec->model), "oscillator") == 0) {
+        p->oscillator = oscillator_of(spec);
+        p->scene.oscillator = &p->oscillator;
+    } else {
+        set_pipe(&p->scene, spec);
+    }
+}
+
+bool problem_open(const char *folder, const char *name, const char *what, problem *p) {
+    saltus_message message = {""};
+    *p = (problem){.name = name, .what = what};
+    if (!reference_read(folder, name, &p->orbit)) {
+        free(p->orbit.text);
+        return false;
+    }
+    if (saltus_system_new(&p->orbit.spec, &p->system, &message) != SALTUS_OK || !set_leading(p)) {
+        fprintf(stderr, "saltus_bench: %s: %s\n", name, message.text);
+        problem_close(p);
+        return false;
+    }
+    set_scene(p);
+    p->stiff = strcmp(saltus_system_integrator(p->system), "radau") == 0;
+    for (int e = 0; e < p->orbit.event_count; e++)
+        p->impacts += p->orbit.kind[e] == 'i';
+    return true;
+}
+
+void problem_close(problem *p) {
+    saltus_system_free(p->system);
+    free(p->orbit.text);
+    *p = (problem){0};
+}
+
+/* Whether the impacts from here on run into a stick. */
+static bool is_chatter(const reference *r, int e) {
+    while (e < r->event_count && r->kind[e] == 'i')
+        e++;
+    return e < r->event_count && r->kind[e] == 's';
+}
+
+double problem_event_error(const problem *p, const happened *events) {
+    const reference *r = &p->orbit;
+    double worst = r->event_count > 0 ? 0 : NAN;
+    int k = 0;
+    for (int e = 0; e < r->event_count; e++) {
+        if (r->kind[e] == 's')
+            while (k < events->count && events->kind[k] == 'i')
+                k++;
+        const char kind = k < events->count ? events->kind[k] : 0;
+        if (r->kind[e] == 'i' && kind == 's' && is_chatter(r, e))
+            continue;
+        if (kind != r->kind[e])
+            return 1;
+        if (kind != 's')
+            worst = fmax(worst, fmin(1, fabs(events->time[k] - r->time[e])));
+        k++;
+    }
+    return r->sticking == 0 && k < events->count ? 1 : worst;
+}
+
+double problem_multiplier_error(const problem *p, const double *columns) {
+    const int n = p->orbit.n;
+    double complex values[reference_dimension];
+    double worst = 0;
+    for (int i = 0; i < n * n; i++)
+        if (!isfinite(columns[i]))
+            return NAN;
+    if (!eigenvalues(n, columns, values))
+        return NAN;
+    for (int k = 0; k < 2; k++) {
+        double nearest = INFINITY;
+        for (int l = 0; l < n; l++)
+            nearest = fmin(nearest, cabs(values[l] - (p->leading[k][0] + p->leading[k][1] * I)));
+        worst = fmax(worst, nearest);
+    }
+    return worst;
+}

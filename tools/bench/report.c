@@ -1,0 +1,361 @@
+/* Tables of the work-precision measurements.
+ *
+ * Times at equal error are interpolated in the logarithms between neighbouring tolerances; the cheapest way
+ * to the error counts, and a method that is more accurate than asked at every tolerance counts with its
+ * cheapest run.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "report.h"
+
+#include <gsl/gsl_version.h>
+#include <sys/utsname.h>
+#include <time.h>
+#include <unistd.h>
+
+#ifdef __clang__
+#define BENCH_COMPILER __VERSION__
+#else
+#define BENCH_COMPILER "gcc " __VERSION__
+#endif
+
+enum { levels = 3 };
+static const double errors[levels] = {1e-6, 1e-9, 1e-12};
+
+/* Which error and which cost a table is about. */
+typedef enum quantity { of_motion, of_multipliers } quantity;
+
+static bool is_known(const measure *m, quantity q) {
+    return q == of_motion ? m->done : m->done && m->how != derivative_none;
+}
+
+/* Impact times; of an orbit without impacts the state. */
+static double error_of(const measure *m, quantity q) {
+    if (q == of_multipliers)
+        return m->multiplier_error;
+    return isnan(m->event_error) ? m->state_error : m->event_error;
+}
+
+static double cost_of(const measure *m, quantity q) {
+    return q == of_multipliers ? m->derivative_seconds : m->seconds;
+}
+
+/* Smallest time for an error; NaN where it is not reached. */
+static double time_at(const results *r, int p, int m, double error, quantity q) {
+    double best = NAN;
+    const measure *before = NULL;
+    for (int t = 0; t < r->tolerance_count; t++) {
+        const measure *now = &r->measures[p][m][t];
+        if (!is_known(now, q))
+            continue;
+        if (error_of(now, q) <= error) {
+            best = fmin(best, cost_of(now, q));
+        } else {
+            before = now;
+            continue;
+        }
+        if (before && error_of(now, q) > 0) {
+            const double a = log(error_of(before, q)), b = log(error_of(now, q));
+            const double w = (log(error) - a) / (b - a);
+            best = fmin(best, exp((1 - w) * log(cost_of(before, q)) + w * log(cost_of(now, q))));
+        }
+        before = NULL;
+    }
+    return best;
+}
+
+static double best_of_ours(const results *r, int p, double error, quantity q) {
+    double best = NAN;
+    for (int m = 0; m < r->method_count; m++)
+        if (!r->methods[m].rival)
+            best = fmin(best, time_at(r, p, m, error, q));
+    return best;
+}
+
+static void print_processor(FILE *file) {
+    char line[256];
+    FILE *information = fopen("/proc/cpuinfo", "r");
+    while (information && fgets(line, sizeof line, information))
+        if (strncmp(line, "model name", 10) == 0 && strchr(line, ':')) {
+            line[strcspn(line, "\n")] = 0;
+            fprintf(file, "%s", strchr(line, ':') + 2);
+            break;
+        }
+    if (information)
+        fclose(information);
+}
+
+void report_machine(FILE *file, const char *mark) {
+    struct utsname host;
+    char day[32], versions[128];
+    const time_t now = time(NULL);
+    struct tm parts;
+    strftime(day, sizeof day, "%Y-%m-%d", gmtime_r(&now, &parts));
+    saltus_rivals_versions(versions, sizeof versions);
+    fprintf(file, "%smachine: ", mark);
+    print_processor(file);
+    if (uname(&host) == 0)
+        fprintf(file, ", %ld processors, %s %s", sysconf(_SC_NPROCESSORS_ONLN), host.sysname, host.machine);
+    fprintf(file,
+            "\n%scompiler: " BENCH_COMPILER "\n%sdate: %s\n%sversions: Saltus " SALTUS_VERSION
+            ", GSL " GSL_VERSION "%s\n",
+            mark, mark, day, mark, versions);
+}
+
+static const char *word_of(derivative how) {
+    static const char *const words[] = {"", "tangents", "differences"};
+    return words[how];
+}
+
+static void print_number(FILE *file, const char *format, double value) {
+    fprintf(file, ",");
+    if (!isnan(value))
+        fprintf(file, format, value);
+}
+
+static void print_measure(FILE *file, const char *problem_name, const char *key, const measure *m) {
+    fprintf(file, "%s,%s,%.0e", problem_name, key, m->rtol);
+    print_number(file, "%.3e", m->event_error);
+    print_number(file, "%.3e", m->state_error);
+    print_number(file, "%.4g", 1e6 * m->seconds);
+    print_number(file, "%.0f", m->evaluations);
+    fprintf(file, ",%s", word_of(m->how));
+    const double none = m->how == derivative_none ? NAN : 0;
+    print_number(file, "%.3e", m->multiplier_error + none);
+    print_number(file, "%.4g", 1e6 * m->derivative_seconds + none);
+    print_number(file, "%.0f", m->derivative_evaluations + none);
+    fprintf(file, "\n");
+}
+
+void report_csv(FILE *file, const results *r) {
+    fprintf(file, "problem,method,rtol,event_error_T,state_error,cpu_us,evaluations,"
+                  "multipliers_by,multiplier_error,multiplier_cpu_us,multiplier_evaluations\n");
+    for (int p = 0; p < r->problem_count; p++)
+        for (int m = 0; m < r->method_count; m++)
+            for (int t = 0; t < r->tolerance_count; t++)
+                if (r->measures[p][m][t].done)
+                    print_measure(file, r->problems[p]->name, r->methods[m].key, &r->measures[p][m][t]);
+}
+
+static bool takes_part(const results *r, int m, quantity q) {
+    for (int p = 0; p < r->problem_count; p++)
+        for (int t = 0; t < r->tolerance_count; t++)
+            if (is_known(&r->measures[p][m][t], q))
+                return true;
+    return false;
+}
+
+static void print_ratio(FILE *file, double ratio) {
+    if (isnan(ratio))
+        fprintf(file, "–");
+    else if (ratio < 9.95)
+        fprintf(file, "%.1f", ratio);
+    else
+        fprintf(file, "%.0f", ratio);
+}
+
+static void print_head(FILE *file, const results *r, const char *corner) {
+    fprintf(file, "| %s |", corner);
+    for (int p = 0; p < r->problem_count; p++)
+        fprintf(file, " %s |", r->problems[p]->name);
+    fprintf(file, "\n| --- |");
+    for (int p = 0; p < r->problem_count; p++)
+        fprintf(file, " --- |");
+    fprintf(file, "\n");
+}
+
+static void print_best(FILE *file, const results *r, quantity q) {
+    fprintf(file, "| **our best, µs** |");
+    for (int p = 0; p < r->problem_count; p++)
+        for (int e = 0; e < levels; e++) {
+            fprintf(file, e == 0 ? " " : "");
+            print_ratio(file, 1e6 * best_of_ours(r, p, errors[e], q));
+            fprintf(file, e + 1 < levels ? " / " : " |");
+        }
+    fprintf(file, "\n");
+}
+
+/* Times over our best at three errors; nothing where the method was not run. */
+static void print_cell(FILE *file, const results *r, int p, int m, quantity q) {
+    bool known = false;
+    for (int t = 0; t < r->tolerance_count; t++)
+        known |= is_known(&r->measures[p][m][t], q);
+    for (int e = 0; e < levels && known; e++) {
+        fprintf(file, e == 0 ? " " : "");
+        print_ratio(file, time_at(r, p, m, errors[e], q) / best_of_ours(r, p, errors[e], q));
+        fprintf(file, e + 1 < levels ? " / " : "");
+    }
+    fprintf(file, " |");
+}
+
+static void print_ratios(FILE *file, const results *r, quantity q, const char *corner) {
+    if (r->problem_count == 0)
+        return;
+    print_head(file, r, corner);
+    print_best(file, r, q);
+    for (int m = 0; m < r->method_count; m++) {
+        if (!takes_part(r, m, q))
+            continue;
+        fprintf(file, "| %s |", r->methods[m].name);
+        for (int p = 0; p < r->problem_count; p++)
+            print_cell(file, r, p, m, q);
+        fprintf(file, "\n");
+    }
+    fprintf(file, "\n");
+}
+
+void report_summary(FILE *file, const results *r) {
+    print_ratios(file, r, of_motion, "CPU time over our best at error 1e-6 / 1e-9 / 1e-12");
+}
+
+typedef struct defeats {
+    int all, of_one_mode;
+} defeats;
+
+/* Where a rival reaches an error sooner, or alone. */
+static void print_defeats(FILE *file, const results *r, quantity q, const char *what, defeats *count) {
+    for (int p = 0; p < r->problem_count; p++)
+        for (int e = 0; e < levels; e++)
+            for (int m = 0; m < r->method_count; m++) {
+                const double time = time_at(r, p, m, errors[e], q);
+                const double ours = best_of_ours(r, p, errors[e], q);
+                if (!r->methods[m].rival || isnan(time) || time >= ours)
+                    continue;
+                count->all++;
+                count->of_one_mode += r->problems[p]->orbit.n == 2;
+                fprintf(file, "- %s, %s %.0e: %s takes %.4g µs, ours ", r->problems[p]->name, what, errors[e],
+                        r->methods[m].name, 1e6 * time);
+                fprintf(file, isnan(ours) ? "does not reach it\n" : "%.4g µs\n", 1e6 * ours);
+            }
+}
+
+void report_details(FILE *file, const results *r) {
+    defeats count = {0, 0};
+    fprintf(file,
+            "### Multipliers\n\nThe same for an error of the two leading Floquet multipliers, the time "
+            "with tangent vectors included. Ours are carried along by the flow; the rivals integrate the "
+            "variational equations with the state and apply the saltation matrix at each impact; CVODE BDF "
+            "takes central differences of its period map.\n\n");
+    print_ratios(file, r, of_multipliers, "CPU time over our best at error 1e-6 / 1e-9 / 1e-12");
+    fprintf(file, "### Where ours is not the fastest\n\n");
+    print_defeats(file, r, of_motion, "error", &count);
+    print_defeats(file, r, of_multipliers, "multipliers' error", &count);
+    if (count.all == 0)
+        fprintf(file, "Nowhere in this run.\n");
+    if (count.of_one_mode > 0)
+        fprintf(
+            file,
+            "\nWith one mode or mass an evaluation of the vector field costs little more than its call, "
+            "while a Taylor coefficient of order k takes a product of k terms for each nonlinearity: where "
+            "little accuracy is asked, a Runge-Kutta method of order eight needs no more evaluations than "
+            "ours needs orders.\n");
+    fprintf(file, "\n");
+}
+
+/* Whether the library would choose this integrator for the problem. */
+static bool is_automatic(const results *r, int p, int m) {
+    return r->methods[m].own == (r->problems[p]->stiff ? SALTUS_RADAU : SALTUS_TAYLOR);
+}
+
+/* What an error is compared with: the tolerance, or what a perturbation of the start of that size does where
+ * this is more. */
+typedef enum yardstick { tolerance_itself, tolerance_amplified } yardstick;
+
+/* Error of the events or of the state over the yardstick. */
+static double factor_of(const results *r, int p, int m, int t, bool events, yardstick by) {
+    const measure *at = &r->measures[p][m][t];
+    const condition *c = &r->conditions[p][t];
+    double asked = at->rtol;
+    if (by == tolerance_amplified)
+        asked = fmax(asked, events ? c->events : c->state);
+    return (events ? at->event_error : at->state_error) / asked;
+}
+
+static void print_asked_row(FILE *file, const results *r, int p, int m, bool events, yardstick by) {
+    fprintf(file, "| %s, %s%s |", r->problems[p]->name, r->methods[m].name,
+            is_automatic(r, p, m) ? " (chosen)" : "");
+    for (int t = 0; t < r->tolerance_count; t++)
+        if (r->measures[p][m][t].done)
+            fprintf(file, " %.2g |", factor_of(r, p, m, t, events, by));
+        else
+            fprintf(file, " – |");
+    fprintf(file, "\n");
+}
+
+static void print_asked(FILE *file, const results *r, bool events, yardstick by) {
+    fprintf(file, "| %s over %s |", events ? "error of the event times in T" : "relative error of the state",
+            by == tolerance_itself ? "rtol" : "rtol or its effect");
+    for (int t = 0; t < r->tolerance_count; t++)
+        fprintf(file, " %.0e |", r->tolerances[t]);
+    fprintf(file, "\n| --- |");
+    for (int t = 0; t < r->tolerance_count; t++)
+        fprintf(file, " --- |");
+    fprintf(file, "\n");
+    for (int p = 0; p < r->problem_count; p++)
+        for (int m = 0; m < r->method_count; m++)
+            if (!r->methods[m].rival && !(events && r->problems[p]->impacts == 0))
+                print_asked_row(file, r, p, m, events, by);
+    fprintf(file, "\n");
+}
+
+void report_asked(FILE *file, const results *r) {
+    fprintf(file,
+            "Where an orbit is sensitive, near grazing above all, no integrator keeps the error at its "
+            "tolerance: the second pair of tables divides by the larger of rtol and the error that a "
+            "change of the start by rtol (of the orbit's size, each component in turn) brings about. 1 T "
+            "stands for an impact that is missing.\n\n");
+    for (int by = tolerance_itself; by <= tolerance_amplified; by++) {
+        print_asked(file, r, true, by);
+        print_asked(file, r, false, by);
+    }
+    report_worst(file, r);
+}
+
+/* The largest factor of all, and where it is: problem, method, tolerance. */
+static double worst_factor(const results *r, yardstick by, int at[3]) {
+    double worst = 0;
+    for (int p = 0; p < r->problem_count; p++)
+        for (int m = 0; m < r->method_count; m++)
+            for (int t = 0; t < r->tolerance_count; t++) {
+                if (r->methods[m].rival || !r->measures[p][m][t].done)
+                    continue;
+                const double factor = fmax(factor_of(r, p, m, t, true, by), factor_of(r, p, m, t, false, by));
+                if (factor > worst)
+                    worst = factor, at[0] = p, at[1] = m, at[2] = t;
+            }
+    return worst;
+}
+
+static void print_worst(FILE *file, const results *r, yardstick by) {
+    int at[3] = {0, 0, 0};
+    const double worst = worst_factor(r, by, at);
+    fprintf(file, "%.2g (%s, %s, rtol %.0e)", worst, r->problems[at[0]]->name, r->methods[at[1]].name,
+            r->tolerances[at[2]]);
+}
+
+static double least_error(const results *r, const char *name) {
+    double least = INFINITY;
+    for (int p = 0; p < r->problem_count; p++)
+        for (int m = 0; m < r->method_count; m++)
+            for (int t = 0; t < r->tolerance_count; t++)
+                if (strcmp(r->problems[p]->name, name) == 0 && !r->methods[m].rival &&
+                    r->measures[p][m][t].done)
+                    least = fmin(least, r->measures[p][m][t].event_error);
+    return least;
+}
+
+void report_worst(FILE *file, const results *r) {
+    const double least = least_error(r, "fig7d");
+    if (r->problem_count == 0)
+        return;
+    fprintf(
+        file,
+        "Asked and got: over all problems, both our integrators and rtol from %.0e to %.0e, the largest "
+        "ratio of the error to rtol, or to what a change of the start by rtol does where this is more, is ",
+        r->tolerances[0], r->tolerances[r->tolerance_count - 1]);
+    print_worst(file, r, tolerance_amplified);
+    fprintf(file, ". Against rtol alone it is ");
+    print_worst(file, r, tolerance_itself);
+    fprintf(file, ".");
+    if (isfinite(least))
+        fprintf(file, " The smallest error of fig7d's impact times is %.1e T.", least);
+    fprintf(file, "\n\n");
+}
