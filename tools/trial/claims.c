@@ -1,0 +1,188 @@
+/* The claims of the paper, row by row.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "claims.h"
+
+#include "keep.h"
+
+#include <stdlib.h>
+
+static const trial_claim claims[] = {
+    {"F2a", "no stop, 0 < omega <= 55",
+     "largest displacement about 0.046, reached at few omega; mostly below 0.038", "2", "figures/trial.png",
+     .judge = trial_judge_displacement},
+    {"F2b",
+     "no stop",
+     "non-periodic for 4 < omega < 14; above, periodic",
+     "2",
+     "figures/trial.png",
+     {{"2", 4.1, 13.9, trial_irregular, "non-periodic"}, {"2", 14, 55, trial_regular, "periodic"}},
+     trial_judge_clauses},
+    {"F3", "N = 1, two-sided, omega = 14, r = 0.8, d = 0.035", "a \"2/1\" motion", "3", NULL,
+     .judge = trial_judge_orbit},
+    {"F4a",
+     "omega = 10, against d",
+     "stuck to the stop without vibration for d <= 0.025; complex for 0.026 to 0.046; contact weak or "
+     "absent from 0.038",
+     "4",
+     "figures/trial-clearance.png",
+     {{"4a", 0, 0.025, trial_held, "held"},
+      {"4a", 0.026, 0.0378, trial_complex, "complex"},
+      {"4a", 0.038, 0.046, trial_weak_contact, "less than an impact in ten periods"}},
+     trial_judge_clauses},
+    {"F4b",
+     "omega = 20, against d",
+     "stuck for d <= 0.027; complex for 0.028 to 0.035; period-1 impact motion for 0.036 to 0.040; no "
+     "contact above",
+     "4",
+     "figures/trial-clearance.png",
+     {{"4b", 0, 0.027, trial_held, "held"},
+      {"4b", 0.028, 0.035, trial_complex, "complex"},
+      {"4b", 0.036, 0.040, trial_one_cycle, "impacts, period T or 2 T"},
+      {"4b", 0.0402, 0.046, trial_no_contact, "no contact"}},
+     trial_judge_clauses},
+    {"F5a",
+     "d = 0.03",
+     "non-periodic impact motion for omega in 3-24.6, 35.1-40.4, 52.1-54.4",
+     "5",
+     "figures/trial.png",
+     {{"5", 3, 24.6, trial_irregular_impacts, "non-periodic with impacts"},
+      {"5", 35.1, 40.4, trial_irregular_impacts, "non-periodic with impacts"},
+      {"5", 52.1, 54.4, trial_irregular_impacts, "non-periodic with impacts"}},
+     trial_judge_clauses},
+    {"F5b",
+     "d = 0.03",
+     "no contact for 24.7-35",
+     "5",
+     "figures/trial.png",
+     {{"5", 24.7, 35, trial_no_contact, "no contact"}},
+     trial_judge_clauses},
+    {"F5c",
+     "d = 0.03",
+     "several impacts per period, periodic, for 40.5-43.7",
+     "5",
+     "figures/trial.png",
+     {{"5", 40.5, 43.7, trial_several_impacts, "n/p with n >= 2"}},
+     trial_judge_clauses},
+    {"F5d",
+     "d = 0.03",
+     "stuck to the stop without vibration for 43.8-52",
+     "5",
+     "figures/trial.png",
+     {{"5", 43.8, 52, trial_held, "held"}},
+     trial_judge_clauses},
+    {"F6a",
+     "d = 0.035",
+     "periodic motion with several impacts for 15.3-20.5 and 35.6-46.3",
+     "6",
+     "figures/trial.png",
+     {{"6", 15.3, 20.5, trial_several_impacts, "n/p with n >= 2"},
+      {"6", 35.6, 46.3, trial_several_impacts, "n/p with n >= 2"}},
+     trial_judge_clauses},
+    {"F6b",
+     "d = 0.035",
+     "complex multi-impact motion for 20.6-24.6 and 46.7-49.1",
+     "6",
+     "figures/trial.png",
+     {{"6", 20.6, 24.6, trial_complex, "complex"}, {"6", 46.7, 49.1, trial_complex, "complex"}},
+     trial_judge_clauses},
+    {"F6c",
+     "d = 0.035",
+     "pre-impact speed decreasing to zero over repeated impacts (sticking) for 20.4-24.7",
+     "6",
+     "figures/trial.png",
+     {{"6", 20.4, 24.7, trial_sticks, "complete chatter"}},
+     trial_judge_clauses},
+    {"F6d", "general", "the number of impacts per period grows with omega within a window", "6",
+     "figures/trial.png", .judge = trial_judge_growth},
+    {"F7a", "d = 0.03, omega = 38", "chaotic, fractal stroboscopic set", "7", NULL,
+     .judge = trial_judge_chaos},
+    {"F7b", "d = 0.03, omega = 43", "4/5: four impacts, five stroboscopic points", "7", "figures/naive.png",
+     .judge = trial_judge_orbit},
+    {"F7c", "d = 0.035, omega = 10", "chaotic", "7", NULL, .judge = trial_judge_chaos},
+    {"F7d", "d = 0.035, omega = 42", "4/4: four impacts, four stroboscopic points", "7", "figures/fig7d.png",
+     .judge = trial_judge_orbit},
+    {"F8", "d = 0.035, r = 0.8, 0.7, 0.6",
+     "smaller r widens the windows of non-periodic impact motion and shrinks the periodic ones", "8",
+     "figures/trial.png", .judge = trial_judge_restitution},
+};
+
+const trial_claim *trial_claim_at(int k) {
+    return k >= 0 && k < (int)(sizeof claims / sizeof claims[0]) ? &claims[k] : NULL;
+}
+
+int trial_clause_count(const trial_claim *claim) {
+    int count = 0;
+    while (count < trial_clauses_max && claim->clauses[count].asks)
+        count++;
+    return count;
+}
+
+const char *trial_verdict_word(trial_verdict verdict) {
+    static const char *const words[] = {"holds", "holds in part", "does not hold"};
+    return words[verdict];
+}
+
+trial_verdict trial_verdict_of(const double *shares, int count) {
+    const double all = 0.95, half = 0.5;
+    int full = 0, some = 0;
+    for (int k = 0; k < count; k++) {
+        full += shares[k] >= all;
+        some += shares[k] >= half;
+    }
+    return full == count ? TRIAL_HOLDS : some ? TRIAL_IN_PART : TRIAL_DOES_NOT_HOLD;
+}
+
+/* A kept finding is its verdict, its numbers on one line, and its prose. */
+static bool read_finding(FILE *file, trial_finding *finding) {
+    int verdict, c;
+    bool good = fscanf(file, "%d\n", &verdict) == 1;
+    while (good && (c = fgetc(file)) != EOF && c != '\n')
+        fputc(c, finding->numbers);
+    while (good && (c = fgetc(file)) != EOF)
+        fputc(c, finding->prose);
+    if (good)
+        finding->verdict = (trial_verdict)verdict;
+    fclose(file);
+    return good;
+}
+
+static saltus_status keep_finding(const trial_claim *claim, const trial_bench *bench,
+                                  const trial_finding *finding, saltus_message *message) {
+    FILE *stream = trial_keep_begin();
+    if (stream) {
+        fprintf(stream, "%d\n%s\n%s", (int)finding->verdict, finding->numbers_text, finding->prose_text);
+        stream = trial_keep(&bench->request, claim->id, stream);
+    }
+    if (!stream)
+        return saltus_fail(message, SALTUS_IO, "cannot keep %s in %s", claim->id, bench->request.keep);
+    fclose(stream);
+    return SALTUS_OK;
+}
+
+saltus_status trial_judge(const trial_claim *claim, trial_bench *bench, trial_finding *finding,
+                          saltus_message *message) {
+    bool on_points = claim->judge == trial_judge_orbit || claim->judge == trial_judge_chaos;
+    *finding = (trial_finding){.verdict = TRIAL_DOES_NOT_HOLD};
+    finding->numbers = open_memstream(&finding->numbers_text, &finding->numbers_size);
+    finding->prose = open_memstream(&finding->prose_text, &finding->prose_size);
+    if (!finding->numbers || !finding->prose)
+        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a finding");
+    FILE *kept = on_points ? trial_kept(&bench->request, claim->id) : NULL;
+    bool known = kept && read_finding(kept, finding);
+    saltus_status status = known ? SALTUS_OK : claim->judge(claim, bench, finding, message);
+    if (fflush(finding->numbers) || fflush(finding->prose))
+        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a finding");
+    if (status == SALTUS_OK && on_points && !known && bench->request.keep)
+        status = keep_finding(claim, bench, finding, message);
+    return status;
+}
+
+void trial_finding_clear(trial_finding *finding) {
+    if (finding->numbers)
+        fclose(finding->numbers);
+    if (finding->prose)
+        fclose(finding->prose);
+    free(finding->numbers_text);
+    free(finding->prose_text);
+    *finding = (trial_finding){0};
+}

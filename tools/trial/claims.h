@@ -1,0 +1,104 @@
+/* The paper's claims, what each asks of trajectories, and what was found.
+ *
+ * A clause says what trajectories should do over a range of a figure; its share is the part of all
+ * trajectories there, values times starts, that do it. A claim made of clauses holds             where every
+ * clause has a share of at least 95 %, does not hold     where no clause has 50 %, holds in part otherwise.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef SALTUS_TRIAL_CLAIMS_H
+#define SALTUS_TRIAL_CLAIMS_H
+
+#include "survey.h"
+
+enum { trial_clauses_max = 4, trial_coarse_steps = 4, trial_figures = 8 };
+
+typedef enum trial_verdict { TRIAL_HOLDS, TRIAL_IN_PART, TRIAL_DOES_NOT_HOLD } trial_verdict;
+
+const char *trial_verdict_word(trial_verdict verdict);
+/* By the shares of clauses, as above. */
+trial_verdict trial_verdict_of(const double *shares, int count);
+
+typedef bool (*trial_predicate)(const trial_cell *cell);
+
+/* What trajectories may be asked: */
+bool trial_irregular(const trial_cell *cell);         /* no period up to 20 */
+bool trial_irregular_impacts(const trial_cell *cell); /* the same, with impacts */
+bool trial_regular(const trial_cell *cell);           /* periodic, no lasting contact */
+bool trial_no_contact(const trial_cell *cell);
+bool trial_weak_contact(const trial_cell *cell);    /* less than one impact in ten periods, none lasting */
+bool trial_several_impacts(const trial_cell *cell); /* periodic, two impacts per orbit or more */
+bool trial_one_cycle(
+    const trial_cell *cell); /* periodic with impacts, a period of T or one response cycle, 2 T */
+bool trial_complex(const trial_cell *cell); /* contact and no period up to 20, or one above 4 T, or chatter */
+bool trial_sticks(const trial_cell *cell);  /* lasting contacts, but not for good */
+bool trial_held(const trial_cell *cell);
+
+typedef struct trial_clause {
+    const char *figure;
+    double low, high; /* both included */
+    trial_predicate asks;
+    const char *words; /* "non-periodic with impacts" */
+} trial_clause;
+
+/* What has been surveyed so far. */
+typedef struct trial_bench {
+    trial_request request;
+    trial_survey exact[trial_figures], naive[trial_figures][trial_coarse_steps];
+} trial_bench;
+
+/* The naive method's steps in the comparison of whole figures. */
+extern const double trial_coarse[trial_coarse_steps];
+
+/* The survey of a figure, made when it is first asked for; the bench owns it. `step`: which of trial_coarse;
+ * -1: the event-driven flow. */
+saltus_status trial_bench_survey(trial_bench *bench, const char *figure, int step,
+                                 const trial_survey **survey, saltus_message *message);
+void trial_bench_clear(trial_bench *bench);
+
+/* Texts are Markdown, and are the finding's own. */
+typedef struct trial_finding {
+    trial_verdict verdict;
+    FILE *numbers, *prose; /* written by the judge: a phrase for the table, and a paragraph */
+    char *numbers_text, *prose_text;
+    size_t numbers_size, prose_size;
+} trial_finding;
+
+typedef struct trial_claim trial_claim;
+struct trial_claim {
+    const char *id, *where, *says;
+    const char
+        *figure; /* of the paper: `saltus paper --figure` draws it, and its survey where it has one range */
+    const char *picture; /* of the trial, beside the page; NULL: the paper's figure says it */
+    trial_clause clauses[trial_clauses_max];
+    saltus_status (*judge)(const trial_claim *claim, trial_bench *bench, trial_finding *finding,
+                           saltus_message *message);
+};
+
+const trial_claim *trial_claim_at(int k); /* NULL beyond the last */
+int trial_clause_count(const trial_claim *claim);
+/* Judge a claim. The finding is to be freed by trial_finding_clear in any case. */
+saltus_status trial_judge(const trial_claim *claim, trial_bench *bench, trial_finding *finding,
+                          saltus_message *message);
+void trial_finding_clear(trial_finding *finding);
+
+/* The judges. */
+saltus_status trial_judge_clauses(const trial_claim *claim, trial_bench *bench, trial_finding *finding,
+                                  saltus_message *message);
+saltus_status trial_judge_displacement(const trial_claim *claim, trial_bench *bench, trial_finding *finding,
+                                       saltus_message *message);
+saltus_status trial_judge_growth(const trial_claim *claim, trial_bench *bench, trial_finding *finding,
+                                 saltus_message *message);
+saltus_status trial_judge_restitution(const trial_claim *claim, trial_bench *bench, trial_finding *finding,
+                                      saltus_message *message);
+saltus_status trial_judge_chaos(const trial_claim *claim, trial_bench *bench, trial_finding *finding,
+                                saltus_message *message);
+saltus_status trial_judge_orbit(const trial_claim *claim, trial_bench *bench, trial_finding *finding,
+                                saltus_message *message);
+
+/* Parts of findings. */
+double trial_share(const trial_survey *survey, const trial_clause *clause, int every);
+/* The kinds and labels in a range, most frequent first. */
+void trial_write_labels(FILE *file, const trial_survey *survey, double low, double high, int most);
+/* Where at least half of the starts do what is asked, as ranges. */
+void trial_write_ranges(FILE *file, const trial_survey *survey, trial_predicate asks);
+
+#endif

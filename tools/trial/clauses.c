@@ -1,0 +1,157 @@
+/* Claims about ranges: shares of trajectories, what is there instead, and where it is true.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "claims.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { kept_labels = 256, shown_labels = 7, shortest_range = 3 };
+
+static bool within(const trial_cell *cell, double low, double high, double step) {
+    return cell->value > low - 0.01 * step && cell->value < high + 0.01 * step;
+}
+
+double trial_share(const trial_survey *survey, const trial_clause *clause, int every) {
+    long all = 0, fit = 0;
+    for (int k = 0; k < survey->values * trial_starts; k++) {
+        const trial_cell *cell = &survey->cells[k];
+        if ((k / trial_starts + 1) % every != 0 ||
+            !within(cell, clause->low, clause->high, survey->figure->step))
+            continue;
+        all++;
+        fit += clause->asks(cell);
+    }
+    return all ? (double)fit / (double)all : NAN;
+}
+
+typedef struct label_count {
+    char label[trial_label_max];
+    int count;
+} label_count;
+
+static int more_frequent(const void *a, const void *b) {
+    const label_count *x = a, *y = b;
+    return x->count != y->count ? (x->count < y->count ? 1 : -1) : strcmp(x->label, y->label);
+}
+
+void trial_write_labels(FILE *file, const trial_survey *survey, double low, double high, int most) {
+    label_count counts[kept_labels] = {0};
+    int kinds = 0, all = 0, shown = 0;
+    for (int k = 0; k < survey->values * trial_starts; k++) {
+        char label[trial_label_max];
+        int at = 0;
+        if (!within(&survey->cells[k], low, high, survey->figure->step))
+            continue;
+        trial_label(&survey->cells[k], label);
+        while (at < kinds && strcmp(counts[at].label, label) != 0)
+            at++;
+        if (at == kept_labels)
+            continue;
+        if (at == kinds)
+            memcpy(counts[kinds++].label, label, sizeof label);
+        counts[at].count++;
+        all++;
+    }
+    qsort(counts, (size_t)kinds, sizeof counts[0], more_frequent);
+    for (int k = 0; k < kinds && k < most; k++, shown++)
+        fprintf(file, "%s%s %.0f %%", k ? ", " : "", counts[k].label, 100.0 * counts[k].count / all);
+    if (shown < kinds)
+        fprintf(file, ", %d others", kinds - shown);
+}
+
+/* Whether at least half of the starts at the k-th value do what is asked. */
+static bool mostly(const trial_survey *survey, int k, trial_predicate asks) {
+    int fit = 0;
+    for (int s = 0; s < trial_starts; s++)
+        fit += asks(&survey->cells[k * trial_starts + s]);
+    return 2 * fit >= trial_starts;
+}
+
+void trial_write_ranges(FILE *file, const trial_survey *survey, trial_predicate asks) {
+    int shorter = 0, written = 0;
+    for (int k = 0, end; k < survey->values; k = end + 1) {
+        for (end = k; end < survey->values && mostly(survey, end, asks); end++)
+            ;
+        if (end - k >= shortest_range)
+            fprintf(file, "%s%g-%g", written++ ? ", " : "", survey->cells[k * trial_starts].value,
+                    survey->cells[(end - 1) * trial_starts].value);
+        else
+            shorter += end > k;
+    }
+    if (!written)
+        fprintf(file, "nowhere over %d values in a row or more", shortest_range);
+    if (shorter)
+        fprintf(file, ", and %d shorter ranges", shorter);
+}
+
+/* How much of a range is proven chaotic or only long, how often impacts come, and how long contacts last. */
+static void write_measures(FILE *file, const trial_survey *survey, const trial_clause *clause) {
+    double least = INFINITY, most = 0, contact = 0;
+    long all = 0, chaotic = 0, longer = 0;
+    for (int k = 0; k < survey->values * trial_starts; k++) {
+        const trial_cell *cell = &survey->cells[k];
+        if (!within(cell, clause->low, clause->high, survey->figure->step))
+            continue;
+        all++;
+        chaotic += cell->chaotic;
+        longer += cell->kind == TRIAL_IRREGULAR && !cell->chaotic && cell->lyapunov < 0;
+        contact += cell->contact;
+        least = fmin(least, cell->rate);
+        most = fmax(most, cell->rate);
+    }
+    fprintf(file,
+            "; %.0f %% chaotic by their exponents, %.0f %% irregular with a negative one: longer periods; "
+            "%.3g to %.3g "
+            "impacts per period; in contact %.1f %% of the time on average",
+            100.0 * (double)chaotic / (double)all, 100.0 * (double)longer / (double)all, least, most,
+            100 * contact / (double)all);
+}
+
+static saltus_status judge_clause(const trial_clause *clause, trial_bench *bench, double *share,
+                                  trial_finding *finding, saltus_message *message) {
+    const trial_survey *survey;
+    saltus_status status = trial_bench_survey(bench, clause->figure, -1, &survey, message);
+    if (status != SALTUS_OK)
+        return status;
+    *share = trial_share(survey, clause, 1);
+    fprintf(finding->numbers, "%s %g-%g: %.1f %%", survey->figure->key, clause->low, clause->high,
+            100 * *share);
+    fprintf(finding->prose, "%s %g-%g, asked: %s. %.1f %% of the trajectories. Found: ", survey->figure->key,
+            clause->low, clause->high, clause->words, 100 * *share);
+    trial_write_labels(finding->prose, survey, clause->low, clause->high, shown_labels);
+    write_measures(finding->prose, survey, clause);
+    fprintf(finding->prose, ".\n");
+    return SALTUS_OK;
+}
+
+static saltus_status tell_ranges(const trial_claim *claim, int count, trial_bench *bench,
+                                 trial_finding *finding, saltus_message *message) {
+    for (int k = 0; k < count; k++) {
+        const trial_survey *survey;
+        const trial_clause *clause = &claim->clauses[k];
+        if (k && clause->asks == claim->clauses[k - 1].asks)
+            continue;
+        saltus_status status = trial_bench_survey(bench, clause->figure, -1, &survey, message);
+        if (status != SALTUS_OK)
+            return status;
+        fprintf(finding->prose, "In the whole figure: %s for %s ", clause->words, survey->figure->key);
+        trial_write_ranges(finding->prose, survey, clause->asks);
+        fprintf(finding->prose, ".\n");
+    }
+    return SALTUS_OK;
+}
+
+saltus_status trial_judge_clauses(const trial_claim *claim, trial_bench *bench, trial_finding *finding,
+                                  saltus_message *message) {
+    double shares[trial_clauses_max];
+    int count = trial_clause_count(claim);
+    for (int k = 0; k < count; k++) {
+        fprintf(finding->numbers, "%s", k ? "; " : "");
+        saltus_status status = judge_clause(&claim->clauses[k], bench, &shares[k], finding, message);
+        if (status != SALTUS_OK)
+            return status;
+    }
+    finding->verdict = trial_verdict_of(shares, count);
+    return tell_ranges(claim, count, bench, finding, message);
+}

@@ -1,0 +1,73 @@
+/* Surveys by the naive method, from the same starts: to compare, NOT FOR USE.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "naive/naive_class.h"
+#include "survey.h"
+
+#include <math.h>
+
+/* Transients die out in units of time, at the rate of the first mode's damping, chaotic ones in periods. */
+enum { settling_periods = 50 };
+static const double settling_time = 40;
+static const double displacement_unit = 0.03; /* of distances between section points */
+
+static trial_kind kind_of(const naive_class *class) {
+    if (!class->finite)
+        return TRIAL_FAILED;
+    if (class->held)
+        return TRIAL_HELD;
+    if (class->periods == 0)
+        return TRIAL_IRREGULAR;
+    if (class->impacts < 0)
+        return TRIAL_CHATTER;
+    return class->impacts ? TRIAL_IMPACTS : TRIAL_FREE;
+}
+
+static void fill(const naive_class *class, trial_cell *cell) {
+    cell->kind = kind_of(class);
+    cell->impacts = class->impacts;
+    cell->periods = class->periods;
+    cell->lyapunov = NAN;
+    cell->rate = class->rate;
+    cell->speed = class->speed;
+    cell->contact = class->contact;
+    cell->depth = class->deepest;
+    for (int k = 0; k <= naive_watched; k++)
+        cell->reach = fmax(cell->reach, fabs(class->points[k][0]));
+}
+
+static saltus_status run_value(trial_survey *survey, int k, const double *states) {
+    trial_cell *cells = survey->cells + (size_t)k * trial_starts;
+    saltus_scene scene;
+    naive_pipe pipe;
+    naive_class classes[naive_lanes];
+    saltus_status status = trial_scene_at(survey->figure, cells->value, &scene, NULL);
+    if (status != SALTUS_OK || !naive_pipe_from(&scene.spec, &pipe))
+        return SALTUS_BAD_INPUT;
+    int warm = (int)fmax(settling_periods, ceil(settling_time * pipe.omega / (2 * acos(-1))));
+    naive_classify(&pipe, survey->h, false, states, warm, displacement_unit, classes);
+    for (int l = 0; l < trial_starts; l++)
+        fill(&classes[l], &cells[l]);
+    return SALTUS_OK;
+}
+
+_Static_assert((int)naive_lanes == (int)trial_starts, "a pack of lanes is a value's starts");
+
+saltus_status trial_survey_naive(trial_survey *survey, saltus_message *message) {
+    saltus_scene scene;
+    double states[trial_starts * naive_size_max];
+    int failed = 0;
+    saltus_status status = trial_scene(survey->figure, &scene, message);
+    if (status == SALTUS_OK && saltus_spec_get(&scene.spec, "N") > naive_modes_max)
+        status = saltus_fail(message, SALTUS_BAD_INPUT, "too many modes for the naive method");
+    if (status == SALTUS_OK)
+        status = trial_draw_starts(&scene, survey->figure->admissible, 1, states, message);
+    if (status != SALTUS_OK)
+        return status;
+#ifdef _OPENMP
+#pragma omp parallel for schedule(dynamic) reduction(+ : failed)
+#endif
+    for (int k = 0; k < survey->values; k++)
+        failed += run_value(survey, k, states) != SALTUS_OK;
+    return failed ? saltus_fail(message, SALTUS_BAD_INPUT, "the naive method cannot describe this scene")
+                  : SALTUS_OK;
+}

@@ -1,0 +1,168 @@
+/* Claims about a figure as a whole: the largest displacement, the growth of impacts, the effect of
+ * restitution.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "claims.h"
+
+#include <gsl/gsl_statistics.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* What one start reaches over a figure. */
+typedef struct reach {
+    double largest, at;
+    int near, below; /* values of omega */
+} reach;
+
+static const double claimed = 0.046, about = 0.05, bound = 0.038;
+
+static reach reach_of(const trial_survey *survey, int start) {
+    reach r = {.at = NAN};
+    for (int k = 0; k < survey->values; k++) {
+        const trial_cell *cell = &survey->cells[k * trial_starts + start];
+        r.at = cell->reach > r.largest ? cell->value : r.at;
+        r.largest = fmax(r.largest, cell->reach);
+        r.near += cell->reach > (1 - about) * claimed;
+        r.below += cell->reach < bound;
+    }
+    return r;
+}
+
+/* F2a, start by start: "about 0.046" is to within 5 %, "reached" is that too, "few" less than
+ * a tenth, "mostly" at least half of the values of omega. */
+saltus_status trial_judge_displacement(const trial_claim *claim, trial_bench *bench, trial_finding *finding,
+                                       saltus_message *message) {
+    const double few = 0.1;
+    const trial_survey *survey;
+    double shares[3] = {0};
+    saltus_status status = trial_bench_survey(bench, claim->figure, -1, &survey, message);
+    if (status != SALTUS_OK)
+        return status;
+    fprintf(finding->prose,
+            "Asked of each start over the whole range, as three clauses: the largest |displacement| is "
+            "within 5 %% of %g; it comes that near or beyond at less than a tenth of omega; it stays "
+            "below %g at half of omega.\n",
+            claimed, bound);
+    for (int start = 0; start < trial_starts; start++) {
+        reach r = reach_of(survey, start);
+        double values = survey->values;
+        shares[0] += (double)(fabs(r.largest - claimed) <= about * claimed) / trial_starts;
+        shares[1] += (double)(r.near / values < few) / trial_starts;
+        shares[2] += (double)(r.below / values >= 0.5) / trial_starts;
+        fprintf(finding->prose,
+                "%s: largest |displacement| %.5f at omega = %g; within 5 %% of the claimed %g and beyond "
+                "at %.1f %%, below %g at %.1f %% of the values of omega.\n",
+                start ? "A random start" : "The scene's own start", r.largest, r.at, claimed,
+                100 * r.near / values, bound, 100 * r.below / values);
+        if (start == 0)
+            fprintf(finding->numbers,
+                    "scene's own start: largest %.5f at omega = %g, below %g at %.0f %% of omega; ",
+                    r.largest, r.at, bound, 100 * r.below / values);
+    }
+    finding->verdict = trial_verdict_of(shares, 3);
+    fprintf(finding->numbers,
+            "of %d starts, largest as claimed: %.0f %%, at few omega: %.0f %%, mostly below: %.0f %%",
+            (int)trial_starts, 100 * shares[0], 100 * shares[1], 100 * shares[2]);
+    return SALTUS_OK;
+}
+
+/* Rank correlation of impacts per period with omega over a range, lasting contacts left out. */
+static saltus_status rank_correlation(const trial_survey *survey, double low, double high,
+                                      double *correlation, double *first, double *last,
+                                      saltus_message *message) {
+    size_t room = (size_t)survey->values * trial_starts, count = 0;
+    double *table = malloc(4 * room * sizeof *table);
+    if (!table)
+        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for ranks");
+    for (size_t k = 0; k < room; k++) {
+        const trial_cell *cell = &survey->cells[k];
+        if (cell->value < low - 1e-9 || cell->value > high + 1e-9 || cell->contact > 0)
+            continue;
+        table[count] = cell->value;
+        table[room + count++] = cell->rate;
+    }
+    *correlation = count > 2 ? gsl_stats_spearman(table, 1, table + room, 1, count, table + 2 * room) : NAN;
+    size_t part = count / 10 + 1;
+    *first = count > 2 ? gsl_stats_mean(table + room, 1, part) : NAN;
+    *last = count > 2 ? gsl_stats_mean(table + room + count - part, 1, part) : NAN;
+    free(table);
+    return SALTUS_OK;
+}
+
+/* F6d: in every range that the other claims name impact motions for. Growth is a rank correlation above 1/2.
+ */
+saltus_status trial_judge_growth(const trial_claim *claim, trial_bench *bench, trial_finding *finding,
+                                 saltus_message *message) {
+    static const trial_clause windows[] = {
+        {.figure = "5", .low = 3, .high = 24.6},    {.figure = "5", .low = 35.1, .high = 40.4},
+        {.figure = "5", .low = 40.5, .high = 43.7}, {.figure = "5", .low = 52.1, .high = 54.4},
+        {.figure = "6", .low = 15.3, .high = 20.5}, {.figure = "6", .low = 20.6, .high = 24.6},
+        {.figure = "6", .low = 35.6, .high = 46.3}, {.figure = "6", .low = 46.7, .high = 49.1}};
+    enum { window_count = sizeof windows / sizeof windows[0] };
+    int grow = 0;
+    (void)claim;
+    fprintf(finding->prose,
+            "Asked in each window that F5 and F6 name impact motions for: a rank correlation of impacts "
+            "per period with omega above 1/2. The share is that of the windows.\n");
+    for (int k = 0; k < window_count; k++) {
+        const trial_survey *survey;
+        double correlation = NAN, first = NAN, last = NAN;
+        saltus_status status = trial_bench_survey(bench, windows[k].figure, -1, &survey, message);
+        if (status == SALTUS_OK)
+            status = rank_correlation(survey, windows[k].low, windows[k].high, &correlation, &first, &last,
+                                      message);
+        if (status != SALTUS_OK)
+            return status;
+        grow += correlation > 0.5;
+        fprintf(finding->prose,
+                "Figure %s, omega %g-%g: from %.2f impacts per period in the first tenth to %.2f in the "
+                "last, rank correlation %.2f.\n",
+                windows[k].figure, windows[k].low, windows[k].high, first, last, correlation);
+    }
+    double share = (double)grow / window_count;
+    finding->verdict = trial_verdict_of(&share, 1);
+    fprintf(finding->numbers, "grows in %d of %d windows", grow, (int)window_count);
+    return SALTUS_OK;
+}
+
+/* F8: parts of omega's range, averaged over the starts. */
+saltus_status trial_judge_restitution(const trial_claim *claim, trial_bench *bench, trial_finding *finding,
+                                      saltus_message *message) {
+    static const char *const figures[] = {"6", "8a", "8b", "8c"}, *const r[] = {"0.9", "0.8", "0.7", "0.6"};
+    double irregular[4], periodic[4];
+    int widens = 0, shrinks = 0;
+    (void)claim;
+    fprintf(finding->prose,
+            "Asked from each r to the next smaller one: non-periodic impact motion takes more of omega's "
+            "range, periodic motion with contact less of it; six comparisons.\n");
+    for (int k = 0; k < 4; k++) {
+        const trial_survey *survey;
+        saltus_status status = trial_bench_survey(bench, figures[k], -1, &survey, message);
+        if (status != SALTUS_OK)
+            return status;
+        double width = survey->figure->step * survey->figure->count;
+        trial_clause all = {.low = 0, .high = width, .asks = trial_irregular_impacts};
+        irregular[k] = width * trial_share(survey, &all, 1);
+        all.asks = trial_sticks;
+        double sticks = width * trial_share(survey, &all, 1);
+        all.asks = trial_no_contact;
+        double none = width * trial_share(survey, &all, 1);
+        periodic[k] = width - irregular[k] - none;
+        fprintf(finding->prose,
+                "r = %s: of omega's range of %g, %.2f non-periodic with impacts, %.2f periodic with "
+                "contact, %.2f without contact; %.2f with complete chatter.\n",
+                r[k], width, irregular[k], periodic[k], none, sticks);
+        fprintf(finding->numbers,
+                "%sr = %s: %.1f non-periodic, %.1f periodic with contact, %.1f with complete chatter",
+                k ? "; " : "", r[k], irregular[k], periodic[k], sticks);
+        widens += k > 0 && irregular[k] > irregular[k - 1];
+        shrinks += k > 0 && periodic[k] < periodic[k - 1];
+    }
+    fprintf(finding->prose,
+            "From each r to the next smaller one the former grow in %d cases of 3, the latter shrink in "
+            "%d.\n",
+            widens, shrinks);
+    double share = (widens + shrinks) / 6.0;
+    finding->verdict = trial_verdict_of(&share, 1);
+    return SALTUS_OK;
+}

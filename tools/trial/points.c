@@ -1,0 +1,170 @@
+/* Claims about one motion: Figures 3 and 7, from many random initial states.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "claims.h"
+
+#include "bench/reference.h"
+
+/* What the paper says of a motion, and the independent orbit to compare with. */
+typedef struct point {
+    const char *claim, *scene, *label, *reference;
+    int seeds, quick;
+} point;
+
+static const point orbits[] = {{"F3", "fig3", "2/2", "sdof14", 100, 20},
+                               {"F7b", "fig7b", "4/5", "fig7b", 100, 20},
+                               {"F7d", "fig7d", "4/4", "fig7d", 100, 20}};
+static const point clouds[] = {{"F7a", "fig7a", "chaotic", NULL, 6, 2},
+                               {"F7c", "fig7c", "chaotic", NULL, 6, 2}};
+
+static const point *point_of(const point *points, int count, const trial_claim *claim) {
+    int k = 0;
+    while (k < count - 1 && strcmp(points[k].claim, claim->id) != 0)
+        k++;
+    return &points[k];
+}
+
+/* All attractors met from random initial states. */
+static saltus_status find_attractors(const point *p, const trial_bench *bench, saltus_scene *scene,
+                                     saltus_system **system, saltus_attractors *attractors,
+                                     saltus_message *message) {
+    saltus_classify_options options = saltus_classify_defaults();
+    saltus_status status = saltus_scene_load(p->scene, scene, message);
+    if (status == SALTUS_OK)
+        status = saltus_system_new(&scene->spec, system, message);
+    if (status == SALTUS_OK)
+        status = saltus_attractors_find(*system, bench->request.quick ? p->quick : p->seeds, 1, &options,
+                                        attractors, message);
+    return status;
+}
+
+static double modulus(double re, double im) {
+    return hypot(re, im);
+}
+
+/* Distance of a motion's nearest section point from the reference orbit's first one, or from its mirror
+ * image. */
+static double distance_to(const reference *r, const saltus_motion *motion) {
+    double nearest = INFINITY, state[16];
+    for (int k = 0; k < motion->periods; k++)
+        for (int sign = 1; sign >= -1; sign -= 2) {
+            for (int i = 0; i < r->n; i++)
+                state[i] = sign * motion->section_states[k * motion->dimension + i];
+            nearest = fmin(nearest, reference_distance(r, state, 0));
+        }
+    return nearest;
+}
+
+static void compare(const point *p, const saltus_motion *motion, FILE *file) {
+    reference r;
+    if (!reference_read("data/reference", p->reference, &r)) {
+        fprintf(file, "The reference data/reference/%s.json is not here to compare with.\n", p->reference);
+        return;
+    }
+    if (motion->multiplier_count && motion->periods == r.periods)
+        fprintf(file,
+                "Against the independent 128-bit orbit data/reference/%s.json (%s): section points agree "
+                "to %.1e, the largest multiplier's modulus is %.10f, there %.10f.\n",
+                p->reference, r.label, distance_to(&r, motion), exp(motion->multipliers[0].log_modulus),
+                modulus(r.multipliers[0][0], r.multipliers[0][1]));
+    free(r.text);
+}
+
+static void describe(const saltus_attractors *attractors, FILE *file) {
+    fprintf(file, "%d random initial states (Gaussian with the system's scales) lead to ", attractors->seeds);
+    for (int k = 0; k < attractors->count; k++) {
+        const saltus_motion *m = &attractors->motions[k];
+        fprintf(file, "%s%s (%d", k ? ", " : "", m->label, attractors->shares[k]);
+        if (m->multiplier_count)
+            fprintf(file, ", largest multiplier modulus %.4f", exp(m->multipliers[0].log_modulus));
+        fprintf(file, "%s)", m->mirror == SALTUS_MIRROR_PAIR ? ", one of a mirror pair" : "");
+    }
+    fprintf(file, ".\n");
+}
+
+/* Share of the initial states that lead to the motion claimed. */
+static double share_of(const saltus_attractors *attractors, const char *label) {
+    int fit = 0;
+    for (int k = 0; k < attractors->count; k++)
+        fit += strcmp(attractors->motions[k].label, label) == 0 ? attractors->shares[k] : 0;
+    return (double)fit / attractors->seeds;
+}
+
+saltus_status trial_judge_orbit(const trial_claim *claim, trial_bench *bench, trial_finding *finding,
+                                saltus_message *message) {
+    const point *p = point_of(orbits, (int)(sizeof orbits / sizeof orbits[0]), claim);
+    saltus_scene scene;
+    saltus_system *system = NULL;
+    saltus_attractors attractors = {0};
+    saltus_status status = find_attractors(p, bench, &scene, &system, &attractors, message);
+    if (status == SALTUS_OK) {
+        const saltus_motion *first = &attractors.motions[0];
+        double share = share_of(&attractors, p->label);
+        finding->verdict = trial_verdict_of(&share, 1);
+        fprintf(finding->numbers, "%s from %.0f %% of %d initial states", first->label,
+                100 * share_of(&attractors, first->label), attractors.seeds);
+        if (first->multiplier_count)
+            fprintf(finding->numbers, ", stable, largest multiplier modulus %.4f",
+                    exp(first->multipliers[0].log_modulus));
+        describe(&attractors, finding->prose);
+        compare(p, first, finding->prose);
+        if (strcmp(claim->id, "F7b") == 0)
+            fputs("What the paper's own method makes of this scene depends on its step: see the table of "
+                  "steps.\n",
+                  finding->prose);
+        if (strcmp(claim->id, "F3") == 0)
+            fprintf(finding->prose,
+                    "The paper counts in response cycles of 2 T: its 2/1 is 2/2 in forcing periods, %lld "
+                    "impact on one stop and %lld on the other.\n",
+                    first->impacts_by_face[0], first->impacts_by_face[1]);
+    }
+    saltus_attractors_clear(&attractors);
+    saltus_system_free(system);
+    return status;
+}
+
+/* All exponents, for the dimension of the attractor in the section. */
+static saltus_status measure_dimension(const saltus_system *system, const saltus_motion *motion, bool quick,
+                                       FILE *file, saltus_message *message) {
+    saltus_lyapunov_options options = saltus_lyapunov_defaults();
+    saltus_lyapunov lyapunov = {0};
+    options.exponents = 0;
+    options.periods = quick ? 4000 : 16000;
+    saltus_status status = saltus_lyapunov_run(system, motion->state, &options, &lyapunov, message);
+    if (status == SALTUS_OK)
+        fprintf(file,
+                " All exponents over %lld periods: largest %.4f +- %.4f, second %.3f, Kaplan-Yorke "
+                "dimension of the section %.3f; their sum %.5f against %.5f from trace and restitution.",
+                lyapunov.periods, lyapunov.exponents[0], lyapunov.standard_errors[0], lyapunov.exponents[1],
+                lyapunov.kaplan_yorke, lyapunov.sum, lyapunov.sum_rule);
+    saltus_lyapunov_clear(&lyapunov);
+    return status;
+}
+
+saltus_status trial_judge_chaos(const trial_claim *claim, trial_bench *bench, trial_finding *finding,
+                                saltus_message *message) {
+    const point *p = point_of(clouds, (int)(sizeof clouds / sizeof clouds[0]), claim);
+    saltus_scene scene;
+    saltus_system *system = NULL;
+    saltus_attractors attractors = {0};
+    saltus_status status = find_attractors(p, bench, &scene, &system, &attractors, message);
+    if (status == SALTUS_OK) {
+        const saltus_motion *first = &attractors.motions[0];
+        double share = share_of(&attractors, p->label);
+        finding->verdict = trial_verdict_of(&share, 1);
+        fprintf(finding->numbers, "%s from %.0f %% of %d initial states; largest exponent %.4f +- %.4f",
+                first->label, 100 * share_of(&attractors, first->label), attractors.seeds, first->lyapunov,
+                first->lyapunov_error);
+        describe(&attractors, finding->prose);
+        fprintf(finding->prose,
+                "The largest exponent is %.4f +- %.4f over %lld periods (halves %.4f and %.4f); "
+                "correlation dimension of the section points %.2f +- %.2f; 0-1 test %.3f.",
+                first->lyapunov, first->lyapunov_error, first->evidence.periods, first->evidence.half[0],
+                first->evidence.half[1], first->evidence.dimension, first->evidence.dimension_error,
+                first->evidence.zero_one);
+        status = measure_dimension(system, first, bench->request.quick, finding->prose, message);
+        fprintf(finding->prose, "\n");
+    }
+    saltus_attractors_clear(&attractors);
+    saltus_system_free(system);
+    return status;
+}

@@ -1,0 +1,42 @@
+# Kinds of motion against the clearance at omega = 10 and 20, with the ranges that the paper names above.
+# Run in the folder of the page: reads paper/classes.csv, writes figures/trial-clearance.png.
+# SPDX-License-Identifier: GPL-3.0-or-later
+set terminal pngcairo size 1600,800 enhanced font 'DejaVu Sans,13' background '#ffffff' rounded
+set output 'figures/trial-clearance.png'
+set datafile separator ','
+set style fill solid 1 noborder
+set boxwidth 0.000212
+set xrange [0:0.046]
+set xtics 0.005 nomirror
+set yrange [0:115]
+set ytics 0, 25, 100
+set ylabel 'share of starts, %'
+set tics out
+share(k) = 100.0 * column(k) / (column(3) + column(4) + column(5) + column(6) + column(7) + column(8))
+rows(name) = sprintf("< awk -F, '$1 == \"%s\"' paper/classes.csv", name)
+set key outside right center vertical Left reverse samplen 2 spacing 1.2
+set lmargin 10
+set rmargin 24
+
+set macros
+bars = "using 2:(100) with boxes lc rgb '#b2182b' title 'no period up to 20', \
+  '' using 2:(share(3) + share(4) + share(5) + share(6)) with boxes lc rgb '#555555' title 'held', \
+  '' using 2:(share(3) + share(4) + share(5)) with boxes lc rgb '#8073ac' title 'chatter', \
+  '' using 2:(share(3) + share(4)) with boxes lc rgb '#4393c3' title 'n/p', \
+  '' using 2:(share(3)) with boxes lc rgb '#d9d9d9' title 'no contact'"
+claim(n, a, b, y, colour) = sprintf("set object %d rectangle from %g,%g to %g,%g fc rgb '%s' fs solid noborder front", n, a, y, b, y + 8, colour)
+
+set multiplot layout 2, 1
+set title '{/:Italic ω} = 10 (Figure 4a); bars above: what the paper says'
+eval claim(1, 0, 0.025, 104, '#555555')
+eval claim(2, 0.026, 0.046, 104, '#b2182b')
+plot rows('4a') @bars
+unset object
+set title '{/:Italic ω} = 20 (Figure 4b)'
+set xlabel 'clearance {/:Italic d}'
+eval claim(1, 0, 0.027, 104, '#555555')
+eval claim(2, 0.028, 0.035, 104, '#b2182b')
+eval claim(3, 0.036, 0.040, 104, '#4393c3')
+eval claim(4, 0.040, 0.046, 104, '#d9d9d9')
+plot rows('4b') @bars
+unset multiplot
