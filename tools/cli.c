@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "cli.h"
 
+#include "interrupt.h"
+
 #include <errno.h>
 #include <limits.h>
 #include <math.h>
@@ -206,6 +208,8 @@ int cli_code(saltus_status status) {
 }
 
 int cli_report(saltus_status status, const saltus_message *message) {
+    if (status != SALTUS_OK && interrupt_asked())
+        return interrupt_report("there is no result yet");
     if (status != SALTUS_OK)
         fprintf(stderr, "saltus: %s\n", message->text[0] ? message->text : saltus_status_name(status));
     return cli_code(status);
@@ -325,6 +329,7 @@ bool cli_parse_range(const char *option, const char *text, char key[SALTUS_KEY_M
 
 saltus_flow_options cli_flow_options(const cli_request *request) {
     saltus_flow_options options = saltus_flow_defaults();
+    options.stop = interrupt_flag();
     options.rtol = request->rtol;
     options.atol = request->atol;
     if (request->integrator && strcmp(request->integrator, "taylor") == 0)

@@ -72,7 +72,8 @@ bool cli_parse(const cli_command *command, int count, char **arguments, cli_requ
 void cli_help(const cli_command *command);
 /* The exit code that belongs to a status. */
 int cli_code(saltus_status status);
-/* "saltus: ..." on stderr; returns the exit code that belongs to the status. */
+/* "saltus: ..." on stderr, of a failure after a signal that it was interrupted; returns the exit code that
+ * belongs to the status. */
 int cli_report(saltus_status status, const saltus_message *message);
 /* The scene with all --set applied, the system, and its initial state (SALTUS_SCENE_STATE_MAX entries). On
  * success the system is to be freed; otherwise the message has been printed and the exit code is returned. */
@@ -88,6 +89,7 @@ saltus_status cli_apply_settings(const cli_request *request, saltus_scene *scene
 /* "key=low:high"; false after a message that names the option. */
 bool cli_parse_range(const char *option, const char *text, char key[SALTUS_KEY_MAX], double *low,
                      double *high);
+/* With the program's flag for signals as `stop`. */
 saltus_flow_options cli_flow_options(const cli_request *request);
 saltus_classify_options cli_classify_options(const cli_request *request);
 /* A progress line on stderr where that is a terminal; fits saltus_classify_options.progress. */

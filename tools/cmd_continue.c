@@ -2,8 +2,9 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "cli.h"
 
+#include "interrupt.h"
+
 #include <math.h>
-#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -147,6 +148,8 @@ static saltus_status classify_start(run_state *run, saltus_message *message) {
     saltus_motion motion = {0};
     saltus_status status = saltus_classify(run->system, run->start.state, &how, &motion, message);
     cli_progress_end(run->request);
+    if (status == SALTUS_OK && motion.periods < 1 && interrupt_asked())
+        status = SALTUS_INTERRUPTED;
     if (status == SALTUS_OK && motion.periods < 1)
         status =
             saltus_fail(message, SALTUS_BAD_INPUT,
@@ -230,6 +233,7 @@ static int begin_again(run_state *run, saltus_message *message) {
         run->start.periods = file->periods;
         memcpy(run->start.state, file->state, (size_t)file->dimension * sizeof *file->state);
         run->options = file->options;
+        run->options.orbit.flow.stop = interrupt_flag();
         status = saltus_system_new(&file->spec, &run->system, message);
     }
     return cli_report(status == SALTUS_IO ? SALTUS_BAD_INPUT : status, message);
@@ -246,21 +250,6 @@ static void show_progress(const run_state *run, const saltus_branch_point *point
     fflush(stderr);
 }
 
-/* Whether a signal that asks to stop is waiting: it is kept from ending the program between two points. */
-static bool asked_to_stop(void) {
-    sigset_t waiting;
-    return sigpending(&waiting) == 0 &&
-           (sigismember(&waiting, SIGINT) == 1 || sigismember(&waiting, SIGTERM) == 1);
-}
-
-static void hold_signals(void) {
-    sigset_t held;
-    sigemptyset(&held);
-    sigaddset(&held, SIGINT);
-    sigaddset(&held, SIGTERM);
-    sigprocmask(SIG_BLOCK, &held, NULL);
-}
-
 /* One point into the file, the table and, if wished, onto stdout. */
 static saltus_status keep(run_state *run, const saltus_branch_point *point, saltus_message *message) {
     run->rows++;
@@ -275,18 +264,16 @@ static saltus_status follow(run_state *run, saltus_message *message) {
     const saltus_branch_point *point = NULL;
     saltus_status status = SALTUS_OK;
     do {
-        run->interrupted = asked_to_stop();
-        if (run->interrupted)
-            break;
         status = saltus_branch_step(run->branch, &point, message);
         if (status == SALTUS_OK && point) {
             status = keep(run, point, message);
             show_progress(run, point);
         }
     } while (status == SALTUS_OK && point && !ferror(stdout));
+    run->interrupted = status == SALTUS_INTERRUPTED;
     if (!run->request->quiet && isatty(STDERR_FILENO))
         fprintf(stderr, "\r\033[K");
-    return status;
+    return run->interrupted ? SALTUS_OK : status;
 }
 
 /* The points of the interrupted run that stand go into the new file first. */
@@ -306,7 +293,8 @@ static int open_branch(run_state *run, saltus_message *message) {
     const saltus_start *start = &run->start;
     saltus_status status = saltus_branch_new(&run->scene.spec, start->periods, start->state, &run->options,
                                              &run->branch, message);
-    if (status != SALTUS_OK && status != SALTUS_NO_MEMORY && status != SALTUS_BAD_INPUT) {
+    if (status != SALTUS_OK && status != SALTUS_NO_MEMORY && status != SALTUS_BAD_INPUT &&
+        !interrupt_asked()) {
         saltus_message reason = *message;
         status = saltus_fail(message, SALTUS_BAD_INPUT, "the start is no orbit of period %d T: %.400s",
                              start->periods, reason.text);
@@ -337,7 +325,6 @@ static int compute(run_state *run) {
         code = open_branch(run, &message);
     if (code != CLI_DONE)
         return code;
-    hold_signals();
     saltus_status status = take_over(run, &message);
     if (status == SALTUS_OK && !run->earlier.complete)
         status = follow(run, &message);
@@ -348,6 +335,8 @@ static int compute(run_state *run) {
         status = print_table(run, &message);
     if (status != SALTUS_OK || written != SALTUS_OK)
         return cli_report(status != SALTUS_OK ? status : written, status != SALTUS_OK ? &message : &closing);
+    if (run->interrupted && !run->rows)
+        return interrupt_report("no point was found yet");
     if (run->interrupted)
         fprintf(stderr, "saltus: interrupted; %s holds the %d points so far, --resume goes on\n",
                 run->request->output, run->rows);

@@ -2,6 +2,8 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "cli.h"
 
+#include "interrupt.h"
+
 #include <unistd.h>
 
 static const cli_option *const options[] = {&cli_set,        &cli_output,  &cli_data, &cli_transient,
@@ -66,6 +68,9 @@ static saltus_status diagnose(const cli_request *request, const saltus_scene *sc
     page p = {.sectioned = false};
     saltus_status status = saltus_classify(system, state, &how, &p.motion, message);
     cli_progress_end(request);
+    bool classified = status == SALTUS_OK;
+    if (classified && interrupt_asked())
+        status = SALTUS_INTERRUPTED;
     if (status == SALTUS_OK)
         status = record_motion(system, &how.flow, &p, message);
     if (status == SALTUS_OK)
@@ -76,10 +81,10 @@ static saltus_status diagnose(const cli_request *request, const saltus_scene *sc
         status =
             saltus_write_sheet(scene, system, &diagnosis, &how.flow, request->output, request->data, message);
     }
-    if (status == SALTUS_OK) {
+    if (status == SALTUS_OK || (classified && interrupt_asked()))
         saltus_write_motion_text(stdout, scene, system, &p.motion);
+    if (status == SALTUS_OK)
         printf("figure: %s\n", request->output);
-    }
     clear_page(&p);
     return status;
 }
@@ -98,6 +103,8 @@ static int run(const cli_request *request) {
         return code;
     saltus_status status = diagnose(request, &scene, system, state, &message);
     saltus_system_free(system);
+    if (status != SALTUS_OK && interrupt_asked())
+        return interrupt_report("no figure was drawn");
     return cli_report(status, &message);
 }
 

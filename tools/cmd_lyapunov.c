@@ -2,8 +2,9 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "cli.h"
 
+#include "interrupt.h"
+
 #include <math.h>
-#include <signal.h>
 #include <unistd.h>
 
 #define PLACE(member) offsetof(cli_request, member)
@@ -51,27 +52,14 @@ static const cli_option *const options[] = {
 /* A measurement under way. */
 typedef struct watch {
     saltus_lyapunov result;
-    bool shown;       /* a line on the terminal */
-    bool held;        /* signals that ask to stop are kept until the next look */
-    bool interrupted; /* one of them has come */
+    bool shown; /* a line on the terminal */
+    bool interrupted;
 } watch;
-
-static bool stop_asked(watch *w) {
-    sigset_t asking, waiting;
-    sigemptyset(&asking);
-    sigaddset(&asking, SIGINT);
-    sigaddset(&asking, SIGTERM);
-    if (!w->held)
-        sigprocmask(SIG_BLOCK, &asking, NULL);
-    w->held = true;
-    return sigpending(&waiting) == 0 &&
-           (sigismember(&waiting, SIGINT) == 1 || sigismember(&waiting, SIGTERM) == 1);
-}
 
 static bool show(void *context, long long done, long long at_most) {
     watch *w = context;
     const saltus_lyapunov *l = &w->result;
-    w->interrupted = stop_asked(w);
+    w->interrupted = interrupt_asked();
     if (w->shown) {
         fprintf(stderr, "\rmeasuring: %lld of at most %lld periods", done, at_most);
         if (l->history_count > 0)
@@ -88,6 +76,7 @@ static saltus_status choose(const cli_request *request, const saltus_system *sys
     int n = saltus_system_dimension(system);
     *how = saltus_lyapunov_defaults();
     how->flow = cli_flow_options(request);
+    how->flow.stop = NULL; /* what was measured is wanted: `show` ends the measurement */
     how->exponents = request->all ? 0 : request->exponents ? (int)request->exponents : 1;
     how->members = (int)request->members;
     how->transient = request->transient;
@@ -147,10 +136,8 @@ static int run(const cli_request *request) {
         status = measure(system, state, &how, &w, &message);
     if (status == SALTUS_OK)
         status = deliver(request, &scene, system, &how, &w.result, &message);
-    if (status == SALTUS_OK && w.interrupted) {
-        fprintf(stderr, "saltus: lyapunov: interrupted; the numbers rest on what was measured so far\n");
-        code = CLI_FAILED;
-    }
+    if (status == SALTUS_OK && w.interrupted)
+        code = interrupt_report("the numbers rest on what was measured so far");
     saltus_lyapunov_clear(&w.result);
     saltus_system_free(system);
     return status == SALTUS_OK ? code : cli_report(status, &message);

@@ -2,6 +2,8 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "cli.h"
 
+#include "interrupt.h"
+
 #include <unistd.h>
 
 #define PLACE(member) offsetof(cli_request, member)
@@ -114,6 +116,7 @@ static saltus_status write_lines(const saltus_scene *scene, const saltus_system 
     saltus_classify_options describing = saltus_classify_defaults();
     saltus_status status = SALTUS_OK;
     describing.flow = *flow;
+    describing.flow.stop = NULL; /* what has been found is told */
     for (int k = 0; k < harvest->count && status == SALTUS_OK; k++) {
         saltus_motion motion = {0};
         status = saltus_motion_describe(system, &harvest->orbits[k].orbit, &describing, &motion, message);
@@ -168,6 +171,8 @@ static int run(const cli_request *request) {
                  : forced          ? find(request, &scene, system, p, start.state, &message)
                                    : find_rest(request, &scene, system, start.state, &message);
     saltus_system_free(system);
+    if (status == SALTUS_OK && request->unstable && interrupt_asked())
+        return interrupt_report("these are the orbits found so far");
     return cli_report(status, &message);
 }
 

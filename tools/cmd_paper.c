@@ -1,6 +1,8 @@
 /* saltus paper: the figures of the paper from scratch, by the commands of data/paper/figures.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "cli.h"
+
+#include "interrupt.h"
 #include "paper.h"
 #include "ranks.h"
 
@@ -127,7 +129,7 @@ static int figure_of(const char *line, size_t length) {
 static int run_figures(const cli_request *request) {
     command_line c;
     int current = 0, wanted = request->figure ? request->figure[0] - '0' : 0, code = CLI_DONE;
-    for (const char *line = paper_figures; *line && code == CLI_DONE;) {
+    for (const char *line = paper_figures; *line && code == CLI_DONE && !interrupt_asked();) {
         size_t length = strcspn(line, "\n");
         int begins = figure_of(line, length);
         current = begins ? begins : current;
@@ -142,6 +144,8 @@ static int run_figures(const cli_request *request) {
         }
         line += length + (line[length] == '\n');
     }
+    if (code == CLI_DONE && interrupt_asked())
+        return interrupt_report("--resume goes on");
     return code;
 }
 

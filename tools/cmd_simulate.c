@@ -2,6 +2,8 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "cli.h"
 
+#include "interrupt.h"
+
 static const cli_option *const options[] = {&cli_set,     &cli_periods,    &cli_settle,
                                             &cli_samples, &cli_output,     &cli_rtol,
                                             &cli_atol,    &cli_integrator, NULL};
@@ -22,13 +24,16 @@ static int run(const cli_request *request) {
     saltus_flow_options flow = cli_flow_options(request);
     saltus_status status = saltus_record_run(system, state, &flow, request->transient, request->periods,
                                              (int)request->samples, &record, &message);
-    if (status == SALTUS_OK)
+    bool cut = status == SALTUS_INTERRUPTED && record.samples > 0;
+    if (status == SALTUS_OK || cut)
         status = saltus_record_write(&record, &scene, system, &flow, request->output, &message);
     if (status == SALTUS_OK)
-        printf("%s: %lld samples, %lld events over %ld periods\n", request->output, record.samples,
-               record.event_count, request->periods);
+        printf("%s: %lld samples, %lld events over %.9g periods\n", request->output, record.samples,
+               record.event_count, record.time[record.samples - 1]);
     saltus_record_clear(&record);
     saltus_system_free(system);
+    if (status == SALTUS_OK && cut)
+        return interrupt_report("the file holds what was simulated so far");
     return cli_report(status, &message);
 }
 

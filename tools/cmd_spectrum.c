@@ -2,6 +2,8 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "cli.h"
 
+#include "interrupt.h"
+
 #include <string.h>
 
 #define PLACE(member) offsetof(cli_request, member)
@@ -83,6 +85,8 @@ static saltus_status analyse(const cli_request *request, const saltus_scene *sce
     if (status == SALTUS_OK)
         status = saltus_classify(system, state, &how, &motion, message);
     cli_progress_end(request);
+    if (status == SALTUS_OK && interrupt_asked() && !saltus_motion_settled(&motion))
+        status = SALTUS_INTERRUPTED;
     if (status == SALTUS_OK)
         status = saltus_motion_spectra(system, &motion, &wishes, &spectra, message);
     if (status == SALTUS_OK && request->output)

@@ -355,9 +355,9 @@ int run_sweep(const sweep_order *order, saltus_status status, const saltus_messa
     sweep_rank *known = calloc((size_t)report->ranks, sizeof *known);
     int code = CLI_FAILED;
     if (desk && known) {
-        sigset_t set;
+        sigset_t set, usual;
         stop_signals(&set);
-        sigprocmask(SIG_BLOCK, &set, NULL);
+        sigprocmask(SIG_BLOCK, &set, &usual);
         prepare_desk(desk, order, report);
         desk->known = known;
         code = run_desk(desk, status, &message, report);
@@ -365,6 +365,7 @@ int run_sweep(const sweep_order *order, saltus_status status, const saltus_messa
         pthread_mutex_destroy(&desk->writing);
         pthread_mutex_destroy(&desk->lock);
         pthread_cond_destroy(&desk->changed);
+        sigprocmask(SIG_SETMASK, &usual, NULL);
     } else
         fprintf(stderr, "saltus: no memory\n");
     free(known);

@@ -93,8 +93,8 @@ saltus_status saltus_branch_new(const saltus_spec *spec, int periods, const doub
 /* NULL is accepted. */
 void saltus_branch_free(saltus_branch *branch);
 /* The next point, in order along each branch; *point is NULL when all is done. Special points come between
- * regular ones, at their place. Errors: SALTUS_NO_MEMORY; difficulties of the continuation itself end a
- * branch with an EP point and its reason. */
+ * regular ones, at their place. Errors: SALTUS_NO_MEMORY; SALTUS_INTERRUPTED, after which the next call goes
+ * on; difficulties of the continuation itself end a branch with an EP point and its reason. */
 saltus_status saltus_branch_step(saltus_branch *branch, const saltus_branch_point **point,
                                  saltus_message *message);
 /* Go on where a run was interrupted, given all `count` points that it gave out, in order. Call after

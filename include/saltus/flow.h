@@ -9,6 +9,8 @@
 
 #include "saltus/system.h"
 
+#include <signal.h>
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -40,6 +42,10 @@ typedef struct saltus_flow_options {
     /* How many of them, the last ones, are parameter columns: derivatives of the state with respect to a
      * parameter at fixed phase, 0 to SALTUS_DIRECTIONS_MAX (saltus_flow_set_directions). */
     int directions;
+    /* Where it points to a number other than 0, which a signal handler or another thread may have put there,
+     * no further step is made: the call under way returns SALTUS_INTERRUPTED, or what it has so far where its
+     * description says so. NULL: nobody will ask to stop. */
+    const volatile sig_atomic_t *stop;
 } saltus_flow_options;
 
 /* rtol 1e-13, atol 1e-16, automatic integrator and order, no tangent vectors. */
@@ -138,7 +144,7 @@ double saltus_flow_operations(const saltus_flow *flow);
 void saltus_flow_aim(saltus_flow *flow, int lane, saltus_time until, unsigned watch);
 /* Advance all aimed lanes until one of them has reached its target; that lane must be aimed again before it
  * moves. Errors: SALTUS_STALLED with time, gap and speed in the message; the lane named in *lane stays where
- * it is. */
+ * it is. SALTUS_INTERRUPTED: the lanes stand where they were at their last step, aimed as they were. */
 saltus_status saltus_flow_run(saltus_flow *flow, int *lane, saltus_event *event, saltus_message *message);
 /* aim and run for lane 0. */
 saltus_status saltus_flow_advance(saltus_flow *flow, saltus_time until, unsigned watch, saltus_event *event,

@@ -21,7 +21,7 @@ typedef struct saltus_harvest_options {
     const double *state;      /* initial state at phase 0; NULL: a random admissible one from `seed` */
     unsigned long seed;
     /* Called now and then with the share of the work done, 0 to 1; may be NULL. Returning false ends the
-     * search with what there is. */
+     * search with what there is, as `flow.stop` does. */
     bool (*progress)(void *context, double done);
     void *context;
 } saltus_harvest_options;

@@ -73,8 +73,8 @@ typedef struct saltus_record {
 } saltus_record;
 
 /* Run `transient` periods from a state, then record `periods` periods with `per_period` samples each, the end
- * included, and one at each side of an impact. On error the record is empty. Errors: those of the flow,
- * SALTUS_BAD_INPUT, SALTUS_NO_MEMORY. */
+ * included, and one at each side of an impact. Errors: those of the flow, SALTUS_BAD_INPUT, SALTUS_NO_MEMORY;
+ * the record is then empty. SALTUS_INTERRUPTED: it holds what there is so far. */
 saltus_status saltus_record_run(const saltus_system *system, const double *state,
                                 const saltus_flow_options *options, long long transient, long long periods,
                                 int per_period, saltus_record *record, saltus_message *message);

@@ -100,8 +100,8 @@ typedef struct saltus_motion {
 bool saltus_motion_settled(const saltus_motion *motion);
 
 /* Settle from an initial state (length dimension, at phase 0) and classify. On success the motion's arrays
- * are owned by it: saltus_motion_clear. An undecided motion is a success too. Errors: SALTUS_BAD_INPUT (state
- * beyond a stop), those of the flow. */
+ * are owned by it: saltus_motion_clear. An undecided motion is a success too, and that is what one is whose
+ * search was stopped. Errors: SALTUS_BAD_INPUT (state beyond a stop), those of the flow. */
 saltus_status saltus_classify(const saltus_system *system, const double *state,
                               const saltus_classify_options *options, saltus_motion *motion,
                               saltus_message *message);
@@ -131,7 +131,7 @@ typedef struct saltus_attractors {
 
 /* Classify from `seeds` random admissible initial states: Gaussian with the system's scales (GSL's mt19937
  * from `seed`, reproducible), states beyond a stop drawn again. Attractors are told apart by their orbits'
- * section points. */
+ * section points. Where it is stopped, `seeds` is the number of initial states done until then. */
 saltus_status saltus_attractors_find(const saltus_system *system, int seeds, unsigned long seed,
                                      const saltus_classify_options *options, saltus_attractors *attractors,
                                      saltus_message *message);

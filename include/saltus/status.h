@@ -19,7 +19,8 @@ typedef enum saltus_status {
     SALTUS_NO_CONVERGENCE = -3, /* an iteration did not reach its tolerance */
     SALTUS_STALLED = -4,        /* the flow could not proceed: step or impact sequence without progress */
     SALTUS_SINGULAR = -5,       /* a linear system or a derivative is singular (grazing, say) */
-    SALTUS_IO = -6              /* a file or a child process failed */
+    SALTUS_IO = -6,             /* a file or a child process failed */
+    SALTUS_INTERRUPTED = -7     /* the caller asked to stop (saltus_flow_options.stop) */
 } saltus_status;
 
 /* One clear sentence about a failure, written by the call that failed. Owned by the caller. */

@@ -54,7 +54,7 @@ enum {
 };
 
 typedef struct saltus_sweep_options {
-    saltus_flow_options flow; /* columns and directions are the sweep's own business */
+    saltus_flow_options flow; /* columns and directions are the sweep's own business, the feed stops it */
     unsigned keep;
     unsigned passes; /* bits 1 << saltus_pass */
     int seeds;       /* initial states per point; the first is the scene's own, the others are random */

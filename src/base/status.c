@@ -20,6 +20,8 @@ const char *saltus_status_name(saltus_status status) {
         return "singular";
     case SALTUS_IO:
         return "input or output failed";
+    case SALTUS_INTERRUPTED:
+        return "interrupted";
     }
     return "unknown status";
 }

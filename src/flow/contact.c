@@ -88,16 +88,21 @@ static double gap_coefficient(const saltus_system *system, const saltus_work *pr
     return f.side * probe->gap[(size_t)f.stop * (size_t)(probe->order + 2) + (size_t)k];
 }
 
+/* What rounding may make of that coefficient. */
+static double rounding_of_gap(const saltus_system *system, const saltus_work *probe, int face, int k) {
+    double size = 0;
+    for (int i = 0; i < system->dof; i++)
+        size += fabs(system->stop_normal[system->faces[face].stop][i] *
+                     probe->q[saltus_work_jet(probe, k, 0) + (size_t)i]);
+    return 1e-12 * size;
+}
+
 /* Whether a face touched with zero velocity is pressed: the sign of the first coefficient of its gap's
  * series, from the second order on, that stands out of rounding. */
 static bool pressed(const saltus_system *system, const saltus_work *probe, int face, int order) {
     for (int k = 2; k <= order; k++) {
-        double size = 0;
-        for (int i = 0; i < system->dof; i++)
-            size += fabs(system->stop_normal[system->faces[face].stop][i] *
-                         probe->q[saltus_work_jet(probe, k, 0) + (size_t)i]);
         double value = gap_coefficient(system, probe, face, k);
-        if (fabs(value) > 1e-12 * size)
+        if (fabs(value) > rounding_of_gap(system, probe, face, k))
             return value > 0;
     }
     return true;
@@ -147,12 +152,9 @@ void saltus_contacts_rest(saltus_flow *flow, int lane, unsigned resting) {
 /* Faces that the state touches: held ones, the one being hit, and others whose gap is zero to rounding. */
 static unsigned touched_faces(const saltus_lane *self, int hit) {
     unsigned touched = self->contacts | 1u << hit;
-    double size = 0;
-    for (int i = 0; i < self->system->dof; i++)
-        size += fabs(self->state[i]);
     for (int f = 0; f < self->system->face_count; f++)
         if (saltus_system_gap(self->system, f, self->state) >
-            -8 * DBL_EPSILON * (size + fabs(self->system->faces[f].d)))
+            -8 * DBL_EPSILON * saltus_system_gap_size(self->system, f, self->state))
             touched |= 1u << f;
     return touched;
 }
@@ -169,8 +171,9 @@ static unsigned closing_faces(const saltus_lane *self, int hit, unsigned touched
 }
 
 /* Newton's law at the touched faces: the smallest set of impulses, among them one at the hit face, that all
- * push and leave no touched face closing. The map is left in `map`; false when there is none. */
-static bool impact_map(const saltus_lane *self, int hit, unsigned touched, unsigned closing,
+ * push and leave no touched face closing. `forced`: the one at the hit face need not push. The map is left in
+ * `map`; false when there is none. */
+static bool impact_map(const saltus_lane *self, int hit, bool forced, unsigned touched, unsigned closing,
                        const double *velocity, saltus_contact_map *map) {
     const saltus_system *system = self->system;
     double after[64];
@@ -182,7 +185,7 @@ static bool impact_map(const saltus_lane *self, int hit, unsigned touched, unsig
                 continue;
             bool valid = true;
             for (int k = 0; k < map->count; k++)
-                valid &= saltus_dot(map->pull + k * n, velocity, n) >= 0 || map->face[k] == hit;
+                valid &= saltus_dot(map->pull + k * n, velocity, n) >= 0 || (forced && map->face[k] == hit);
             memcpy(after, velocity, (size_t)n * sizeof *after);
             saltus_contact_map_apply(map, n, after);
             double tiny = 64 * DBL_EPSILON * sqrt(saltus_dot(velocity, velocity, n));
@@ -193,6 +196,21 @@ static bool impact_map(const saltus_lane *self, int hit, unsigned touched, unsig
                 return true;
         }
     return false;
+}
+
+/* The impact of the touched faces. Where several close at once the push at one may be all that it takes to
+ * open the one that was found: then `hit` becomes that face. A hit face that rounding makes recede is hit all
+ * the same. */
+static bool solve_impact(const saltus_lane *self, int *hit, unsigned touched, unsigned closing,
+                         const double *velocity, saltus_contact_map *map) {
+    if (impact_map(self, *hit, false, touched, closing, velocity, map))
+        return true;
+    for (int f = 0; f < self->system->face_count; f++)
+        if (closing >> f & 1 && f != *hit && impact_map(self, f, false, touched, closing, velocity, map)) {
+            *hit = f;
+            return true;
+        }
+    return impact_map(self, *hit, true, touched, closing, velocity, map);
 }
 
 /* S delta = DP delta + (f+ - DP f-) (n.delta_q) / (n.q'-) for every tangent vector. `velocity` is the
@@ -216,40 +234,61 @@ static void saltate(saltus_flow *flow, int lane, int face, double speed, const s
     }
 }
 
-/* The displacement that counts as nothing beside the state. */
-static double displacement_tolerance(const saltus_flow *flow, int lane, double *size) {
+/* The displacement at a face that counts as nothing beside the state. At a stop near a support the modes move
+ * by much more than the coordinate that it limits. */
+static double displacement_tolerance(const saltus_flow *flow, int lane, int face, double *size) {
     const saltus_lane *self = &flow->lane[lane];
+    const double *normal = self->system->stop_normal[self->system->faces[face].stop];
     const double unit = flow->work.omega_unit[lane];
     *size = 0;
     for (int i = 0; i < flow->dof; i++)
         *size = fmax(*size, fmax(fabs(self->state[i]), fabs(self->state[flow->dof + i]) / unit));
-    return 0.1 * (flow->options.atol + flow->options.rtol * *size);
+    double reach = fmin(1, sqrt(saltus_dot(normal, normal, flow->dof)));
+    return 0.1 * reach * (flow->options.atol + flow->options.rtol * *size);
 }
 
 /* Whether a rebound is slow enough that its chatter could end here, judged by a bound on accelerations alone:
  * saves the closer look at every ordinary impact. */
 static bool may_end_chatter(const saltus_flow *flow, int lane, int face, double rebound) {
     const saltus_lane *self = &flow->lane[lane];
-    double size, tolerance = displacement_tolerance(flow, lane, &size), rate = self->system->rate;
+    double size, tolerance = displacement_tolerance(flow, lane, face, &size), rate = self->system->rate;
     double bound = flow->dof * rate * (rate + flow->work.omega_unit[lane]) * size,
            r = self->system->faces[face].r;
     return rebound * rebound <= tolerance * bound * (r < 1 ? 1 - r : 2);
 }
 
+/* Held faces that an impact at another lets go: they recede, and would rise further than the tolerance. A
+ * contact cannot pull. `probe` is the series of the state with the contacts held. */
+static unsigned leaving_faces(const saltus_flow *flow, int lane, const saltus_work *probe) {
+    const saltus_lane *self = &flow->lane[lane];
+    unsigned leaving = 0;
+    for (int k = 0; k < self->hold.count; k++) {
+        int face = self->hold.face[k];
+        double force = probe->force[(size_t)k * (size_t)(probe->order + 2)], size;
+        double away = -saltus_face_normal(self->system, face, self->state + self->system->dof);
+        if (away > 0 && away * away > 2 * displacement_tolerance(flow, lane, face, &size) * force)
+            leaving |= 1u << face;
+    }
+    return leaving;
+}
+
 /* Remaining time of a chatter that may be cut short here; negative if it may not. `self->trial` receives the
- * state with the normal velocity removed. */
-static double chatter_remainder(saltus_flow *flow, int lane, int face, double rebound) {
+ * state with the normal velocity removed, `leaving` the held faces that do not keep theirs at zero. */
+static double chatter_remainder(saltus_flow *flow, int lane, int face, double rebound, unsigned *leaving) {
     saltus_lane *self = &flow->lane[lane];
     const saltus_system *system = self->system;
-    double r = system->faces[face].r, size, tolerance = displacement_tolerance(flow, lane, &size);
-    double acceleration =
-        2 *
-        gap_coefficient(system, probe_at(flow, lane, self->state, self->now.phase, &self->hold, 2), face, 2);
+    double r = system->faces[face].r, size, tolerance = displacement_tolerance(flow, lane, face, &size);
+    const saltus_work *now = probe_at(flow, lane, self->state, self->now.phase, &self->hold, 2);
+    double acceleration = 2 * gap_coefficient(system, now, face, 2);
+    *leaving = leaving_faces(flow, lane, now);
     memcpy(self->trial, self->state, (size_t)flow->dimension * sizeof(double));
-    if (!saltus_contact_map_build(system, self->contacts | 1u << face, 0, &flow->scratch))
+    if (!saltus_contact_map_build(system, (self->contacts & ~*leaving) | 1u << face, 0, &flow->scratch))
         return -1;
     saltus_contact_map_apply(&flow->scratch, flow->dof, self->trial + flow->dof);
-    saltus_work *probe = probe_at(flow, lane, self->trial, self->now.phase, &self->hold, 3);
+    const saltus_contact_map *hold = &self->hold;
+    if (*leaving && saltus_contact_map_build(system, self->contacts & ~*leaving, 0, &flow->scratch))
+        hold = &flow->scratch;
+    const saltus_work *probe = probe_at(flow, lane, self->trial, self->now.phase, hold, 3);
     double a = 2 * gap_coefficient(system, probe, face, 2),
            jerk = 6 * gap_coefficient(system, probe, face, 3);
     if (!(a > 0) || rebound * rebound > tolerance * a * (r < 1 ? 1 - r : 2))
@@ -263,11 +302,15 @@ static double chatter_remainder(saltus_flow *flow, int lane, int face, double re
 
 /* Faces of `touched` that rest after the impact: no normal velocity out of rounding. */
 static unsigned resting_faces(const saltus_lane *self, unsigned touched, double tiny) {
+    const saltus_system *system = self->system;
     unsigned resting = 0;
-    for (int f = 0; f < self->system->face_count; f++)
+    for (int f = 0; f < system->face_count; f++) {
+        const double *normal = system->stop_normal[system->faces[f].stop];
+        double reach = fmin(1, sqrt(saltus_dot(normal, normal, system->dof)));
         if (touched >> f & 1 &&
-            fabs(saltus_face_normal(self->system, f, self->state + self->system->dof)) <= tiny)
+            fabs(saltus_face_normal(system, f, self->state + system->dof)) <= tiny * reach)
             resting |= 1u << f;
+    }
     return resting;
 }
 
@@ -311,12 +354,14 @@ static void refresh_rates(saltus_lane *self) {
 
 /* Take the impact without rebound if its chatter ends here; then decide which touched faces hold. Returns the
  * time left to the accumulation point, negative if the impact rebounds. */
-static double end_chatter_and_rest(saltus_flow *flow, int lane, int face, unsigned touched, double rebound) {
+static double end_chatter_and_rest(saltus_flow *flow, int lane, int face, unsigned touched, double rebound,
+                                   unsigned *leaving) {
     saltus_lane *self = &flow->lane[lane];
     int n = flow->dof;
     double tiny = 64 * DBL_EPSILON * sqrt(saltus_dot(self->state + n, self->state + n, n));
-    double remainder =
-        may_end_chatter(flow, lane, face, rebound) ? chatter_remainder(flow, lane, face, rebound) : -1;
+    double remainder = may_end_chatter(flow, lane, face, rebound)
+                           ? chatter_remainder(flow, lane, face, rebound, leaving)
+                           : -1;
     if (remainder >= 0) {
         memcpy(self->state, self->trial, (size_t)flow->dimension * sizeof(double));
         tiny *= 16;
@@ -344,8 +389,8 @@ saltus_status saltus_contacts_impact(saltus_flow *flow, int lane, int face, salt
     saltus_contact_map *map = &flow->scratch;
     int n = flow->dof;
     unsigned touched = touched_faces(self, face), closing = closing_faces(self, face, touched), impulses = 0;
-    unsigned held_before = self->contacts;
-    if (!impact_map(self, face, touched, closing, self->state + n, map))
+    unsigned held_before = self->contacts, leaving = 0;
+    if (!solve_impact(self, &face, touched, closing, self->state + n, map))
         return SALTUS_STALLED;
     for (int k = 0; k < map->count; k++)
         impulses |= 1u << map->face[k];
@@ -357,10 +402,11 @@ saltus_status saltus_contacts_impact(saltus_flow *flow, int lane, int face, salt
     saltus_contact_map_apply(map, n, self->state + n);
 
     double speed = fabs(event->velocity_before), rebound = system->faces[face].r * speed;
-    double remainder = end_chatter_and_rest(flow, lane, face, touched, rebound);
+    double remainder = end_chatter_and_rest(flow, lane, face, touched, rebound, &leaving);
     unsigned elastic = impulses & closing & ~(remainder >= 0 ? 1u << face : 0);
     if (flow->options.columns && speed > 0) {
-        if (!saltus_contact_map_build(system, impulses | (remainder >= 0 ? held_before : 0), elastic, map))
+        unsigned kept = remainder >= 0 ? held_before & ~leaving : 0;
+        if (!saltus_contact_map_build(system, impulses | kept, elastic, map))
             return SALTUS_STALLED;
         saltus_field_at(flow, lane, self->state, self->now.phase, &self->hold, self->after);
         saltate(flow, lane, face, speed, map, elastic, velocity_before);
@@ -409,9 +455,21 @@ bool saltus_contacts_set(saltus_flow *flow, int lane, unsigned contacts) {
     return built;
 }
 
-void saltus_contacts_release(saltus_flow *flow, int lane, int face) {
+/* The force's zero is found on the step's polynomial, as exact as the tolerance; whether the contact lets go
+ * is decided by the acceleration at the state itself, so that the gap that follows begins as the flow will.
+ */
+bool saltus_contacts_release(saltus_flow *flow, int lane, int face) {
     saltus_lane *self = &flow->lane[lane];
+    const unsigned contacts = self->contacts;
+    saltus_contacts_set(flow, lane, contacts & ~(1u << face));
+    const saltus_work *probe = probe_at(flow, lane, self->state, self->now.phase, &self->hold, 2);
+    bool moved = self->now.phase != self->begin.phase || self->now.cycle != self->begin.cycle;
+    if (moved &&
+        gap_coefficient(self->system, probe, face, 2) > rounding_of_gap(self->system, probe, face, 2)) {
+        saltus_contacts_set(flow, lane, contacts);
+        return false;
+    }
     self->info.releases++;
-    self->face[face] = (saltus_face_state){.touch = 3};
-    saltus_contacts_set(flow, lane, self->contacts & ~(1u << face));
+    self->face[face] = (saltus_face_state){.touch = 2};
+    return true;
 }

@@ -45,14 +45,12 @@ static bool surely_negative(const double *c, int degree) {
 }
 
 /* First rise of c through zero on (0, 1], the first `touch` coefficients being zeros at the start and not
- * counted. A start at zero or above it by rounding counts as a zero when c falls from there, and as a rise at
- * once otherwise. */
+ * counted. Where c falls from a start above zero by rounding, its rise is sought after that fall; otherwise
+ * such a start is a rise at once. */
 static bool first_rise(const double *c, int degree, int touch, double *root) {
     while (touch < degree && c[touch] == 0)
         touch++;
-    if (c[touch] > 0 && touch + 1 <= degree && c[touch + 1] < 0)
-        touch++;
-    else if (c[touch] > 0) {
+    if (c[touch] > 0 && !(touch + 1 <= degree && c[touch + 1] < 0)) {
         *root = 0;
         return true;
     }
@@ -206,6 +204,21 @@ double saltus_events_first(saltus_flow *flow, int lane, double step) {
     return first;
 }
 
+/* The term of a gap's series beyond the polynomial that velocities have and displacements have not: Taylor's
+ * series are of the same order for both. Without it the rate carried on would differ from the state's. */
+static double velocity_term(const saltus_flow *flow, int lane, int face) {
+    const saltus_work *w = &flow->work;
+    const saltus_lane *self = &flow->lane[lane];
+    const saltus_face f = self->system->faces[face];
+    double sum = 0;
+    if (flow->integrator == SALTUS_RADAU)
+        return 0;
+    for (int i = 0; i < flow->dof; i++)
+        sum = fma(self->system->stop_normal[f.stop][i],
+                  w->v[saltus_work_jet(w, w->order, 0) + (size_t)(i * w->stride + lane)], sum);
+    return f.side * sum;
+}
+
 bool saltus_events_carry(saltus_flow *flow, int lane, double step, int event_face, double *gap) {
     saltus_lane *self = &flow->lane[lane];
     int degree = degree_of(flow);
@@ -226,6 +239,7 @@ bool saltus_events_carry(saltus_flow *flow, int lane, double step, int event_fac
             value += c[k];
         for (int k = degree; k >= 1; k--)
             rate += k * c[k];
+        rate += velocity_term(flow, lane, f) * pow(step, degree + 1);
         *gap = value;
         if (value > near)
             return false;

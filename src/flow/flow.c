@@ -10,8 +10,9 @@
  * to the step.
  * - Just after an impact the gap is zero and opening. That zero is divided out of the polynomial, so the face
  * is watched again from the same instant, without a dead time: the next rise, however soon, is found. After a
- * release three zeros are divided out. While a face stays close, gap and rate are carried from the step's
- * polynomial to the next step, because n.q - d loses all digits there.
+ * release two zeros are divided out, and what rounding makes of the third is part of the gap. While a face
+ * stays close, gap and rate are carried from the step's polynomial to the next step, because n.q - d loses
+ * all digits there.
  * - The earliest event of a step wins; the state is evaluated there, the event is applied, and the flow goes
  * on. Faces reached in the same instant (to rounding) share one impact.
  * - Complete chatter, sticking and release: see contact.c. A held face is not searched for impacts, only its
@@ -41,7 +42,8 @@ static saltus_status resolve_start(saltus_flow *flow, int lane) {
         speed += fabs(self->state[system->dof + i]);
     }
     for (int f = 0; f < system->face_count; f++) {
-        if (saltus_system_gap(system, f, self->state) < -4e-16 * (size + fabs(system->faces[f].d)))
+        if (saltus_system_gap(system, f, self->state) <
+            -4e-16 * saltus_system_gap_size(system, f, self->state))
             continue;
         double velocity = saltus_face_normal(system, f, self->state + system->dof);
         if (fabs(velocity) <=
@@ -190,7 +192,8 @@ static saltus_status apply_event(saltus_flow *flow, int lane) {
     else {
         saltus_face f = self->system->faces[event->face];
         event->displacement = f.side * f.d;
-        saltus_contacts_release(flow, lane, event->face);
+        if (!saltus_contacts_release(flow, lane, event->face))
+            event->kind = SALTUS_STEP;
     }
     if (flow->radau)
         saltus_radau_impact(flow->radau);
@@ -313,12 +316,18 @@ static void finish_step(saltus_flow *flow, int lane) {
     self->ended = self->failure != SALTUS_OK || finished(self);
 }
 
+static saltus_status interrupted(const saltus_flow *flow, saltus_message *message) {
+    return saltus_fail(message, SALTUS_INTERRUPTED, "interrupted at %.15g periods",
+                       saltus_time_periods(flow->lane[0].now));
+}
+
 saltus_status saltus_flow_run(saltus_flow *flow, int *lane, saltus_event *event, saltus_message *message) {
     if (next_queued(flow, lane, event))
         return SALTUS_OK;
     int ready = waiting_lane(flow);
     while (ready < 0) {
-        saltus_status status = expand_lanes(flow, message);
+        saltus_status status = flow->options.stop && *flow->options.stop ? interrupted(flow, message)
+                                                                         : expand_lanes(flow, message);
         *lane = 0;
         if (status != SALTUS_OK) {
             flow->lane[0].aimed = false;

@@ -119,7 +119,8 @@ double saltus_face_normal(const saltus_system *system, int face, const double *v
 void saltus_contacts_rest(saltus_flow *flow, int lane, unsigned resting);
 /* Impact on the face of the pending event; complete chatter; tangent vectors. */
 saltus_status saltus_contacts_impact(saltus_flow *flow, int lane, int face, saltus_event *event);
-void saltus_contacts_release(saltus_flow *flow, int lane, int face);
+/* Let go of a face whose force has come to zero; false if at the state itself it still presses. */
+bool saltus_contacts_release(saltus_flow *flow, int lane, int face);
 /* Change the lasting contacts: faces that hold from now on, the map with it; false if they cannot hold
  * together.
  */

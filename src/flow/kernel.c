@@ -493,15 +493,19 @@ KERNEL_INLINE lane_t finite_sum(const saltus_work *w) {
 }
 
 /* The step at which the last two coefficients of every column fall below the tolerance (Jorba & Zou, section
- * 3). A parameter column starts at zero; its size is what its rate makes of it. */
+ * 3). A parameter column starts at zero; its size is what its rate makes of it. So is the size of a state at
+ * rest in the origin, but a millionth of it, which no other state is affected by. */
 static void measure(saltus_work *w) {
     const int last = w->order, steady = w->columns - w->directions;
     const lane_t limit = *(const lane_t *)(const void *)w->limit;
     lane_t step = limit;
     for (int c = 0; c <= w->columns; c++) {
+        const lane_t change = limit * column_norm(w, 1, c);
         lane_t size = column_norm(w, 0, c);
         if (c > steady)
-            size += limit * column_norm(w, 1, c);
+            size += change;
+        else
+            size = lane_if_less(size, 1e-6 * change, 1e-6 * change, size);
         const lane_t tolerance =
             c ? w->tolerance_tangent * size : w->tolerance_absolute + w->tolerance_relative * size;
         step = lane_smaller(step, coefficient_step(column_norm(w, last - 1, c), tolerance, last - 1, limit));

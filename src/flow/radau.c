@@ -684,6 +684,17 @@ static bool attempt_step(saltus_radau *r, double phase, int k, bool follows, dou
     return error <= accept;
 }
 
+/* Whether the last node, the step's end, holds numbers still. */
+static bool ends_finite(const saltus_radau *r) {
+    const saltus_stages *s = &r->stages;
+    const saltus_work *last = &r->work[s->chunks - 1];
+    double sum = 0;
+    for (int i = 0; i < s->dof; i++)
+        sum +=
+            fabs(last->xq[i * last->stride + s->lanes - 1]) + fabs(last->xv[i * last->stride + s->lanes - 1]);
+    return isfinite(sum);
+}
+
 saltus_status saltus_radau_step(saltus_radau *radau, saltus_work *work, double limit,
                                 long long *evaluations) {
     double phase = work->phase[0], errors[nodes], scale = 0;
@@ -703,7 +714,7 @@ saltus_status saltus_radau_step(saltus_radau *radau, saltus_work *work, double l
         radau->proposal = scale > 0 ? scale * radau->stages.step : 0.5 * radau->stages.step;
         k = grid_below(radau, radau->proposal);
     }
-    if (!done)
+    if (!done || !ends_finite(radau))
         return SALTUS_STALLED;
     emit(radau, work);
     double step = radau->stages.step, grown = step * growth(errors);

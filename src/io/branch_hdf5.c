@@ -170,8 +170,7 @@ static saltus_status exchange(saltus_branch_output *o, bool complete, saltus_mes
     saltus_status status = saltus_output_open(&output, o->path, message);
     if (status == SALTUS_OK) {
         put_file(o, complete, output.file, &w);
-        if (!w.sound)
-            status = saltus_fail(message, SALTUS_IO, "the HDF5 library could not make the file");
+        status = saltus_h5_status(&w, message);
         status = saltus_output_close(&output, status, message);
     }
     saltus_h5_restore(&silence);

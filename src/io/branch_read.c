@@ -81,8 +81,11 @@ static saltus_status read_spec(reader *r, const char *model) {
         spec->stop_count++;
     }
     saltus_message sentence = {""};
-    if (status == SALTUS_OK && saltus_system_new(spec, &r->system, &sentence) != SALTUS_OK)
-        status = refuse(r, sentence.text);
+    if (status == SALTUS_OK)
+        status = saltus_system_new(spec, &r->system, &sentence);
+    if (!r->system && sentence.text[0])
+        status = status == SALTUS_NO_MEMORY ? saltus_fail(r->message, status, "%s", sentence.text)
+                                            : refuse(r, sentence.text);
     r->shape.stops = spec->stop_count;
     return status;
 }
@@ -175,6 +178,16 @@ static saltus_status read_start(reader *r) {
     return SALTUS_OK;
 }
 
+/* Whether memory for so many rows should be asked for. A column of the stops of a scene without any is not
+ * there. */
+static bool is_believable(const reader *r, const char *name, long long rows, const int width[2]) {
+    hsize_t size[SALTUS_H5_RANK_MAX] = {0}, stored,
+            per_row = (hsize_t)(width[0] ? width[0] : 1) * (hsize_t)(width[1] ? width[1] : 1);
+    bool absent = width[1] && !width[0];
+    return absent || (saltus_h5_extent(r->file, name, size, &stored) >= 0 &&
+                      saltus_h5_believable((hsize_t)rows, per_row, stored));
+}
+
 /* Read one column of all rows; *data is to be freed. */
 static saltus_status read_column(const reader *r, const char *group, const saltus_branch_column *column,
                                  long long rows, unsigned char **data) {
@@ -183,6 +196,8 @@ static saltus_status read_column(const reader *r, const char *group, const saltu
     int width[2];
     snprintf(name, sizeof name, "%s/%s", group, column->name);
     saltus_column_widths(column, r->shape, width);
+    if (!is_believable(r, name, rows, width))
+        return refuse_part(r, group, column->name);
     *data = calloc((size_t)rows + 1, saltus_column_bytes(column, r->shape) + 1);
     if (!*data)
         return saltus_fail(r->message, SALTUS_NO_MEMORY, "no memory for reading %s", r->path);
@@ -229,7 +244,8 @@ static saltus_status read_events(reader *r, long long *count) {
         return refuse_part(r, "events", "kind");
     for (int k = 0; k < SALTUS_EVENT_COLUMNS && status == SALTUS_OK; k++)
         status = read_column(r, "events", &saltus_event_columns[k], *count, &data[k]);
-    r->made->events = calloc((size_t)*count + 1, sizeof *r->made->events);
+    if (status == SALTUS_OK)
+        r->made->events = calloc((size_t)*count + 1, sizeof *r->made->events);
     if (status == SALTUS_OK && !r->made->events)
         status = saltus_fail(r->message, SALTUS_NO_MEMORY, "no memory for reading %s", r->path);
     for (long long e = 0; e < *count && status == SALTUS_OK; e++) {

@@ -16,6 +16,18 @@ bool saltus_h5_note(saltus_h5 *w, bool good) {
     return w->sound = w->sound && good;
 }
 
+bool saltus_h5_note_memory(saltus_h5 *w, bool there) {
+    w->starved |= !there;
+    return saltus_h5_note(w, there);
+}
+
+saltus_status saltus_h5_status(const saltus_h5 *w, saltus_message *message) {
+    if (w->sound)
+        return SALTUS_OK;
+    return w->starved ? saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the file")
+                      : saltus_fail(message, SALTUS_IO, "the HDF5 library could not make the file");
+}
+
 static void put_attribute(saltus_h5 *w, hid_t owner, const char *name, hid_t type, hid_t memory,
                           const void *value) {
     hid_t space = H5Screate(H5S_SCALAR);
@@ -230,6 +242,7 @@ void saltus_h5_finish(saltus_h5 *w, FILE *file) {
     if (saltus_h5_note(w, w->sound && H5Fflush(w->file, H5F_SCOPE_GLOBAL) >= 0))
         size = H5Fget_file_image(w->file, NULL, 0);
     unsigned char *image = size > 0 ? malloc((size_t)size) : NULL;
+    saltus_h5_note_memory(w, image || size <= 0);
     if (saltus_h5_note(w, image && H5Fget_file_image(w->file, image, (size_t)size) == size)) {
         char seal[SALTUS_H5_SEAL + 1];
         write_seal(digest(digest_begin, image, (size_t)size), seal);
@@ -355,6 +368,11 @@ int saltus_h5_extent(hid_t file, const char *name, hsize_t size[SALTUS_H5_RANK_M
 long long saltus_h5_rows(hid_t file, const char *name) {
     hsize_t size[SALTUS_H5_RANK_MAX] = {0}, stored;
     return saltus_h5_extent(file, name, size, &stored) < 0 ? -1 : (long long)size[0];
+}
+
+bool saltus_h5_believable(hsize_t entries, hsize_t width, hsize_t stored) {
+    const hsize_t most_entries = (hsize_t)1 << 40, per_row = width ? width : 1;
+    return entries <= most_entries / per_row && entries * per_row / 1024 <= stored;
 }
 
 bool saltus_h5_get_array(hid_t file, const char *name, hid_t memory, int rank, const hsize_t *size,

@@ -26,9 +26,14 @@ void saltus_h5_restore(const saltus_h5_silence *silence);
 typedef struct saltus_h5 {
     hid_t file;
     bool sound;
+    bool starved; /* it is memory that was lacking */
 } saltus_h5;
 
 bool saltus_h5_note(saltus_h5 *w, bool good);
+/* The same for an allocation. */
+bool saltus_h5_note_memory(saltus_h5 *w, bool there);
+/* SALTUS_OK, or what the finished file is not: SALTUS_IO, SALTUS_NO_MEMORY. */
+saltus_status saltus_h5_status(const saltus_h5 *w, saltus_message *message);
 /* A new file in memory. */
 void saltus_h5_create(saltus_h5 *w);
 /* Write the finished file, followed by a seal by which damage is noticed, and let go of it. Failures to write
@@ -94,6 +99,9 @@ bool saltus_h5_get_array(hid_t file, const char *name, hid_t memory, int rank, c
 /* Rank and extent of a dataset, and the bytes that it takes in the file; the rank is -1 when there is none of
  * that name. */
 int saltus_h5_extent(hid_t file, const char *name, hsize_t size[SALTUS_H5_RANK_MAX], hsize_t *stored);
+/* Whether a dataset of `entries` rows of `width` entries may be as large as it says, stored in so many bytes:
+ * deflate makes a block shorter by a factor of about a thousand at most. */
+bool saltus_h5_believable(hsize_t entries, hsize_t width, hsize_t stored);
 /* The groups /parameters and /parameters/stop_1, ... as written by saltus_h5_parameters, of a known model.
  * NULL when all is there and finite, otherwise what is not. */
 const char *saltus_h5_get_parameters(hid_t file, const saltus_model *model, saltus_spec *spec);

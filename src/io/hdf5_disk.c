@@ -22,6 +22,8 @@ typedef struct disk_file {
 static H5FD_t *disk_open(const char *name, unsigned flags, hid_t access, haddr_t most) {
     saltus_h5_disk *const *disk = H5Pget_driver_info(access);
     disk_file *file = disk ? calloc(1, sizeof *file) : NULL;
+    if (disk && !file)
+        (*disk)->reason = ENOMEM;
     (void)name;
     (void)flags;
     (void)most;

@@ -65,12 +65,13 @@ static bool skip_string(cursor *c) {
     return take(c, '"');
 }
 
+/* A word that is cut off ends where the text does. */
 static bool skip_word(cursor *c, const char *word) {
-    size_t length = strlen(word);
-    if ((size_t)(c->end - c->at) < length || memcmp(c->at, word, length) != 0)
+    size_t length = strlen(word), left = (size_t)(c->end - c->at), there = left < length ? left : length;
+    if (memcmp(c->at, word, there) != 0)
         return false;
-    c->at += length;
-    return true;
+    c->at += there;
+    return there == length;
 }
 
 static bool skip_value(cursor *c, int depth);

@@ -42,6 +42,8 @@ static int open_beside(saltus_output *output) {
     size_t room = strlen(output->path) + 32;
     output->temporary = malloc(room);
     int descriptor = -1;
+    if (!output->temporary)
+        errno = ENOMEM;
     for (int k = 0; output->temporary && k < 1000; k++) {
         snprintf(output->temporary, room, "%s.part%ld-%d", output->path, (long)getpid(), k);
         descriptor = open(output->temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
@@ -57,6 +59,12 @@ static void release(saltus_output *output) {
     *output = (saltus_output){0};
 }
 
+static saltus_status refuse(const char *path, int reason, saltus_message *message) {
+    if (reason == ENOMEM)
+        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for writing %s", path);
+    return saltus_fail(message, SALTUS_IO, "%s cannot be written: %s", path, strerror(reason));
+}
+
 saltus_status saltus_output_open(saltus_output *output, const char *path, saltus_message *message) {
     struct stat facts;
     bool exists = stat(path, &facts) == 0;
@@ -66,7 +74,7 @@ saltus_status saltus_output_open(saltus_output *output, const char *path, saltus
     /* Links are followed, so that the file they name is replaced and the link stays. */
     output->path = exists ? realpath(path, NULL) : strdup(path);
     if (!output->path)
-        return saltus_fail(message, SALTUS_IO, "%s cannot be written: %s", path, strerror(errno));
+        return refuse(path, exists ? errno : ENOMEM, message);
     int descriptor = -1;
     if (exists && !S_ISREG(facts.st_mode))
         descriptor = open(output->path, O_WRONLY | O_CLOEXEC);
@@ -84,7 +92,7 @@ saltus_status saltus_output_open(saltus_output *output, const char *path, saltus
             unlink(output->temporary);
     }
     release(output);
-    return saltus_fail(message, SALTUS_IO, "%s cannot be written: %s", path, strerror(reason));
+    return refuse(path, reason, message);
 }
 
 saltus_status saltus_output_close(saltus_output *output, saltus_status status, saltus_message *message) {

@@ -206,7 +206,7 @@ saltus_status saltus_record_run(const saltus_system *system, const double *state
         status = run(&self, state, transient, periods, message);
     saltus_flow_free(self.flow);
     free(self.state);
-    if (status != SALTUS_OK)
+    if (status != SALTUS_OK && status != SALTUS_INTERRUPTED)
         saltus_record_clear(record);
     return status;
 }

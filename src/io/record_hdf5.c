@@ -134,7 +134,7 @@ static void write_file(const saltus_source *source, FILE *file, saltus_h5 *w) {
     int *integers = malloc((size_t)(3 * n + 1) * sizeof *integers);
     double *reals = malloc((size_t)(3 * n + 1) * sizeof *reals);
     saltus_h5_create(w);
-    if (saltus_h5_note(w, parameters && split_events(source, integers, reals))) {
+    if (saltus_h5_note_memory(w, parameters && split_events(source, integers, reals))) {
         put_attributes(w, source, parameters);
         saltus_h5_parameters(w, saltus_system_spec(source->system));
         put_trajectory(w, source);
@@ -154,5 +154,5 @@ saltus_status saltus_record_hdf5(const saltus_source *source, FILE *file, saltus
         return saltus_fail(message, SALTUS_IO, "the HDF5 library could not be opened");
     write_file(source, file, &w);
     saltus_h5_restore(&silence);
-    return w.sound ? SALTUS_OK : saltus_fail(message, SALTUS_IO, "the HDF5 library could not make the file");
+    return saltus_h5_status(&w, message);
 }

@@ -8,6 +8,7 @@
 #include "io/hdf5_disk.h"
 #include "io/sweep_output.h"
 
+#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -222,7 +223,8 @@ static void put_cloud(maker *m, int which, size_t row, int seeds) {
         memcpy(c->count.buffer + (row + (size_t)s) * sizeof count, &count, sizeof count);
         append(m, c, entries, count);
         c->next += count;
-        entries += count ? (size_t)count * stride : 0;
+        if (count)
+            entries += (size_t)count * stride;
     }
 }
 
@@ -306,7 +308,7 @@ saltus_status saltus_sweep_put_hdf5(saltus_sweep_stream *stream, const char *tem
     if (status == SALTUS_OK && m.w.sound && m.memory && stream->basins && stream->complete)
         m.memory = saltus_sweep_put_attractors(&m.w, stream);
     saltus_h5_disk_finish(&m.w, &m.disk, durable);
-    if (status == SALTUS_OK && !m.memory)
+    if (status == SALTUS_OK && (!m.memory || m.disk.reason == ENOMEM))
         status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for writing %s", path);
     else if (status == SALTUS_OK && m.disk.reason)
         status = saltus_fail(message, SALTUS_IO, "%s could not be written completely: %s", path,

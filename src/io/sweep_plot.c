@@ -291,6 +291,11 @@ saltus_status saltus_sweep_draw(const saltus_sweep_file *sweep, const char *path
                                 const saltus_sweep_view *view, const char *figure, saltus_message *message) {
     saltus_system *system = NULL;
     saltus_status status = saltus_system_new(&sweep->spec, &system, message);
+    if (status == SALTUS_OK && saltus_system_dimension(system) != sweep->dimension)
+        status = saltus_fail(message, SALTUS_BAD_INPUT,
+                             "%.300s: is not a sound sweep file: its states have %d entries, its scene makes "
+                             "it %d",
+                             path, sweep->dimension, saltus_system_dimension(system));
     saltus_sweep_page page = {.sweep = sweep,
                               .wish = view,
                               .path = path,

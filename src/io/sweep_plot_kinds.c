@@ -194,7 +194,7 @@ bool saltus_map_basins(saltus_map *map) {
     return true;
 }
 
-/* Which entry of a state a key names: q1, v1, ... */
+/* Which entry of a state a key names: q1, v1, ...; negative or beyond the last one: none. */
 static int entry_of(const saltus_map *map, const char *key) {
     int k = atoi(key + 1) - 1;
     return key[0] == 'v' ? k + saltus_system_dof(map->page->system) : k;
@@ -208,7 +208,7 @@ void saltus_map_put_orbits(const saltus_map *map) {
         for (long long p = 0; p < sweep->attractor_points[k]; p++) {
             const double *state =
                 sweep->attractor_states + (sweep->attractor_first[k] + p) * sweep->dimension;
-            if (across < sweep->dimension && up < sweep->dimension)
+            if (across >= 0 && across < sweep->dimension && up >= 0 && up < sweep->dimension)
                 fprintf(map->page->file, "%.9g %.9g\n", state[across], state[up]);
         }
         fputs("EOD\n", map->page->file);

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const long long most_rows = 1000000000, most_entries = 1LL << 40;
+static const long long most_rows = 1000000000;
 
 /* A file being read. */
 typedef struct reader {
@@ -134,17 +134,10 @@ static saltus_status read_options(reader *r) {
     return lacking ? refuse_part(r, "sweep", lacking) : SALTUS_OK;
 }
 
-/* Whether a dataset of `entries` may be as large as it says: deflate makes a block shorter by a factor of
- * about a thousand at most. */
-static bool believable(hsize_t entries, hsize_t width, hsize_t stored) {
-    return entries <= (hsize_t)most_entries / (width ? width : 1) &&
-           entries * (width ? width : 1) / 1024 <= stored;
-}
-
 /* Read a dataset of finite numbers that tells its own length. */
 static saltus_status read_reals(reader *r, const char *name, long long most, int *count, double **values) {
     hsize_t size[SALTUS_H5_RANK_MAX] = {0}, stored;
-    if (saltus_h5_extent(r->file, name, size, &stored) != 1 || !believable(size[0], 1, stored) ||
+    if (saltus_h5_extent(r->file, name, size, &stored) != 1 || !saltus_h5_believable(size[0], 1, stored) ||
         size[0] > (hsize_t)most)
         return refuse_part(r, "", name);
     *count = (int)size[0];
@@ -224,7 +217,7 @@ static saltus_status read_rows(reader *r) {
     size_t rows = (size_t)made->row_count;
     hsize_t size[SALTUS_H5_RANK_MAX] = {0}, stored;
     if (saltus_h5_extent(r->file, "rows/verdict", size, &stored) != 4 ||
-        memcmp(size, r->size, sizeof size) != 0 || (made->complete && !believable(rows, 1, stored)))
+        memcmp(size, r->size, sizeof size) != 0 || (made->complete && !saltus_h5_believable(rows, 1, stored)))
         return refuse_part(r, "rows", "verdict");
     unsigned char *data = malloc(rows * sizeof(double));
     made->rows = calloc(rows, sizeof *made->rows);
@@ -264,7 +257,7 @@ static saltus_status read_counts(reader *r, const saltus_sweep_cloud *cloud, int
     char name[64];
     snprintf(name, sizeof name, "%s/%s", cloud->group, cloud->columns[0].name);
     if (saltus_h5_extent(r->file, name, size, &stored) != (width ? 2 : 1) ||
-        !believable(size[0], (hsize_t)width, stored))
+        !saltus_h5_believable(size[0], (hsize_t)width, stored))
         return refuse_part(r, cloud->group, cloud->columns[0].name);
     *total = (long long)size[0];
     *first = malloc(rows * sizeof **first);
@@ -364,14 +357,14 @@ static saltus_status read_attractors(reader *r) {
     if (!made->basins || !made->complete)
         return SALTUS_OK;
     if (saltus_h5_extent(r->file, "attractors/label", size, &stored) != 1 ||
-        !believable(size[0], 1, stored) || size[0] > INT_MAX / 64)
+        !saltus_h5_believable(size[0], 1, stored) || size[0] > INT_MAX / 64)
         return refuse_part(r, "attractors", "label");
     int count = (int)size[0];
     saltus_status status = read_labels(r, count);
     if (status != SALTUS_OK)
         return status;
     if (saltus_h5_extent(r->file, "attractors/state", size, &stored) != 2 ||
-        size[1] != (hsize_t)made->dimension || !believable(size[0], size[1], stored))
+        size[1] != (hsize_t)made->dimension || !saltus_h5_believable(size[0], size[1], stored))
         return refuse_part(r, "attractors", "state");
     long long points = (long long)size[0];
     made->attractor_multiplier = malloc(((size_t)count + 1) * sizeof *made->attractor_multiplier);

@@ -34,6 +34,7 @@ typedef struct amid {
     const double *points;
     long long count;
     int n;
+    double extent; /* of the points */
     saltus_arena arena;
     double *state, *image, *derivative, *matrix, *real, *imaginary;
     double *beside; /* points of orbits that are of no account: the last `remembered` ones */
@@ -51,6 +52,14 @@ static void reserve(amid *a) {
     a->imaginary = saltus_arena_doubles(&a->arena, n);
     a->beside = saltus_arena_doubles(&a->arena, remembered * n);
     a->pivots = (int *)saltus_arena_doubles(&a->arena, n);
+}
+
+static double extent_of_points(const amid *a) {
+    double extent = 0;
+    for (int k = 0; k < probes; k++)
+        extent = fmax(
+            extent, saltus_section_distance(a->system, a->points + a->count * k / probes * a->n, a->points));
+    return extent;
 }
 
 /* The points that come back best after p periods, apart from each other in time; how many. Short periods,
@@ -107,7 +116,8 @@ static bool is_beside(const amid *a) {
     return false;
 }
 
-/* Newton's method from a point: does it lead to a stable fixed point of the map? */
+/* Newton's method from a point: does it lead to a stable fixed point of the map? What is not amid the points
+ * is not looked for; far out a single period can take as long as a million of the motion's. */
 static bool leads_to_stable(amid *a, saltus_map *map, const double *point) {
     double before = INFINITY;
     memcpy(a->state, point, (size_t)a->n * sizeof *point);
@@ -119,7 +129,8 @@ static bool leads_to_stable(amid *a, saltus_map *map, const double *point) {
         saltus_map_derivative(map, a->derivative);
         if (residual < converged)
             return contracts(a) && !is_beside(a);
-        if (!(residual < hopeless * before) || !step(a))
+        if (!(residual < hopeless * before) || !step(a) ||
+            !(saltus_section_distance(a->system, a->state, point) < a->extent))
             return false;
         before = residual;
     }
@@ -159,15 +170,14 @@ static double nearest(const amid *a, const double *point, long long self, long l
 
 /* What distance from the points is near. */
 static double near_enough(const amid *a) {
-    double spacing[probes], extent = 0;
+    double spacing[probes];
     long long which;
     for (int k = 0; k < probes; k++) {
-        const double *point = a->points + a->count * k / probes * a->n;
-        spacing[k] = nearest(a, point, a->count * k / probes, &which);
-        extent = fmax(extent, saltus_section_distance(a->system, point, a->points));
+        long long place = a->count * k / probes;
+        spacing[k] = nearest(a, a->points + place * a->n, place, &which);
     }
     qsort(spacing, probes, sizeof spacing[0], compare);
-    return fmax(spacings * spacing[probes / 2], part_of_extent * extent);
+    return fmax(spacings * spacing[probes / 2], part_of_extent * a->extent);
 }
 
 /* Whether a state comes to the orbit: to a tenth of its distance, in the time that takes on the orbit's
@@ -257,6 +267,7 @@ saltus_status saltus_stable_orbit_amid(const saltus_system *system, const saltus
     if (!saltus_arena_open(&a.arena))
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory to look for stable orbits");
     reserve(&a);
+    a.extent = extent_of_points(&a);
     for (int p = 1; p <= longest && status == SALTUS_OK && !*found; p++)
         status = try_period(&a, p, motion, found, message);
     saltus_arena_close(&a.arena);

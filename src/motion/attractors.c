@@ -113,6 +113,14 @@ saltus_status saltus_attractors_find(const saltus_system *system, int seeds, uns
         status = saltus_motion_random_state(system, rng, state, message);
         if (status == SALTUS_OK)
             status = saltus_classify(system, state, options, &motion, message);
+        /* One that was interrupted is none. */
+        bool stopped = saltus_motion_stopped(&options->flow) && !saltus_motion_settled(&motion);
+        if (status == SALTUS_INTERRUPTED || (status == SALTUS_OK && stopped)) {
+            saltus_motion_clear(&motion);
+            attractors->seeds = k;
+            status = SALTUS_OK;
+            break;
+        }
         if (status == SALTUS_OK)
             sort_in(system, attractors, &motion);
     }

@@ -138,47 +138,54 @@ static bool is_resting(const saltus_system *system, saltus_flow *flow, const his
     return drift < 1e3 * at_rest;
 }
 
+/* A failure of what was only tried, which is none unless memory is lacking. */
+static saltus_status tried(saltus_status status) {
+    return status == SALTUS_NO_MEMORY ? status : SALTUS_OK;
+}
+
 /* The least divisor of the orbit's period after which it already closes: a slowly settling trajectory recurs
  * first after a multiple of its least period. */
-static int least_period(const saltus_system *system, const saltus_flow_options *options,
-                        const saltus_orbit *orbit, saltus_message *message) {
+static saltus_status least_period(const saltus_system *system, const saltus_flow_options *options,
+                                  const saltus_orbit *orbit, int *least, saltus_message *message) {
     double point[SALTUS_STATE_MAX];
     saltus_section section = saltus_section_defaults();
     saltus_map *map = NULL;
-    int least = orbit->periods;
+    *least = orbit->periods;
     saltus_status status = saltus_map_new(system, &section, options, false, &map, message);
     if (status == SALTUS_OK)
         status = saltus_map_reset(map, orbit->state, message);
-    for (int p = 1; p <= orbit->periods / 2 && status == SALTUS_OK && least == orbit->periods; p++) {
+    for (int p = 1; p <= orbit->periods / 2 && status == SALTUS_OK && *least == orbit->periods; p++) {
         status = saltus_map_step(map, point, NULL, message);
         if (status == SALTUS_OK && orbit->periods % p == 0 &&
             saltus_section_distance(system, point, orbit->state) < fmax(same_orbit, 1e4 * options->rtol))
-            least = p;
+            *least = p;
     }
     saltus_map_free(map);
-    return least;
+    return tried(status);
 }
 
 /* Newton from the trajectory's last point; accepted if the orbit is where the trajectory is, and stable. */
-static bool polish(const saltus_system *system, const saltus_classify_options *options, const history *h,
-                   int p, double distance, saltus_orbit *orbit, saltus_message *message) {
+static saltus_status polish(const saltus_system *system, const saltus_classify_options *options,
+                            const history *h, int p, double distance, saltus_orbit *orbit, bool *accepted,
+                            saltus_message *message) {
     saltus_orbit_options shooting = saltus_motion_shooting(options);
     const double *last = point_at(h, h->count - 1);
-    if (saltus_orbit_find(system, p, last, &shooting, orbit, message) != SALTUS_OK)
-        return false;
-    int least = least_period(system, &options->flow, orbit, message);
-    if (least < p) {
+    int least = p;
+    *accepted = false;
+    saltus_status status = saltus_orbit_find(system, p, last, &shooting, orbit, message);
+    if (status != SALTUS_OK)
+        return tried(status);
+    status = least_period(system, &options->flow, orbit, &least, message);
+    if (status == SALTUS_OK && least < p) {
         saltus_orbit whole = *orbit;
-        saltus_status status = saltus_orbit_find(system, least, whole.state, &shooting, orbit, message);
+        status = saltus_orbit_find(system, least, whole.state, &shooting, orbit, message);
         saltus_orbit_clear(&whole);
-        if (status != SALTUS_OK)
-            return false;
     }
-    double moved = saltus_section_distance(system, orbit->state, last);
-    if (saltus_motion_orbit_stable(orbit) && moved <= fmax(nearby, 30 * distance))
-        return true;
-    saltus_orbit_clear(orbit);
-    return false;
+    *accepted = status == SALTUS_OK && saltus_motion_orbit_stable(orbit) &&
+                saltus_section_distance(system, orbit->state, last) <= fmax(nearby, 30 * distance);
+    if (!*accepted)
+        saltus_orbit_clear(orbit);
+    return tried(status);
 }
 
 /* The trajectory must go on closing in on the orbit: its distance falls to a fifth or below `close`, or,
@@ -250,9 +257,13 @@ static saltus_status try_period(search *s, saltus_message *message) {
     int p = saltus_system_forced(s->system)
                 ? candidate_period(s->system, &s->h, o->longest, recurrence, &s->closest)
                 : 0;
-    if (!p || is_too_long(s, p) || !polish(s->system, o, &s->h, p, s->closest, &s->orbit, message))
-        return SALTUS_OK;
-    saltus_status status =
+    bool accepted = false;
+    saltus_status status = SALTUS_OK;
+    if (p && !is_too_long(s, p))
+        status = polish(s->system, o, &s->h, p, s->closest, &s->orbit, &accepted, message);
+    if (!accepted)
+        return status;
+    status =
         confirm(s->system, s->flow, &s->h, fmax(1e-9, 1e4 * o->flow.rtol), &s->orbit, &s->found, message);
     if (status != SALTUS_OK || !s->found)
         saltus_orbit_clear(&s->orbit);
@@ -269,7 +280,10 @@ static saltus_status settle(search *s, long long at_most, saltus_motion *motion,
         long long until = s->h.count + block < at_most ? s->h.count + block : at_most;
         while (status == SALTUS_OK && s->h.count < until)
             status = advance_period(s->system, s->flow, &s->h, message);
-        if (status != SALTUS_OK)
+        s->stopped = saltus_motion_stopped(&o->flow);
+        if (s->stopped)
+            status = SALTUS_OK;
+        if (status != SALTUS_OK || s->stopped)
             break;
         s->stopped = o->progress && !o->progress(o->context, s->h.count, o->transient);
         if (is_resting(s->system, s->flow, &s->h, s->field)) {
@@ -281,6 +295,16 @@ static saltus_status settle(search *s, long long at_most, saltus_motion *motion,
     }
     motion->transient = s->h.count;
     return status;
+}
+
+/* What is concluded while flows are being stopped is no evidence: the motion is undecided. */
+static saltus_status drop_verdict(search *s, saltus_motion *motion) {
+    free(motion->evidence.history);
+    motion->evidence = (saltus_evidence){0};
+    motion->kind = SALTUS_UNDECIDED;
+    motion->lyapunov = motion->lyapunov_error = NAN;
+    s->stopped = true;
+    return SALTUS_OK;
 }
 
 /* Fill the motion with what has been found, or say that nothing was. */
@@ -386,6 +410,8 @@ saltus_status saltus_classify(const saltus_system *system, const double *state,
     bool open = status == SALTUS_OK && !s.found && motion->kind == SALTUS_UNDECIDED && !s.stopped;
     if (open && options->measure)
         status = judge(&s, motion, message);
+    if (open && saltus_motion_stopped(&options->flow) && !saltus_motion_settled(motion))
+        status = drop_verdict(&s, motion);
     bool judged = motion->evidence.periods > 0 && !s.found && !saltus_motion_settled(motion);
     if (status == SALTUS_OK && judged)
         status = saltus_motion_survey(system, s.flow, motion, message);

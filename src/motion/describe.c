@@ -14,6 +14,10 @@ static const double same_image = 1e-7; /* a mirror image that is the orbit itsel
 
 /* Multipliers inside the unit circle, by more than their own accuracy; one too small to be resolved is
  * inside. */
+bool saltus_motion_stopped(const saltus_flow_options *options) {
+    return options->stop && *options->stop;
+}
+
 bool saltus_motion_orbit_stable(const saltus_orbit *orbit) {
     for (int i = 0; i < orbit->dimension; i++)
         if (orbit->multipliers[i].log_modulus >= -1e-10)
@@ -328,13 +332,12 @@ saltus_status saltus_motion_settle(const saltus_system *system, const saltus_flo
 /* A rest is a fixed point of the map over any time: polished as one, its multipliers decide on stability.
  * Where Newton's matrix is singular (a continuum of rests) the state stays as found and is not called stable.
  */
-static void polish_rest(const saltus_system *system, const saltus_classify_options *options,
-                        saltus_motion *motion) {
+static saltus_status polish_rest(const saltus_system *system, const saltus_classify_options *options,
+                                 saltus_motion *motion, saltus_message *message) {
     saltus_orbit_options shooting = saltus_motion_shooting(options);
     saltus_orbit rest = {0};
-    saltus_message message;
-    if (saltus_orbit_find(system, 1, motion->state, &shooting, &rest, &message) == SALTUS_OK &&
-        saltus_section_distance(system, rest.state, motion->state) < same_rest) {
+    saltus_status status = saltus_orbit_find(system, 1, motion->state, &shooting, &rest, message);
+    if (status == SALTUS_OK && saltus_section_distance(system, rest.state, motion->state) < same_rest) {
         memcpy(motion->state, rest.state, (size_t)motion->dimension * sizeof *motion->state);
         motion->stable = saltus_motion_orbit_stable(&rest);
         motion->residual = rest.residual;
@@ -343,6 +346,7 @@ static void polish_rest(const saltus_system *system, const saltus_classify_optio
         motion->lyapunov_error = 0;
     }
     saltus_orbit_clear(&rest);
+    return status == SALTUS_NO_MEMORY ? status : SALTUS_OK;
 }
 
 saltus_status saltus_motion_rest(const saltus_system *system, saltus_flow *flow,
@@ -352,7 +356,7 @@ saltus_status saltus_motion_rest(const saltus_system *system, saltus_flow *flow,
     saltus_status status = SALTUS_OK;
     saltus_flow_state(flow, 0, motion->state);
     if (motion->kind != SALTUS_UNDECIDED)
-        polish_rest(system, options, motion);
+        status = polish_rest(system, options, motion, message);
     motion->largest = -INFINITY;
     motion->smallest = INFINITY;
     see_displacement(system, motion->state, motion);
@@ -363,7 +367,7 @@ saltus_status saltus_motion_rest(const saltus_system *system, saltus_flow *flow,
             motion->mirror == SALTUS_MIRROR_PAIR)
             motion->mirror = SALTUS_MIRROR_SELF;
     }
-    if (motion->kind == SALTUS_HELD)
+    if (status == SALTUS_OK && motion->kind == SALTUS_HELD)
         status = measure_forces(system, options, motion, message);
     write_label(motion, false);
     return status;
@@ -384,7 +388,8 @@ saltus_status saltus_motion_survey(const saltus_system *system, saltus_flow *flo
             see_event(system, flow, &event, motion);
     }
     write_label(motion, false);
-    return status;
+    /* The verdict stands without the last extremes. */
+    return status == SALTUS_INTERRUPTED ? SALTUS_OK : status;
 }
 
 void saltus_motion_clear(saltus_motion *motion) {

@@ -12,6 +12,8 @@ enum { SALTUS_STATE_MAX = 160 };
 /* Largest difference of two states, each component relative to the system's scale. */
 double saltus_section_distance(const saltus_system *system, const double *a, const double *b);
 
+/* Whether the caller has asked to stop. */
+bool saltus_motion_stopped(const saltus_flow_options *options);
 /* Whether all multipliers are inside the unit circle. */
 bool saltus_motion_orbit_stable(const saltus_orbit *orbit);
 /* Options of Newton's method that suit those of a classification. */

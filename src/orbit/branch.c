@@ -94,6 +94,7 @@ static saltus_status open_starts(saltus_branch *b, int periods, const double *st
     saltus_orbit orbit = {0};
     saltus_orbit_options options = b->options.orbit;
     options.phase = 0;
+    options.flow.stop = b->stop;
     saltus_branch_start start = {.value = b->origin, .state = b->state, .parent = -1};
     saltus_status status = saltus_orbit_find(b->system, periods, state, &options, &orbit, message);
     if (status == SALTUS_OK) {
@@ -119,6 +120,8 @@ saltus_status saltus_branch_new(const saltus_spec *spec, int periods, const doub
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch");
     b->spec = *spec;
     b->options = *options;
+    b->stop = options->orbit.flow.stop;
+    b->options.orbit.flow.stop = NULL;
     b->unit = options->high[0] - options->low[0];
     saltus_status status = saltus_spec_direction(spec, options->key[0], &b->direction, &b->origin, message);
     if (status == SALTUS_OK)
@@ -511,6 +514,8 @@ saltus_status saltus_branch_step(saltus_branch *b, const saltus_branch_point **p
     *point = NULL;
     saltus_branch_point_clear(&b->given);
     while (status == SALTUS_OK && b->queue_next == b->queue_count) {
+        if (b->stop && *b->stop)
+            return saltus_fail(message, SALTUS_INTERRUPTED, "interrupted");
         b->queue_next = b->queue_count = 0;
         if (b->running)
             status = b->locus.on ? saltus_locus_advance(b, message) : advance(b, message);
@@ -522,6 +527,8 @@ saltus_status saltus_branch_step(saltus_branch *b, const saltus_branch_point **p
                                b->options.high[0]);
         else
             return SALTUS_OK;
+        if (b->starved)
+            return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch");
         /* While the first point of a locus is sought, the points on the way are not wanted. */
         if (b->options.locus && !b->locus.on)
             saltus_branch_drop_queue(b);

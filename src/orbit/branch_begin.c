@@ -35,7 +35,7 @@ saltus_status saltus_branch_place(saltus_branch *b, const saltus_sequence *seque
         status = find_tangent(b->pursuit, b->here.tangent, message);
     b->here.ahead = 0;
     b->here.iterations = iterations;
-    return status;
+    return saltus_branch_noted(b, status);
 }
 
 static void point_tangent(saltus_solution *s, double sense) {
@@ -359,12 +359,15 @@ bool saltus_branch_flip_of_half(saltus_branch *b, double *value, double *accurac
     sequence.periods /= 2;
     sequence.count /= 2;
     double *u = calloc((size_t)(b->n + sequence.count + 1), sizeof *u);
-    bool found = u &&
-                 saltus_pursuit_new(&b->spec, &b->direction, b->origin, b->unit, &b->options.orbit, &half,
-                                    &ignored) == SALTUS_OK &&
-                 saltus_pursuit_shape(half, &sequence, &ignored) == SALTUS_OK &&
-                 saltus_pursuit_fill(half, *value, b->state, u, &ignored) == SALTUS_OK &&
-                 secants_to_flip(half, u, b->unit, value, accuracy);
+    saltus_status status = u ? saltus_pursuit_new(&b->spec, &b->direction, b->origin, b->unit,
+                                                  &b->options.orbit, &half, &ignored)
+                             : SALTUS_NO_MEMORY;
+    if (status == SALTUS_OK)
+        status = saltus_pursuit_shape(half, &sequence, &ignored);
+    if (status == SALTUS_OK)
+        status = saltus_pursuit_fill(half, *value, b->state, u, &ignored);
+    bool found =
+        saltus_branch_noted(b, status) == SALTUS_OK && secants_to_flip(half, u, b->unit, value, accuracy);
     saltus_pursuit_free(half);
     free(u);
     return found;

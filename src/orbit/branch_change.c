@@ -219,8 +219,9 @@ static bool shoot_beyond(saltus_branch *b, double value, const double *state, co
     if (saltus_branch_survey(b, &b->here, &ignored) != SALTUS_OK || !b->here.follows)
         return false;
     memcpy(b->state, b->itinerary.state, (size_t)b->n * sizeof *b->state);
-    return saltus_itinerary_sequence(&b->itinerary, b->flow, old->periods, b->state, fresh, &ignored) ==
-           SALTUS_OK;
+    saltus_status status =
+        saltus_itinerary_sequence(&b->itinerary, b->flow, old->periods, b->state, fresh, &ignored);
+    return saltus_branch_noted(b, status) == SALTUS_OK;
 }
 
 /* What changes between two labels and numbers of sticking intervals. */

@@ -274,12 +274,14 @@ static bool correct(saltus_branch *b, const double *plane, const double *last, d
     saltus_message ignored;
     int m = b->here.unknowns, iterations;
     double factor = l->before ? b->step / last_stride : 0;
-    if (point_inner(b, plane, &ignored) != SALTUS_OK)
+    if (saltus_branch_noted(b, point_inner(b, plane, &ignored)) != SALTUS_OK)
         return false;
     for (int j = 0; j + 1 < m; j++)
         b->here.u[j] = last[j] + (l->before ? factor * (last[j] - l->before[j]) : 0);
     b->here.u[m - 1] = 0;
-    if (!saltus_solution_room(&b->next, m, b->n))
+    bool room = saltus_solution_room(&b->next, m, b->n);
+    b->starved |= !room;
+    if (!room)
         return false;
     /* Where branches cross, begin a little aside, where the equations are regular. */
     for (int j = 0; j < m && b->options.locus == SALTUS_POINT_BP; j++)
@@ -287,9 +289,11 @@ static bool correct(saltus_branch *b, const double *plane, const double *last, d
     memcpy(b->next.u, b->here.u, (size_t)m * sizeof *b->here.u);
     memcpy(b->here.tangent, l->inner, (size_t)m * sizeof *l->inner);
     b->reference[0] = b->reference[1] = NAN;
-    return saltus_pursuit_correct(b->pursuit, b->here.u, l->inner, b->next.u, false, &iterations, &ignored) ==
-               SALTUS_OK &&
-           saltus_branch_test(b, &b->here, &ignored) == SALTUS_OK &&
+    saltus_status status =
+        saltus_pursuit_correct(b->pursuit, b->here.u, l->inner, b->next.u, false, &iterations, &ignored);
+    if (status == SALTUS_OK)
+        status = saltus_branch_test(b, &b->here, &ignored);
+    return saltus_branch_noted(b, status) == SALTUS_OK &&
            (b->options.locus == SALTUS_POINT_BP ? find_crossing(b) : find_zero(b));
 }
 

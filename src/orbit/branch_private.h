@@ -73,6 +73,7 @@ struct saltus_branch {
     saltus_system *system; /* of the flow */
     saltus_itinerary itinerary;
     int n;
+    const volatile sig_atomic_t *stop; /* asked for between steps, never within one */
     saltus_branch_start *starts;
     int start_count, start_next;
     saltus_solution here, next, trial;
@@ -89,6 +90,7 @@ struct saltus_branch {
     int made; /* points given out on this branch, special ones too */
     bool tail_changed;
     bool running;
+    bool starved;               /* memory was lacking, be it for something that was only tried */
     double *state;              /* n */
     saltus_branch_point *queue; /* points made but not yet given out */
     int queue_count, queue_next, queue_room;
@@ -98,6 +100,9 @@ struct saltus_branch {
 };
 
 /* branch_visit.c */
+/* Note whether a status tells that memory was lacking, and return it. Where failures of what is only tried
+ * are passed over, that one must not be: the run ends with the step. */
+saltus_status saltus_branch_noted(saltus_branch *b, saltus_status status);
 bool saltus_solution_room(saltus_solution *solution, int unknowns, int dimension);
 void saltus_solution_clear(saltus_solution *solution);
 /* The point of the curve on the hyperplane at arclength `ahead` from `here`. Errors: no such point near. */

@@ -19,6 +19,11 @@ enum { evaluations_max = 60 };
 /* At special points a multiplier is on the unit circle up to this. */
 static const double on_the_circle = 1e-9;
 
+saltus_status saltus_branch_noted(saltus_branch *b, saltus_status status) {
+    b->starved |= status == SALTUS_NO_MEMORY;
+    return status;
+}
+
 bool saltus_solution_room(saltus_solution *s, int unknowns, int dimension) {
     s->unknowns = unknowns;
     if (!s->multipliers)
@@ -79,14 +84,14 @@ saltus_status saltus_branch_visit(saltus_branch *b, double ahead, saltus_solutio
                                   saltus_message *message) {
     int m = b->here.unknowns;
     if (!saltus_solution_room(out, m, b->n))
-        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch");
+        return saltus_branch_noted(b, saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch"));
     for (int j = 0; j < m; j++)
         out->u[j] = fma(ahead, b->here.tangent[j], b->here.u[j]);
     memcpy(out->tangent, out->u, (size_t)m * sizeof *out->u);
     out->ahead = ahead;
     saltus_status status = saltus_pursuit_correct(b->pursuit, out->u, b->here.tangent, out->tangent, false,
                                                   &out->iterations, message);
-    return status == SALTUS_OK ? saltus_branch_test(b, out, message) : status;
+    return saltus_branch_noted(b, status == SALTUS_OK ? saltus_branch_test(b, out, message) : status);
 }
 
 saltus_status saltus_branch_tune(saltus_branch *b, double value, saltus_message *message) {
@@ -124,11 +129,12 @@ saltus_status saltus_branch_walk(saltus_branch *b, saltus_solution *s, saltus_me
     s->follows = false;
     saltus_status status = saltus_branch_tune(b, saltus_pursuit_value(b->pursuit, s->u), message);
     if (status != SALTUS_OK)
-        return status;
+        return saltus_branch_noted(b, status);
     saltus_pursuit_extract(b->pursuit, s->u, &sequence, b->state);
     status = saltus_itinerary_walk_cuts(&b->itinerary, b->flow, &sequence,
                                         saltus_pursuit_states(b->pursuit, s->u), &ignored);
     s->follows = status == SALTUS_OK && saltus_itinerary_follows(&b->itinerary, &sequence);
+    saltus_branch_noted(b, status);
     return status == SALTUS_NO_MEMORY ? saltus_fail(message, status, "%s", ignored.text) : SALTUS_OK;
 }
 
@@ -145,7 +151,8 @@ saltus_status saltus_branch_survey(saltus_branch *b, saltus_solution *s, saltus_
     saltus_orbit orbit = {.dimension = b->n, .periods = sequence->periods, .state = b->state};
     saltus_orbit_options options = b->options.orbit;
     options.phase = sequence->base - floor(sequence->base);
-    if (saltus_orbit_multipliers(b->system, &options, &orbit, &ignored) == SALTUS_OK) {
+    status = saltus_orbit_multipliers(b->system, &options, &orbit, &ignored);
+    if (saltus_branch_noted(b, status) == SALTUS_OK) {
         memcpy(s->multipliers, orbit.multipliers, (size_t)b->n * sizeof *s->multipliers);
         s->log_volume = orbit.log_volume;
         s->sum_rule = orbit.sum_rule;
@@ -169,12 +176,14 @@ double saltus_branch_half_distance(saltus_branch *b, const saltus_solution *s, b
     sequence.cuts = 2;
     sequence.cut[1] = sequence.base + 0.5 * sequence.periods;
     double *u = calloc((size_t)(2 * b->n + sequence.count + 1), sizeof *u);
-    if (u &&
-        saltus_pursuit_new(&b->spec, &b->direction, b->origin, b->unit, &b->options.orbit, &pursuit,
-                           &ignored) == SALTUS_OK &&
-        saltus_pursuit_shape(pursuit, &sequence, &ignored) == SALTUS_OK &&
-        saltus_pursuit_fill(pursuit, saltus_pursuit_value(b->pursuit, s->u), b->state, u, &ignored) ==
-            SALTUS_OK) {
+    saltus_status status = u ? saltus_pursuit_new(&b->spec, &b->direction, b->origin, b->unit,
+                                                  &b->options.orbit, &pursuit, &ignored)
+                             : SALTUS_NO_MEMORY;
+    if (status == SALTUS_OK)
+        status = saltus_pursuit_shape(pursuit, &sequence, &ignored);
+    if (status == SALTUS_OK)
+        status = saltus_pursuit_fill(pursuit, saltus_pursuit_value(b->pursuit, s->u), b->state, u, &ignored);
+    if (saltus_branch_noted(b, status) == SALTUS_OK) {
         largest = 0;
         for (int i = 0; i < b->n; i++)
             largest = fmax(largest, fabs(u[b->n + i] + (mirrored ? u[i] : -u[i])));
@@ -217,6 +226,7 @@ bool saltus_branch_locate(saltus_branch *b, saltus_test test, double ahead, doub
     if (!(q.near * far < 0))
         return false;
     gsl_root_fsolver *solver = gsl_root_fsolver_alloc(gsl_root_fsolver_brent);
+    b->starved |= !solver;
     if (!solver)
         return false;
     double low = 0, high = ahead, root = ahead;

@@ -148,7 +148,8 @@ static saltus_status initial_state(const saltus_system *system, const saltus_har
 }
 
 static bool goes_on(const saltus_harvest_options *options, double done) {
-    return !options->progress || options->progress(options->context, done);
+    bool stopped = options->flow.stop && *options->flow.stop;
+    return !stopped && (!options->progress || options->progress(options->context, done));
 }
 
 /* The trajectory, period by period; the first half of the work. */
@@ -183,7 +184,7 @@ static saltus_status run_trajectory(const saltus_system *system, const saltus_ha
             take_point(system, r, options->recurrence);
     }
     saltus_flow_free(flow);
-    return status;
+    return status == SALTUS_INTERRUPTED ? SALTUS_OK : status;
 }
 
 /* Impacts, and sticking after complete chatter, which makes them infinite. */
@@ -399,6 +400,7 @@ static saltus_status arrange(const saltus_system *system, const saltus_harvest_o
     if (!saltus_system_mirror_symmetric(system, &shift))
         return SALTUS_OK;
     flow_options.columns = flow_options.directions = 0;
+    flow_options.stop = NULL; /* what has been found is arranged in any case */
     double *image = calloc((size_t)harvest->dimension, sizeof *image);
     saltus_status status = image ? saltus_flow_new(&system, 1, &flow_options, &flow, message)
                                  : saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the harvest");

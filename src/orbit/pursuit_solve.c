@@ -3,6 +3,7 @@
 #include "base/dense.h"
 #include "orbit/pursuit_private.h"
 
+#include <errno.h>
 #include <math.h>
 #include <string.h>
 
@@ -35,13 +36,20 @@ static void report(const saltus_pursuit *p, int iteration) {
                            p->sequence.count ? "event times unknown" : "stroboscopic map");
 }
 
-/* Halve the step until the residual falls; undamped, the first trial stands if it can be evaluated at all. */
-static bool take_step(saltus_pursuit *p, double *u, bool damped, double before, saltus_message *message) {
+/* Halve the step until the residual falls; undamped, the first trial stands if it can be evaluated at all.
+ * *status tells of failures that no shorter step could mend. */
+static bool take_step(saltus_pursuit *p, double *u, bool damped, double before, saltus_status *status,
+                      saltus_message *message) {
     double factor = 1;
     for (int h = 0; h < halvings_max; h++, factor /= 2) {
         for (int j = 0; j < p->unknowns; j++)
             p->trial[j] = fma(factor, p->step[j], u[j]);
-        bool sound = saltus_pursuit_evaluate(p, p->trial, message) == SALTUS_OK;
+        saltus_status tried = saltus_pursuit_evaluate(p, p->trial, message);
+        bool sound = tried == SALTUS_OK;
+        if (tried == SALTUS_NO_MEMORY || tried == SALTUS_INTERRUPTED) {
+            *status = tried;
+            return false;
+        }
         if (sound && (!damped || p->residual_size < before || before <= p->options.tolerance)) {
             memcpy(u, p->trial, (size_t)p->unknowns * sizeof *u);
             return true;
@@ -71,7 +79,9 @@ saltus_status saltus_pursuit_correct(saltus_pursuit *p, double *u, const double 
         p->step[p->equations] = -hyperplane(p, u, normal, anchor);
         saltus_dense_resolve(&p->lu, false, 1, p->step);
         memcpy(p->kept, u, (size_t)p->unknowns * sizeof *u);
-        bool taken = take_step(p, u, damped, best, message);
+        bool taken = take_step(p, u, damped, best, &status, message);
+        if (status != SALTUS_OK)
+            return status;
         ++*iterations;
         report(p, *iterations);
         if (!taken || (best <= tolerance && p->residual_size >= best)) {
@@ -92,6 +102,13 @@ saltus_status saltus_pursuit_correct(saltus_pursuit *p, double *u, const double 
     return status;
 }
 
+/* What a decomposition lacked: memory, of which errno tells, or convergence. */
+static saltus_status dense_failure(const char *what, saltus_message *message) {
+    if (errno == ENOMEM)
+        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for shooting");
+    return saltus_fail(message, SALTUS_NO_CONVERGENCE, "%s", what);
+}
+
 saltus_status saltus_pursuit_relax(saltus_pursuit *p, double *u, int *iterations, saltus_message *message) {
     /* Relative to the largest singular value: directions that the orbit is free to move in. */
     const double open_direction = 1e-9;
@@ -103,10 +120,13 @@ saltus_status saltus_pursuit_relax(saltus_pursuit *p, double *u, int *iterations
         for (int i = 0; i < p->unknowns; i++)
             p->step[i] = i < p->equations ? -p->residual[i] : 0;
         memcpy(p->matrix, p->jacobian, (size_t)(p->equations * p->unknowns) * sizeof(double));
+        errno = 0;
         if (!saltus_dense_least_squares(p->matrix, p->equations, p->unknowns, p->step, open_direction, &rank))
-            return saltus_fail(message, SALTUS_NO_CONVERGENCE, "no shortest Newton step can be computed");
+            return dense_failure("no shortest Newton step can be computed", message);
         memcpy(p->kept, u, (size_t)p->unknowns * sizeof *u);
-        bool taken = take_step(p, u, true, before, message);
+        bool taken = take_step(p, u, true, before, &status, message);
+        if (status != SALTUS_OK)
+            return status;
         ++*iterations;
         report(p, *iterations);
         if (!taken || p->residual_size >= before) {
@@ -148,8 +168,9 @@ void saltus_pursuit_flip(saltus_pursuit *p, int *sign, double *log_determinant) 
 saltus_status saltus_pursuit_null_plane(saltus_pursuit *p, double *vectors, double values[2],
                                         saltus_message *message) {
     memcpy(p->matrix, p->jacobian, (size_t)(p->equations * p->unknowns) * sizeof(double));
+    errno = 0;
     if (!saltus_dense_null_vectors(p->matrix, p->equations, p->unknowns, 2, vectors, values))
-        return saltus_fail(message, SALTUS_NO_CONVERGENCE, "no singular values at a branch point");
+        return dense_failure("no singular values at a branch point", message);
     return SALTUS_OK;
 }
 

@@ -147,10 +147,20 @@ static const char *wanted_kind(const char *field) {
     return "must be a single value, not a list or a mapping";
 }
 
+/* What libcyaml allocates, frees and moves, through this file's own calls. */
+static void *provide(void *context, void *old, size_t size) {
+    (void)context;
+    if (size == 0) {
+        free(old);
+        return NULL;
+    }
+    return realloc(old, size);
+}
+
 static cyaml_err_t load(const saltus_source *source, saltus_reading *reading, complaint *complaint) {
     cyaml_config_t config = {.log_fn = catch,
                              .log_ctx = complaint,
-                             .mem_fn = cyaml_mem,
+                             .mem_fn = provide,
                              .log_level = CYAML_LOG_WARNING,
                              .flags = CYAML_CFG_NO_ALIAS};
     const schema *made = reading->schema;
@@ -159,7 +169,7 @@ static cyaml_err_t load(const saltus_source *source, saltus_reading *reading, co
 }
 
 static void unload(saltus_reading *reading) {
-    cyaml_config_t config = {.mem_fn = cyaml_mem, .flags = CYAML_CFG_NO_ALIAS};
+    cyaml_config_t config = {.mem_fn = provide, .flags = CYAML_CFG_NO_ALIAS};
     const schema *made = reading->schema;
     if (reading->raw)
         cyaml_free(&config, &made->scene, reading->raw, 0);

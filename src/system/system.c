@@ -303,6 +303,14 @@ double saltus_system_gap(const saltus_system *system, int face, const double *st
     return f.side * g - f.d;
 }
 
+double saltus_system_gap_size(const saltus_system *system, int face, const double *state) {
+    const double *normal = system->stop_normal[system->faces[face].stop];
+    double size = fabs(system->faces[face].d);
+    for (int i = 0; i < system->dof; i++)
+        size += fabs(normal[i] * state[i]);
+    return size;
+}
+
 double saltus_system_trace(const saltus_system *system, const double *state) {
     return system->spec.model->trace(system, state);
 }
@@ -318,12 +326,21 @@ double saltus_system_shape(const saltus_system *system, const double *state, dou
     return system->spec.model->deflection(system, state, xi);
 }
 
-/* The face with the largest gap; -1 when there is none or every gap is below the margin. */
+/* How far a face's coordinate moves beside the modes, for margins: a stop near a support sees little. */
+static double face_reach(const saltus_system *system, int face) {
+    const double *normal = system->stop_normal[system->faces[face].stop];
+    double reach = 0;
+    for (int i = 0; i < system->dof; i++)
+        reach = fmax(reach, fabs(normal[i]));
+    return fmin(reach, 1);
+}
+
+/* The face that is furthest within its margin, or beyond it; -1 when there is none. */
 static int most_violated(const saltus_system *system, const double *state, double margin) {
     int worst = -1;
-    double largest = margin;
+    double largest = -margin;
     for (int f = 0; f < system->face_count; f++) {
-        double gap = saltus_system_gap(system, f, state);
+        double gap = saltus_system_gap(system, f, state) / face_reach(system, f);
         if (gap > largest) {
             largest = gap;
             worst = f;
@@ -341,11 +358,11 @@ saltus_status saltus_system_default_state(const saltus_system *system, double *s
         state[1] = 0.1 * system->scale[1];
     double margin = 0.05 * system->scale[0];
     for (int k = 0; k < corrections; k++) {
-        int f = most_violated(system, state, -margin);
+        int f = most_violated(system, state, margin);
         if (f < 0)
             return SALTUS_OK;
         saltus_face face = system->faces[f];
-        double excess = saltus_system_gap(system, f, state) + 1.5 * margin;
+        double excess = saltus_system_gap(system, f, state) + 1.5 * margin * face_reach(system, f);
         for (int i = 0; i < system->dof; i++)
             state[i] -= face.side * excess * system->stop_impulse[face.stop][i];
         margin *= 0.99;
@@ -361,13 +378,10 @@ saltus_status saltus_system_check_state(const saltus_system *system, const doubl
         if (!isfinite(state[i]))
             return saltus_fail(message, SALTUS_BAD_INPUT, "initial state: entry %d is not a finite number",
                                i + 1);
-    double size = 0;
-    for (int i = 0; i < system->dof; i++)
-        size += fabs(state[i]);
     for (int f = 0; f < system->face_count; f++) {
         saltus_face face = system->faces[f];
         double gap = saltus_system_gap(system, f, state);
-        if (gap > 4 * GSL_DBL_EPSILON * (size + fabs(face.d)))
+        if (gap > 4 * GSL_DBL_EPSILON * saltus_system_gap_size(system, f, state))
             return saltus_fail(
                 message, SALTUS_BAD_INPUT,
                 "initial state: the displacement %.6g at stop %d is beyond its %s side (d = %g)",

@@ -47,6 +47,9 @@ struct saltus_system {
     saltus_coefficients coefficients;
 };
 
+/* The sizes that a face's gap is the difference of: rounding moves it by parts in 1e16 of these. */
+double saltus_system_gap_size(const saltus_system *system, int face, const double *state);
+
 /* How a system changes along a direction in parameter space: the derivative of all that a flow takes from it.
  */
 typedef struct saltus_variation {

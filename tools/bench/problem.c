@@ -28,7 +28,7 @@ static bool eigenvalues(int n, const double *columns, double complex *values) {
 
 static bool set_leading(problem *p) {
     const int n = p->orbit.n;
-    double columns[reference_dimension * reference_dimension];
+    double columns[reference_dimension * reference_dimension] = {0};
     double complex values[reference_dimension];
     for (int i = 0; i < n; i++)
         for (int j = 0; j < n; j++)

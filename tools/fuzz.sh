@@ -1,0 +1,47 @@
+#!/usr/bin/env bash
+# Fuzzing: every target of tests/fuzz for so many seconds (default 60), two at a time, under the address and
+# undefined-behaviour sanitizers. Fails on a crash, a leak, a hang or too much memory; what brought it about is
+# then in build-fuzz/reproducers, to be repaired and copied to tests/fuzz/corpus.
+#     tools/fuzz.sh [seconds [target ...]]
+# SPDX-License-Identifier: GPL-3.0-or-later
+set -euo pipefail
+cd "$(dirname "$0")/.."
+seconds=${1:-60}
+shift || true
+targets=("$@")
+[ ${#targets[@]} -gt 0 ] || targets=(hdf5 set scene orbit_json)
+found=build-fuzz/reproducers
+
+cmake -S . -B build-fuzz -G Ninja -DCMAKE_C_COMPILER=clang -DSALTUS_FUZZ=ON >/dev/null
+cmake --build build-fuzz --target "${targets[@]/#/fuzz_}" >/dev/null
+rm -rf "$found"
+mkdir -p "$found"
+
+# fuzz TARGET: what is new is kept in build-fuzz/corpus, for the next time.
+fuzz() {
+    local target=$1 seeds=(tests/fuzz/corpus/"$1")
+    [ "$target" != scene ] || seeds+=(data/scenes)
+    mkdir -p build-fuzz/corpus/"$target"
+    if build-fuzz/tests/fuzz/fuzz_"$target" -max_total_time="$seconds" -timeout=10 -rss_limit_mb=3000 \
+        -artifact_prefix="$found/$target-" -print_final_stats=1 build-fuzz/corpus/"$target" "${seeds[@]}" \
+        >"$found/$target.log" 2>&1; then
+        echo "$target: $(sed -n 's/stat::number_of_executed_units: *//p' "$found/$target.log") inputs, none fails"
+    else
+        tail -n 40 "$found/$target.log"
+        echo "$target: FAILS; see $found"
+        return 1
+    fi
+}
+
+failures=0
+for ((k = 0; k < ${#targets[@]}; k += 2)); do
+    jobs=()
+    for target in "${targets[@]:k:2}"; do
+        fuzz "$target" &
+        jobs+=($!)
+    done
+    for job in "${jobs[@]}"; do
+        wait "$job" || failures=$((failures + 1))
+    done
+done
+exit "$((failures > 0))"

@@ -1,0 +1,47 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "interrupt.h"
+
+#include "cli.h"
+
+#include <stddef.h>
+#include <time.h>
+
+static volatile sig_atomic_t asked;
+static volatile time_t since;
+
+/* One request may come twice at once: to the process and to its group. Later ones are meant. */
+static void ask(int number) {
+    enum { patience = 2 };
+    if (!asked)
+        since = time(NULL);
+    else if (time(NULL) - since >= patience) {
+        signal(number, SIG_DFL);
+        raise(number);
+    }
+    asked = number;
+}
+
+void interrupt_catch(void) {
+    static const int signals[] = {SIGINT, SIGTERM, SIGHUP};
+    /* A file beyond the limit of the user is an error of writing as any other. */
+    signal(SIGXFSZ, SIG_IGN);
+    for (size_t k = 0; k < sizeof signals / sizeof signals[0]; k++) {
+        struct sigaction now, wanted = {.sa_handler = ask, .sa_flags = SA_RESTART};
+        sigemptyset(&wanted.sa_mask);
+        if (sigaction(signals[k], NULL, &now) == 0 && now.sa_handler != SIG_IGN)
+            sigaction(signals[k], &wanted, NULL);
+    }
+}
+
+const volatile sig_atomic_t *interrupt_flag(void) {
+    return &asked;
+}
+
+bool interrupt_asked(void) {
+    return asked != 0;
+}
+
+int interrupt_report(const char *what) {
+    fprintf(stderr, "saltus: interrupted; %s\n", what);
+    return CLI_FAILED;
+}
