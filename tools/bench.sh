@@ -1,6 +1,7 @@
 #!/bin/sh
-# Measures error against run time and the cost of each feature (saltus_bench, about five minutes; --quick: one), writes tables
-# and figures to data/bench and puts the README's tables between its two bench marks.
+# Measures error against run time and the cost of each feature (saltus_bench, about five minutes), writes tables and
+# figures to data/bench and puts the README's tables between its two bench marks. --quick, half a minute: into build/bench,
+# and the README stays as it is.
 # SPDX-License-Identifier: GPL-3.0-or-later
 set -eu
 cd "$(dirname "$0")/.."
@@ -16,12 +17,14 @@ if [ ! -x "$build/saltus_bench" ]; then
     echo "bench.sh: no $build/saltus_bench: build it first, or name its folder in SALTUS_BUILD" >&2
     exit 1
 fi
-mkdir -p data/bench
+place=data/bench
+[ "$*" = "" ] || place=$build/bench
+mkdir -p "$place"
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-csv=data/bench/work-precision.csv
+csv=$place/work-precision.csv
 
-"$build/saltus_bench" "$@" --to data/bench data/reference >"$work/tables"
+"$build/saltus_bench" "$@" --to "$place" data/reference >"$work/tables"
 
 problems=$(awk -F, '!/^#/ && $1 != "problem" && !seen[$1]++ {printf "%s ", $1}' "$csv")
 
@@ -29,7 +32,7 @@ problems=$(awk -F, '!/^#/ && $1 != "problem" && !seen[$1]++ {printf "%s ", $1}' 
 figure() {
     cat >"$work/figure.gp" <<END
 set terminal pngcairo size 1680,880 font "sans,15"
-set output "data/bench/$1.png"
+set output "$place/$1.png"
 set datafile separator comma
 problems = "$problems"
 methods = "taylor radau gsl arkode adams bdf dopri5 fehlberg78"
@@ -81,6 +84,7 @@ figure work-precision-state "Relative error of the final state against CPU time"
 figure work-precision-multipliers "Error of the two leading multipliers against CPU time, tangent vectors included" 10 "CPU time, µs" \
     "error" "\$9"
 
+[ "$place" = data/bench ] || exit 0
 awk -v tables="$work/tables" '
     /<!-- bench -->/ {print; while ((getline line <tables) > 0) print line; skip = 1; next}
     /<!-- \/bench -->/ {skip = 0}
