@@ -15,13 +15,13 @@ SALTUS_SANITIZED=1 ctest --test-dir build-coverage -j 2 -E '^(installed_package|
 gcovr --root . --filter 'src/' --filter 'tools/[a-z_]*\.[ch]$' --exclude-unreachable-branches build-coverage \
     --csv build-coverage/report.csv --txt build-coverage/report.txt --json build-coverage/lines.json
 # One object a line of source: its count of runs is zero where no test came.
-tr '{' '\n' <build-coverage/lines.json | awk -F'[:,"]+' '
+tr '{' '\n' <build-coverage/lines.json | awk -F'[:," ]+' '
     /"file":/ {for (k = 1; k <= NF; k++) if ($k == "file") file = $(k + 1)}
     /"line_number":/ {
         line = 0; runs = -1
         for (k = 1; k <= NF; k++) {
             if ($k == "line_number") line = $(k + 1) + 0
-            if ($k == "count" && runs < 0) runs = $(k + 1) + 0
+            if ($k == "count") runs = $(k + 1) + 0
         }
         if (runs == 0) print file, line
     }' | sort -u -k1,1 -k2,2n | while read -r file line; do
