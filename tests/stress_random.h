@@ -1,5 +1,5 @@
 /* Random scenes over the whole allowed ranges, corners more often than chance would have them, some just
- * outside.
+ * outside. Every draw is a statement of its own: then all compilers make the same scenes.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_TESTS_STRESS_RANDOM_H
 #define SALTUS_TESTS_STRESS_RANDOM_H
@@ -19,6 +19,12 @@ static inline double between(gsl_rng *rng, double low, double high) {
 
 static inline double log_between(gsl_rng *rng, double low, double high) {
     return low * pow(high / low, gsl_rng_uniform(rng));
+}
+
+/* Of either sign, at most `often`, or now and then at most `seldom`. */
+static inline double signed_below(gsl_rng *rng, double often, double seldom) {
+    double share = between(rng, -1, 1);
+    return share * (chance(rng, 0.1) ? seldom : often);
 }
 
 /* One of a few corner values, or else a number of [low, high] whose logarithm is evenly distributed. */
@@ -50,7 +56,8 @@ static inline void random_stops(gsl_rng *rng, saltus_spec *spec, double length) 
     int count = counts[gsl_rng_uniform_int(rng, 10)];
     for (int s = 0; s < count; s++) {
         saltus_sides sides = (saltus_sides)(1 + gsl_rng_uniform_int(rng, 3));
-        add_stop(spec, random_clearance(rng, sides, length), random_restitution(rng), sides);
+        double r = random_restitution(rng), d = random_clearance(rng, sides, length);
+        add_stop(spec, d, r, sides);
         saltus_stop *stop = &spec->stops[s];
         if (s > 0 && chance(rng, 0.3)) {
             stop->r = spec->stops[0].r;
@@ -80,8 +87,8 @@ static inline void random_pipe(gsl_rng *rng, saltus_spec *spec) {
     set_parameter(spec, "alpha", corner_or(rng, alphas, 3, 1e-6, 0.1));
     set_parameter(spec, "beta", chance(rng, 0.3) ? betas[gsl_rng_uniform_int(rng, 4)] : gsl_rng_uniform(rng));
     set_parameter(spec, "kappa", corner_or(rng, kappas, 4, 1, 1e6));
-    set_parameter(spec, "u0", chance(rng, 0.1) ? 0 : between(rng, -1, 1) * (chance(rng, 0.1) ? 100 : 8));
-    set_parameter(spec, "sigma", chance(rng, 0.2) ? 0 : between(rng, -1, 1) * (chance(rng, 0.1) ? 10 : 1));
+    set_parameter(spec, "u0", chance(rng, 0.1) ? 0 : signed_below(rng, 8, 100));
+    set_parameter(spec, "sigma", chance(rng, 0.2) ? 0 : signed_below(rng, 1, 10));
     set_parameter(spec, "omega", corner_or(rng, omegas, 5, 0.1, 200));
     double kappa = saltus_spec_get(spec, "kappa");
     random_stops(rng, spec, 2 / sqrt(fmax(kappa, 100)));
@@ -99,8 +106,10 @@ static inline void random_oscillator(gsl_rng *rng, saltus_spec *spec) {
     set_parameter(spec, "omega", log_between(rng, 1e-2, 1e2));
     for (size_t k = 0; k < sizeof stiff / sizeof stiff[0]; k++)
         set_parameter(spec, stiff[k], corner_or(rng, zero, k % 2 ? 3 : 4, 1e-3, 1e3));
-    for (size_t k = 0; k < sizeof loads / sizeof loads[0]; k++)
-        set_parameter(spec, loads[k], (chance(rng, 0.5) ? 1 : -1) * corner_or(rng, zero, 3, 1e-3, 1e3));
+    for (size_t k = 0; k < sizeof loads / sizeof loads[0]; k++) {
+        double sign = chance(rng, 0.5) ? 1 : -1;
+        set_parameter(spec, loads[k], sign * corner_or(rng, zero, 3, 1e-3, 1e3));
+    }
     if (chance(rng, 0.6))
         set_parameter(spec, "kz", 0);
     random_stops(rng, spec, log_between(rng, 1e-3, 10));
