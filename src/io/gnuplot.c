@@ -25,6 +25,8 @@ const char *saltus_gnuplot_terminal(const char *path) {
     return NULL;
 }
 
+enum { exit_absent = 127 };
+
 /* Run gnuplot with these three as its standard streams; its wait status in *outcome. Returns 0 or an errno.
  */
 static int run(FILE *script, FILE *picture, FILE *complaints, int *outcome) {
@@ -46,7 +48,8 @@ static int run(FILE *script, FILE *picture, FILE *complaints, int *outcome) {
     while (waitpid(child, outcome, 0) < 0)
         if (errno != EINTR)
             return errno;
-    return 0;
+    /* Where spawning cannot tell that there is no such program, its child exits so (POSIX). */
+    return WIFEXITED(*outcome) && WEXITSTATUS(*outcome) == exit_absent ? ENOENT : 0;
 }
 
 /* The line of gnuplot's complaints that says what is wrong: "..., line 7: ..." or, failing that, the last
