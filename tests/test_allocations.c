@@ -8,6 +8,7 @@
  * many as there is time for are tried, with equal gaps; SALTUS_LONG_TESTS tries all.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "allocations.h"
+#include "feeder.h"
 #include "folder.h"
 
 #include <errno.h>
@@ -447,22 +448,6 @@ static saltus_status continue_locus(trial *t) {
     how.low[1] = 0.5;
     how.high[1] = 1.5;
     return follow_branch(t, &how, 3);
-}
-
-/* A sweep that keeps everything, with its journal and its file; or basins. */
-typedef struct feeder {
-    const saltus_sweep *sweep;
-    saltus_sweep_output *output;
-    long long next;
-} feeder;
-
-static long long next_task(void *context) {
-    feeder *f = context;
-    return f->next < saltus_sweep_tasks(f->sweep) ? f->next++ : -1;
-}
-
-static saltus_status take_result(void *context, const saltus_sweep_result *result, saltus_message *message) {
-    return saltus_sweep_output_take(((feeder *)context)->output, result, message);
 }
 
 static saltus_status run_sweep(trial *t, const saltus_axis *axes, int count, bool basins) {

@@ -4,6 +4,7 @@
  * part of the inputs damages a sealed file, which must be refused for its seal. The others are forged files
  * (forge.h): sound to the HDF5 library, sealed, with anything in them but what our readers expect.
  * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "feeder.h"
 #include "forge.h"
 #include "fuzz.h"
 
@@ -59,22 +60,6 @@ static void make_branch(bench *b, const char *path) {
         check(saltus_branch_output_add(output, &point, &message), &message);
     }
     check(saltus_branch_output_close(output, true, &message), &message);
-}
-
-/* What feeds a run: the tasks in order, the results to a file. */
-typedef struct feeder {
-    const saltus_sweep *sweep;
-    saltus_sweep_output *output;
-    long long next;
-} feeder;
-
-static long long next_task(void *context) {
-    feeder *f = context;
-    return f->next < saltus_sweep_tasks(f->sweep) ? f->next++ : -1;
-}
-
-static saltus_status take_result(void *context, const saltus_sweep_result *result, saltus_message *message) {
-    return saltus_sweep_output_take(((feeder *)context)->output, result, message);
 }
 
 static void make_sweep(const saltus_sweep *sweep, bool basins, const char *path) {
