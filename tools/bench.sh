@@ -13,10 +13,11 @@ case "$*" in
     exit 2
     ;;
 esac
-if [ ! -x "$build/saltus_bench" ]; then
-    echo "bench.sh: no $build/saltus_bench: build it first, or name its folder in SALTUS_BUILD" >&2
+if [ ! -f "$build/CMakeCache.txt" ]; then
+    echo "bench.sh: nothing is configured in $build: build Saltus first, or name its folder in SALTUS_BUILD" >&2
     exit 1
 fi
+cmake --build "$build" --target saltus_bench >/dev/null
 place=data/bench
 [ "$*" = "" ] || place=$build/bench
 mkdir -p "$place"

@@ -186,7 +186,7 @@ def build(tree, into):
     launcher = ["-DCMAKE_C_COMPILER_LAUNCHER=ccache"] if shutil.which("ccache") else []
     flags = f"-O2 -march=native -w -fsanitize=leak -include {tree}/src/base/saltus_mutant.h"
     configured = run(["cmake", "-S", tree, "-B", into, "-G", "Ninja", "-DSALTUS_ALL_ISAS=OFF", "-DSALTUS_TESTS=ON",
-                      "-DSALTUS_BENCHMARKS=OFF", f"-DCMAKE_C_FLAGS={flags}", "-DCMAKE_C_FLAGS_RELEASE=-DNDEBUG",
+                      f"-DCMAKE_C_FLAGS={flags}", "-DCMAKE_C_FLAGS_RELEASE=-DNDEBUG",
                       "-DCMAKE_EXE_LINKER_FLAGS=-Wl,-u,saltus_mutant", *launcher])
     if configured.returncode:
         raise SystemExit("mutants: cmake failed:\n" + configured.stderr)
