@@ -1106,6 +1106,14 @@ static void as_many_points_as_asked_for(void **unused) {
         for (int k = 0; k < few.count; k++)
             regular += few.point[k].branch == branch && few.point[k].kind == SALTUS_POINT_REGULAR;
         assert_int_equal(regular, 7);
+        /* The end is the last point, where it is. */
+        const saltus_branch_point *last = last_of_branch(&few, branch);
+        assert_int_equal(last[-1].kind, SALTUS_POINT_REGULAR);
+        check_near(last->value[0], last[-1].value[0], 0);
+        check_near(last->arclength, last[-1].arclength, 0);
+        check_near(last->heading, last[-1].heading, 0);
+        for (int i = 0; i < 2; i++)
+            check_near(last->state[i], last[-1].state[i], 0);
         check_ends(&few, branch, "as many points as asked for", 1.1, 0.5);
     }
     branch_forget(&few);

@@ -150,23 +150,27 @@ static void eigenvalues_of_a_loaded_chain(void **unused) {
     }
 }
 
-/* A load that just reaches a stop, to either side of it: held as soon as the force pushes. */
+/* A load that just reaches a stop, to either side of it: held as soon as the force pushes, whatever the unit
+ * of length. */
 static void contact_begins_where_the_load_reaches_the_stop(void **unused) {
     (void)unused;
+    static const double units[] = {1, 1e-9, 1e9};
     const double guess[2] = {0};
-    for (int side = -1; side <= 1; side += 2)
-        for (int above = -1; above <= 1; above += 2) {
-            saltus_spec spec = oscillator_spec(0.1, 2, 0, 1);
-            set_parameter(&spec, "F0", side * (0.6 + above * 1e-6));
-            add_stop(&spec, 0.3, 0.5, SALTUS_BOTH);
-            saltus_system *system = build(&spec);
-            saltus_equilibrium e = rest(system, guess);
-            assert_int_equal(e.contacts, above > 0 ? (side > 0 ? 1 : 2) : 0);
-            check_near(e.contact_force[side > 0 ? 0 : 1], above > 0 ? 1e-6 : 0, 1e-15);
-            check_near(e.state[0], side * (above > 0 ? 0.3 : 0.3 - 0.5e-6), 1e-15);
-            saltus_equilibrium_clear(&e);
-            saltus_system_free(system);
-        }
+    for (int u = 0; u < 3; u++)
+        for (int side = -1; side <= 1; side += 2)
+            for (int above = -1; above <= 1; above += 2) {
+                double unit = units[u];
+                saltus_spec spec = oscillator_spec(0.1, 2, 0, 1);
+                set_parameter(&spec, "F0", side * (0.6 + above * 1e-6) * unit);
+                add_stop(&spec, 0.3 * unit, 0.5, SALTUS_BOTH);
+                saltus_system *system = build(&spec);
+                saltus_equilibrium e = rest(system, guess);
+                assert_int_equal(e.contacts, above > 0 ? (side > 0 ? 1 : 2) : 0);
+                check_near(e.contact_force[side > 0 ? 0 : 1], above > 0 ? 1e-6 * unit : 0, 1e-15 * unit);
+                check_near(e.state[0], side * (above > 0 ? 0.3 : 0.3 - 0.5e-6) * unit, 1e-15 * unit);
+                saltus_equilibrium_clear(&e);
+                saltus_system_free(system);
+            }
 }
 
 /* Undamped motion beside a rest neither grows nor falls: no instability, and not stable. */
