@@ -155,11 +155,48 @@ static void held_until_the_force_vanishes(void **unused) {
     }
 }
 
+/* Chatter that is complete ceases to be so, and impacts that grow in number complete chatter, in one and the
+ * same place. */
+static void chatter_ends_where_it_begins(void **unused) {
+    (void)unused;
+    double value[2];
+    for (int up = 0; up < 2; up++) {
+        saltus_spec spec = oscillator_spec(0.1, 1, 0.5, 1);
+        set_parameter(&spec, "F0", 2);
+        add_stop(&spec, up ? 1.67 : 1.8104, 0.7, SALTUS_UPPER);
+        saltus_branch_options options = branch_along("d", 1.66, 1.82);
+        options.direction = up ? 1 : -1;
+        options.points = up ? 30 : 2000;
+        branch_record record = run_settled(&spec, &options, up ? "chatter/1" : "3/1");
+        int found = 0;
+        bool chatter = up;
+        for (int k = 0; k < record.count; k++) {
+            const saltus_branch_point *p = &record.point[k];
+            bool one = strcmp(p->label, "chatter/1") == 0;
+            if (p->kind == SALTUS_POINT_CH) {
+                assert_true(one == chatter && (strcmp(p->label_after, "chatter/1") == 0) != chatter);
+                assert_true(p->accuracy < 1e-9);
+                value[up] = p->value[0];
+                chatter = !chatter;
+                found++;
+            } else if (p->kind == SALTUS_POINT_REGULAR) {
+                assert_int_equal(one, chatter);
+                assert_int_equal(p->impacts < 0, chatter);
+                assert_int_equal(p->sticking_intervals, chatter);
+                assert_true(p->admissible);
+            }
+        }
+        assert_int_equal(found, 1);
+        branch_forget(&record);
+    }
+    check_near(value[0], value[1], 1e-9);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(one_stop_and_doubled_orbits),   cmocka_unit_test(two_stops_of_one_mass),
         cmocka_unit_test(two_masses_and_tori),           cmocka_unit_test(contacts_that_begin_and_end),
-        cmocka_unit_test(held_until_the_force_vanishes),
+        cmocka_unit_test(held_until_the_force_vanishes), cmocka_unit_test(chatter_ends_where_it_begins),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
