@@ -1,36 +1,47 @@
-/* Curves of special points in two parameters: on the closed forms' curves, and, of the pipe, each point
- * checked by an independent search.
+/* Curves of special points in two parameters: on the closed forms' curves, and, of two masses and of the
+ * pipe, each point checked by an independent search.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "branch_check.h"
 #include "reference.h"
 
-/* A curve in the plane of omega and d, from an orbit with d as in the example. */
+static bool long_version(void) {
+    return getenv("SALTUS_LONG_TESTS") != NULL;
+}
+
+/* A curve in the plane of two parameters, from an orbit with the second one as in the example. */
 typedef struct closed_curve {
     closed_example example;
     long double omega;
     saltus_point_kind kind;
+    const char *key[2];
     double low[2], high[2];
 } closed_curve;
 
 static const closed_curve curves[] = {
-    {closed_one_period, 1.1L, SALTUS_POINT_LP, {0.6, 0.5}, {1.8, 2}},
-    {closed_one_period, 1.1L, SALTUS_POINT_PD, {0.6, 0.5}, {1.8, 2}},
-    {closed_one_period, 1.1L, SALTUS_POINT_GR, {0.6, 0.5}, {1.8, 2}},
-    {closed_one_period_loaded, 1.2L, SALTUS_POINT_LP, {0.8, 0.5}, {1.9, 2}},
-    {closed_one_period_loaded, 1.2L, SALTUS_POINT_PD, {0.8, 0.5}, {1.9, 2}},
-    {closed_one_period_loaded, 1.2L, SALTUS_POINT_GR, {0.8, 0.5}, {1.9, 2}},
-    {closed_two_periods, 0.85L, SALTUS_POINT_LP, {0.78, -0.3}, {1.1, 0.3}},
-    {closed_two_periods, 0.85L, SALTUS_POINT_PD, {0.78, -0.3}, {1.1, 0.3}},
-    {closed_two_periods, 0.85L, SALTUS_POINT_GR, {0.78, -0.3}, {1.1, 0.3}},
-    {closed_mirrored_bubble, 2.5L, SALTUS_POINT_LP, {1, 0.5}, {4, 2}},
-    {closed_mirrored_bubble, 2.5L, SALTUS_POINT_GR, {1, 0.5}, {4, 2}},
+    {closed_one_period, 1.1L, SALTUS_POINT_LP, {"omega", "d"}, {0.6, 0.5}, {1.8, 2}},
+    {closed_one_period, 1.1L, SALTUS_POINT_PD, {"omega", "d"}, {0.6, 0.5}, {1.8, 2}},
+    {closed_one_period, 1.1L, SALTUS_POINT_GR, {"omega", "d"}, {0.6, 0.5}, {1.8, 2}},
+    {closed_one_period_loaded, 1.2L, SALTUS_POINT_LP, {"omega", "d"}, {0.8, 0.5}, {1.9, 2}},
+    {closed_one_period_loaded, 1.2L, SALTUS_POINT_PD, {"omega", "d"}, {0.8, 0.5}, {1.9, 2}},
+    {closed_one_period_loaded, 1.2L, SALTUS_POINT_GR, {"omega", "d"}, {0.8, 0.5}, {1.9, 2}},
+    {closed_two_periods, 0.85L, SALTUS_POINT_LP, {"omega", "d"}, {0.78, -0.3}, {1.1, 0.3}},
+    {closed_two_periods, 0.85L, SALTUS_POINT_PD, {"omega", "d"}, {0.78, -0.3}, {1.1, 0.3}},
+    {closed_two_periods, 0.85L, SALTUS_POINT_GR, {"omega", "d"}, {0.78, -0.3}, {1.1, 0.3}},
+    {closed_mirrored_bubble, 2.5L, SALTUS_POINT_LP, {"omega", "d"}, {1, 0.5}, {4, 2}},
+    {closed_mirrored_bubble, 2.5L, SALTUS_POINT_GR, {"omega", "d"}, {1, 0.5}, {4, 2}},
+    {closed_mirrored, 3.6L, SALTUS_POINT_BP, {"omega", "d"}, {2.3, 0.7}, {4, 1.4}},
+    {closed_one_period, 1.1L, SALTUS_POINT_LP, {"omega", "r"}, {0.6, 0.6}, {1.8, 0.9}},
+    {closed_one_period, 1.1L, SALTUS_POINT_PD, {"omega", "F"}, {0.6, 0.3}, {1.8, 0.6}},
+    {closed_two_periods, 0.85L, SALTUS_POINT_PD, {"omega", "c"}, {0.6, 0.04}, {1.2, 0.12}},
+    {closed_mirrored_bubble, 2.5L, SALTUS_POINT_LP, {"omega", "k"}, {1, 0.7}, {4, 1.3}},
+    {closed_one_period_loaded, 1.2L, SALTUS_POINT_GR, {"omega", "F0"}, {0.8, 0}, {1.9, 0.3}},
+    {closed_mirrored_bubble, 1.14L, SALTUS_POINT_BP, {"F", "omega"}, {0.8, 1}, {2, 1.6}},
 };
 
-static const closed_curve symmetric = {closed_mirrored, 3.6L, SALTUS_POINT_BP, {2.3, 0.7}, {4, 1.4}};
-
-static saltus_branch_options locus_options(saltus_point_kind kind, const double *low, const double *high) {
-    saltus_branch_options options = branch_along("omega", low[0], high[0]);
-    snprintf(options.key[1], sizeof options.key[1], "d");
+static saltus_branch_options locus_options(saltus_point_kind kind, const char *const *key, const double *low,
+                                           const double *high) {
+    saltus_branch_options options = branch_along(key[0], low[0], high[0]);
+    snprintf(options.key[1], sizeof options.key[1], "%s", key[1]);
     options.low[1] = low[1];
     options.high[1] = high[1];
     options.locus = kind;
@@ -55,17 +66,17 @@ static double along_key(closed_oscillator o, const char *key, saltus_point_kind 
 
 /* The distance to the nearer of the two. Where no impact is without speed, the distance from touching between
  * impacts. */
-static double off_curve(const closed_oscillator *start, saltus_point_kind kind, const double *place,
+static double off_curve(const closed_oscillator *start, const closed_curve *c, const double *place,
                         closed_orbit *orbit) {
     closed_oscillator o = *start;
     closed_orbit found;
-    o.omega = place[0];
-    o.d = place[1];
-    double in_omega = along_key(o, "omega", kind, orbit), in_d = along_key(o, "d", kind, &found);
-    if (in_d < in_omega)
+    for (int i = 0; i < 2; i++)
+        *closed_value(&o, c->key[i]) = place[i];
+    double first = along_key(o, c->key[0], c->kind, orbit), second = along_key(o, c->key[1], c->kind, &found);
+    if (second < first)
         *orbit = found;
-    double off = fmin(in_omega, in_d);
-    if (kind == SALTUS_POINT_GR && isinf(off) && closed_orbit_at(&o, 1, orbit))
+    double off = fmin(first, second);
+    if (c->kind == SALTUS_POINT_GR && isinf(off) && closed_orbit_at(&o, 1, orbit))
         off = (double)fabsl(orbit->margin);
     return off;
 }
@@ -81,73 +92,124 @@ static bool on_border(const closed_curve *c, const double *place) {
 static void check_on_curve(const closed_curve *c, const closed_oscillator *o,
                            const saltus_branch_point *point) {
     closed_orbit orbit = {.impacts = 0};
-    double off = off_curve(o, c->kind, point->value, &orbit);
+    double off = off_curve(o, c, point->value, &orbit);
     if (!(off < 1e-9))
-        fail_msg("%s at (%.12g, %.12g) is %.3g off its curve", saltus_point_word(c->kind), point->value[0],
-                 point->value[1], off);
+        fail_msg("%s at %s = %.12g, %s = %.12g is %.3g off its curve", saltus_point_word(c->kind), c->key[0],
+                 point->value[0], c->key[1], point->value[1], off);
+    assert_true(point->admissible);
     if (point->kind == SALTUS_POINT_EP) {
         /* The curve leaves the range, or the impact's speed has vanished: there it meets grazing. */
         assert_true(on_border(c, point->value) || orbit.impact[0].speed < 1e-3L);
         return;
     }
     assert_int_equal(point->kind, c->kind);
-    assert_true(point->admissible);
     if (c->kind == SALTUS_POINT_GR || orbit.impact[0].speed < 1e-3L)
         return;
     check_near(point->multipliers[0].re, c->kind == SALTUS_POINT_PD ? -1 : 1, 1e-7);
     check_near(point->multipliers[1].re, (double)orbit.multiplier[1][0], 1e-7);
 }
 
-static branch_record run_curve(const closed_curve *c, closed_oscillator *o) {
+/* The parameters are those of the place, the arclength is that in the plane, in units of the ranges, the
+ * steps are no longer than asked for and are counted. */
+static void check_order(const saltus_branch_options *options, const branch_record *record) {
+    for (int k = 0; k < record->count; k++) {
+        const saltus_branch_point *b = &record->point[k], *a = k ? b - 1 : NULL;
+        double apart[2], length = 0;
+        for (int i = 0; i < 2; i++) {
+            saltus_direction direction;
+            saltus_message message = {""};
+            double value, unit = options->high[i] - options->low[i];
+            check_ok(saltus_spec_direction(&b->spec, options->key[i], &direction, &value, &message),
+                     &message);
+            check_near(value, b->value[i], 1e-12 * (1 + fabs(value)));
+            assert_true(value >= options->low[i] - 1e-12 && value <= options->high[i] + 1e-12);
+            apart[i] = a ? (b->value[i] - a->value[i]) / unit : 0;
+        }
+        assert_int_equal(b->parent, -1);
+        if (!a || a->branch != b->branch) {
+            assert_int_equal(b->branch, a ? a->branch + 1 : 0);
+            assert_int_equal(b->step, 0);
+            assert_int_equal(b->kind, options->locus);
+            assert_true(b->arclength == 0);
+            assert_true(!a || a->kind == SALTUS_POINT_EP);
+            continue;
+        }
+        assert_int_equal(b->step, a->step + 1);
+        if (b->kind == SALTUS_POINT_EP) {
+            assert_true(b->reason[0]);
+            if (strstr(b->reason, "ends"))
+                continue; /* the last point of the curve again */
+        } else {
+            assert_string_equal(b->reason, "");
+        }
+        length = hypot(apart[0], apart[1]);
+        check_near(b->arclength - a->arclength, length, 1e-9);
+        check_near(b->heading * length, b->value[0] - a->value[0], 1e-9);
+        /* The first step does not know yet which way the curve goes. */
+        if (b->step > 2)
+            assert_true(length <= 1.2 * options->step_max);
+    }
+}
+
+static branch_record run_curve(const closed_curve *c, closed_oscillator *o,
+                               const saltus_branch_options *options) {
     closed_orbit orbit;
-    saltus_branch_options options = locus_options(c->kind, c->low, c->high);
     *o = closed_example_of(c->example);
     o->omega = c->omega;
     assert_true(closed_orbit_at(o, 1, &orbit) && orbit.admissible);
     saltus_spec spec = closed_spec(o);
     double state[2] = {(double)orbit.state[0], (double)orbit.state[1]};
-    return branch_run(&spec, o->periods, state, &options);
-}
-
-static void check_curve(const closed_curve *c) {
-    closed_oscillator o;
-    int ways[2] = {0};
-    branch_record record = run_curve(c, &o);
-    for (int k = 0; k < record.count; k++) {
-        assert_in_range(record.point[k].branch, 0, 1);
-        ways[record.point[k].branch]++;
-        check_on_curve(c, &o, &record.point[k]);
-    }
-    for (int way = 0; way < 2; way++)
-        assert_in_range(ways[way], 5, 2000);
-    branch_forget(&record);
-}
-
-/* A point's specification has the point's parameters, and its state is the orbit there, at the ends too. */
-static void points_are_where_they_say(void **unused) {
-    (void)unused;
-    for (size_t c = 0; c < sizeof curves / sizeof curves[0]; c++) {
-        closed_oscillator o;
-        branch_record record = run_curve(&curves[c], &o);
-        for (int k = 0; k < record.count; k++) {
-            const saltus_branch_point *point = &record.point[k];
-            check_near(saltus_spec_get(&point->spec, "omega"), point->value[0], 1e-12);
-            check_near(point->spec.stops[0].d, point->value[1], 1e-12);
-            assert_true(point->admissible);
-        }
-        branch_forget(&record);
-    }
+    return branch_run(&spec, o->periods, state, options);
 }
 
 static void curves_in_closed_form(void **unused) {
     (void)unused;
-    for (size_t k = 0; k < sizeof curves / sizeof curves[0]; k++)
-        check_curve(&curves[k]);
+    for (size_t c = 0; c < sizeof curves / sizeof curves[0]; c++) {
+        closed_oscillator o;
+        int ways[2] = {0};
+        saltus_branch_options options =
+            locus_options(curves[c].kind, curves[c].key, curves[c].low, curves[c].high);
+        branch_record record = run_curve(&curves[c], &o, &options);
+        for (int k = 0; k < record.count; k++) {
+            assert_in_range(record.point[k].branch, 0, 1);
+            ways[record.point[k].branch]++;
+            check_on_curve(&curves[c], &o, &record.point[k]);
+        }
+        for (int way = 0; way < 2; way++)
+            assert_in_range(ways[way], 5, 2000);
+        check_order(&options, &record);
+        branch_forget(&record);
+    }
 }
 
-static void curve_of_mirror_breaking(void **unused) {
+/* One way only, up or down in the second parameter, from a point that lies up or down along the first: the
+ * same points as of both ways; no more of them than asked for. */
+static void one_way(void **unused) {
+    enum { count = 14 };
     (void)unused;
-    check_curve(&symmetric);
+    for (int direction = 1; direction >= -1; direction -= 2) {
+        closed_curve c = curves[direction > 0 ? 0 : 1];
+        closed_oscillator o;
+        c.omega = direction > 0 ? 1.56L : 1;
+        saltus_branch_options options = locus_options(c.kind, c.key, c.low, c.high);
+        options.step = options.step_max = 0.06;
+        branch_record both = run_curve(&c, &o, &options);
+        int from = 0;
+        while (direction < 0 && both.point[from].branch == 0)
+            from++;
+        options.direction = direction;
+        options.points = count;
+        branch_record one = run_curve(&c, &o, &options);
+        assert_int_equal(one.count, count + 1);
+        assert_true(direction * (one.point[1].value[1] - one.point[0].value[1]) > 0);
+        for (int k = 0; k < count; k++)
+            for (int i = 0; i < 2; i++)
+                check_near(one.point[k].value[i], both.point[from + k].value[i], 1e-12);
+        assert_int_equal(one.point[count].kind, SALTUS_POINT_EP);
+        assert_non_null(strstr(one.point[count].reason, "as many points as asked for"));
+        branch_forget(&one);
+        branch_forget(&both);
+    }
 }
 
 /* One degree of freedom with losses has no complex pair on the unit circle: the search says that it found
@@ -157,7 +219,8 @@ static void no_torus(void **unused) {
     closed_oscillator o = closed_example_of(closed_one_period);
     closed_orbit orbit;
     const double low[2] = {0.6, 0.5}, high[2] = {1.8, 2};
-    saltus_branch_options options = locus_options(SALTUS_POINT_NS, low, high);
+    const char *const key[2] = {"omega", "d"};
+    saltus_branch_options options = locus_options(SALTUS_POINT_NS, key, low, high);
     saltus_branch *branch = NULL;
     saltus_message message = {""};
     const saltus_branch_point *point;
@@ -172,7 +235,7 @@ static void no_torus(void **unused) {
     saltus_branch_free(branch);
 }
 
-/* The pipe. */
+/* Where nothing is known in closed form. */
 
 /* The slowest impact, or the nearest free maximum in terms of the speed that it lacks, of an orbit: in units
  * of the system's speeds. */
@@ -230,23 +293,81 @@ static void check_anew(const saltus_branch_point *point, saltus_point_kind kind)
     saltus_system_free(system);
 }
 
-static void check_pipe_curve(saltus_point_kind kind, const double *low, const double *high, int least) {
-    reference r = read_reference("fig7d");
-    saltus_branch_options options = locus_options(kind, low, high);
-    options.step_max = 0.04;
-    branch_record record = branch_run(&r.spec, r.periods, r.states[0], &options);
+static void check_curve_anew(const saltus_spec *spec, int periods, const double *state,
+                             const saltus_branch_options *options, int least, bool closed) {
+    branch_record record = branch_run(spec, periods, state, options);
     int checked = 0;
     for (int k = 0; k < record.count; k++) {
         const saltus_branch_point *point = &record.point[k];
         if (point->kind == SALTUS_POINT_EP)
             continue;
-        assert_int_equal(point->kind, kind);
+        assert_int_equal(point->kind, options->locus);
         assert_true(point->admissible);
-        check_anew(point, kind);
+        check_anew(point, options->locus);
         checked++;
     }
     assert_true(checked >= least);
+    check_order(options, &record);
+    for (int k = 0; k < record.count; k++) {
+        const saltus_branch_point *point = &record.point[k], *first = point - point->step;
+        bool back = strstr(point->reason, "closed") != NULL;
+        if (point->kind != SALTUS_POINT_EP)
+            continue;
+        assert_int_equal(back, closed);
+        if (back)
+            for (int i = 0; i < 2; i++)
+                check_near(point->value[i], first->value[i],
+                           options->step_max * (options->high[i] - options->low[i]));
+    }
     branch_forget(&record);
+}
+
+/* Two masses, one of which hits a stop: flips, and tori, whose curve ends where the pair of multipliers meets
+ * at -1. There it has turned into two real ones whose product is 1, and nothing happens to the orbit. */
+static void two_masses(void **unused) {
+    (void)unused;
+    static const struct {
+        saltus_point_kind kind;
+        const char *key[2];
+        double low[2], high[2];
+        bool closed;
+    } rows[] = {{SALTUS_POINT_PD, {"m2", "k"}, {0.3, 0.05}, {3, 4}, true},
+                {SALTUS_POINT_NS, {"omega", "c2"}, {1.4, 0.03}, {1.75, 0.1}, false},
+                {SALTUS_POINT_NS, {"omega", "k2"}, {1.4, 0.7}, {1.75, 2.2}, false},
+                {SALTUS_POINT_NS, {"omega", "m"}, {1.4, 0.7}, {1.75, 1.3}, false},
+                {SALTUS_POINT_PD, {"omega", "d"}, {1.4, 0.4}, {1.75, 1.6}, false},
+                {SALTUS_POINT_PD, {"omega", "r"}, {1.4, 0.3}, {1.75, 0.99}, false}};
+    saltus_spec spec = oscillator_spec(0.035, 1, 1.1, 1.63);
+    set_parameter(&spec, "N", 2);
+    set_parameter(&spec, "k2", 1.7);
+    set_parameter(&spec, "c2", 0.07);
+    add_stop(&spec, 1, 0.7, SALTUS_UPPER);
+    spec.stops[0].weight[0] = 0;
+    spec.stops[0].weight[1] = 1;
+    saltus_system *system = build(&spec);
+    saltus_classify_options how = saltus_classify_defaults();
+    saltus_message message = {""};
+    saltus_motion motion;
+    double state[4] = {0};
+    check_ok(saltus_classify(system, state, &how, &motion, &message), &message);
+    assert_string_equal(motion.label, "1/2");
+    for (size_t k = 0; k < sizeof rows / sizeof rows[0]; k++) {
+        saltus_branch_options options = locus_options(rows[k].kind, rows[k].key, rows[k].low, rows[k].high);
+        options.step_max = rows[k].closed ? 0.015 : 0.03;
+        check_curve_anew(&spec, 2, motion.state, &options, 25, rows[k].closed);
+    }
+    saltus_motion_clear(&motion);
+    saltus_system_free(system);
+}
+
+static void check_pipe_curve(saltus_point_kind kind, const double *low, const double *high, int least) {
+    const char *const key[2] = {"omega", "d"};
+    if (!long_version())
+        skip();
+    reference r = read_reference("fig7d");
+    saltus_branch_options options = locus_options(kind, key, low, high);
+    options.step_max = 0.04;
+    check_curve_anew(&r.spec, r.periods, r.states[0], &options, least, false);
     free(r.text);
 }
 
@@ -284,9 +405,9 @@ static void tori_end_at_resonance(void **unused) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(curves_in_closed_form),
-        cmocka_unit_test(points_are_where_they_say),
-        cmocka_unit_test(curve_of_mirror_breaking),
+        cmocka_unit_test(one_way),
         cmocka_unit_test(no_torus),
+        cmocka_unit_test(two_masses),
         cmocka_unit_test(pipe_folds),
         cmocka_unit_test(pipe_flips),
         cmocka_unit_test(pipe_grazing),

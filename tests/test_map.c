@@ -164,6 +164,32 @@ static void refused_sections(void **unused) {
     check_ok(saltus_map_reset(map, point, &message), &message);
     assert_int_equal(saltus_map_step(map, point, NULL, &message), SALTUS_NO_CONVERGENCE);
     saltus_map_free(map);
+    section.patience = 0;
+    assert_int_equal(saltus_map_new(system, &section, &options, false, &map, &message), SALTUS_BAD_INPUT);
+    assert_non_null(strstr(message.text, "patience"));
+    saltus_system_free(system);
+}
+
+/* Patience of part of a period is patience: an impact that comes within it is met. */
+static void short_patience(void **unused) {
+    (void)unused;
+    saltus_spec spec = oscillator_spec(0, 1, 0, 1);
+    add_stop(&spec, 0.5, 0.9, SALTUS_UPPER);
+    saltus_system *system = build(&spec);
+    saltus_flow_options options = saltus_flow_defaults();
+    saltus_message message = {""};
+    saltus_section section = saltus_section_defaults();
+    saltus_map *map;
+    saltus_event event;
+    double point[3] = {0, 1, 0};
+    section.kind = SALTUS_SECTION_IMPACT;
+    section.patience = 0.5;
+    check_ok(saltus_map_new(system, &section, &options, false, &map, &message), &message);
+    check_ok(saltus_map_reset(map, point, &message), &message);
+    check_ok(saltus_map_step(map, point, &event, &message), &message);
+    assert_int_equal(event.kind, SALTUS_IMPACT);
+    check_near(point[2], M_PI / 6, 1e-13);
+    saltus_map_free(map);
     saltus_system_free(system);
 }
 
@@ -175,6 +201,7 @@ int main(void) {
         cmocka_unit_test(turning_points),
         cmocka_unit_test(any_phase),
         cmocka_unit_test(refused_sections),
+        cmocka_unit_test(short_patience),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

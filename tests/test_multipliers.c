@@ -477,6 +477,16 @@ static void eigenvectors_of_orbits(void **unused) {
                 square += (v[i] * v[i] + v[r.n + i] * v[r.n + i]) / scale[i] / scale[i];
             }
             check_near(square, 1, 1e-12);
+            int largest = 0;
+            double size[2 * n_max];
+            for (int i = 0; i < r.n; i++) {
+                size[i] = hypot(v[i], v[r.n + i]) / scale[i];
+                if (size[i] > size[largest])
+                    largest = i;
+            }
+            assert_true(v[largest] > 0);
+            check_near(v[r.n + largest] / scale[largest], 0, 1e-14);
+            check_near(mu[k].log_modulus, orbit.multipliers[k].log_modulus, 1e-9);
         }
         saltus_cocycle cocycle = run_cocycle(system, r.periods, orbit.state, 0);
         all = calloc((size_t)(2 * r.n * r.n * cocycle.count), sizeof *all);

@@ -14,12 +14,13 @@ enum { history_max = 256, size_max = 16 };
 typedef struct history {
     int count;
     double residual[history_max];
+    int last; /* the largest number of a step */
     bool prescribed;
 } history;
 
 static void remember(void *context, int iteration, double residual, const char *what) {
     history *h = context;
-    (void)iteration;
+    h->last = iteration > h->last ? iteration : h->last;
     h->prescribed |= strcmp(what, "stroboscopic map") != 0;
     if (h->count < history_max)
         h->residual[h->count++] = residual;
@@ -462,6 +463,174 @@ static void searches_at_random(void **unused) {
     assert_int_equal(blamed, 0);
 }
 
+/* What orbit.h says of a result, found anew: the residual is the distance by which the orbit fails to close,
+ * the monodromy matrix is the derivative by differences, from whatever phase. */
+static void results_found_anew(void **unused) {
+    (void)unused;
+    const double step = 1e-6;
+    closed_oscillator o = closed_example_of(closed_two_periods);
+    o.omega = 0.85L;
+    closed_orbit closed;
+    assert_true(closed_orbit_at(&o, 1, &closed));
+    saltus_spec spec = closed_spec(&o);
+    saltus_system *system = build(&spec);
+    const double *scale = saltus_system_scale(system);
+    for (int k = 0; k < 3; k++) {
+        saltus_orbit_options options = saltus_orbit_defaults();
+        double start[2] = {(double)closed.state[0], (double)closed.state[1]}, end[2], side[2][2];
+        options.phase = 0.3 * k;
+        options.tolerance = k ? 1e-12 : 1e-4;
+        saltus_flow *flow = open_flow(system, &options.flow, 0, start);
+        advance(flow, options.phase, 0);
+        saltus_flow_state(flow, 0, start);
+        start[0] += 1e-4;
+        saltus_orbit orbit = find(system, 2, start, &options);
+        assert_int_equal(orbit.dimension, 2);
+        assert_int_equal(orbit.periods, 2);
+        assert_false(orbit.sticks);
+        assert_true(orbit.residual <= options.tolerance && orbit.iterations >= 1);
+        check_near(orbit.log_volume, 2 * log(0.9) - 0.08 * 2 * saltus_system_period(system), 1e-10);
+        check_near(orbit.sum_rule, orbit.log_volume, 1e-10);
+        saltus_flow_free(flow);
+        flow = open_flow(system, &options.flow, options.phase, orbit.state);
+        advance(flow, 2 + options.phase, 0);
+        saltus_flow_state(flow, 0, end);
+        check_near(fmax(fabs(end[0] - orbit.state[0]) / scale[0], fabs(end[1] - orbit.state[1]) / scale[1]),
+                   orbit.residual, 1e-12);
+        saltus_flow_free(flow);
+        for (int j = 0; j < 2; j++) {
+            for (int sign = 0; sign < 2; sign++) {
+                double beside[2] = {orbit.state[0], orbit.state[1]};
+                beside[j] += sign ? step : -step;
+                flow = open_flow(system, &options.flow, options.phase, beside);
+                advance(flow, 2 + options.phase, 0);
+                saltus_flow_state(flow, 0, side[sign]);
+                saltus_flow_free(flow);
+            }
+            for (int i = 0; i < 2; i++)
+                check_near(orbit.monodromy[2 * i + j], (side[1][i] - side[0][i]) / (2 * step), 1e-6);
+        }
+        saltus_orbit_clear(&orbit);
+        assert_null(orbit.state);
+    }
+    saltus_system_free(system);
+}
+
+/* Newton's steps are no more than allowed, and each is told with its residual; a search that needs more
+ * fails.
+ */
+static void iterations_are_limited(void **unused) {
+    (void)unused;
+    closed_oscillator o = closed_example_of(closed_one_period);
+    o.omega = 1.1L;
+    closed_orbit closed;
+    assert_true(closed_orbit_at(&o, 1, &closed));
+    saltus_spec spec = closed_spec(&o);
+    saltus_system *system = build(&spec);
+    double guess[2] = {(double)closed.state[0] + 0.05, (double)closed.state[1] - 0.05};
+    history whole = {0};
+    saltus_orbit_options options = saltus_orbit_defaults();
+    saltus_message message = {""};
+    options.history = remember;
+    options.context = &whole;
+    saltus_orbit orbit = find(system, 1, guess, &options);
+    assert_false(whole.prescribed);
+    assert_int_equal(whole.count, orbit.iterations + 1);
+    for (int k = 0; k + 2 < whole.count; k++)
+        assert_true(whole.residual[k + 1] < whole.residual[k]);
+    saltus_orbit_clear(&orbit);
+    options.tolerance = 0.5 * whole.residual[0];
+    whole = (history){0};
+    orbit = find(system, 1, guess, &options);
+    assert_true(orbit.residual <= options.tolerance);
+    saltus_orbit_clear(&orbit);
+    whole = (history){0};
+    options.tolerance = 1e-12;
+    for (options.iterations = 2; options.iterations >= 0; options.iterations--) {
+        whole = (history){0};
+        saltus_status status = saltus_orbit_find(system, 1, guess, &options, &orbit, &message);
+        assert_int_equal(whole.last, options.iterations);
+        if (options.iterations == 0) {
+            assert_int_equal(status, SALTUS_NO_CONVERGENCE);
+            assert_null(orbit.state);
+        }
+        saltus_orbit_clear(&orbit);
+    }
+    saltus_system_free(system);
+    options = saltus_orbit_defaults();
+    assert_true(options.phase == 0 && options.iterations == 20 && options.tolerance == 1e-12);
+    assert_int_equal(options.segments, 0);
+}
+
+/* Orbits without forcing whose period is known: a free mass between walls, one on a spring before a wall, one
+ * on a spring alone. `found` has the omega that makes the period p of the forcing's. */
+static void period_unknown(void **unused) {
+    (void)unused;
+    static const struct {
+        double k, d, x, v;
+        saltus_sides sides;
+        int periods;
+        double off; /* the guess's error */
+    } rows[] = {{0, 1, 0, 2, SALTUS_BOTH, 1, 1.02},
+                {0, 1, 0, 2, SALTUS_BOTH, 3, 0.99},
+                {4, 0.5, -0.2, 2, SALTUS_UPPER, 1, 1.02},
+                {4, 0.5, -0.2, 2, SALTUS_UPPER, 2, 0.98},
+                {4, 9, -0.2, 2, SALTUS_UPPER, 1, 1.03}};
+    for (size_t row = 0; row < sizeof rows / sizeof rows[0]; row++) {
+        double w = sqrt(rows[row].k), energy, amplitude, period;
+        saltus_spec spec = oscillator_spec(0, rows[row].k, 0, 1), found;
+        add_stop(&spec, rows[row].d, 1, rows[row].sides);
+        int p = rows[row].periods;
+        for (int pass = 0; pass < 2; pass++) {
+            double x = rows[row].x, v = rows[row].v;
+            saltus_orbit_options options = saltus_orbit_defaults();
+            saltus_message message = {""};
+            saltus_orbit orbit;
+            double guess[2] = {x, v};
+            history h = {0};
+            options.history = remember;
+            options.context = &h;
+            options.phase = pass ? 0.25 : 0;
+            for (int known = 0; known < 2; known++) {
+                if (known) {
+                    x = orbit.state[0];
+                    v = orbit.state[1];
+                }
+                energy = w * w * x * x + v * v;
+                amplitude = w > 0 ? sqrt(energy) / w : 0;
+                period = w == 0                    ? 4 * rows[row].d / fabs(v)
+                         : amplitude < rows[row].d ? 2 * M_PI / w
+                                                   : 2 * (M_PI - acos(rows[row].d / amplitude)) / w;
+                if (known)
+                    break;
+                set_parameter(&spec, "omega", rows[row].off * 2 * M_PI * p / period);
+                check_ok(saltus_orbit_find_period(&spec, p, guess, &options, &orbit, &found, &message),
+                         &message);
+            }
+            check_near(saltus_spec_get(&found, "omega"), 2 * M_PI * p / period, 1e-9 * p);
+            check_near(saltus_spec_get(&found, "k"), rows[row].k, 0);
+            assert_int_equal(orbit.periods, p);
+            assert_true(orbit.residual <= 1e-12);
+            assert_int_equal(h.count, orbit.iterations + 1);
+            assert_true(orbit.iterations >= 1 && orbit.iterations <= 20);
+            /* The shortest steps: the orbit found is near the guess. */
+            assert_true(hypot(orbit.state[0] - guess[0], orbit.state[1] - guess[1]) < 0.3);
+            for (int i = 0; i < 2; i++)
+                check_near(orbit.multipliers[i].log_modulus, 0, 1e-5);
+            saltus_orbit_clear(&orbit);
+        }
+    }
+    saltus_spec spec = oscillator_spec(0.1, 1, 1, 1), found;
+    saltus_orbit_options options = saltus_orbit_defaults();
+    saltus_message message = {""};
+    saltus_orbit orbit;
+    double guess[2] = {0.1, 0};
+    assert_int_equal(saltus_orbit_find_period(&spec, 1, guess, &options, &orbit, &found, &message),
+                     SALTUS_BAD_INPUT);
+    assert_non_null(strstr(message.text, "forced"));
+    assert_null(orbit.state);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(quadratic_convergence),
@@ -475,6 +644,9 @@ int main(void) {
         cmocka_unit_test(families_of_orbits),
         cmocka_unit_test(orbit_passes_through_stop),
         cmocka_unit_test(searches_at_random),
+        cmocka_unit_test(results_found_anew),
+        cmocka_unit_test(iterations_are_limited),
+        cmocka_unit_test(period_unknown),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

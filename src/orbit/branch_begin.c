@@ -245,12 +245,39 @@ static bool trim_runs(const saltus_branch *b, saltus_sequence *s, int *order) {
     return kept < count;
 }
 
+/* As many segments as are asked for; if that is left open, twice as many where perturbations grow too much
+ * over one. */
+static int count_cuts(const saltus_branch *b, const saltus_sequence *old) {
+    const double growth_max = 1e4;
+    int asked = b->options.orbit.segments;
+    if (asked > 0)
+        return asked < SALTUS_CUTS_MAX ? asked : SALTUS_CUTS_MAX;
+    bool crowded = saltus_pursuit_growth(b->pursuit) > growth_max && 2 * old->cuts <= SALTUS_CUTS_MAX / 2;
+    return crowded ? 2 * old->cuts : old->cuts;
+}
+
+/* Whether an event comes near a cut, over which it cannot pass. */
+static bool cuts_are_tight(const saltus_sequence *s) {
+    const double share_min = 0.05;
+    for (int j = 1; j < s->cuts; j++) {
+        double before = s->cut[j] - s->base, after = s->base + s->periods - s->cut[j];
+        for (int k = 0; k < s->count; k++) {
+            double since = s->cut[j] - s->mark[k].time;
+            if (since >= 0)
+                before = fmin(before, since);
+            else
+                after = fmin(after, -since);
+        }
+        if (fmin(before, after) < share_min * (before + after))
+            return true;
+    }
+    return false;
+}
+
 /* The sequence that `here` should have; false if it is good as it is. */
 static bool better_frame(const saltus_branch *b, const saltus_sequence *old, saltus_sequence *fresh,
                          int *order) {
-    const double growth_max = 1e4;
     double base = old->base;
-    bool crowded = saltus_pursuit_growth(b->pursuit) > growth_max && 2 * old->cuts <= SALTUS_CUTS_MAX / 2;
     if (old->count > 0) {
         double before = old->mark[0].time - old->base;
         double after = old->base + old->periods - old->mark[old->count - 1].time;
@@ -263,8 +290,8 @@ static bool better_frame(const saltus_branch *b, const saltus_sequence *old, sal
         fresh->driven = old->driven;
     }
     bool trimmed = b->options.locus != SALTUS_POINT_GR && trim_runs(b, fresh, order);
-    cut_evenly(fresh, crowded ? 2 * old->cuts : old->cuts);
-    return trimmed || base != old->base || fresh->cuts > old->cuts;
+    cut_evenly(fresh, count_cuts(b, old));
+    return trimmed || base != old->base || fresh->cuts > old->cuts || cuts_are_tight(old);
 }
 
 saltus_status saltus_branch_reframe(saltus_branch *b, int *tracked, bool *changed, saltus_message *message) {

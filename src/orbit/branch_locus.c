@@ -159,6 +159,8 @@ static saltus_status give_point(saltus_branch *b, saltus_point_kind kind, const 
     b->outer = l->value;
     saltus_status status = saltus_branch_emit(b, &b->here, kind, NAN, NULL, reason, message);
     b->outer = NULL;
+    if (status == SALTUS_OK)
+        b->queue[b->queue_count - 1].heading = l->tangent[0] * l->unit[0];
     if (status == SALTUS_OK && b->options.locus == SALTUS_POINT_GR)
         b->queue[b->queue_count - 1].admissible = other_breach(b, &b->here) < 1e-9;
     b->points++;

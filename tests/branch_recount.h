@@ -1,0 +1,238 @@
+/* What branch.h says of a point and of a run, found anew from the point's own parameters and state by the
+ * event-driven flow, by a search, and by counting.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef SALTUS_TESTS_BRANCH_RECOUNT_H
+#define SALTUS_TESTS_BRANCH_RECOUNT_H
+
+#include "branch_check.h"
+
+enum { recount_room = 256 };
+
+/* One orbit as the flow runs it. */
+typedef struct recount {
+    saltus_event event[recount_room];
+    int count, impacts, sticks;
+    bool chatter; /* a contact begins though impacts rebound */
+    bool held;
+    double log_restitution; /* sum of 2 ln r */
+    double gap;             /* scaled distance of the end from the begin */
+    char label[SALTUS_LABEL_MAX];
+} recount;
+
+static inline double recount_distance(const saltus_system *system, const double *a, const double *b) {
+    const double *scale = saltus_system_scale(system);
+    double largest = 0;
+    for (int i = 0; i < saltus_system_dimension(system); i++)
+        largest = fmax(largest, fabs(a[i] - b[i]) / scale[i]);
+    return largest;
+}
+
+static inline recount recount_orbit(const saltus_system *system, int periods, const double *state) {
+    saltus_flow_options options = saltus_flow_defaults();
+    recount out = {.count = 0};
+    double end[SALTUS_SCENE_STATE_MAX];
+    saltus_flow *flow = open_flow(system, &options, 0, state);
+    for (;;) {
+        saltus_event event = advance(flow, periods, SALTUS_WATCH_CONTACT);
+        if (event.kind == SALTUS_REACHED)
+            break;
+        double r = saltus_system_face(system, event.face).r;
+        assert_true(out.count < recount_room);
+        out.event[out.count++] = event;
+        out.sticks += event.kind == SALTUS_STICK;
+        out.chatter |= event.kind == SALTUS_STICK && r > 0;
+        out.impacts += event.kind == SALTUS_IMPACT || (event.kind == SALTUS_STICK && r == 0);
+        if (event.kind == SALTUS_IMPACT)
+            out.log_restitution += 2 * log(r);
+    }
+    out.held = out.count == 0 && saltus_flow_contacts(flow, 0) != 0;
+    saltus_flow_state(flow, 0, end);
+    out.gap = recount_distance(system, end, state);
+    saltus_flow_free(flow);
+    if (out.held)
+        snprintf(out.label, sizeof out.label, "held");
+    else if (out.chatter)
+        snprintf(out.label, sizeof out.label, "chatter/%d", periods);
+    else
+        snprintf(out.label, sizeof out.label, "%d/%d", out.impacts, periods);
+    return out;
+}
+
+/* The events of one orbit, times in periods from phase 0, in order; impacts of a burst that ends in a contact
+ * come as the flow's tolerance has them, so there only the contacts count. */
+static inline void recount_events(const saltus_branch_point *p, const saltus_system *system,
+                                  const recount *again) {
+    const double speed = saltus_system_scale(system)[saltus_system_dof(system)];
+    double last = 0;
+    if (!again->chatter)
+        assert_int_equal(p->event_count, again->count);
+    for (int k = 0, j = 0; k < p->event_count; k++) {
+        const saltus_event *e = &p->events[k];
+        double time = saltus_time_periods(e->time);
+        assert_true(time >= last && time < p->periods);
+        assert_true(e->time.phase >= 0 && e->time.phase < 1);
+        last = time;
+        if (again->chatter && e->kind == SALTUS_IMPACT)
+            continue;
+        while (again->chatter && j < again->count && again->event[j].kind == SALTUS_IMPACT)
+            j++;
+        assert_true(j < again->count);
+        const saltus_event *a = &again->event[j++];
+        assert_int_equal(e->kind, a->kind);
+        assert_int_equal(e->face, a->face);
+        check_near(time, saltus_time_periods(a->time), 1e-6);
+        check_near(e->velocity_before, a->velocity_before, 1e-6 * speed);
+        check_near(e->velocity_after, a->velocity_after, 1e-6 * speed);
+        check_near(e->displacement, a->displacement, 1e-9);
+    }
+}
+
+/* Multipliers by a search from another section point, and what is counted of them. */
+static inline void recount_multipliers(const saltus_branch_point *p, const saltus_system *system,
+                                       const recount *again) {
+    saltus_orbit_options options = saltus_orbit_defaults();
+    saltus_message message = {""};
+    saltus_orbit orbit;
+    int unstable = 0;
+    bool stable = true, large = p->multipliers[0].log_modulus > log(1e3);
+    double sum = 0;
+    for (int i = 0; i < p->dimension; i++) {
+        double log_modulus = p->multipliers[i].log_modulus;
+        unstable += log_modulus > 1e-9;
+        stable = stable && log_modulus < 0;
+        sum += isinf(log_modulus) ? 0 : log_modulus;
+        assert_true(i == 0 || !(log_modulus > p->multipliers[i - 1].log_modulus));
+    }
+    assert_int_equal(p->unstable, unstable);
+    assert_int_equal(p->stable, stable);
+    check_near(p->log_volume, sum, 1e-9 * (1 + fabs(sum)));
+    if (large)
+        return;
+    check_ok(saltus_orbit_find(system, p->periods, p->state, &options, &orbit, &message), &message);
+    check_near(recount_distance(system, orbit.state, p->state), 0, 1e-7);
+    for (int i = 0; i < p->dimension; i++) {
+        double size = hypot(orbit.multipliers[0].re, orbit.multipliers[0].im),
+               near = 1e-5 * (1 + size * size);
+        check_near(p->multipliers[i].re, orbit.multipliers[i].re, near);
+        check_near(fabs(p->multipliers[i].im), fabs(orbit.multipliers[i].im), near);
+    }
+    if (!orbit.sticks) {
+        double trace =
+            saltus_system_trace(system, p->state); /* of a linear oscillator: everywhere the same */
+        double rule = again->log_restitution + trace * p->periods * saltus_system_period(system);
+        check_near(p->sum_rule, rule, 1e-7 * (1 + fabs(rule)));
+        check_near(p->log_volume, rule, 1e-6 * (1 + fabs(rule)));
+    }
+    saltus_orbit_clear(&orbit);
+}
+
+/* A point at which nothing special happens. */
+static inline void recount_point(const saltus_branch_point *p) {
+    saltus_system *system = build(&p->spec);
+    recount again = recount_orbit(system, p->periods, p->state);
+    assert_int_equal(p->dimension, saltus_system_dimension(system));
+    assert_true(p->admissible);
+    check_near(again.gap, 0, 1e-7);
+    assert_string_equal(p->label, again.label);
+    assert_int_equal(p->impacts, again.chatter ? -1 : again.impacts);
+    assert_int_equal(p->sticking_intervals, again.sticks);
+    check_near(p->residual, 0, 1e-12);
+    assert_in_range(p->iterations, 0, 20);
+    recount_events(p, system, &again);
+    recount_multipliers(p, system, &again);
+    saltus_system_free(system);
+}
+
+/* A zero of a test function: the multiplier that makes the point, found anew. */
+static inline void recount_special(const saltus_branch_point *p) {
+    saltus_system *system = build(&p->spec);
+    recount again = recount_orbit(system, p->periods, p->state);
+    int critical = 0;
+    const saltus_multiplier *mu = p->multipliers;
+    for (int i = 1; i < p->dimension; i++)
+        if (fabs(mu[i].log_modulus) < fabs(mu[critical].log_modulus))
+            critical = i;
+    bool joins = p->kind == SALTUS_POINT_PD && p->reason[0];
+    double slowest = INFINITY;
+    for (int k = 0; k < again.count; k++)
+        if (again.event[k].kind == SALTUS_IMPACT)
+            slowest = fmin(slowest, fabs(again.event[k].velocity_before));
+    /* Almost at grazing multipliers are hardly determined. */
+    bool known = slowest > 1e-4 * saltus_system_scale(system)[saltus_system_dof(system)];
+    check_near(known ? mu[critical].log_modulus : 0, 0, 1e-3);
+    if (p->kind == SALTUS_POINT_NS)
+        assert_true(fabs(mu[critical].im) > 1e-3);
+    else if (known)
+        check_near(mu[critical].re, p->kind == SALTUS_POINT_PD && !joins ? -1 : 1, 1e-3);
+    check_near(again.gap, 0, 1e-6);
+    assert_string_equal(p->label, again.label);
+    saltus_system_free(system);
+}
+
+/* What holds of every point, whatever its kind. */
+static inline void recount_place(const branch_record *record, const saltus_branch_options *options, int k) {
+    const saltus_branch_point *p = &record->point[k];
+    saltus_direction direction;
+    saltus_message message = {""};
+    double value, unit = options->high[0] - options->low[0];
+    check_ok(saltus_spec_direction(&p->spec, options->key[0], &direction, &value, &message), &message);
+    /* Joins and ends of chatter are given at a place that is known better than the orbit found beside it. */
+    bool beside = p->kind == SALTUS_POINT_CH || strncmp(p->reason, "joins", 5) == 0;
+    check_near(value, p->value[0], beside ? 1e-4 * unit : 1e-12 * (1 + fabs(value)));
+    assert_true(p->value[0] >= options->low[0] - 1e-9 * unit &&
+                p->value[0] <= options->high[0] + 1e-9 * unit);
+    assert_true(isnan(p->value[1]));
+    assert_true(fabs(p->heading) <= unit * (1 + 1e-9));
+    bool bracketed = p->kind != SALTUS_POINT_REGULAR && p->kind != SALTUS_POINT_EP;
+    if (bracketed)
+        assert_true(p->accuracy >= 0 && p->accuracy < 1e-7 * unit);
+    if (p->kind == SALTUS_POINT_REGULAR)
+        assert_true(isnan(p->accuracy));
+    bool changes = p->kind == SALTUS_POINT_GR || p->kind == SALTUS_POINT_CH || p->kind == SALTUS_POINT_ST;
+    assert_true(changes || !p->label_after[0]);
+    if (p->kind == SALTUS_POINT_EP)
+        assert_true(p->reason[0] && (k + 1 == record->count || record->point[k + 1].branch != p->branch));
+}
+
+/* From one point to the next on the same branch. */
+static inline void recount_step(const saltus_branch_point *a, const saltus_branch_point *b,
+                                const saltus_branch_options *options) {
+    double unit = options->high[0] - options->low[0], ahead = b->arclength - a->arclength;
+    assert_int_equal(b->parent, a->parent);
+    assert_int_equal(b->step, a->step + (a->kind == SALTUS_POINT_REGULAR));
+    assert_true(ahead >= -1e-12 && ahead <= options->step_max + 1e-2);
+    assert_true(fabs(b->value[0] - a->value[0]) <= unit * (ahead + 1e-9));
+    if (a->label_after[0] && b->kind != SALTUS_POINT_EP)
+        assert_string_equal(b->label, a->label_after);
+    if (a->kind == SALTUS_POINT_REGULAR && b->kind == SALTUS_POINT_REGULAR) {
+        /* Somewhere on the way d value / d arclength is the mean. */
+        double mean = (b->value[0] - a->value[0]) / ahead;
+        assert_true(mean >= fmin(a->heading, b->heading) - 0.05 * unit);
+        assert_true(mean <= fmax(a->heading, b->heading) + 0.05 * unit);
+    }
+}
+
+/* All of a run; every so many regular points in full. */
+static inline void recount_run(const branch_record *record, const saltus_branch_options *options, int every) {
+    for (int k = 0; k < record->count; k++) {
+        const saltus_branch_point *p = &record->point[k], *before = k ? p - 1 : NULL;
+        recount_place(record, options, k);
+        if (!before || before->branch != p->branch) {
+            assert_int_equal(p->kind, SALTUS_POINT_REGULAR);
+            assert_int_equal(p->step, 0);
+            assert_true(p->parent < p->branch);
+            assert_true(!before || (before->kind == SALTUS_POINT_EP && p->branch > before->branch));
+            assert_true(p->parent >= 0 || fabs(p->arclength) == 0);
+        } else {
+            recount_step(before, p, options);
+        }
+        if (p->kind == SALTUS_POINT_UZ ||
+            (p->kind == SALTUS_POINT_REGULAR && p->step % every == 0 && p->step))
+            recount_point(p);
+        if (p->kind == SALTUS_POINT_LP || p->kind == SALTUS_POINT_PD || p->kind == SALTUS_POINT_NS ||
+            p->kind == SALTUS_POINT_BP)
+            recount_special(p);
+    }
+}
+
+#endif
