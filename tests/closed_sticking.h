@@ -46,7 +46,7 @@ static inline closed_impact closed_bounce(const closed_oscillator *o, long doubl
     long double x[2], rate[2];
     closed_field(o, from, x0, rate);
     long double guess = rate[1] > 0 ? -2 * x0[1] / rate[1] : INFINITY, time = from + guess;
-    if (!(guess > 0 && guess < closed_resolution(o))) {
+    if (!(guess > 0 && guess < 4 * closed_resolution(o))) {
         long double until = from, limit = from + closed_sticking_periods * closed_period(o);
         do
             closed_flight(o, from, x0, until += closed_resolution(o), x);
