@@ -372,6 +372,48 @@ static void mirror_images(void **unused) {
     assert_true(pairs > 0 && own > 0);
 }
 
+/* Directly forced, the image comes half a period later: a mirrored orbit is its own, one of a pair has the
+ * other one in the list. */
+static void images_half_a_period_later(void **unused) {
+    (void)unused;
+    for (int pair = 0; pair <= 1; pair++) {
+        closed_oscillator o = closed_example_of(closed_mirrored);
+        closed_orbit pitchfork, at[2];
+        o.omega = pair ? 3 : 3.6L;
+        assert_true(closed_pitchfork(&o, "omega", 3.4L, 3.6L, &pitchfork));
+        if (pair)
+            assert_true(closed_pair_at(&pitchfork, "omega", 1, o.omega, &at[0]) &&
+                        closed_pair_at(&pitchfork, "omega", -1, o.omega, &at[1]));
+        else
+            assert_true(closed_orbit_at(&o, 1, &at[0]));
+        saltus_spec spec = closed_spec(&o);
+        saltus_system *system = build(&spec);
+        saltus_harvest_options options = saltus_harvest_defaults();
+        saltus_message message = {""};
+        saltus_harvest harvest;
+        double start[2] = {(double)at[0].state[0], (double)at[0].state[1] + 0.01};
+        options.state = start;
+        options.periods = 300;
+        check_ok(saltus_harvest_run(system, &options, &harvest, &message), &message);
+        assert_int_equal(harvest.count, 1 + pair);
+        assert_int_equal(harvest.face_count, 2);
+        int first = harvest.orbits[0].orbit.state[0] > (double)at[0].state[0] - 1e-6 &&
+                            harvest.orbits[0].orbit.state[0] < (double)at[0].state[0] + 1e-6
+                        ? 0
+                        : 1;
+        for (int k = 0; k <= pair; k++) {
+            const saltus_harvest_orbit *found = &harvest.orbits[k];
+            assert_int_equal(found->mirror, pair ? 1 - k : 0);
+            assert_true(found->impacts == 2 && found->impacts_by_face[0] == 1 &&
+                        found->impacts_by_face[1] == 1);
+            for (int i = 0; i < 2; i++)
+                check_near(found->orbit.state[i], (double)at[k ^ first].state[i], 1e-9);
+        }
+        saltus_harvest_clear(&harvest);
+        saltus_system_free(system);
+    }
+}
+
 /* A motion that settles leaves its own orbit, once, with its least period. */
 static void settled_motion(void **unused) {
     (void)unused;
@@ -387,6 +429,63 @@ static void settled_motion(void **unused) {
     assert_int_equal(harvest.orbits[0].impacts, 4);
     assert_true(harvest.orbits[0].orbit.multipliers[0].log_modulus < 0);
     saltus_harvest_clear(&harvest);
+    saltus_system_free(system);
+}
+
+/* Called with shares that only grow, from 0 on, through both halves of the work. */
+static bool share_grows(void *context, double done) {
+    double *last = context;
+    assert_true(done >= *last && done <= 1);
+    assert_true(*last >= 0 || done == 0);
+    *last = done;
+    return true;
+}
+
+static void progress_is_told(void **unused) {
+    (void)unused;
+    saltus_system *system = chaotic_oscillator();
+    saltus_harvest_options options = saltus_harvest_defaults();
+    saltus_message message = {""};
+    saltus_harvest harvest;
+    double last = -1;
+    volatile sig_atomic_t stop = 1;
+    options.periods = 1000;
+    options.longest = 4;
+    options.tries = 5;
+    options.progress = share_grows;
+    options.context = &last;
+    check_ok(saltus_harvest_run(system, &options, &harvest, &message), &message);
+    assert_true(last > 0.5 && harvest.count > 0);
+    saltus_harvest_clear(&harvest);
+    options.progress = NULL;
+    options.flow.stop = &stop;
+    check_ok(saltus_harvest_run(system, &options, &harvest, &message), &message);
+    assert_true(harvest.count == 0 && harvest.periods == 0);
+    saltus_harvest_clear(&harvest);
+    saltus_system_free(system);
+}
+
+static void options_out_of_range_are_refused(void **unused) {
+    (void)unused;
+    saltus_system *system = chaotic_oscillator();
+    for (int k = 0; k < 14; k++) {
+        saltus_harvest_options o = saltus_harvest_defaults();
+        saltus_message message = {""};
+        saltus_harvest harvest;
+        bool fine = k >= 10;
+        o.periods = 3;
+        o.transient = k == 0 ? -1 : 0;
+        o.periods = k == 1 ? 0 : k == 10 ? 1 : 3;
+        o.longest = k == 2 ? 0 : k == 3 ? 257 : k == 11 ? 256 : 1;
+        o.tries = k == 4 ? 0 : k == 5 ? 10001 : k == 12 ? 10000 : 1;
+        o.most = k == 6 ? 0 : 1;
+        o.recurrence = k == 7 ? 0 : k == 8 ? NAN : 1e-3;
+        o.tolerance = k == 9 ? 0 : 1e-11;
+        saltus_status status = saltus_harvest_run(system, &o, &harvest, &message);
+        assert_int_equal(status, fine ? SALTUS_OK : SALTUS_BAD_INPUT);
+        assert_true(fine || (message.text[0] && !harvest.orbits));
+        saltus_harvest_clear(&harvest);
+    }
     saltus_system_free(system);
 }
 
@@ -425,10 +524,17 @@ static void limits_are_kept(void **unused) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(orbits_of_chaos),       cmocka_unit_test(options_of_a_harvest),
-        cmocka_unit_test(seeds_and_states),      cmocka_unit_test(resting_orbits),
-        cmocka_unit_test(close_orbits_stay_two), cmocka_unit_test(mirror_images),
-        cmocka_unit_test(settled_motion),        cmocka_unit_test(limits_are_kept),
+        cmocka_unit_test(orbits_of_chaos),
+        cmocka_unit_test(options_of_a_harvest),
+        cmocka_unit_test(seeds_and_states),
+        cmocka_unit_test(resting_orbits),
+        cmocka_unit_test(close_orbits_stay_two),
+        cmocka_unit_test(mirror_images),
+        cmocka_unit_test(images_half_a_period_later),
+        cmocka_unit_test(settled_motion),
+        cmocka_unit_test(progress_is_told),
+        cmocka_unit_test(options_out_of_range_are_refused),
+        cmocka_unit_test(limits_are_kept),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
