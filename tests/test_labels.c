@@ -203,6 +203,36 @@ static void pairs_are_each_others_images(void **unused) {
     saltus_system_free(system);
 }
 
+/* Driven at twice its frequency a straight pipe swings in two forcing periods and is its own image one of
+ * them later; it hits nothing, or both stops in turn. */
+static void a_pulsation_swings_in_two_periods(void **unused) {
+    (void)unused;
+    for (int stops = 0; stops <= 1; stops++) {
+        saltus_spec spec = pipe_spec(1, 12);
+        set_parameter(&spec, "u0", 2.5);
+        set_parameter(&spec, "sigma", 0.4);
+        if (stops)
+            add_stop(&spec, 0.01, 0.5, SALTUS_BOTH);
+        saltus_system *system = build(&spec);
+        double start[2] = {0.005, 0}, swung[2];
+        saltus_motion motion = settle_from(system, start);
+        saltus_flow_options flow = saltus_flow_defaults();
+        saltus_message message = {""};
+        check_recount(system, &motion);
+        assert_int_equal(motion.periods, 2);
+        assert_int_equal(motion.mirror, SALTUS_MIRROR_SELF);
+        assert_int_equal(motion.impacts > 0, stops);
+        assert_int_equal(motion.impacts_by_face[0], motion.impacts_by_face[1]);
+        memcpy(swung, motion.state, sizeof swung);
+        check_ok(saltus_motion_settle(system, &flow, 1, swung, &message), &message);
+        check_ok(saltus_motion_mirror(system, &flow, swung, &message), &message);
+        check_near(swung[0], motion.state[0], 1e-10);
+        check_near(swung[1], motion.state[1], 1e-8);
+        saltus_motion_clear(&motion);
+        saltus_system_free(system);
+    }
+}
+
 /* Impacts without rebound are counted, chatter is not; the rest lasts from the impact to the release. */
 static void orbits_that_rest_are_told(void **unused) {
     (void)unused;
@@ -445,10 +475,15 @@ static void settling_is_the_flow(void **unused) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(closed_orbits_are_told),    cmocka_unit_test(pairs_are_each_others_images),
-        cmocka_unit_test(orbits_that_rest_are_told), cmocka_unit_test(assorted_orbits_are_recounted),
-        cmocka_unit_test(least_periods_are_told),    cmocka_unit_test(rests_are_told),
-        cmocka_unit_test(a_pulsating_load_holds),    cmocka_unit_test(what_has_settled),
+        cmocka_unit_test(closed_orbits_are_told),
+        cmocka_unit_test(pairs_are_each_others_images),
+        cmocka_unit_test(a_pulsation_swings_in_two_periods),
+        cmocka_unit_test(orbits_that_rest_are_told),
+        cmocka_unit_test(assorted_orbits_are_recounted),
+        cmocka_unit_test(least_periods_are_told),
+        cmocka_unit_test(rests_are_told),
+        cmocka_unit_test(a_pulsating_load_holds),
+        cmocka_unit_test(what_has_settled),
         cmocka_unit_test(settling_is_the_flow),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

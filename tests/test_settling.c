@@ -260,9 +260,16 @@ static void options_take_effect(void **unused) {
     assert_string_equal(motion.label, "chaotic");
     assert_true(motion.evidence.periods > 0 && motion.evidence.periods <= 32000);
     assert_int_equal(motion.evidence.members, 8);
+    assert_int_equal(motion.transient, 1000 / 10);
     recount r = recount_from(system, motion.state, 400);
     check_near(motion.largest, r.largest, 1e-2);
     check_near(motion.smallest, r.smallest, 1e-2);
+    saltus_motion_clear(&motion);
+    /* Little time to settle is given in full before an exponent is measured. */
+    options.transient = 600;
+    motion = classify(system, start, &options);
+    assert_string_equal(motion.label, "chaotic");
+    assert_int_equal(motion.transient, 600);
     saltus_motion_clear(&motion);
     saltus_system_free(system);
 }
