@@ -376,6 +376,66 @@ static void least_periods_are_told(void **unused) {
     }
 }
 
+/* Along a branch each point's label, counts and events are those of the same orbit described by itself. */
+static void branches_say_it_as_classification_does(void **unused) {
+    (void)unused;
+    const closed_oscillator starts[] = {
+        closed_sticking_example(0.8L, -0.4L, 0), closed_sticking_example(0.4L, 0.2L, 0),
+        closed_sticking_example(2.4L, 0, 0),     closed_sticking_example(0.8L, 0.2L, 0.3L),
+        closed_example_of(closed_mirrored),      closed_example_of(closed_two_periods)};
+    for (int k = 0; k < 6; k++) {
+        closed_oscillator o = starts[k];
+        saltus_branch_options options = saltus_branch_defaults();
+        saltus_message message = {""};
+        saltus_branch *branch;
+        const saltus_branch_point *point;
+        double start[2];
+        int periods = o.periods, compared = 0;
+        if (k < 4) {
+            closed_sticking closed = closed_sticking_of(&o);
+            periods = closed.periods;
+            for (int i = 0; i < 2; i++)
+                start[i] = (double)closed.state[0][i];
+        } else {
+            closed_orbit closed;
+            o.omega = k == 4 ? 3.6L : 0.82L;
+            assert_true(closed_orbit_at(&o, 1, &closed));
+            for (int i = 0; i < 2; i++)
+                start[i] = (double)closed.state[i];
+        }
+        saltus_spec spec = closed_spec(&o);
+        strcpy(options.key[0], "omega");
+        options.low[0] = (double)o.omega - 0.05;
+        options.high[0] = (double)o.omega + 0.05;
+        options.points = 5;
+        options.step = options.step_max = 0.02;
+        check_ok(saltus_branch_new(&spec, periods, start, &options, &branch, &message), &message);
+        for (;;) {
+            check_ok(saltus_branch_step(branch, &point, &message), &message);
+            if (!point)
+                break;
+            if (point->kind != SALTUS_POINT_REGULAR || !point->admissible)
+                continue;
+            saltus_system *system = build(&point->spec);
+            saltus_motion motion = describe_from(system, point->periods, point->state);
+            assert_string_equal(point->label, motion.label);
+            assert_int_equal(point->impacts, motion.impacts);
+            assert_int_equal(point->sticking_intervals, motion.sticking_intervals);
+            for (int e = 0; motion.impacts >= 0 && e < motion.event_count; e++) {
+                assert_int_equal(point->event_count, motion.event_count);
+                assert_int_equal(point->events[e].kind, motion.events[e].kind);
+                check_near(saltus_time_periods(point->events[e].time),
+                           saltus_time_periods(motion.events[e].time), 1e-8);
+            }
+            compared++;
+            saltus_motion_clear(&motion);
+            saltus_system_free(system);
+        }
+        assert_true(compared >= 3);
+        saltus_branch_free(branch);
+    }
+}
+
 /* Rest of an oscillator: against the spring's place, with its own exponent, and on a stop with the load's
  * force. */
 static void rests_are_told(void **unused) {
@@ -481,6 +541,7 @@ int main(void) {
         cmocka_unit_test(orbits_that_rest_are_told),
         cmocka_unit_test(assorted_orbits_are_recounted),
         cmocka_unit_test(least_periods_are_told),
+        cmocka_unit_test(branches_say_it_as_classification_does),
         cmocka_unit_test(rests_are_told),
         cmocka_unit_test(a_pulsating_load_holds),
         cmocka_unit_test(what_has_settled),
