@@ -98,9 +98,16 @@ static calibration calibrate(series_kind kind, double a, double truth, long long
     return c;
 }
 
+/* Variance of the mean of n values with correlations a^t. */
+static double known_variance(double a, double n) {
+    return ((1 + a) / (1 - a) - 2 * a * (1 - pow(a, n)) / (n * (1 - a) * (1 - a))) / n;
+}
+
 /* Two thirds within one standard error, 95 % within two. 200 seeds: 0.68 +- 0.033, chi-square 1 +- 0.1. */
 static void check_calibrated(series_kind kind, double a, double truth, long long count) {
     calibration c = calibrate(kind, a, truth, count, 200);
+    if (kind == autoregressive)
+        check_near(c.mean_square / known_variance(a, (double)count), 1, 0.15);
     if (!(fabs(c.within - 0.68) <= 0.06 && c.within_two > 0.9 && c.chi_square < 1.4 && c.chi_square > 0.7))
         fail_msg("series %d, %g, %lld values: %.3f within one error, %.3f within two, chi-square %.3f", kind,
                  a, count, c.within, c.within_two, c.chi_square);
@@ -140,22 +147,14 @@ static void logistic_map_at_four(void **unused) {
     }
 }
 
-/* Variance of the mean of n values with correlations a^t. */
-static double known_variance(double a, double n) {
-    return ((1 + a) / (1 - a) - 2 * a * (1 - pow(a, n)) / (n * (1 - a) * (1 - a))) / n;
-}
-
 static void correlated_noise(void **unused) {
     (void)unused;
     static const struct {
         double a;
         long long count;
-    } rows[] = {{0.99, 20000}, {0.99, 100000}, {0.9, 5000}, {-0.9, 1000}, {-0.9, 20000}, {0.5, 1000}};
-    for (size_t k = 0; k < sizeof rows / sizeof rows[0]; k++) {
-        calibration c = calibrate(autoregressive, rows[k].a, 0, rows[k].count, 200);
+    } rows[] = {{0.99, 20000}, {0.99, 40000}, {0.9, 5000}, {-0.9, 1000}, {-0.9, 20000}, {0.5, 1000}};
+    for (size_t k = 0; k < sizeof rows / sizeof rows[0]; k++)
         check_calibrated(autoregressive, rows[k].a, 0, rows[k].count);
-        check_near(c.mean_square / known_variance(rows[k].a, (double)rows[k].count), 1, 0.15);
-    }
     check_cautious(autoregressive, -0.9, 0, 200);
     check_cautious(autoregressive, -0.9, 0, 2000);
 }
@@ -319,14 +318,98 @@ static void parts_and_joins(void **unused) {
     assert_int_equal(joint.count, 8192);
 }
 
+/* How many independent values the error is worth: all of them of white noise, (1 - a) / (1 + a) of them of an
+ * autoregression, wherever the values lie; unknown for a part of a run. */
+static void independent_values(void **unused) {
+    (void)unused;
+    static const double correlations[] = {0, 0.5, 0.9};
+    enum { count = 20000 };
+    for (int k = 0; k < 3; k++)
+        for (int far = 0; far <= 1; far++) {
+            saltus_average average = {0};
+            series s = begin_series(autoregressive, correlations[k], 1);
+            double a = correlations[k], sum = 0, squares = 0;
+            for (int n = 0; n < count; n++) {
+                double value = next_value(&s) * 3;
+                sum += value;
+                squares += value * value;
+                saltus_average_add(&average, value + (far ? 1e4 : 0));
+            }
+            saltus_estimate estimate = saltus_average_plain(&average);
+            double variance = squares / count - sum / count * (sum / count);
+            check_near(estimate.independent / count * (1 + a) / (1 - a), 1, 0.25);
+            check_near(estimate.independent * estimate.standard_error * estimate.standard_error, variance,
+                       2e-2 * variance);
+            assert_false(estimate.regular || estimate.weighted);
+            assert_true(saltus_average_part(&average, 0, 0.5).independent == 0);
+        }
+}
+
+/* Plain means add up, and so do weighted ones; a weighted mean is one from 128 values on. */
+static void means_of_one_kind_add_up(void **unused) {
+    (void)unused;
+    saltus_average one = {0}, other = {0}, both = {0};
+    uint64_t random = 11;
+    for (int n = 1; n <= 20000; n++) {
+        double x = normal(&random), y = cos(2 * M_PI * 0.6180339887 * n + 1);
+        saltus_average_add(&one, x);
+        saltus_average_add(&other, y);
+        saltus_average_add(&both, x + y);
+        if (n != 127 && n != 128 && n != 20000)
+            continue;
+        saltus_estimate plain = saltus_average_plain(&both), weighted = saltus_average_weighted(&both);
+        assert_false(plain.weighted);
+        assert_int_equal(weighted.weighted, n >= 128);
+        check_near(plain.mean, saltus_average_plain(&one).mean + saltus_average_plain(&other).mean, 1e-14);
+        check_near(weighted.mean, saltus_average_weighted(&one).mean + saltus_average_weighted(&other).mean,
+                   1e-14);
+        assert_int_equal(weighted.mean != plain.mean, n >= 128);
+    }
+    /* What runs around a circle is regular, and better served by the weighted mean. */
+    saltus_estimate best = saltus_average_estimate(&other), plain = saltus_average_plain(&other);
+    assert_true(best.regular && best.weighted && plain.regular);
+    assert_true(fabs(best.mean) < 1e-3 * fabs(plain.mean) && best.standard_error < plain.standard_error);
+    check_near(plain.mean, 0, plain.standard_error);
+    assert_false(saltus_average_estimate(&one).weighted || saltus_average_estimate(&one).regular);
+}
+
+/* Errors of regular runs are bounds: their mean is stated; those of others fall with the number of runs. All
+ * else adds up, and is said of all only where it holds of each. */
+static void runs_join(void **unused) {
+    (void)unused;
+    for (int mask = 0; mask < 16; mask++) {
+        saltus_estimate e[2] = {{.mean = 1, .standard_error = 3, .independent = 5, .count = 7},
+                                {.mean = 2, .standard_error = 4, .independent = 6, .count = 8}};
+        for (int k = 0; k < 2; k++) {
+            e[k].regular = mask >> k & 1;
+            e[k].weighted = mask >> (2 + k) & 1;
+        }
+        saltus_estimate joint = saltus_estimates_join(e, 2);
+        bool bounds = (mask & 3) == 3 || (mask & 12) == 12;
+        check_near(joint.mean, 1.5, 1e-15);
+        check_near(joint.standard_error, bounds ? 3.5 : 2.5, 1e-14);
+        assert_true(joint.independent == 11 && joint.count == 15);
+        assert_int_equal(joint.regular, (mask & 3) == 3);
+        assert_int_equal(joint.weighted, (mask & 12) == 12);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(chaotic_maps),     cmocka_unit_test(logistic_map_at_four),
-        cmocka_unit_test(correlated_noise), cmocka_unit_test(white_noise),
-        cmocka_unit_test(periodic_series),  cmocka_unit_test(quasi_periodic_series),
-        cmocka_unit_test(constant_series),  cmocka_unit_test(short_series),
-        cmocka_unit_test(one_outlier),      cmocka_unit_test(batches_double),
+        cmocka_unit_test(chaotic_maps),
+        cmocka_unit_test(logistic_map_at_four),
+        cmocka_unit_test(correlated_noise),
+        cmocka_unit_test(white_noise),
+        cmocka_unit_test(periodic_series),
+        cmocka_unit_test(quasi_periodic_series),
+        cmocka_unit_test(constant_series),
+        cmocka_unit_test(short_series),
+        cmocka_unit_test(one_outlier),
+        cmocka_unit_test(batches_double),
         cmocka_unit_test(parts_and_joins),
+        cmocka_unit_test(independent_values),
+        cmocka_unit_test(means_of_one_kind_add_up),
+        cmocka_unit_test(runs_join),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,6 +1,7 @@
 /* Harvest: every orbit is walked again by other means than those that found it.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "check.h"
+#include "closed_sticking.h"
+#include "recount.h"
 
 #include "orbit/multipliers.h"
 
@@ -96,22 +97,11 @@ static void sorted(const saltus_harvest *harvest) {
     }
 }
 
-/* Figure 7(c) is chaotic: twenty unstable orbits and more. */
-static void orbits_of_chaos(void **unused) {
-    (void)unused;
-    saltus_system *system = scene_system("fig7c", NULL);
-    saltus_harvest_options options = saltus_harvest_defaults();
-    saltus_message message = {""};
-    saltus_harvest harvest;
+/* All that is said of each orbit; how many are unstable. */
+static int check_orbits(const saltus_system *system, const saltus_harvest *harvest) {
     int unstable = 0;
-    options.periods = 2000;
-    options.tries = 20;
-    options.recurrence = 0.2;
-    check_ok(saltus_harvest_run(system, &options, &harvest, &message), &message);
-    distinct(system, &harvest);
-    sorted(&harvest);
-    for (int k = 0; k < harvest.count; k++) {
-        const saltus_harvest_orbit *found = &harvest.orbits[k];
+    for (int k = 0; k < harvest->count; k++) {
+        const saltus_harvest_orbit *found = &harvest->orbits[k];
         assert_true(found->orbit.residual < 1e-11);
         assert_int_equal(found->mirror, -1);
         if (found->impacts >= 0)
@@ -122,9 +112,212 @@ static void orbits_of_chaos(void **unused) {
         walks_again(system, found);
         grows_as_told(system, found);
     }
-    print_message("%d orbits, %d unstable, from %lld candidates\n", harvest.count, unstable,
-                  harvest.candidates);
-    assert_true(unstable >= 20);
+    return unstable;
+}
+
+/* Figure 7(c) is chaotic. */
+static void orbits_of_chaos(void **unused) {
+    (void)unused;
+    saltus_system *system = scene_system("fig7c", NULL);
+    saltus_harvest_options options = saltus_harvest_defaults();
+    saltus_message message = {""};
+    saltus_harvest harvest;
+    options.periods = 400;
+    options.tries = 5;
+    options.longest = 4;
+    options.recurrence = 0.2;
+    check_ok(saltus_harvest_run(system, &options, &harvest, &message), &message);
+    distinct(system, &harvest);
+    sorted(&harvest);
+    assert_true(check_orbits(system, &harvest) >= 3);
+    saltus_harvest_clear(&harvest);
+    saltus_system_free(system);
+}
+
+/* Chaos of an oscillator with one stop. */
+static saltus_system *chaotic_oscillator(void) {
+    closed_oscillator o = {.c = 0.04L, .k = 1, .F = 0.363L, .F0 = -1, .omega = 0.9166L, .r = 0.9L};
+    saltus_spec spec = closed_spec(&o);
+    return build(&spec);
+}
+
+/* What is counted adds up, and each option does what it says. */
+static void options_of_a_harvest(void **unused) {
+    (void)unused;
+    saltus_system *system = chaotic_oscillator();
+    saltus_harvest_options all = saltus_harvest_defaults(), options;
+    saltus_message message = {""};
+    saltus_harvest harvest, other;
+    assert_true(all.longest == 8 && all.transient == 100 && all.periods == 5000 && all.recurrence == 0.1);
+    assert_true(all.tries == 40 && all.most == 1000 && all.tolerance == 1e-11 && !all.state && all.seed == 1);
+    all.periods = 1500;
+    all.tries = 15;
+    all.longest = 6;
+    check_ok(saltus_harvest_run(system, &all, &harvest, &message), &message);
+    distinct(system, &harvest);
+    sorted(&harvest);
+    assert_true(check_orbits(system, &harvest) >= 6);
+    assert_true(harvest.periods == 1600 && harvest.face_count == 1 && harvest.dimension == 2);
+    assert_true(harvest.converged >= harvest.count && harvest.candidates >= harvest.converged);
+    assert_true(harvest.candidates <= all.tries * all.longest);
+    for (int k = 0; k < harvest.count; k++) {
+        const saltus_harvest_orbit *found = &harvest.orbits[k];
+        recount r = recount_from(system, found->orbit.state, found->orbit.periods);
+        assert_true(found->orbit.periods <= 6);
+        assert_int_equal(found->impacts, r.impacts);
+        assert_int_equal(found->sticking_intervals, 0);
+        saltus_flow *flow = open_flow(system, &all.flow, 0, found->orbit.state);
+        for (int p = 0; p < found->orbit.periods; p++) {
+            double point[2];
+            saltus_flow_state(flow, 0, point);
+            check_near(scaled_distance(system, 1, point, section_point(found, p)), 0, 1e-9);
+            advance(flow, p + 1, 0);
+        }
+        saltus_flow_free(flow);
+    }
+    assert_true(harvest.orbits[harvest.count - 1].orbit.periods > 3);
+    /* A shorter longest: the orbits of these periods and no more. */
+    options = all;
+    options.longest = 3;
+    check_ok(saltus_harvest_run(system, &options, &other, &message), &message);
+    assert_true(other.count > 0 && other.count < harvest.count);
+    for (int k = 0; k < other.count; k++) {
+        assert_true(other.orbits[k].orbit.periods <= 3);
+        check_near(scaled_distance(system, 1, other.orbits[k].orbit.state, harvest.orbits[k].orbit.state), 0,
+                   1e-12);
+    }
+    saltus_harvest_clear(&other);
+    /* Fewer tries, a closer recurrence, a transient: other candidates. */
+    options = all;
+    options.tries = 2;
+    check_ok(saltus_harvest_run(system, &options, &other, &message), &message);
+    assert_true(other.candidates <= 12 && other.candidates > 3);
+    saltus_harvest_clear(&other);
+    options = all;
+    options.recurrence = 1e-9;
+    check_ok(saltus_harvest_run(system, &options, &other, &message), &message);
+    assert_true(other.candidates == 0 && other.count == 0 && other.converged == 0);
+    saltus_harvest_clear(&other);
+    options = all;
+    options.transient = 0;
+    check_ok(saltus_harvest_run(system, &options, &other, &message), &message);
+    assert_int_equal(other.periods, 1500);
+    saltus_harvest_clear(&other);
+    options = all;
+    options.tolerance = 1e-30;
+    check_ok(saltus_harvest_run(system, &options, &other, &message), &message);
+    assert_true(other.candidates > 3 && other.count == 0 && other.converged == 0);
+    saltus_harvest_clear(&other);
+    saltus_harvest_clear(&harvest);
+    saltus_harvest_clear(&harvest);
+    saltus_system_free(system);
+}
+
+/* The trajectory is the seed's, or that of a given state whatever the seed. */
+static void seeds_and_states(void **unused) {
+    (void)unused;
+    saltus_system *system = chaotic_oscillator();
+    saltus_harvest_options options = saltus_harvest_defaults();
+    saltus_message message = {""};
+    saltus_harvest by[4];
+    double start[2] = {-0.2, 0.1};
+    options.periods = 300;
+    options.longest = 4;
+    options.transient = 3;
+    for (int k = 0; k < 4; k++) {
+        options.seed = 1 + (unsigned long)k % 2;
+        options.state = k < 2 ? start : NULL;
+        check_ok(saltus_harvest_run(system, &options, &by[k], &message), &message);
+    }
+    assert_true(by[0].candidates == by[1].candidates && by[0].count == by[1].count && by[0].count > 0);
+    for (int k = 0; k < by[0].count; k++)
+        assert_memory_equal(by[0].orbits[k].orbit.state, by[1].orbits[k].orbit.state, 2 * sizeof(double));
+    assert_true(by[2].count != by[3].count || by[2].candidates != by[3].candidates ||
+                by[2].orbits[0].orbit.state[0] != by[3].orbits[0].orbit.state[0]);
+    for (int k = 0; k < 4; k++)
+        saltus_harvest_clear(&by[k]);
+    start[0] = 0.1; /* beyond the stop */
+    options.state = start;
+    assert_int_equal(saltus_harvest_run(system, &options, &by[0], &message), SALTUS_BAD_INPUT);
+    assert_true(by[0].count == 0 && !by[0].orbits);
+    saltus_system_free(system);
+}
+
+/* Orbits that rest on the stop, with and without rebound, against closed flights: impacts without rebound are
+ * counted, complete chatter is not. */
+static void resting_orbits(void **unused) {
+    (void)unused;
+    static const double table[][3] = {{0.4, -0.6, 0}, {0.8, -0.4, 0},  {2.4, 0, 0},
+                                      {2.8, 0.2, 0},  {0.4, 0.2, 0.3}, {0.8, 0.4, 0.3}};
+    for (size_t k = 0; k < sizeof table / sizeof table[0]; k++) {
+        closed_oscillator o = closed_sticking_example(table[k][0], table[k][1], table[k][2]);
+        closed_sticking closed = closed_sticking_of(&o);
+        saltus_spec spec = closed_spec(&o);
+        saltus_system *system = build(&spec);
+        saltus_harvest_options options = saltus_harvest_defaults();
+        saltus_message message = {""};
+        saltus_harvest harvest;
+        options.transient = 20;
+        options.periods = 60;
+        options.longest = 4;
+        check_ok(saltus_harvest_run(system, &options, &harvest, &message), &message);
+        assert_int_equal(harvest.count, 1);
+        const saltus_harvest_orbit *found = &harvest.orbits[0];
+        double closest = INFINITY;
+        assert_int_equal(found->orbit.periods, closed.periods);
+        for (int p = 0; p < closed.periods; p++)
+            closest = fmin(closest, hypot(found->orbit.state[0] - (double)closed.state[p][0],
+                                          found->orbit.state[1] - (double)closed.state[p][1]));
+        check_near(closest, 0, 1e-12);
+        assert_int_equal(found->sticking_intervals, 1);
+        assert_true(found->orbit.sticks && found->mirror == -1);
+        assert_int_equal(found->impacts, closed.chatter ? -1 : closed.impacts);
+        recount r = recount_from(system, found->orbit.state, found->orbit.periods);
+        assert_int_equal(found->impacts_by_face[0], r.impacts);
+        assert_int_equal(r.chatter, closed.chatter);
+        saltus_harvest_clear(&harvest);
+        saltus_system_free(system);
+    }
+}
+
+/* Just beyond their fold two orbits are 1e-5 apart: both are listed, the stable one first. */
+static void close_orbits_stay_two(void **unused) {
+    (void)unused;
+    closed_oscillator o = {.c = 0.64L, .k = 1, .F = 1, .omega = 0.5L, .d = 1, .r = 0.3L, .periods = 1};
+    closed_orbit fold, at[2];
+    long double grazing = 1 / closed_return_of(&o).amplitude;
+    assert_true(closed_fold(&o, "F", 0.98L * grazing, (1 - 1e-7L) * grazing, &fold));
+    long double by = 1e-6L, apart = 1;
+    for (int k = 0; k < 60; k++) {
+        o.F = fold.oscillator.F + by;
+        assert_true(closed_orbit_at(&o, 1, &at[0]) && closed_orbit_at(&o, -1, &at[1]));
+        apart = hypotl(at[0].state[0] - at[1].state[0], at[0].state[1] - at[1].state[1]);
+        by *= 1e-10L / (apart * apart);
+    }
+    check_near((double)apart, 1e-5, 1e-8);
+    int unstable = fabsl(at[0].multiplier[0][0]) > 1 ? 0 : 1;
+    saltus_spec spec = closed_spec(&o);
+    saltus_system *system = build(&spec);
+    saltus_harvest_options options = saltus_harvest_defaults();
+    saltus_message message = {""};
+    saltus_harvest harvest;
+    double start[2];
+    for (int i = 0; i < 2; i++)
+        start[i] =
+            (double)(at[unstable].state[i] + 1e-8L * (at[1 - unstable].state[i] - at[unstable].state[i]));
+    options.state = start;
+    options.transient = 0;
+    options.longest = 1;
+    options.periods = 1500;
+    options.tries = 1000;
+    check_ok(saltus_harvest_run(system, &options, &harvest, &message), &message);
+    assert_int_equal(harvest.count, 2);
+    for (int k = 0; k < 2; k++) {
+        const closed_orbit *closed = &at[k ? unstable : 1 - unstable];
+        for (int i = 0; i < 2; i++)
+            check_near(harvest.orbits[k].orbit.state[i], (double)closed->state[i], 1e-7);
+        check_near(harvest.orbits[k].orbit.multipliers[0].re, (double)closed->multiplier[0][0], 1e-3);
+    }
     saltus_harvest_clear(&harvest);
     saltus_system_free(system);
 }
@@ -179,6 +372,48 @@ static void mirror_images(void **unused) {
     assert_true(pairs > 0 && own > 0);
 }
 
+/* Directly forced, the image comes half a period later: a mirrored orbit is its own, one of a pair has the
+ * other one in the list. */
+static void images_half_a_period_later(void **unused) {
+    (void)unused;
+    for (int pair = 0; pair <= 1; pair++) {
+        closed_oscillator o = closed_example_of(closed_mirrored);
+        closed_orbit pitchfork, at[2];
+        o.omega = pair ? 3 : 3.6L;
+        assert_true(closed_pitchfork(&o, "omega", 3.4L, 3.6L, &pitchfork));
+        if (pair)
+            assert_true(closed_pair_at(&pitchfork, "omega", 1, o.omega, &at[0]) &&
+                        closed_pair_at(&pitchfork, "omega", -1, o.omega, &at[1]));
+        else
+            assert_true(closed_orbit_at(&o, 1, &at[0]));
+        saltus_spec spec = closed_spec(&o);
+        saltus_system *system = build(&spec);
+        saltus_harvest_options options = saltus_harvest_defaults();
+        saltus_message message = {""};
+        saltus_harvest harvest;
+        double start[2] = {(double)at[0].state[0], (double)at[0].state[1] + 0.01};
+        options.state = start;
+        options.periods = 300;
+        check_ok(saltus_harvest_run(system, &options, &harvest, &message), &message);
+        assert_int_equal(harvest.count, 1 + pair);
+        assert_int_equal(harvest.face_count, 2);
+        int first = harvest.orbits[0].orbit.state[0] > (double)at[0].state[0] - 1e-6 &&
+                            harvest.orbits[0].orbit.state[0] < (double)at[0].state[0] + 1e-6
+                        ? 0
+                        : 1;
+        for (int k = 0; k <= pair; k++) {
+            const saltus_harvest_orbit *found = &harvest.orbits[k];
+            assert_int_equal(found->mirror, pair ? 1 - k : 0);
+            assert_true(found->impacts == 2 && found->impacts_by_face[0] == 1 &&
+                        found->impacts_by_face[1] == 1);
+            for (int i = 0; i < 2; i++)
+                check_near(found->orbit.state[i], (double)at[k ^ first].state[i], 1e-9);
+        }
+        saltus_harvest_clear(&harvest);
+        saltus_system_free(system);
+    }
+}
+
 /* A motion that settles leaves its own orbit, once, with its least period. */
 static void settled_motion(void **unused) {
     (void)unused;
@@ -194,6 +429,63 @@ static void settled_motion(void **unused) {
     assert_int_equal(harvest.orbits[0].impacts, 4);
     assert_true(harvest.orbits[0].orbit.multipliers[0].log_modulus < 0);
     saltus_harvest_clear(&harvest);
+    saltus_system_free(system);
+}
+
+/* Called with shares that only grow, from 0 on, through both halves of the work. */
+static bool share_grows(void *context, double done) {
+    double *last = context;
+    assert_true(done >= *last && done <= 1);
+    assert_true(*last >= 0 || done == 0);
+    *last = done;
+    return true;
+}
+
+static void progress_is_told(void **unused) {
+    (void)unused;
+    saltus_system *system = chaotic_oscillator();
+    saltus_harvest_options options = saltus_harvest_defaults();
+    saltus_message message = {""};
+    saltus_harvest harvest;
+    double last = -1;
+    volatile sig_atomic_t stop = 1;
+    options.periods = 1000;
+    options.longest = 4;
+    options.tries = 5;
+    options.progress = share_grows;
+    options.context = &last;
+    check_ok(saltus_harvest_run(system, &options, &harvest, &message), &message);
+    assert_true(last > 0.5 && harvest.count > 0);
+    saltus_harvest_clear(&harvest);
+    options.progress = NULL;
+    options.flow.stop = &stop;
+    check_ok(saltus_harvest_run(system, &options, &harvest, &message), &message);
+    assert_true(harvest.count == 0 && harvest.periods == 0);
+    saltus_harvest_clear(&harvest);
+    saltus_system_free(system);
+}
+
+static void options_out_of_range_are_refused(void **unused) {
+    (void)unused;
+    saltus_system *system = chaotic_oscillator();
+    for (int k = 0; k < 14; k++) {
+        saltus_harvest_options o = saltus_harvest_defaults();
+        saltus_message message = {""};
+        saltus_harvest harvest;
+        bool fine = k >= 10;
+        o.periods = 3;
+        o.transient = k == 0 ? -1 : 0;
+        o.periods = k == 1 ? 0 : k == 10 ? 1 : 3;
+        o.longest = k == 2 ? 0 : k == 3 ? 257 : k == 11 ? 256 : 1;
+        o.tries = k == 4 ? 0 : k == 5 ? 10001 : k == 12 ? 10000 : 1;
+        o.most = k == 6 ? 0 : 1;
+        o.recurrence = k == 7 ? 0 : k == 8 ? NAN : 1e-3;
+        o.tolerance = k == 9 ? 0 : 1e-11;
+        saltus_status status = saltus_harvest_run(system, &o, &harvest, &message);
+        assert_int_equal(status, fine ? SALTUS_OK : SALTUS_BAD_INPUT);
+        assert_true(fine || (message.text[0] && !harvest.orbits));
+        saltus_harvest_clear(&harvest);
+    }
     saltus_system_free(system);
 }
 
@@ -233,8 +525,15 @@ static void limits_are_kept(void **unused) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(orbits_of_chaos),
+        cmocka_unit_test(options_of_a_harvest),
+        cmocka_unit_test(seeds_and_states),
+        cmocka_unit_test(resting_orbits),
+        cmocka_unit_test(close_orbits_stay_two),
         cmocka_unit_test(mirror_images),
+        cmocka_unit_test(images_half_a_period_later),
         cmocka_unit_test(settled_motion),
+        cmocka_unit_test(progress_is_told),
+        cmocka_unit_test(options_out_of_range_are_refused),
         cmocka_unit_test(limits_are_kept),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

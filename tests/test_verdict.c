@@ -56,7 +56,12 @@ static void chaos_is_proven(void **unused) {
 
 static void verdicts_repeat_bit_for_bit(void **unused) {
     (void)unused;
-    saltus_motion a = judge_scene("fig6", chaotic_pipe), b = judge_scene("fig6", chaotic_pipe);
+    saltus_classify_options options = saltus_classify_defaults();
+    saltus_spec spec = scene_spec("fig6", chaotic_pipe);
+    options.transient = 700;
+    options.measure = 8000;
+    saltus_motion a = judge(&spec, &options), b = judge(&spec, &options);
+    assert_int_equal(a.kind, SALTUS_CHAOTIC);
     assert_true(a.lyapunov == b.lyapunov && a.lyapunov_error == b.lyapunov_error);
     assert_memory_equal(a.state, b.state, (size_t)a.dimension * sizeof(double));
     assert_string_equal(a.reason, b.reason);
@@ -117,6 +122,7 @@ static void stable_orbits_amid_chaos_count(void **unused) {
     if (getenv("SALTUS_SANITIZED"))
         skip();
     options.transient = 2500;
+    options.measure = 32000;
     saltus_motion motion = judge(&spec, &options);
     assert_true(motion.kind != SALTUS_CHAOTIC);
     if (motion.kind == SALTUS_UNDECIDED) {

@@ -43,8 +43,14 @@ typedef struct judge {
     bool stopped;  /* by the caller */
 } judge;
 
-static long long least_chaos(const judge *j) {
-    return j->options->measure / assertion / trajectories;
+/* In so many times of separation, -ln 1e-16, neighbours come apart from rounding to the motion's extent. */
+static const double apart = 37;
+
+/* Whether the run is long enough to assert chaos. Before neighbours have come apart it may be all about one
+ * unstable orbit, which the trajectories leave slowly. */
+static bool is_enough(const judge *j, long long samples, double exponent) {
+    return samples >= j->options->measure / assertion / trajectories &&
+           exponent * saltus_system_period(j->system) * (double)samples >= apart;
 }
 
 static long long points_there(const judge *j) {
@@ -149,9 +155,9 @@ static saltus_status decide(judge *j, saltus_outcome *result, saltus_message *me
                         .first = saltus_ensemble_half(e, 0, 0),
                         .second = saltus_ensemble_half(e, 0, 1),
                         .period = saltus_system_period(j->system),
-                        .enough = samples >= least_chaos(j),
                         .lost = saltus_ensemble_lost(e) >= j->n};
     saltus_status status = SALTUS_OK;
+    runs.enough = is_enough(j, samples, runs.all.mean);
     *result = saltus_runs_weigh(&runs);
     bool suspected = *result == SALTUS_OUTCOME_TORUS && samples >= least_torus;
     if (suspected || *result == SALTUS_OUTCOME_CHAOS)
@@ -262,7 +268,8 @@ static void tell_chaos(saltus_motion *m) {
 static void tell_undecided(saltus_motion *m, double period) {
     const saltus_evidence *e = &m->evidence;
     double short_by = SALTUS_SIGNIFICANT * m->lyapunov_error / fmax(fabs(m->lyapunov), 1e-3 / period),
-           needed = 1.2 * (double)e->periods * fmax(short_by * short_by, 2);
+           needed = 1.2 * (double)e->periods * fmax(short_by * short_by, 2), rate = m->lyapunov * period;
+    bool positive = m->lyapunov > SALTUS_SIGNIFICANT * m->lyapunov_error;
     if (e->stable_orbit[0])
         snprintf(m->reason, sizeof m->reason,
                  "largest exponent %.4g +- %.1g per unit of time over %lld periods, but there is a stable %s "
@@ -271,6 +278,13 @@ static void tell_undecided(saltus_motion *m, double period) {
                  "some %.1e "
                  "periods would tell (--measure)",
                  m->lyapunov, m->lyapunov_error, e->periods, e->stable_orbit, 10.0 * (double)e->periods);
+    else if (positive && (double)e->periods * rate < apart * e->members)
+        snprintf(
+            m->reason, sizeof m->reason,
+            "largest exponent %.3g +- %.1g per unit of time over %lld periods, in which neighbours have not "
+            "come apart: chaos, or an unstable orbit that is left slowly; measuring some %.1e periods would "
+            "tell (--measure)",
+            m->lyapunov, m->lyapunov_error, e->periods, 1.2 * apart * e->members / rate);
     else if (!isfinite(m->lyapunov_error))
         snprintf(m->reason, sizeof m->reason,
                  "no period was found, and %lld periods are too few for an exponent", e->periods);

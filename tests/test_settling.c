@@ -1,0 +1,441 @@
+/* What a trajectory is said to settle on: orbits just past a flip, orbits of very many impacts, trajectories
+ * that leave an unstable orbit slowly; what each option does; attractors from random states against states
+ * drawn and classified one by one.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "closed_sticking.h"
+#include "recount.h"
+
+#include <gsl/gsl_randist.h>
+
+static saltus_motion classify(const saltus_system *system, const double *state,
+                              const saltus_classify_options *options) {
+    saltus_message message = {""};
+    saltus_motion motion;
+    check_ok(saltus_classify(system, state, options, &motion, &message), &message);
+    return motion;
+}
+
+static saltus_system *closed_system(const closed_oscillator *o) {
+    saltus_spec spec = closed_spec(o);
+    return build(&spec);
+}
+
+static double distance(const double *a, const double *b) {
+    return fmax(fabs(a[0] - b[0]), fabs(a[1] - b[1]));
+}
+
+/* Beyond the flip that a branch of orbits of n periods meets at lower or higher omega. */
+typedef struct past_flip {
+    closed_oscillator oscillator;
+    double half[2]; /* the unstable orbit of n periods */
+} past_flip;
+
+static past_flip beyond_flip(closed_example example, long double lo, long double hi, double by) {
+    closed_oscillator o = closed_example_of(example);
+    closed_orbit flip, orbit;
+    past_flip past;
+    assert_true(closed_flip(&o, "omega", lo, hi, &flip));
+    past.oscillator = flip.oscillator;
+    past.oscillator.omega += by;
+    assert_true(closed_orbit_at(&past.oscillator, 1, &orbit));
+    assert_true(orbit.admissible && orbit.multiplier[0][0] < -1);
+    past.half[0] = (double)orbit.state[0];
+    past.half[1] = (double)orbit.state[1];
+    return past;
+}
+
+/* The stable orbit is the one of twice the period, which lies 0.09 to 0.001 beside its half. */
+static void orbits_past_their_flip_are_whole(void **unused) {
+    (void)unused;
+    for (int digits = 3; digits <= 7; digits++) {
+        double apart = 2.85 * pow(10, -0.5 * digits), start[2];
+        past_flip past = beyond_flip(closed_two_periods, 0.92L, 0.95L, pow(10, -digits));
+        saltus_system *system = closed_system(&past.oscillator);
+        saltus_classify_options options = saltus_classify_defaults();
+        start[0] = past.half[0] + 0.97 * apart;
+        start[1] = past.half[1] + 0.26 * apart;
+        options.measure = 0;
+        saltus_motion motion = classify(system, start, &options);
+        assert_string_equal(motion.label, "2/4");
+        assert_true(motion.stable && motion.impacts == 2);
+        check_near(distance(motion.section_states, motion.section_states + 4), 2 * apart, apart);
+        recount r = recount_from(system, motion.state, 4);
+        assert_int_equal(r.impacts, 2);
+        check_near(distance(r.end, motion.state), 0, 1e-10);
+        saltus_motion_clear(&motion);
+        options.longest = 3;
+        options.transient = 500;
+        motion = classify(system, start, &options);
+        assert_string_equal(motion.label, "undecided");
+        saltus_motion_clear(&motion);
+        saltus_system_free(system);
+    }
+}
+
+/* On an unstable orbit, and beside it: what leaves slowly has neither come to that orbit, nor is it chaotic
+ * as long as all that has been seen is the neighbourhood of that orbit. */
+static void slow_departures_are_no_verdict(void **unused) {
+    (void)unused;
+    static const struct {
+        closed_example example;
+        double lo, hi, by, beside;
+    } rows[] = {{closed_one_period, 0.9, 1, -1e-4, 0},
+                {closed_one_period, 0.9, 1, -1e-4, 1e-5},
+                {closed_one_period, 0.9, 1, -1e-5, 1e-3},
+                {closed_one_period_loaded, 1.1, 1.2, -1e-4, 1e-4},
+                {closed_two_periods, 0.92, 0.95, 1e-4, 0},
+                {closed_two_periods, 0.92, 0.95, 1e-4, 1e-4},
+                {closed_two_periods, 0.95, 0.97, -1e-5, 0},
+                {closed_two_periods_light, 0.9, 0.95, 1e-6, 0},
+                {closed_two_periods_light, 0.98, 0.995, -1e-5, 1e-5}};
+    for (size_t k = 0; k < sizeof rows / sizeof rows[0]; k++) {
+        past_flip past = beyond_flip(rows[k].example, rows[k].lo, rows[k].hi, rows[k].by);
+        saltus_system *system = closed_system(&past.oscillator);
+        saltus_classify_options options = saltus_classify_defaults();
+        double start[2] = {past.half[0] + rows[k].beside, past.half[1]};
+        options.transient = 700;
+        options.measure = 8000;
+        saltus_motion motion = classify(system, start, &options);
+        if (motion.kind == SALTUS_PERIODIC) {
+            assert_true(motion.stable);
+            assert_int_equal(motion.periods, 2 * past.oscillator.periods);
+            assert_true(distance(motion.state, past.half) > 1e-3);
+        } else if (motion.kind != SALTUS_UNDECIDED && motion.kind != SALTUS_UNSETTLED)
+            fail_msg("row %d: %s: %s", (int)k, motion.label, motion.reason);
+        saltus_motion_clear(&motion);
+        saltus_system_free(system);
+    }
+}
+
+/* Near a fold: from beside the unstable orbit to where the flow leads, the stable orbit on one side; just
+ * before the fold, where hundreds of points nearly recur and no orbit is, to the free response. */
+static void folds_let_pass(void **unused) {
+    (void)unused;
+    closed_oscillator o = closed_example_of(closed_one_period);
+    closed_orbit fold, stable, unstable;
+    saltus_classify_options options = saltus_classify_defaults();
+    assert_true(closed_fold(&o, "omega", 1.4L, 1.7L, &fold));
+    options.measure = 0;
+    for (int digits = 3; digits <= 5; digits++) {
+        o.omega = fold.oscillator.omega - powl(0.1L, digits);
+        assert_true(closed_orbit_at(&o, 1, &stable) && closed_orbit_at(&o, -1, &unstable));
+        assert_true(stable.multiplier[0][0] < 1 && unstable.multiplier[0][0] > 1);
+        saltus_system *system = closed_system(&o);
+        for (int side = -1; side <= 1; side++) {
+            double start[2], to[2] = {(double)stable.state[0], (double)stable.state[1]},
+                             from[2] = {(double)unstable.state[0], (double)unstable.state[1]};
+            for (int i = 0; i < 2; i++)
+                start[i] = from[i] + 0.02 * side * (to[i] - from[i]);
+            saltus_motion motion = classify(system, start, &options);
+            if (side == 1) {
+                assert_string_equal(motion.label, "1/1");
+                check_near(distance(motion.state, to), 0, 1e-9);
+            } else if (side == -1)
+                assert_string_equal(motion.label, "0/1");
+            else if (motion.kind == SALTUS_PERIODIC)
+                assert_true(motion.stable && distance(motion.state, from) > distance(to, from) / 2);
+            saltus_motion_clear(&motion);
+        }
+        saltus_system_free(system);
+        o.omega = fold.oscillator.omega + powl(0.1L, digits);
+        system = closed_system(&o);
+        double start[2] = {(double)fold.state[0], (double)fold.state[1]};
+        saltus_motion motion = classify(system, start, &options);
+        assert_string_equal(motion.label, "0/1");
+        saltus_motion_clear(&motion);
+        saltus_system_free(system);
+    }
+}
+
+/* A slow force presses a light mass against the stop for half of its period, and it bounces hundreds of
+ * times, with or without an end. Counted again by closed flights. */
+static void hundreds_of_impacts_are_counted(void **unused) {
+    (void)unused;
+    static const double table[][2] = {{-0.05, 0.995}, {0, 0.995}, {0, 0.999}, {0, 0.9}};
+    for (int k = 0; k < 4; k++) {
+        closed_oscillator o = {.c = 0.1L,
+                               .k = 0.3L,
+                               .F = 0.5L,
+                               .F0 = table[k][0],
+                               .omega = 0.05L,
+                               .r = table[k][1],
+                               .periods = 1};
+        saltus_system *system = closed_system(&o);
+        saltus_classify_options options = saltus_classify_defaults();
+        double start[2] = {-0.1, 0};
+        options.measure = 0;
+        options.transient = 200;
+        saltus_motion motion = classify(system, start, &options);
+        char label[32];
+        if (k == 3) {
+            assert_string_equal(motion.label, "chatter/1");
+            assert_int_equal(motion.impacts, -1);
+            assert_true(motion.impacts_by_face[0] > 150 && motion.sticking_intervals == 1);
+        } else {
+            /* From its first impact to the same one a period later. */
+            long double period = closed_period(&o),
+                        first = saltus_time_periods(motion.events[0].time) * period;
+            closed_impact impact = {first, motion.events[0].velocity_before, 1};
+            int count = 0;
+            for (; impact.time < first + 0.9999L * period; count++) {
+                long double x[2];
+                closed_after(&o, &impact, x);
+                impact = closed_bounce(&o, impact.time, x);
+            }
+            check_near((double)((impact.time - first) / period), 1, 1e-9);
+            assert_true(count > 150);
+            assert_int_equal(motion.impacts, count);
+            assert_int_equal(motion.event_count, count);
+            assert_int_equal(motion.impacts_by_face[0], count);
+            snprintf(label, sizeof label, "%d/1", count);
+            assert_string_equal(motion.label, label);
+        }
+        saltus_motion_clear(&motion);
+        saltus_system_free(system);
+    }
+}
+
+typedef struct reports {
+    int calls, most;
+    long long last, at_most;
+} reports;
+
+static bool report(void *context, long long periods, long long at_most) {
+    reports *r = context;
+    assert_true(periods > r->last);
+    r->last = periods;
+    r->at_most = at_most;
+    return ++r->calls < r->most;
+}
+
+static const closed_oscillator chaotic = {
+    .c = 0.04L, .k = 1, .F = 0.363L, .F0 = -1, .omega = 0.9166L, .r = 0.9L, .periods = 2};
+
+static void options_take_effect(void **unused) {
+    (void)unused;
+    saltus_system *system = closed_system(&chaotic);
+    saltus_classify_options options = saltus_classify_defaults();
+    double start[2] = {-0.2, 0.1};
+    reports seen = {.most = 1000000};
+    volatile sig_atomic_t stop = 1;
+    assert_true(options.transient == 20000 && options.measure == 256000 && options.longest == 64);
+    assert_true(!options.progress && options.flow.rtol == saltus_flow_defaults().rtol);
+    options.measure = 0;
+    options.transient = 777;
+    options.progress = report;
+    options.context = &seen;
+    saltus_motion motion = classify(system, start, &options);
+    assert_string_equal(motion.label, "undecided");
+    assert_false(saltus_motion_settled(&motion));
+    assert_int_equal(motion.transient, 777);
+    assert_true(seen.calls > 3 && seen.last == 777 && seen.at_most == 777);
+    assert_true(isnan(motion.lyapunov) && isnan(motion.lyapunov_error) && motion.evidence.periods == 0);
+    assert_true(motion.periods == 0 && motion.mirror == SALTUS_MIRROR_NONE && motion.reason[0]);
+    /* The state is the one that the flow has come to. */
+    double end[2];
+    saltus_flow *flow = open_flow(system, &options.flow, 0, start);
+    for (int k = 1; k <= 777; k++)
+        advance(flow, k, 0);
+    saltus_flow_state(flow, 0, end);
+    saltus_flow_free(flow);
+    assert_true(motion.state[0] == end[0] && motion.state[1] == end[1]);
+    saltus_motion_clear(&motion);
+    seen = (reports){.most = 3};
+    options.transient = 20000;
+    motion = classify(system, start, &options);
+    assert_true(seen.calls == 3 && motion.transient == seen.last && seen.last < 1000);
+    assert_string_equal(motion.label, "undecided");
+    saltus_motion_clear(&motion);
+    options.progress = NULL;
+    options.flow.stop = &stop;
+    motion = (saltus_motion){0};
+    saltus_message message = {""};
+    saltus_status status = saltus_classify(system, start, &options, &motion, &message);
+    assert_true(status == SALTUS_INTERRUPTED || (status == SALTUS_OK && motion.kind == SALTUS_UNDECIDED));
+    saltus_motion_clear(&motion);
+    options.flow.stop = NULL;
+    options.transient = 1000;
+    options.measure = 32000;
+    motion = classify(system, start, &options);
+    assert_string_equal(motion.label, "chaotic");
+    assert_true(motion.evidence.periods > 0 && motion.evidence.periods <= 32000);
+    assert_int_equal(motion.evidence.members, 8);
+    assert_int_equal(motion.transient, 1000 / 10);
+    recount r = recount_from(system, motion.state, 400);
+    check_near(motion.largest, r.largest, 1e-2);
+    check_near(motion.smallest, r.smallest, 1e-2);
+    saltus_motion_clear(&motion);
+    /* Little time to settle is given in full before an exponent is measured. */
+    options.transient = 600;
+    motion = classify(system, start, &options);
+    assert_string_equal(motion.label, "chaotic");
+    assert_int_equal(motion.transient, 600);
+    saltus_motion_clear(&motion);
+    saltus_system_free(system);
+}
+
+static void options_out_of_range_are_refused(void **unused) {
+    (void)unused;
+    saltus_system *system = closed_system(&chaotic);
+    double start[2] = {-0.2, 0.1}, beyond[2] = {0.2, 0};
+    for (int k = 0; k < 6; k++) {
+        saltus_classify_options options = saltus_classify_defaults();
+        saltus_motion motion;
+        saltus_message message = {""};
+        options.transient = k == 0 ? 0 : 1;
+        options.longest = k == 1 ? 0 : k == 2 ? 1025 : k == 3 ? 1024 : 1;
+        options.measure = k == 4 ? -1 : 0;
+        saltus_status status = saltus_classify(system, k == 5 ? beyond : start, &options, &motion, &message);
+        assert_int_equal(status, k == 3 ? SALTUS_OK : SALTUS_BAD_INPUT);
+        assert_int_equal(message.text[0] != 0, k != 3);
+        assert_true(k == 3 || (motion.state == NULL && motion.dimension == 0));
+        saltus_motion_clear(&motion);
+    }
+    saltus_system_free(system);
+}
+
+/* Orbits are looked for up to the longest period and no further, unless an exponent says that there is one.
+ */
+static void longest_is_the_longest(void **unused) {
+    (void)unused;
+    closed_oscillator o = closed_example_of(closed_two_periods);
+    closed_orbit orbit;
+    o.omega = 0.82L;
+    assert_true(closed_orbit_at(&o, 1, &orbit));
+    saltus_system *system = closed_system(&o);
+    double start[2] = {(double)orbit.state[0] + 1e-3, (double)orbit.state[1]};
+    for (int longest = 1; longest <= 3; longest++)
+        for (long long measure = 0; measure <= 16000; measure += 16000) {
+            saltus_classify_options options = saltus_classify_defaults();
+            options.longest = longest;
+            options.transient = 1000;
+            options.measure = measure;
+            saltus_motion motion = classify(system, start, &options);
+            assert_string_equal(motion.label, longest > 1 || measure ? "1/2" : "undecided");
+            assert_true(longest > 1 || measure == 0 || motion.transient > 1000);
+            assert_true(motion.kind != SALTUS_PERIODIC ||
+                        (motion.evidence.periods == 0 && !motion.reason[0]));
+            saltus_motion_clear(&motion);
+        }
+    saltus_system_free(system);
+}
+
+/* The next random state as the header says: Gaussian with the system's scales, beyond no stop. */
+static void draw(const saltus_system *system, gsl_rng *rng, double *state) {
+    do
+        for (int i = 0; i < saltus_system_dimension(system); i++)
+            state[i] = gsl_ran_gaussian(rng, saltus_system_scale(system)[i]);
+    while (saltus_system_check_state(system, state, NULL) != SALTUS_OK);
+}
+
+static bool same_orbit(const saltus_motion *a, const saltus_motion *b) {
+    if (strcmp(a->label, b->label) != 0)
+        return false;
+    if (!saltus_motion_settled(a))
+        return true;
+    for (int p = 0; p < a->periods; p++)
+        if (distance(a->section_states + 2 * p, b->state) < 1e-6)
+            return true;
+    return a->periods == 0 && distance(a->state, b->state) < 1e-6;
+}
+
+/* Every initial state's motion is that of one attractor and is counted there; attractors are distinct, the
+ * most frequent ones first. Scenes: a bistable one, one whose orbit has two section points, a mirror pair, a
+ * load that may be at rest. */
+static void shares_are_those_of_single_states(void **unused) {
+    (void)unused;
+    enum { seeds = 24 };
+    int several = 0;
+    for (int scene = 0; scene < 6; scene++) {
+        closed_oscillator o = closed_example_of(scene == 0   ? closed_one_period
+                                                : scene == 1 ? closed_two_periods
+                                                             : closed_mirrored);
+        o.omega = scene == 0 ? 1.4L : scene == 1 ? 0.82L : 3;
+        if (scene == 3)
+            o = (closed_oscillator){.c = 0.3L, .k = 1, .F0 = -0.2L, .omega = 1, .d = -0.1L, .r = 0.5L};
+        if (scene == 4) {
+            o = closed_example_of(closed_two_periods_light);
+            o.omega = 0.9902L;
+        }
+        if (scene == 5)
+            o = chaotic;
+        saltus_system *system = closed_system(&o);
+        saltus_classify_options options = saltus_classify_defaults();
+        saltus_message message = {""};
+        saltus_attractors found;
+        int shares[seeds] = {0}, sum = 0;
+        double state[2];
+        options.measure = 0;
+        options.transient = scene == 5 ? 200 : 2000;
+        check_ok(saltus_attractors_find(system, seeds, 5, &options, &found, &message), &message);
+        assert_int_equal(found.seeds, seeds);
+        gsl_rng *rng = gsl_rng_alloc(gsl_rng_mt19937);
+        gsl_rng_set(rng, 5);
+        for (int k = 0; k < seeds; k++) {
+            int here = -1;
+            draw(system, rng, state);
+            saltus_motion motion = classify(system, state, &options);
+            for (int a = 0; a < found.count; a++)
+                if (same_orbit(&found.motions[a], &motion)) {
+                    assert_int_equal(here, -1);
+                    here = a;
+                }
+            assert_true(here >= 0);
+            shares[here]++;
+            saltus_motion_clear(&motion);
+        }
+        gsl_rng_free(rng);
+        for (int a = 0; a < found.count; a++) {
+            assert_int_equal(found.shares[a], shares[a]);
+            assert_true(a == 0 || found.shares[a] <= found.shares[a - 1]);
+            sum += found.shares[a];
+        }
+        assert_int_equal(sum, seeds);
+        if (scene == 4)
+            assert_true(found.count == 2 && found.motions[0].periods != found.motions[1].periods);
+        if (scene == 5)
+            assert_true(found.count == 1 && found.motions[0].kind == SALTUS_UNDECIDED);
+        several += found.count > 1;
+        saltus_attractors_clear(&found);
+        assert_true(!found.motions && found.count == 0);
+        saltus_system_free(system);
+    }
+    assert_true(several >= 2);
+}
+
+static void seeds_are_within_limits(void **unused) {
+    (void)unused;
+    closed_oscillator o = closed_example_of(closed_one_period);
+    saltus_system *system = closed_system(&o);
+    saltus_classify_options options = saltus_classify_defaults();
+    saltus_attractors found;
+    saltus_message message = {""};
+    volatile sig_atomic_t stop = 1;
+    assert_int_equal(saltus_attractors_find(system, 0, 1, &options, &found, &message), SALTUS_BAD_INPUT);
+    assert_int_equal(saltus_attractors_find(system, 1000001, 1, &options, &found, &message),
+                     SALTUS_BAD_INPUT);
+    check_ok(saltus_attractors_find(system, 1, 1, &options, &found, &message), &message);
+    assert_true(found.count == 1 && found.shares[0] == 1 && found.seeds == 1);
+    saltus_attractors_clear(&found);
+    options.flow.stop = &stop;
+    check_ok(saltus_attractors_find(system, 5, 1, &options, &found, &message), &message);
+    assert_true(found.count == 0 && found.seeds == 0);
+    saltus_attractors_clear(&found);
+    saltus_attractors_clear(&found);
+    saltus_system_free(system);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(orbits_past_their_flip_are_whole),
+        cmocka_unit_test(slow_departures_are_no_verdict),
+        cmocka_unit_test(folds_let_pass),
+        cmocka_unit_test(hundreds_of_impacts_are_counted),
+        cmocka_unit_test(options_take_effect),
+        cmocka_unit_test(options_out_of_range_are_refused),
+        cmocka_unit_test(longest_is_the_longest),
+        cmocka_unit_test(shares_are_those_of_single_states),
+        cmocka_unit_test(seeds_are_within_limits),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
