@@ -836,6 +836,36 @@ static void bad_options(void **unused) {
     refused(flow.atol, -1);
 }
 
+/* 200 intervals for each trajectory are enough, and one period less is not. */
+static void least_periods(void **unused) {
+    (void)unused;
+    static const struct {
+        int members;
+        double interval;
+        long long least;
+    } rows[] = {{1, 0, 200}, {3, 0, 600}, {2, 3, 1200}, {2, 0.25, 400}, {64, 1, 12800}};
+    saltus_spec spec = oscillator_spec(0.1, 1, 1, 1.3);
+    saltus_system *system = build(&spec);
+    for (size_t k = 0; k < sizeof rows / sizeof rows[0]; k++) {
+        saltus_lyapunov_options options = saltus_lyapunov_defaults();
+        saltus_message message = {""};
+        saltus_lyapunov l;
+        double state[2] = {0.1, 0};
+        options.members = rows[k].members;
+        options.interval = rows[k].interval;
+        options.periods = rows[k].least - 1;
+        options.transient = 0;
+        assert_int_equal(saltus_lyapunov_run(system, state, &options, &l, &message), SALTUS_BAD_INPUT);
+        options.periods++;
+        check_ok(saltus_lyapunov_run(system, state, &options, &l, &message), &message);
+        assert_int_equal(l.periods, rows[k].least);
+        assert_int_equal(l.members, rows[k].members);
+        check_near(l.exponents[0], -0.05, 0.01);
+        saltus_lyapunov_clear(&l);
+    }
+    saltus_system_free(system);
+}
+
 /* A state beyond a stop, or not finite. */
 static void bad_states(void **unused) {
     (void)unused;
@@ -884,16 +914,17 @@ static void failing_allocations(void **unused) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(reference_orbits),  cmocka_unit_test(scenes_and_shooting),
-        cmocka_unit_test(one_impact_orbits), cmocka_unit_test(bouncing_ball_orbits),
-        cmocka_unit_test(exact_impact_maps), cmocka_unit_test(linear_oscillators),
-        cmocka_unit_test(pipe_at_rest),      cmocka_unit_test(chaos_in_many_ways),
-        cmocka_unit_test(whole_spectrum),    cmocka_unit_test(errors_are_calibrated),
-        cmocka_unit_test(lost_directions),   cmocka_unit_test(impact_without_rebound),
-        cmocka_unit_test(any_interval),      cmocka_unit_test(same_numbers_again),
-        cmocka_unit_test(unfinished_runs),   cmocka_unit_test(growth_without_bound),
-        cmocka_unit_test(slow_decay),        cmocka_unit_test(bad_options),
-        cmocka_unit_test(bad_states),        cmocka_unit_test(failing_allocations),
+        cmocka_unit_test(reference_orbits),    cmocka_unit_test(scenes_and_shooting),
+        cmocka_unit_test(one_impact_orbits),   cmocka_unit_test(bouncing_ball_orbits),
+        cmocka_unit_test(exact_impact_maps),   cmocka_unit_test(linear_oscillators),
+        cmocka_unit_test(pipe_at_rest),        cmocka_unit_test(chaos_in_many_ways),
+        cmocka_unit_test(whole_spectrum),      cmocka_unit_test(errors_are_calibrated),
+        cmocka_unit_test(lost_directions),     cmocka_unit_test(impact_without_rebound),
+        cmocka_unit_test(any_interval),        cmocka_unit_test(same_numbers_again),
+        cmocka_unit_test(unfinished_runs),     cmocka_unit_test(growth_without_bound),
+        cmocka_unit_test(slow_decay),          cmocka_unit_test(bad_options),
+        cmocka_unit_test(bad_states),          cmocka_unit_test(least_periods),
+        cmocka_unit_test(failing_allocations),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
