@@ -874,6 +874,23 @@ static void drawn_pairs_are_counted(void **unused) {
     drop(&s);
 }
 
+/* All pairs are compared where they are no more than allowed: then the seed is idle. */
+static void all_pairs_or_some(void **unused) {
+    (void)unused;
+    sample s = make(henon, 200, 2);
+    for (int fewer = 0; fewer < 2; fewer++) {
+        saltus_series_options options = saltus_series_defaults();
+        options.pairs = 200 * 199 / 2 - fewer;
+        options.window = 0;
+        saltus_series_dimension first = measure(&s, &options);
+        options.seed = 2;
+        saltus_series_dimension second = measure(&s, &options);
+        assert_true((first.dimension == second.dimension) == !fewer);
+        assert_true(fewer ? first.pairs < options.pairs : first.pairs == options.pairs);
+    }
+    drop(&s);
+}
+
 /* Components without weight are not there. */
 static void weights_of_zero(void **unused) {
     (void)unused;
@@ -1180,6 +1197,7 @@ int main(void) {
         cmocka_unit_test(recurring_pairs_are_counted),
         cmocka_unit_test(dimension_by_definition),
         cmocka_unit_test(drawn_pairs_are_counted),
+        cmocka_unit_test(all_pairs_or_some),
         cmocka_unit_test(weights_of_zero),
         cmocka_unit_test(window_by_definition),
         cmocka_unit_test(curves_by_definition),
