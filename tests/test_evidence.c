@@ -579,6 +579,18 @@ static void listeners_hear_of_it(void **unused) {
     saltus_system_free(system);
 }
 
+static void defaults_are_those_told(void **unused) {
+    (void)unused;
+    saltus_lyapunov_options l = saltus_lyapunov_defaults();
+    saltus_classify_options c = saltus_classify_defaults();
+    saltus_flow_options flow = saltus_flow_defaults();
+    assert_true(l.flow.rtol == 1e-10 && l.flow.atol == 1e-14 && l.exponents == 1 && l.members == 8);
+    assert_true(l.transient == 1000 && l.periods == 1000000 && l.precision == 0.01 && l.interval == 0);
+    assert_true(l.seed == 0 && l.progress == NULL);
+    assert_true(c.flow.rtol == flow.rtol && c.flow.atol == flow.atol && c.progress == NULL);
+    assert_true(c.transient == 20000 && c.measure == 256000 && c.longest == 64);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(events_of_a_run_are_recounted),
@@ -594,6 +606,7 @@ int main(void) {
         cmocka_unit_test(those_who_left_are_named),
         cmocka_unit_test(extremes_are_found_again),
         cmocka_unit_test(listeners_hear_of_it),
+        cmocka_unit_test(defaults_are_those_told),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

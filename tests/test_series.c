@@ -1135,6 +1135,13 @@ static void unsuitable_series(void **unused) {
     drop(&s);
 }
 
+static void defaults_are_those_told(void **unused) {
+    (void)unused;
+    saltus_series_options o = saltus_series_defaults();
+    assert_true(o.seed == 1 && o.resolution == 1e-9 && o.frequencies == 100 && o.window == -1);
+    assert_int_equal(o.pairs, 8000000);
+}
+
 static saltus_status judge_all(const sample *s) {
     saltus_series_options options = saltus_series_defaults();
     saltus_series_points points = points_of(s);
@@ -1206,6 +1213,7 @@ int main(void) {
         cmocka_unit_test(unsuitable_points),
         cmocka_unit_test(unsuitable_options),
         cmocka_unit_test(unsuitable_series),
+        cmocka_unit_test(defaults_are_those_told),
         cmocka_unit_test(failing_allocations),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

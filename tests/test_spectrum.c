@@ -1291,6 +1291,17 @@ static void quantities_have_names(void **unused) {
     saltus_system_free(system);
 }
 
+static void defaults_are_those_told(void **unused) {
+    (void)unused;
+    saltus_spectrum_options o = saltus_spectrum_defaults();
+    saltus_flow_options flow = saltus_flow_defaults();
+    assert_true(o.flow.rtol == flow.rtol && o.flow.atol == flow.atol && o.flow.integrator == flow.integrator);
+    assert_true(o.quantity_count == 2 && o.quantities[0].coordinate == 0 && !o.quantities[0].velocity);
+    assert_true(o.quantities[1].coordinate == 0 && o.quantities[1].velocity);
+    assert_true(o.per_period == 0 && o.reach == 0 && o.periods == 0 && o.segment == 0);
+    assert_true(o.confidence == 0.95 && !o.resting && !o.anew);
+}
+
 static void unsuitable_wishes(void **unused) {
     (void)unused;
     saltus_system *system = pipe_with_stop(42, 0.035);
@@ -1407,6 +1418,7 @@ int main(void) {
         cmocka_unit_test(held_pipe),
         cmocka_unit_test(quantities_have_names),
         cmocka_unit_test(unsuitable_wishes),
+        cmocka_unit_test(defaults_are_those_told),
         cmocka_unit_test(failing_allocations),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
