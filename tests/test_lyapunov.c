@@ -581,7 +581,7 @@ static void errors_are_calibrated(void **unused) {
                 {"budd-dux", "", 0.04, 0, 1, 60},
                 {"budd-dux", "", 0.02, 1, 8, 60},
                 {"budd-dux", "omega=3 d=0.1", 0.02, 1, 8, 40},
-                {"vibrating-table", "F=3 r=0.95 q1=9", 0.03, 1, 4, 30},
+                {"vibrating-table", "F=3 r=0.95 q1=9", 0.03, 1, 4, 20}, /* with seed 21 one leaves chaos */
                 {"fig6", "omega=10", 0.03, 1, 8, 40},
                 {"fig6", "d=0.03 omega=14", 0.03, 1, 8, 20}};
     for (int k = 0; k < (at_length() ? 7 : 2); k++) {
