@@ -4,6 +4,7 @@
 #include "check.h"
 
 #include <complex.h>
+#include <gsl/gsl_cdf.h>
 #include <gsl/gsl_randist.h>
 #include <gsl/gsl_rng.h>
 
@@ -426,6 +427,385 @@ static void noise_on_lines(void **unused) {
     gsl_rng_free(rng);
 }
 
+/* By definition */
+
+static const double uneven = 0.37;
+
+/* Some lines, a continuum and a mean. */
+static void fill_mixed(double *samples, long long count, int per_period) {
+    for (long long j = 0; j < count; j++) {
+        double t = (double)j / per_period;
+        samples[j] = 0.7 + cos(2 * M_PI * 0.5 * t) + 0.2 * sin(2 * M_PI * uneven * t) +
+                     0.1 * cos(0.013 * (double)(j * j % 4099));
+    }
+}
+
+/* Segments that overlap by half, Hann window, the mean of the whole signal removed; every bin and its share
+ * of the power by sums. */
+static void welch_by_definition(void **unused) {
+    (void)unused;
+    static const struct {
+        int per_period, segment;
+        long long count;
+    } cases[] = {{8, 8, 8 * 40}, {7, 11, 7 * 50 + 3}, {1, 64, 64 * 3}, {16, 4, 64}, {16, 4, 95}, {16, 4, 96}};
+    for (size_t c = 0; c < sizeof cases / sizeof cases[0]; c++) {
+        long long count = cases[c].count, length = (long long)cases[c].per_period * cases[c].segment;
+        long long hop = length / 2, segments = 0;
+        double *samples = room(count), mean = 0, variance = 0, windowed = 0, bins = 0;
+        fill_mixed(samples, count, cases[c].per_period);
+        for (long long j = 0; j < count; j++)
+            mean += samples[j] / (double)count;
+        for (long long j = 0; j < count; j++)
+            variance += pow(samples[j] - mean, 2) / (double)count;
+        saltus_spectrum s = welch_of(samples, count, cases[c].per_period, cases[c].segment);
+        double *density = room(s.bins), squares = 0, overlap = 0;
+        for (long long j = 0; j < length; j++) {
+            double w = pow(sin(M_PI * (double)j / (double)length), 2);
+            squares += w * w;
+            if (j + hop < length)
+                overlap += w * pow(sin(M_PI * (double)(j + hop) / (double)length), 2);
+        }
+        for (long long first = 0; first + length <= count; first += hop, segments++)
+            for (long long k = 0; k < s.bins; k++) {
+                double complex sum = 0;
+                for (long long j = 0; j < length; j++)
+                    sum += pow(sin(M_PI * (double)j / (double)length), 2) * (samples[first + j] - mean) *
+                           cexp(-2 * M_PI * I * (double)(j * k % length) / (double)length);
+                density[k] +=
+                    (k == 0 || 2 * k == length ? 1 : 2) * pow(cabs(sum), 2) / (squares * cases[c].per_period);
+            }
+        for (long long first = 0; first + length <= count; first += hop)
+            for (long long j = 0; j < length; j++)
+                windowed +=
+                    pow(sin(M_PI * (double)j / (double)length), 4) * pow(samples[first + j] - mean, 2);
+        assert_int_equal(s.kind, SALTUS_SPECTRUM_WELCH);
+        assert_int_equal(s.segments, segments);
+        assert_int_equal(s.segment_periods, cases[c].segment);
+        assert_int_equal(s.count, count);
+        assert_int_equal(s.per_period, cases[c].per_period);
+        assert_int_equal(s.bins, length / 2 + 1);
+        check_near(s.resolution, 1.0 / cases[c].segment, 1e-15);
+        check_near(s.mean, mean, 1e-13);
+        check_near(s.variance, variance, 1e-13);
+        for (long long k = 0; k < s.bins; k++) {
+            check_near(s.density[k], density[k] / (double)segments, 1e-11 * s.variance);
+            bins += s.density[k];
+        }
+        /* One-sided: the bins together are the windowed power. */
+        check_near(bins * (double)segments * squares * cases[c].per_period, windowed * (double)length,
+                   1e-11 * windowed * (double)length);
+        check_near(s.parseval, 0, 1e-13);
+        double correlation = pow(overlap / squares, 2);
+        check_near(s.degrees, 2 * (double)segments / (1 + 2 * correlation * (1 - 1 / (double)segments)),
+                   1e-9);
+        assert_true(s.orbits == 0 && s.periods == 0);
+        if (cases[c].per_period % 2 || length % 4)
+            assert_true(isnan(s.trustworthy));
+        saltus_spectrum_clear(&s);
+        free(density);
+        free(samples);
+    }
+}
+
+/* The band leaves out as much below as above, for any confidence. */
+static void bands_have_their_confidence(void **unused) {
+    (void)unused;
+    enum { count = 512 };
+    static const double confidences[] = {0.1, 0.5, 0.9, 0.999};
+    double samples[count];
+    fill_mixed(samples, count, 16);
+    for (size_t k = 0; k < sizeof confidences / sizeof confidences[0]; k++) {
+        saltus_signal signal = {.samples = samples, .count = count, .per_period = 16};
+        saltus_message message = {""};
+        saltus_spectrum s;
+        double outside = (1 - confidences[k]) / 2;
+        check_ok(saltus_signal_welch(&signal, 8, confidences[k], &s, &message), &message);
+        assert_true(s.confidence == confidences[k] && s.low < s.high);
+        check_near(gsl_cdf_chisq_Q(s.degrees / s.low, s.degrees), outside, 1e-9);
+        check_near(gsl_cdf_chisq_P(s.degrees / s.high, s.degrees), outside, 1e-9);
+        saltus_spectrum_clear(&s);
+    }
+}
+
+/* Density and lines of whole orbits by sums, and what is between them. */
+static void orbits_by_definition(void **unused) {
+    (void)unused;
+    static const struct {
+        int per_period, periods, orbits;
+    } cases[] = {{16, 1, 1}, {16, 3, 2}, {5, 3, 3}, {12, 2, 5}};
+    for (size_t c = 0; c < sizeof cases / sizeof cases[0]; c++) {
+        int orbits = cases[c].orbits, p = cases[c].periods;
+        long long count = (long long)cases[c].per_period * p * orbits;
+        double *samples = room(count), off = 0, highest = 0, between = 0;
+        fill_mixed(samples, count, cases[c].per_period);
+        saltus_spectrum s = orbits_of(samples, count, cases[c].per_period, p);
+        assert_int_equal(s.bins, count / 2 + 1);
+        assert_true(s.orbits == orbits && s.periods == p && s.count == count);
+        assert_true(s.confidence == 0 && s.low == 0 && s.high == 0 && s.segments == 0);
+        assert_int_equal(s.line_count, (s.bins - 1) / orbits);
+        check_near(s.resolution, 1.0 / (p * orbits), 1e-15);
+        for (long long k = 0; k < s.bins; k++) {
+            double complex sum = 0;
+            for (long long j = 0; j < count; j++)
+                sum += (samples[j] - s.mean) * cexp(-2 * M_PI * I * (double)(j * k % count) / (double)count) /
+                       (double)count;
+            double sides = k == 0 || 2 * k == count ? 1 : 2, power = sides * pow(cabs(sum), 2);
+            check_near(s.density[k] * s.resolution, power, 1e-13);
+            if (k % orbits) {
+                off += power;
+                between = fmax(between, sides * cabs(sum));
+                continue;
+            }
+            if (k == 0)
+                continue;
+            const saltus_spectral_line *line = &s.lines[k / orbits - 1];
+            assert_int_equal(line->harmonic, k / orbits);
+            check_near(line->frequency, (double)(k / orbits) / p, 1e-15);
+            check_near(cabs(line->amplitude * cexp(I * line->phase) - sides * sum), 0, 1e-13);
+            check_near(line->share, power / s.variance, 1e-12);
+            highest = fmax(highest, line->amplitude);
+        }
+        for (long long k = 0; k < s.line_count; k++)
+            check_near(s.lines[k].decibels, 20 * log10(s.lines[k].amplitude / highest), 1e-9);
+        check_near(s.broadband, off / s.variance, 1e-12);
+        if (orbits == 1)
+            assert_true(isnan(s.between));
+        else
+            check_near(s.between, between / highest, 1e-12);
+        if (cases[c].per_period % 2)
+            assert_true(isnan(s.trustworthy));
+        saltus_spectrum_clear(&s);
+        free(samples);
+    }
+}
+
+/* Every second sample. */
+static double *thinned(const double *samples, long long count) {
+    double *half = room(count / 2);
+    for (long long j = 0; j < count / 2; j++)
+        half[j] = samples[2 * j];
+    return half;
+}
+
+/* Trust goes as far as lines from half the samples agree, by 1 % of the largest at their frequency or above.
+ */
+static void trust_in_lines_by_definition(void **unused) {
+    (void)unused;
+    enum { per_period = 128, p = 2, orbits = 2, count = per_period * p * orbits };
+    double samples[count];
+    for (int kind = 0; kind < 5; kind++) {
+        for (int j = 0; j < count; j++) {
+            double t = (double)(j % (p * per_period)) / per_period;
+            samples[j] = kind == 0   ? bounce(t)
+                         : kind == 1 ? parabola(t / p)
+                         : kind == 2 ? saw(t) + 0.3 * cos(M_PI * t)
+                         : kind == 3
+                             ? exp(sin(M_PI * t))
+                             : cos(M_PI * t) + 1e-3 * cos(2 * M_PI * 50 * t) + 0.09 * sin(2 * M_PI * 20 * t);
+        }
+        double *half = thinned(samples, count);
+        saltus_spectrum s = orbits_of(samples, count, per_period, p),
+                        h = orbits_of(half, count / 2, per_period / 2, p);
+        double highest = 0, reference = 0;
+        long long last = (count / 4 - 1) / orbits, trusted = last;
+        for (long long k = 0; k < last; k++)
+            highest = fmax(highest, s.lines[k].amplitude);
+        for (long long k = last - 1; k >= 0; k--) {
+            double apart = cabs(s.lines[k].amplitude * cexp(I * s.lines[k].phase) -
+                                h.lines[k].amplitude * cexp(I * h.lines[k].phase));
+            reference = fmax(reference, s.lines[k].amplitude);
+            if (apart > fmax(0.01 * reference, 1e-11 * highest))
+                trusted = k;
+        }
+        check_near(s.trustworthy, (double)trusted / p, 1e-12);
+        assert_true(s.trustworthy <= per_period / 4.0);
+        saltus_spectrum_clear(&s);
+        saltus_spectrum_clear(&h);
+        free(half);
+    }
+}
+
+/* The same of a density, in bands of an eighth of an octave; its lines and what they leave are those of the
+ * signal up to there. */
+static void trust_in_densities_by_definition(void **unused) {
+    (void)unused;
+    enum {
+        per_period = 64,
+        segment = 8,
+        count = per_period * segment * 6,
+        bins = per_period * segment / 4 + 1
+    };
+    double *samples = room(count);
+    for (int kind = 0; kind < 4; kind++) {
+        gsl_rng *rng = gsl_rng_alloc(gsl_rng_mt19937);
+        double slow = 0;
+        for (int j = 0; j < count; j++) {
+            double t = (double)j / per_period;
+            slow += 0.05 * (gsl_ran_gaussian(rng, 1) - slow);
+            samples[j] = kind == 0   ? saw(uneven * t) + 0.1 * slow
+                         : kind == 1 ? bounce(1.3 * t) + slow
+                         : kind == 2 ? slow
+                                     : exp(sin(2 * M_PI * uneven * t));
+        }
+        gsl_rng_free(rng);
+        double *half = thinned(samples, count), reference = 0, peak = 0;
+        saltus_spectrum s = welch_of(samples, count, per_period, segment),
+                        h = welch_of(half, count / 2, per_period / 2, segment);
+        long long trusted = bins - 2;
+        for (long long k = 1; k < bins - 1; k++)
+            peak = fmax(peak, s.density[k]);
+        for (int band = 80; band >= 0; band--) {
+            double power = 0, other = 0;
+            long long width = 0, below = 0;
+            for (long long k = 1; k < bins - 1; k++)
+                if ((int)floor(8 * log2((double)k) + 1e-9) == band) {
+                    power += s.density[k];
+                    other += h.density[k];
+                    below = width++ ? below : k - 1;
+                }
+            reference = fmax(reference, width ? power / (double)width : 0);
+            if (fabs(power - other) > (double)width * fmax(0.01 * reference, 1e-22 * peak))
+                trusted = below;
+        }
+        check_near(s.trustworthy, (double)trusted / segment, 1e-12);
+        saltus_signal signal = {.samples = samples, .count = count, .per_period = per_period};
+        saltus_spectral_line lines[256];
+        saltus_message message = {""};
+        double fraction;
+        int line_count;
+        check_ok(saltus_signal_lines(&signal, s.trustworthy, 256, lines, &line_count, &fraction, &message),
+                 &message);
+        assert_int_equal(s.line_count, line_count);
+        assert_true(s.broadband == fraction);
+        for (int k = 0; k < line_count; k++) {
+            assert_true(s.lines[k].frequency == lines[k].frequency &&
+                        lines[k].frequency <= s.trustworthy + 1.0 / segment);
+            assert_true(s.lines[k].amplitude == lines[k].amplitude);
+        }
+        saltus_spectrum_clear(&s);
+        saltus_spectrum_clear(&h);
+        free(half);
+    }
+    free(samples);
+}
+
+/* A few lines of a short signal, between its bins, are found to the last digits; so is the fastest of all. */
+static void short_signals(void **unused) {
+    (void)unused;
+    static const int counts[] = {64, 100, 131, 256};
+    for (size_t c = 0; c < sizeof counts / sizeof counts[0]; c++)
+        for (int k = 0; k < 6; k++) {
+            enum { most = 4 };
+            int count = counts[c], found;
+            double samples[256], bin = 8 + 0.37 * k, fraction, power;
+            double other = 8 + 0.37 * k + 11.3;
+            for (int j = 0; j < count; j++)
+                samples[j] = -3 + 0.8 * cos(2 * M_PI * bin * j / count + k - 2.5) +
+                             0.05 * cos(2 * M_PI * other * j / count + 1);
+            saltus_signal signal = {.samples = samples, .count = count, .per_period = 4};
+            saltus_spectral_line lines[most];
+            saltus_message message = {""};
+            check_ok(saltus_signal_lines(&signal, 0, most, lines, &found, &fraction, &message), &message);
+            assert_int_equal(found, 2);
+            check_near(lines[0].frequency, 4 * bin / count, 1e-4 / count);
+            check_near(lines[0].amplitude, 0.8, 1e-5);
+            check_near(lines[0].phase, k - 2.5, 3e-5);
+            check_near(lines[1].frequency, 4 * other / count, 1e-3 / count);
+            check_near(lines[1].amplitude, 0.05, 1e-5);
+            check_near(lines[1].phase, 1, 3e-4);
+            check_near(lines[0].decibels, 0, 1e-12);
+            check_near(lines[1].decibels, 20 * log10(lines[1].amplitude / lines[0].amplitude), 1e-9);
+            assert_true(fraction < 1e-8);
+            double mean = 0, variance = 0;
+            for (int j = 0; j < count; j++)
+                mean += samples[j] / count;
+            for (int j = 0; j < count; j++)
+                variance += pow(samples[j] - mean, 2) / count;
+            power = 0.5 * lines[0].amplitude * lines[0].amplitude;
+            check_near(lines[0].share, power / variance, 1e-9);
+        }
+}
+
+/* Only so many lines, only up to a frequency, only as near as the length allows. */
+static void lines_within_limits(void **unused) {
+    (void)unused;
+    enum { count = 1024, per_period = 8, most = 8 };
+    double samples[count], fraction;
+    saltus_spectral_line lines[most + 1];
+    saltus_message message = {""};
+    saltus_signal signal = {.samples = samples, .count = count, .per_period = per_period};
+    int found;
+    gsl_rng *rng = gsl_rng_alloc(gsl_rng_mt19937);
+    static const double frequency[] = {0.31, 0.9, 1.53, 2.2, 3.1}, amplitude[] = {0.3, 1, 0.5, 0.7, 0.4};
+    for (int j = 0; j < count; j++) {
+        samples[j] = gsl_ran_gaussian(rng, 1e-3);
+        for (int l = 0; l < 5; l++)
+            samples[j] += amplitude[l] * cos(2 * M_PI * frequency[l] * j / per_period + l);
+    }
+    check_ok(saltus_signal_lines(&signal, 0, most, lines, &found, &fraction, &message), &message);
+    assert_int_equal(found, 5);
+    check_near(fraction, 1e-6 / 0.995, 0.2e-6);
+    for (int upto = 1; upto <= 5; upto++) {
+        double power = 0, noise = 1e-6 * (frequency[upto - 1] + 0.15) / (per_period / 2.0);
+        for (int l = 0; l < upto; l++)
+            power += 0.5 * amplitude[l] * amplitude[l];
+        check_ok(saltus_signal_lines(&signal, frequency[upto - 1] + 0.15, most, lines, &found, &fraction,
+                                     &message),
+                 &message);
+        assert_int_equal(found, upto);
+        check_near(fraction, noise / power, 0.5 * noise / power);
+        for (int l = 0; l < found; l++)
+            check_near(lines[l].frequency, frequency[l], 1e-5);
+    }
+    for (int room_for = 1; room_for < 5; room_for++) {
+        lines[room_for].amplitude = -7;
+        check_ok(saltus_signal_lines(&signal, 0, room_for, lines, &found, &fraction, &message), &message);
+        assert_int_equal(found, room_for);
+        assert_true(lines[room_for].amplitude == -7 && fraction > 0.01 && fraction < 1);
+        for (int l = 1; l < found; l++)
+            assert_true(lines[l].frequency > lines[l - 1].frequency);
+    }
+    for (int apart = 2; apart <= 8; apart += 2) {
+        for (int j = 0; j < count; j++)
+            samples[j] = cos(2 * M_PI * 100.0 * j / count) + cos(2 * M_PI * (100.0 + apart) * j / count + 1) +
+                         gsl_ran_gaussian(rng, 1e-3);
+        check_ok(saltus_signal_lines(&signal, 0, most, lines, &found, &fraction, &message), &message);
+        if (apart < 4)
+            assert_true(found < 2 && fraction > 0.1);
+        else if (apart >= 6) {
+            assert_int_equal(found, 2);
+            check_near(lines[1].frequency - lines[0].frequency, apart * (double)per_period / count, 1e-5);
+            assert_true(fraction < 1e-5);
+        }
+    }
+    gsl_rng_free(rng);
+}
+
+/* What counts as rounding: a part of the largest value, or what the signal says. */
+static void rounding_is_no_motion(void **unused) {
+    (void)unused;
+    enum { count = 128 };
+    double samples[count], fraction;
+    for (int k = 0; k < 4; k++) {
+        double mean = k % 2 ? 1e6 : 1e-6, size = 1e-13 * mean, rounding = k / 2 ? 2 * size : 0;
+        for (int j = 0; j < count; j++)
+            samples[j] = mean + size * (j % 2 ? -1 : 1);
+        saltus_signal signal = {.samples = samples, .count = count, .per_period = 16, .rounding = rounding};
+        saltus_spectral_line lines[2];
+        saltus_spectrum s, w;
+        int found;
+        assert_int_equal(saltus_signal_orbits(&signal, 1, &s, NULL), SALTUS_OK);
+        assert_int_equal(saltus_signal_welch(&signal, 4, 0.95, &w, NULL), SALTUS_OK);
+        assert_int_equal(saltus_signal_lines(&signal, 0, 2, lines, &found, &fraction, NULL), SALTUS_OK);
+        assert_int_equal(s.kind, k / 2 ? SALTUS_SPECTRUM_CONSTANT : SALTUS_SPECTRUM_LINES);
+        assert_int_equal(w.kind, k / 2 ? SALTUS_SPECTRUM_CONSTANT : SALTUS_SPECTRUM_WELCH);
+        assert_int_equal(found, k / 2 ? 0 : 1);
+        check_near(s.mean, mean, 1e-12 * mean);
+        saltus_spectrum_clear(&s);
+        saltus_spectrum_clear(&w);
+    }
+}
+
 /* Rest, and what cannot be analysed */
 
 static void rest_has_no_spectrum(void **unused) {
@@ -647,6 +1027,251 @@ static void held_pipe(void **unused) {
     saltus_system_free(system);
 }
 
+static saltus_system *struck_oscillator(double c, double omega) {
+    saltus_spec spec = oscillator_spec(c, 1, 1, omega);
+    add_stop(&spec, omega == 1 ? 1 : 0, 0.8, SALTUS_UPPER);
+    return build(&spec);
+}
+
+/* A motion's spectra are those of samples taken by hand, of whole orbits and by Welch's method. */
+static void samples_are_those_of_the_flow(void **unused) {
+    (void)unused;
+    enum { per_period = 64, periods = 48, count = per_period * periods };
+    saltus_message message = {""};
+    for (int chaos = 0; chaos < 2; chaos++) {
+        saltus_system *system = struck_oscillator(0.1, chaos ? 0.8 : 1);
+        saltus_spectrum_options options = saltus_spectrum_defaults();
+        saltus_spectra spectra;
+        double state[2] = {-0.3, 0.1}, *samples[2] = {room(count), room(count)};
+        options.per_period = per_period;
+        options.periods = periods;
+        options.confidence = 0.8;
+        check_ok(saltus_motion_settle(system, &options.flow, 300, state, &message), &message);
+        check_ok(saltus_spectra_run(system, state, !chaos, &options, &spectra, &message), &message);
+        saltus_flow *flow = open_flow(system, &options.flow, 0, state);
+        for (int j = 0; j < count; j++) {
+            saltus_event event;
+            double now[2];
+            saltus_time time = {j / per_period, (double)(j % per_period) / per_period};
+            check_ok(saltus_flow_advance(flow, time, 0, &event, &message), &message);
+            saltus_flow_state(flow, 0, now);
+            samples[0][j] = now[0];
+            samples[1][j] = now[1];
+        }
+        assert_int_equal(spectra.count, 2);
+        assert_int_equal(spectra.periods, !chaos);
+        assert_int_equal(spectra.analysed, periods);
+        assert_int_equal(spectra.per_period, per_period);
+        for (int q = 0; q < 2; q++) {
+            const saltus_spectrum *s = &spectra.spectra[q];
+            saltus_signal signal = {.samples = samples[q], .count = count, .per_period = per_period};
+            saltus_spectrum own;
+            assert_true(spectra.quantities[q].coordinate == 0 && spectra.quantities[q].velocity == (q == 1));
+            if (chaos)
+                check_ok(saltus_signal_welch(&signal, periods / 16, 0.8, &own, &message), &message);
+            else
+                check_ok(saltus_signal_orbits(&signal, 1, &own, &message), &message);
+            assert_true(s->kind == own.kind && s->bins == own.bins && s->segments == own.segments);
+            assert_true(s->confidence == own.confidence && s->orbits == own.orbits);
+            check_near(s->mean, own.mean, 1e-6);
+            check_near(s->variance, own.variance, 1e-6 * own.variance);
+            for (long long k = 0; k < s->bins; k++)
+                check_near(s->density[k], own.density[k], 1e-6 * own.variance);
+            saltus_spectrum_clear(&own);
+            free(samples[q]);
+        }
+        saltus_flow_free(flow);
+        saltus_spectra_clear(&spectra);
+        saltus_system_free(system);
+    }
+}
+
+/* Lengths that are not asked for. */
+static void lengths_are_chosen(void **unused) {
+    (void)unused;
+    static const struct {
+        int period;
+        long long periods, segment; /* asked for */
+        long long analysed;
+        int orbits;
+        long long length; /* of segments */
+    } cases[] = {{1, 0, 0, 8, 8, 0},     {3, 0, 0, 24, 8, 0},  {100, 0, 0, 500, 5, 0}, {300, 0, 0, 600, 2, 0},
+                 {3, 16, 0, 15, 5, 0},   {3, 6, 0, 6, 2, 0},   {1, 32, 4, 32, 0, 4},   {0, 64, 0, 64, 0, 4},
+                 {0, 64, 64, 64, 0, 64}, {0, 20, 0, 20, 0, 1}, {0, 0, 0, 2048, 0, 128}};
+    saltus_system *system = struck_oscillator(0.1, 1);
+    saltus_message message = {""};
+    for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
+        saltus_spectrum_options options = saltus_spectrum_defaults();
+        saltus_spectra spectra;
+        double state[2] = {0.2, 0.3};
+        options.per_period = 64;
+        options.periods = cases[k].periods;
+        options.segment = cases[k].segment;
+        options.quantity_count = 1;
+        check_ok(saltus_spectra_run(system, state, cases[k].period, &options, &spectra, &message), &message);
+        const saltus_spectrum *s = &spectra.spectra[0];
+        assert_int_equal(spectra.count, 1);
+        assert_int_equal(spectra.analysed, cases[k].analysed);
+        assert_int_equal(s->count, 64 * cases[k].analysed);
+        assert_int_equal(s->orbits, cases[k].orbits);
+        assert_int_equal(s->segment_periods, cases[k].length);
+        assert_int_equal(s->kind, cases[k].orbits ? SALTUS_SPECTRUM_LINES : SALTUS_SPECTRUM_WELCH);
+        saltus_spectra_clear(&spectra);
+    }
+    saltus_system_free(system);
+}
+
+/* As few samples as make the spectra trustworthy up to where they are wanted. */
+static void samples_are_chosen(void **unused) {
+    (void)unused;
+    saltus_system *system = struck_oscillator(0.1, 1);
+    saltus_message message = {""};
+    double state[2] = {0.2, 0.3};
+    saltus_spectrum_options options = saltus_spectrum_defaults();
+    check_ok(saltus_motion_settle(system, &options.flow, 300, state, &message), &message);
+    for (int welch = 0; welch < 2; welch++) {
+        int before = 0;
+        for (int k = 0; k < 3; k++) {
+            const double reaches[] = {welch ? 2 : 4, 0, welch ? 40 : 100};
+            double reach = reaches[k] > 0 ? reaches[k] : welch ? 16 : 32;
+            saltus_spectra spectra, fewer;
+            options.quantity_count = 2;
+            options.reach = reaches[k];
+            options.per_period = 0;
+            options.periods = welch ? 64 : 4;
+            check_ok(saltus_spectra_run(system, state, !welch, &options, &spectra, &message), &message);
+            assert_true(spectra.per_period >= before && spectra.per_period % 4 == 0);
+            before = spectra.per_period;
+            options.quantities[0] = (saltus_quantity){0, true};
+            options.quantities[1] = (saltus_quantity){0, false};
+            check_ok(saltus_spectra_run(system, state, !welch, &options, &fewer, &message), &message);
+            assert_int_equal(fewer.per_period, before);
+            assert_true(fewer.spectra[0].variance == spectra.spectra[1].variance);
+            saltus_spectra_clear(&fewer);
+            options.quantities[0] = (saltus_quantity){0, false};
+            options.quantities[1] = (saltus_quantity){0, true};
+            bool most = spectra.per_period >= (welch ? 2048 : 16384);
+            if (!welch)
+                for (int q = 0; q < 2; q++)
+                    assert_true(most || spectra.spectra[q].trustworthy >= reach);
+            if (!welch && spectra.per_period > 256) {
+                double trusted = INFINITY;
+                options.per_period = spectra.per_period / 2;
+                check_ok(saltus_spectra_run(system, state, 1, &options, &fewer, &message), &message);
+                for (int q = 0; q < 2; q++)
+                    trusted = fmin(trusted, fewer.spectra[q].trustworthy);
+                assert_true(trusted < reach);
+                saltus_spectra_clear(&fewer);
+            }
+            saltus_spectra_clear(&spectra);
+        }
+        assert_true(before > 256);
+    }
+    saltus_system_free(system);
+}
+
+/* How a classified motion is analysed is its kind's business: an orbit by its lines, also an unstable one,
+ * which begins anew; rest by one period; what has no period by Welch's method. */
+static void kinds_have_their_spectra(void **unused) {
+    (void)unused;
+    saltus_message message = {""};
+    saltus_spectrum_options options = saltus_spectrum_defaults();
+    options.per_period = 32;
+    options.periods = 64;
+    static const struct {
+        double c, force, omega, load;
+        saltus_motion_kind kind;
+        saltus_spectrum_kind spectrum;
+        int period;
+    } cases[] = {{0.1, 1, 1, 0, SALTUS_PERIODIC, SALTUS_SPECTRUM_LINES, 1},
+                 {0.1, 0, 1, 0, SALTUS_EQUILIBRIUM, SALTUS_SPECTRUM_CONSTANT, 1},
+                 {0.1, 0, 1, 3, SALTUS_HELD, SALTUS_SPECTRUM_CONSTANT, 1},
+                 {0.1, 0.5, 1, 3, SALTUS_HELD, SALTUS_SPECTRUM_CONSTANT, 1},
+                 {0, 0.1, 0.6180339887498949, 0, SALTUS_UNDECIDED, SALTUS_SPECTRUM_WELCH, 0}};
+    for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
+        saltus_spec spec = oscillator_spec(cases[k].c, 1, cases[k].force, cases[k].omega);
+        saltus_classify_options how = saltus_classify_defaults();
+        saltus_motion motion;
+        saltus_spectra spectra;
+        double state[2] = {0.4, 0};
+        set_parameter(&spec, "F0", cases[k].load);
+        add_stop(&spec, 1, 0.8, SALTUS_UPPER);
+        saltus_system *system = build(&spec);
+        how.measure = 0;
+        how.transient = cases[k].period ? 20000 : 400;
+        check_ok(saltus_classify(system, state, &how, &motion, &message), &message);
+        assert_int_equal(motion.kind, cases[k].kind);
+        check_ok(saltus_motion_spectra(system, &motion, &options, &spectra, &message), &message);
+        assert_int_equal(spectra.periods, cases[k].period);
+        assert_int_equal(spectra.analysed, 64);
+        for (int q = 0; q < 2; q++)
+            assert_int_equal(spectra.spectra[q].kind, cases[k].spectrum);
+        if (cases[k].kind == SALTUS_HELD)
+            check_near(spectra.spectra[0].mean, 1, 1e-12);
+        saltus_spectra_clear(&spectra);
+        saltus_motion_clear(&motion);
+        saltus_system_free(system);
+    }
+}
+
+/* What rests has no spectrum, though rounding moves it; another quantity of the same motion may have one. */
+static void resting_systems(void **unused) {
+    (void)unused;
+    saltus_spec spec = oscillator_spec(0.1, 1, 0, 1);
+    add_stop(&spec, 1, 0.8, SALTUS_UPPER);
+    saltus_system *system = build(&spec);
+    saltus_spectrum_options options = saltus_spectrum_defaults();
+    saltus_message message = {""};
+    options.per_period = 32;
+    options.periods = 8;
+    for (int k = 0; k < 4; k++) {
+        saltus_spectra spectra;
+        double state[2] = {k < 2 ? 1e-9 : 1e-6, 0};
+        options.resting = k % 2;
+        check_ok(saltus_spectra_run(system, state, 1, &options, &spectra, &message), &message);
+        for (int q = 0; q < 2; q++)
+            assert_int_equal(spectra.spectra[q].kind,
+                             k == 1 ? SALTUS_SPECTRUM_CONSTANT : SALTUS_SPECTRUM_LINES);
+        saltus_spectra_clear(&spectra);
+    }
+    saltus_system_free(system);
+}
+
+/* Quantities of two masses: each its own, and the observed one as the stop weighs them. */
+static void quantities_of_two_masses(void **unused) {
+    (void)unused;
+    saltus_scene scene;
+    saltus_message message = {""};
+    check_ok(saltus_scene_load("two-mass", &scene, &message), &message);
+    saltus_system *system = build(&scene.spec);
+    saltus_spectrum_options options = saltus_spectrum_defaults();
+    double state[4] = {0};
+    options.per_period = 64;
+    options.periods = 8;
+    check_ok(saltus_motion_settle(system, &options.flow, 500, state, &message), &message);
+    for (int rate = 0; rate < 2; rate++) {
+        saltus_spectra spectra, masses;
+        options.quantity_count = 1;
+        options.quantities[0] = (saltus_quantity){0, rate};
+        check_ok(saltus_spectra_run(system, state, 2, &options, &spectra, &message), &message);
+        options.quantity_count = 2;
+        options.quantities[0] = (saltus_quantity){1, rate};
+        options.quantities[1] = (saltus_quantity){2, rate};
+        check_ok(saltus_spectra_run(system, state, 2, &options, &masses, &message), &message);
+        const saltus_spectrum *s = spectra.spectra, *m = masses.spectra;
+        check_near(s->mean, m[0].mean - m[1].mean, 1e-12);
+        for (long long k = 0; k < s->line_count; k++) {
+            double complex whole = s->lines[k].amplitude * cexp(I * s->lines[k].phase),
+                           first = m[0].lines[k].amplitude * cexp(I * m[0].lines[k].phase),
+                           second = m[1].lines[k].amplitude * cexp(I * m[1].lines[k].phase);
+            check_near(cabs(whole - (first - second)), 0, 1e-12);
+        }
+        saltus_spectra_clear(&spectra);
+        saltus_spectra_clear(&masses);
+    }
+    saltus_system_free(system);
+}
+
 static void quantities_have_names(void **unused) {
     (void)unused;
     saltus_system *system = pipe_with_stop(42, 0.035);
@@ -664,6 +1289,17 @@ static void quantities_have_names(void **unused) {
         assert_string_equal(name, names[k]);
     }
     saltus_system_free(system);
+}
+
+static void defaults_are_those_told(void **unused) {
+    (void)unused;
+    saltus_spectrum_options o = saltus_spectrum_defaults();
+    saltus_flow_options flow = saltus_flow_defaults();
+    assert_true(o.flow.rtol == flow.rtol && o.flow.atol == flow.atol && o.flow.integrator == flow.integrator);
+    assert_true(o.quantity_count == 2 && o.quantities[0].coordinate == 0 && !o.quantities[0].velocity);
+    assert_true(o.quantities[1].coordinate == 0 && o.quantities[1].velocity);
+    assert_true(o.per_period == 0 && o.reach == 0 && o.periods == 0 && o.segment == 0);
+    assert_true(o.confidence == 0.95 && !o.resting && !o.anew);
 }
 
 static void unsuitable_wishes(void **unused) {
@@ -704,13 +1340,14 @@ static void unsuitable_wishes(void **unused) {
 
 /* The k-th allocation fails, for all k until none is left to fail. Leaks show under the address sanitizer. */
 static saltus_status all_of_it(void) {
-    saltus_spec spec = pipe_spec(1, 42);
+    saltus_spec spec = oscillator_spec(0.1, 1, 0.5, 1.5);
     saltus_system *system = NULL;
     saltus_message message = {""};
     saltus_spectrum_options options = saltus_spectrum_defaults();
     saltus_spectra spectra = {0};
-    double state[2] = {0.01, 0};
-    add_stop(&spec, 0.03, 0.9, SALTUS_UPPER);
+    double state[2] = {0.3, 0};
+    add_stop(&spec, 1, 0.8, SALTUS_UPPER);
+    options.quantity_count = 1;
     saltus_status status = saltus_system_new(&spec, &system, &message);
     if (status == SALTUS_OK)
         status = saltus_spectra_run(system, state, 1, &options, &spectra, &message);
@@ -758,6 +1395,20 @@ int main(void) {
         cmocka_unit_test(periodic_is_not_broadband),
         cmocka_unit_test(chaos_and_noise_are_broadband),
         cmocka_unit_test(noise_on_lines),
+        cmocka_unit_test(welch_by_definition),
+        cmocka_unit_test(bands_have_their_confidence),
+        cmocka_unit_test(orbits_by_definition),
+        cmocka_unit_test(trust_in_lines_by_definition),
+        cmocka_unit_test(trust_in_densities_by_definition),
+        cmocka_unit_test(short_signals),
+        cmocka_unit_test(lines_within_limits),
+        cmocka_unit_test(rounding_is_no_motion),
+        cmocka_unit_test(samples_are_those_of_the_flow),
+        cmocka_unit_test(lengths_are_chosen),
+        cmocka_unit_test(samples_are_chosen),
+        cmocka_unit_test(kinds_have_their_spectra),
+        cmocka_unit_test(resting_systems),
+        cmocka_unit_test(quantities_of_two_masses),
         cmocka_unit_test(rest_has_no_spectrum),
         cmocka_unit_test(unsuitable_input),
         cmocka_unit_test(figure_7d),
@@ -767,6 +1418,7 @@ int main(void) {
         cmocka_unit_test(held_pipe),
         cmocka_unit_test(quantities_have_names),
         cmocka_unit_test(unsuitable_wishes),
+        cmocka_unit_test(defaults_are_those_told),
         cmocka_unit_test(failing_allocations),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -23,8 +23,14 @@ static saltus_motion judge(const saltus_spec *spec, const saltus_classify_option
     return motion;
 }
 
+/* Longer runs, on request. */
+static bool at_length(void) {
+    return getenv("SALTUS_LONG_TESTS") != NULL;
+}
+
 static saltus_motion judge_scene(const char *name, const char *const *settings) {
     saltus_classify_options options = saltus_classify_defaults();
+    options.measure = at_length() ? options.measure : 64000;
     saltus_spec spec = scene_spec(name, settings);
     return judge(&spec, &options);
 }
@@ -40,14 +46,15 @@ static void chaos_is_proven(void **unused) {
     assert_string_equal(motion.label, "chaotic");
     assert_false(saltus_motion_settled(&motion));
     check_near(motion.lyapunov, 0.756, 0.01 + 3 * motion.lyapunov_error);
-    assert_true(motion.lyapunov_error > 0 && motion.lyapunov_error < 0.01);
+    assert_true(motion.lyapunov_error > 0 && motion.lyapunov_error < (at_length() ? 0.01 : 0.02));
     for (int half = 0; half < 2; half++)
         check_near(e->half[half], motion.lyapunov, 4 * e->half_errors[half]);
-    assert_true(e->periods >= 32000 && e->members == 8 && e->left == 0);
-    assert_true(e->zero_one > 0.95 && e->broadband > 0.5 && e->curves == 0);
+    assert_true(e->periods >= (at_length() ? 32000 : 8000) && e->members == 8 && e->left == 0);
+    assert_true(e->zero_one > (at_length() ? 0.95 : 0.8) && e->curves == 0);
+    assert_true(e->broadband > (at_length() ? 0.5 : 0.05));
     check_near(e->dimension, 1.2, 0.2);
     check_near(motion.largest, 0.035, 1e-12);
-    assert_true(e->history_count > 10);
+    assert_true(e->history_count >= 4);
     const saltus_lyapunov_progress *last = &e->history[e->history_count - 1];
     check_near(last->exponent, motion.lyapunov, 1e-12);
     check_near(last->time, (double)e->periods * 2 * M_PI / 10, 1e-6);
@@ -112,22 +119,24 @@ static void transients_are_seen_through(void **unused) {
     saltus_motion_clear(&motion);
 }
 
-/* Here chaos lasts for some 1e5 periods and ends on 2/1: the orbit is found amid it, and chaos is not
- * asserted. */
+/* Chaos that lasts for some 1e4 periods (of the pipe: 1e5) and ends on an orbit: the orbit is found amid it,
+ * and chaos is not asserted. */
 static void stable_orbits_amid_chaos_count(void **unused) {
     (void)unused;
-    static const char *const settings[] = {"omega=43.640162", "d=0.016796", NULL};
+    static const char *const pipe[] = {"omega=43.640162", "d=0.016796", NULL},
+                             *const masses[] = {"omega=1.6467", "d=-0.0687", "r=0.871", "c=0.035",
+                                                "c2=0.035",     "m2=0.77",   "k2=2.1",  NULL};
     saltus_classify_options options = saltus_classify_defaults();
-    saltus_spec spec = scene_spec("fig6", settings);
-    if (getenv("SALTUS_SANITIZED"))
-        skip();
-    options.transient = 2500;
-    options.measure = 32000;
+    saltus_spec spec = at_length() ? scene_spec("fig6", pipe) : scene_spec("two-mass", masses);
+    const char *label = at_length() ? "2/1" : "18/4";
+    options.transient = at_length() ? 2500 : 1600;
+    options.measure = at_length() ? options.measure : 8000;
     saltus_motion motion = judge(&spec, &options);
     assert_true(motion.kind != SALTUS_CHAOTIC);
     if (motion.kind == SALTUS_UNDECIDED) {
-        assert_string_equal(motion.evidence.stable_orbit, "2/1");
-        assert_non_null(strstr(motion.reason, "stable 2/1 orbit"));
+        assert_string_equal(motion.evidence.stable_orbit, label);
+        assert_non_null(strstr(motion.reason, "stable"));
+        assert_non_null(strstr(motion.reason, label));
         assert_non_null(strstr(motion.reason, "--measure"));
     }
     saltus_motion_clear(&motion);

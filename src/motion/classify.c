@@ -376,8 +376,8 @@ static saltus_status judge(search *s, saltus_motion *motion, saltus_message *mes
     const saltus_classify_options *o = s->options;
     bool regular;
     saltus_flow_state(s->flow, 0, motion->state);
-    saltus_status status = saltus_motion_judge(s->system, o, motion, &regular, message);
-    if (status != SALTUS_OK || motion->kind != SALTUS_UNDECIDED)
+    saltus_status status = saltus_motion_judge(s->system, o, motion, &regular, &s->stopped, message);
+    if (status != SALTUS_OK || s->stopped || motion->kind != SALTUS_UNDECIDED)
         return status;
     if (s->h.count < o->transient)
         status = settle(s, o->transient, motion, message);

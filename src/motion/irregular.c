@@ -351,7 +351,8 @@ static void forget(saltus_motion *m) {
 }
 
 saltus_status saltus_motion_judge(const saltus_system *system, const saltus_classify_options *options,
-                                  saltus_motion *motion, bool *regular, saltus_message *message) {
+                                  saltus_motion *motion, bool *regular, bool *stopped,
+                                  saltus_message *message) {
     judge j = {.system = system,
                .options = options,
                .how = saltus_lyapunov_defaults(),
@@ -378,6 +379,7 @@ saltus_status saltus_motion_judge(const saltus_system *system, const saltus_clas
     if (status == SALTUS_OK)
         tell(&j, result);
     *regular = result == SALTUS_OUTCOME_REGULAR || result == SALTUS_OUTCOME_LEFT;
+    *stopped = j.stopped;
     saltus_ensemble_close(&j.ensemble);
     free(j.points);
     return status;

@@ -155,7 +155,7 @@ static saltus_status measure(saltus_ensemble *e, saltus_lyapunov *l, saltus_mess
         saltus_estimate now = saltus_ensemble_exponent(e, 0, saltus_ensemble_regular(e));
         if (isfinite(now.standard_error))
             remember(l, (double)saltus_ensemble_periods(e) * saltus_system_period(e->system), now);
-        stopped = o->progress && !o->progress(o->context, spent, o->periods);
+        stopped = e->stopped || (o->progress && !o->progress(o->context, spent, o->periods));
         bool look = done >= next_look;
         double errors;
         if (look)

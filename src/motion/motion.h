@@ -46,10 +46,11 @@ bool saltus_event_strikes(const saltus_event *event);
 
 /* Judge a motion that has not settled: fills kind, reason, exponent and evidence, and moves motion->state on
  * along the attractor. kind stays SALTUS_UNDECIDED where more time may bring a period: *regular tells that it
- * should, as nothing irregular goes on, or as other trajectories have come to one. Errors: those of the flow,
- * SALTUS_NO_MEMORY. */
+ * should, as nothing irregular goes on, or as other trajectories have come to one; *stopped that the caller
+ * has ended the search. Errors: those of the flow, SALTUS_NO_MEMORY. */
 saltus_status saltus_motion_judge(const saltus_system *system, const saltus_classify_options *options,
-                                  saltus_motion *motion, bool *regular, saltus_message *message);
+                                  saltus_motion *motion, bool *regular, bool *stopped,
+                                  saltus_message *message);
 /* Name a motion without a period, and measure its extremes from its state on. Errors: those of the flow. */
 saltus_status saltus_motion_survey(const saltus_system *system, saltus_flow *flow, saltus_motion *motion,
                                    saltus_message *message);

@@ -105,9 +105,10 @@ static void compare_some(const saltus_cloud *cloud, long long pairs, gsl_rng *rn
     enum { batch = 1024 };
     long long chosen[2 * batch];
     for (long long done = 0; done < pairs; done += batch) {
-        for (int k = 0; k < 2 * batch; k++)
+        int drawn = pairs - done < batch ? (int)(pairs - done) : batch;
+        for (int k = 0; k < 2 * drawn; k++)
             chosen[k] = (long long)(gsl_rng_uniform(rng) * (double)cloud->count);
-        for (int k = 0; k < 2 * batch; k += 2) {
+        for (int k = 0; k < 2 * drawn; k += 2) {
             long long i = chosen[k], j = chosen[k + 1];
             if ((i > j ? i - j : j - i) > cloud->window)
                 compare_with(cloud, i, j, j + 1,

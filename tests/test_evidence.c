@@ -1,0 +1,612 @@
+/* What a verdict or an exponent says of the run behind it, told once more from the run itself: impacts
+ * counted, section points taken and judged, laminar phases found.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "check.h"
+
+static saltus_system *struck_oscillator(double c, double omega, double d) {
+    saltus_spec spec = oscillator_spec(c, 1, 1, omega);
+    add_stop(&spec, d, 0.8, SALTUS_UPPER);
+    return build(&spec);
+}
+
+/* Two masses, settings up to a NULL; the stop limits the second one alone where `second`. */
+static saltus_system *two_masses(const char *const *settings, bool second) {
+    saltus_scene scene;
+    saltus_message message = {""};
+    check_ok(saltus_scene_load("two-mass", &scene, &message), &message);
+    for (int k = 0; settings[k]; k++)
+        check_ok(saltus_scene_set(&scene, settings[k], &message), &message);
+    if (second) {
+        scene.spec.stops[0].weight[0] = 0;
+        scene.spec.stops[0].weight[1] = 1;
+    }
+    return build(&scene.spec);
+}
+
+static const char *const torus[] = {"omega=1.7133", "d=-0.1797", "r=0.323", "c=0.07",
+                                    "c2=0.07",      "m2=1.57",   "k2=2.51", NULL};
+static const char *const leaving[] = {"omega=1.6467", "d=-0.0687", "r=0.871", "c=0.035",
+                                      "c2=0.035",     "m2=0.77",   "k2=2.1",  NULL};
+
+static saltus_motion classify(const saltus_system *system, const double *start, long long transient,
+                              long long measure) {
+    saltus_classify_options options = saltus_classify_defaults();
+    saltus_message message = {""};
+    saltus_motion motion;
+    double state[4];
+    options.transient = transient;
+    options.measure = measure;
+    if (start)
+        memcpy(state, start, (size_t)saltus_system_dimension(system) * sizeof *state);
+    else
+        check_ok(saltus_system_default_state(system, state, &message), &message);
+    check_ok(saltus_classify(system, state, &options, &motion, &message), &message);
+    return motion;
+}
+
+static saltus_lyapunov measure(const saltus_system *system, const double *state,
+                               const saltus_lyapunov_options *options) {
+    saltus_message message = {""};
+    saltus_lyapunov l;
+    check_ok(saltus_lyapunov_run(system, state, options, &l, &message), &message);
+    return l;
+}
+
+/* One trajectory without disturbance is the flow's own: what happened in it after the transient is counted
+ * again, and it ends where the flow does. */
+static void events_of_a_run_are_recounted(void **unused) {
+    (void)unused;
+    static const char *const none[] = {NULL};
+    saltus_spec chatter = oscillator_spec(0.05, 1, 1, 0.4);
+    add_stop(&chatter, 0, 0.5, SALTUS_UPPER);
+    saltus_system *systems[] = {struck_oscillator(0.1, 1, 1), struck_oscillator(0.1, 2.6, 0),
+                                two_masses(none, false), two_masses(torus, true), build(&chatter)};
+    const long long transients[] = {0, 17, 300, 400, 60};
+    for (int k = 0; k < 5; k++)
+        for (int whole = 1; whole <= 3; whole += 2) {
+            saltus_lyapunov_options options = saltus_lyapunov_defaults();
+            saltus_message message = {""};
+            saltus_event event;
+            double start[4], end[4];
+            options.members = 1;
+            options.transient = transients[k];
+            options.interval = whole;
+            options.periods = 600 * whole;
+            check_ok(saltus_system_default_state(systems[k], start, &message), &message);
+            saltus_lyapunov l = measure(systems[k], start, &options);
+            assert_true(l.transient >= options.transient && l.periods <= options.periods);
+            assert_int_equal(l.periods % whole, 0);
+            check_near(l.time, (double)l.periods * saltus_system_period(systems[k]), 1e-9 * l.time);
+            saltus_flow *flow = open_flow(systems[k], &options.flow, 0, start);
+            check_ok(saltus_flow_advance(flow, (saltus_time){l.transient, 0}, 0, &event, &message), &message);
+            saltus_flow_info before = saltus_flow_information(flow, 0);
+            check_ok(
+                saltus_flow_advance(flow, (saltus_time){l.transient + l.periods, 0}, 0, &event, &message),
+                &message);
+            saltus_flow_info after = saltus_flow_information(flow, 0);
+            saltus_flow_state(flow, 0, end);
+            check_near(l.impacts_per_period * (double)l.periods, (double)(after.impacts - before.impacts),
+                       1e-6);
+            check_near(l.sticks_per_period * (double)l.periods, (double)(after.sticks - before.sticks), 1e-6);
+            assert_true((l.sticks_per_period > 0) == (k == 4) && l.impacts_per_period > 0);
+            for (int i = 0; i < l.dimension; i++)
+                check_near(l.state[i], end[i], 1e-6);
+            saltus_flow_free(flow);
+            saltus_lyapunov_clear(&l);
+        }
+    for (int k = 0; k < 5; k++)
+        saltus_system_free(systems[k]);
+}
+
+/* Several trajectories: their means make the whole, and what is counted is counted in all of them. */
+static void members_make_the_whole(void **unused) {
+    (void)unused;
+    saltus_system *systems[] = {struck_oscillator(0.1, 1, 1), struck_oscillator(0.1, 0.8, 0)};
+    static const int members[] = {1, 3, 8, 21};
+    double start[2] = {-0.3, 0.1};
+    for (int k = 0; k < 2; k++)
+        for (int m = 0; m < 4; m++) {
+            saltus_lyapunov_options options = saltus_lyapunov_defaults();
+            options.members = members[m];
+            options.exponents = 0;
+            options.transient = 100;
+            options.precision = 0.05;
+            saltus_lyapunov l = measure(systems[k], start, &options);
+            double mean = 0, half = 0.5 * (l.half[0] + l.half[1]);
+            assert_true(l.members == members[m] && l.periods % members[m] == 0 && l.agree && l.precise);
+            for (int i = 0; i < l.members; i++)
+                mean += l.member_exponents[i] / l.members;
+            check_near(mean, l.exponents[0], 1e-12);
+            check_near(half, l.exponents[0], 3 * l.standard_errors[0] + 1e-12);
+            assert_true(l.half_errors[0] > 0 && l.half_errors[1] > 0);
+            if (k == 1) {
+                /* Half the run: the error is larger by about the square root of two, and independent. */
+                double halves = 0.5 * hypot(l.half_errors[0], l.half_errors[1]);
+                check_near(halves, l.standard_errors[0], 0.6 * l.standard_errors[0]);
+                assert_true(l.independent > 20 && l.independent < 50 * (double)l.periods);
+                assert_true(l.standard_errors[0] <= 0.05 * l.exponents[0]);
+                for (int i = 1; i < l.members; i++)
+                    assert_true(l.member_exponents[i] != l.member_exponents[0]);
+            }
+            check_near(l.impacts_per_period, k ? 2.336 : 1, k ? 0.02 : 0.01);
+            check_near(l.sum, -0.1 + l.impacts_per_period / l.period * 2 * log(0.8), 1e-6);
+            const saltus_lyapunov_progress *last = &l.history[l.history_count - 1];
+            check_near(last->time, l.time, 1e-9 * l.time);
+            check_near(last->exponent, l.exponents[0], 1e-12);
+            check_near(last->standard_error, l.standard_errors[0], 1e-12);
+            saltus_lyapunov_clear(&l);
+        }
+    for (int k = 0; k < 2; k++)
+        saltus_system_free(systems[k]);
+}
+
+/* What a caller sees on the way. */
+typedef struct witness {
+    const saltus_lyapunov *result;
+    double period;
+    long long last, at_most;
+    int silent, calls, stop_after;
+} witness;
+
+static bool watch(void *context, long long periods, long long at_most) {
+    witness *w = context;
+    assert_int_equal(at_most, w->at_most);
+    assert_true(periods >= w->last);
+    w->silent += periods == 0;
+    w->calls += periods > 0;
+    w->last = periods;
+    if (periods > 0) {
+        assert_true(w->result->history_count > 0 && w->result->history_count <= w->calls);
+        check_near(w->result->history[w->result->history_count - 1].time, (double)periods * w->period,
+                   1e-9 * (double)periods * w->period);
+    }
+    return w->stop_after == 0 || w->calls < w->stop_after;
+}
+
+static bool refuse_at_once(void *context, long long periods, long long at_most) {
+    (void)at_most;
+    ++*(int *)context;
+    return periods > 0;
+}
+
+static void progress_is_told(void **unused) {
+    (void)unused;
+    saltus_system *system = struck_oscillator(0.1, 0.8, 0);
+    double start[2] = {-0.3, 0.1};
+    for (int stop_after = 0; stop_after < 12; stop_after += 6) {
+        saltus_lyapunov l = {0};
+        saltus_message message = {""};
+        saltus_lyapunov_options options = saltus_lyapunov_defaults();
+        witness w = {
+            .result = &l, .period = 2 * M_PI / 0.8, .at_most = 8 * 700 + 5, .stop_after = stop_after};
+        options.transient = 300;
+        options.periods = w.at_most;
+        options.precision = 1e-9;
+        options.progress = watch;
+        options.context = &w;
+        check_ok(saltus_lyapunov_run(system, start, &options, &l, &message), &message);
+        assert_true(w.silent >= 2 && !l.precise && l.periods <= w.at_most);
+        if (stop_after)
+            assert_int_equal(w.calls, stop_after);
+        else /* to the end: less than one look of each trajectory is left */
+            assert_true(w.last > w.at_most - 8 && l.periods >= w.last - w.last / 4);
+        saltus_lyapunov_clear(&l);
+    }
+    int calls = 0;
+    saltus_lyapunov_options options = saltus_lyapunov_defaults();
+    options.progress = refuse_at_once;
+    options.context = &calls;
+    saltus_lyapunov l = measure(system, start, &options);
+    assert_true(calls == 1 && l.periods <= 8 * 50 && !l.precise);
+    saltus_lyapunov_clear(&l);
+    saltus_system_free(system);
+}
+
+/* A seed disturbs the initial state a little; without one the trajectory is the given one. */
+static void seeds_disturb(void **unused) {
+    (void)unused;
+    saltus_spec spec = oscillator_spec(0, 1, 0, 0.61803398874989485);
+    saltus_system *system = build(&spec);
+    saltus_lyapunov_options options = saltus_lyapunov_defaults();
+    const double *scale = saltus_system_scale(system);
+    double start[2] = {0.5, 0.2}, energy = 0.5 * 0.5 + 0.2 * 0.2, before = 0;
+    options.members = 1;
+    options.transient = 20;
+    options.periods = 300;
+    for (unsigned long seed = 0; seed < 4; seed++) {
+        options.seed = seed;
+        saltus_lyapunov l = measure(system, start, &options);
+        double moved = l.state[0] * l.state[0] + l.state[1] * l.state[1] - energy;
+        double size = 2 * hypot(0.5 * scale[0], 0.2 * scale[1]) * 1e-6;
+        if (seed == 0)
+            check_near(moved, 0, 1e-9);
+        else
+            assert_true(fabs(moved) > 0.01 * size && fabs(moved) < 5 * size && moved != before);
+        before = moved;
+        saltus_lyapunov_clear(&l);
+    }
+    saltus_system_free(system);
+}
+
+/* The section of a torus has as many dimensions as exponents are zero: 1 of four, 2 of two, 4 of four. Too
+ * few exponents leave it open. */
+static void dimension_of_tori(void **unused) {
+    (void)unused;
+    static const char *const undamped[] = {"c=0", "c2=0", "omega=1.77", "d=100", NULL};
+    saltus_spec spec = oscillator_spec(0, 1, 1, 0.3183);
+    saltus_system *systems[] = {two_masses(torus, true), build(&spec), two_masses(undamped, false)};
+    static const double expected[] = {1, 2, 4};
+    for (int k = 0; k < 3; k++) {
+        saltus_lyapunov_options options = saltus_lyapunov_defaults();
+        saltus_message message = {""};
+        double start[4];
+        int n = saltus_system_dimension(systems[k]);
+        check_ok(saltus_system_default_state(systems[k], start, &message), &message);
+        options.transient = 500;
+        options.members = 2;
+        options.periods = 4000;
+        for (options.exponents = 0; options.exponents <= 2; options.exponents++) {
+            saltus_lyapunov l = measure(systems[k], start, &options);
+            bool enough =
+                options.exponents == 0 || options.exponents == n || (k == 0 && options.exponents > 1);
+            check_near(l.exponents[0] * l.period, 0, 1e-3);
+            if (enough)
+                check_near(l.kaplan_yorke, expected[k], 1e-9);
+            else
+                assert_true(isnan(l.kaplan_yorke));
+            if (options.exponents == 0)
+                check_near(l.sum, l.sum_rule, 1e-6);
+            else if (options.exponents < n)
+                assert_true(isnan(l.sum) && isnan(l.sum_rule));
+            saltus_lyapunov_clear(&l);
+        }
+        saltus_system_free(systems[k]);
+    }
+}
+
+/* Volumes shrink by the dampers over the masses, whatever moves, and by the restitution squared with each
+ * impact. */
+static void volumes_of_two_masses(void **unused) {
+    (void)unused;
+    static const char *const settings[] = {"m=1.7", "m2=0.6",    "c=0.13", "c2=0.21",
+                                           "r=0.7", "omega=1.6", NULL};
+    saltus_system *system = two_masses(settings, false);
+    saltus_lyapunov_options options = saltus_lyapunov_defaults();
+    double start[4] = {0};
+    options.exponents = 0;
+    options.precision = 0.1;
+    options.periods = 8000;
+    options.transient = 200;
+    saltus_lyapunov l = measure(system, start, &options);
+    assert_true(l.impacts_per_period > 0);
+    check_near(l.sum_rule, -(0.13 + 0.21) / 1.7 - 0.21 / 0.6 + l.impacts_per_period / l.period * 2 * log(0.7),
+               1e-3);
+    check_near(l.sum, l.sum_rule, 1e-6);
+    saltus_lyapunov_clear(&l);
+    saltus_system_free(system);
+}
+
+/* A transient longer than asked for is told, and nothing of it is in the exponents. */
+static void drift_is_left_out(void **unused) {
+    (void)unused;
+    saltus_spec spec = oscillator_spec(0.01, 1, 0.5, 1.7);
+    add_stop(&spec, 1, 0.8, SALTUS_UPPER);
+    saltus_system *system = build(&spec);
+    double start[2] = {0.9, 0};
+    for (int asked = 0; asked <= 2000; asked += 2000) {
+        saltus_lyapunov_options options = saltus_lyapunov_defaults();
+        options.transient = asked;
+        options.exponents = 0;
+        saltus_lyapunov l = measure(system, start, &options);
+        assert_true(l.transient >= asked && l.precise && l.agree);
+        check_near(l.exponents[0], -0.005, 3 * l.standard_errors[0] + 1e-9);
+        check_near(l.impacts_per_period, 0, 0);
+        saltus_lyapunov_clear(&l);
+    }
+    saltus_system_free(system);
+}
+
+/* Section points from a state on, `count` of them; impacts on the way. */
+static double *section_points(const saltus_system *system, const double *state, int count,
+                              long long *impacts) {
+    saltus_flow_options options = saltus_flow_defaults();
+    saltus_message message = {""};
+    int n = saltus_system_dimension(system);
+    double *points = calloc((size_t)(n * count), sizeof *points);
+    assert_non_null(points);
+    options.rtol = 1e-10;
+    saltus_flow *flow = open_flow(system, &options, 0, state);
+    for (int k = 0; k < count; k++) {
+        saltus_event event;
+        check_ok(saltus_flow_advance(flow, (saltus_time){k + 1, 0}, 0, &event, &message), &message);
+        saltus_flow_state(flow, 0, points + k * n);
+    }
+    *impacts = saltus_flow_information(flow, 0).impacts;
+    saltus_flow_free(flow);
+    return points;
+}
+
+/* The motion goes on from its state as it was when it was judged: the same opinions. */
+static void opinions_are_repeated(void **unused) {
+    (void)unused;
+    enum { count = 1500 };
+    saltus_system *systems[] = {struck_oscillator(0.1, 0.8, 0), two_masses(torus, true),
+                                struck_oscillator(0, 2.8, 0)};
+    const double starts[][4] = {{-0.3, 0.1}, {0}, {-0.3, 0.1}};
+    const saltus_motion_kind kinds[] = {SALTUS_CHAOTIC, SALTUS_QUASIPERIODIC, SALTUS_CHAOTIC};
+    for (int k = 0; k < 3; k++) {
+        saltus_motion m = classify(systems[k], k == 1 ? NULL : starts[k], 2000, 64000);
+        const saltus_evidence *e = &m.evidence;
+        const double *scale = saltus_system_scale(systems[k]), *observer = saltus_system_observer(systems[k]);
+        int n = saltus_system_dimension(systems[k]);
+        long long impacts;
+        double *points = section_points(systems[k], m.state, count, &impacts), series[count], weights[4],
+               broadband;
+        assert_int_equal(m.kind, kinds[k]);
+        for (int i = 0; i < n; i++)
+            weights[i] = 1 / scale[i];
+        for (int j = 0; j < count; j++) {
+            series[j] = 0;
+            for (int i = 0; i < n / 2; i++)
+                series[j] += observer[i] * points[j * n + i];
+        }
+        saltus_series_points set = {points, weights, count, n};
+        saltus_series_options options = saltus_series_defaults();
+        saltus_series_chaos chaos;
+        saltus_series_curve curve;
+        saltus_series_dimension d;
+        saltus_message message = {""};
+        check_ok(saltus_series_chaos_test(series, count, &options, &chaos, &message), &message);
+        check_ok(saltus_series_closed_curve(&set, &options, &curve, &message), &message);
+        check_ok(saltus_series_correlation_dimension(&set, &options, &d, &message), &message);
+        check_ok(saltus_series_broadband(series, count, &broadband, &message), &message);
+        check_near(e->zero_one, chaos.k, 0.12);
+        check_near(e->zero_one_quartiles[0], chaos.lower, 0.15);
+        check_near(e->zero_one_quartiles[1], chaos.upper, 0.15);
+        assert_true(e->zero_one_quartiles[0] <= e->zero_one && e->zero_one <= e->zero_one_quartiles[1]);
+        check_near(e->dimension, d.dimension, 0.1 + 2 * hypot(d.error, e->dimension_error));
+        assert_true(e->dimension_error > 0.2 * d.error && e->dimension_error < 5 * d.error);
+        check_near(e->broadband, broadband, 0.02 + 0.3 * broadband);
+        assert_int_equal(e->curves, curve.closed ? curve.curves : 0);
+        check_near(e->impacts_per_period, (double)impacts / count, 0.02 * e->impacts_per_period);
+        assert_true(e->members == 8 && e->periods % 8 == 0 && e->periods <= 64000 && e->left == 0);
+        assert_true(e->left_for[0] == 0 && e->laminar_period == 0 && e->longest_phase == 0 &&
+                    e->laminar == 0);
+        check_near(e->history[e->history_count - 1].time,
+                   (double)e->periods * saltus_system_period(systems[k]),
+                   1e-9 * (double)e->periods * saltus_system_period(systems[k]));
+        check_near(e->history[e->history_count - 1].exponent, m.lyapunov, 1e-12);
+        check_near(e->history[e->history_count - 1].standard_error, m.lyapunov_error, 1e-12);
+        for (int h = 1; h < e->history_count; h++)
+            assert_true(e->history[h].time > e->history[h - 1].time);
+        check_near(0.5 * (e->half[0] + e->half[1]), m.lyapunov,
+                   m.lyapunov_error + 2 * hypot(e->half_errors[0], e->half_errors[1]));
+        if (m.kind == SALTUS_CHAOTIC) {
+            assert_true(m.lyapunov > 3 * m.lyapunov_error);
+            for (int h = 0; h < 2; h++)
+                assert_true(e->half[h] > 2 * e->half_errors[h] && e->half_errors[h] > m.lyapunov_error);
+        } else
+            check_near(m.lyapunov * saltus_system_period(systems[k]), 0, 2e-3);
+        free(points);
+        saltus_motion_clear(&m);
+    }
+    for (int k = 0; k < 3; k++)
+        saltus_system_free(systems[k]);
+}
+
+/* The exponent of a verdict is that of a measurement by itself. */
+static void exponents_are_repeated(void **unused) {
+    (void)unused;
+    saltus_system *system = struck_oscillator(0, 2.8, 0);
+    const double start[2] = {-0.3, 0.1};
+    saltus_motion m = classify(system, start, 2000, 64000);
+    saltus_lyapunov_options options = saltus_lyapunov_defaults();
+    options.precision = 0.02;
+    options.transient = 100;
+    saltus_lyapunov l = measure(system, start, &options);
+    check_near(m.lyapunov, l.exponents[0], 4 * hypot(m.lyapunov_error, l.standard_errors[0]));
+    /* Errors fall with the square root of the time. */
+    check_near(m.lyapunov_error / l.standard_errors[0], sqrt((double)l.periods / (double)m.evidence.periods),
+               0.5 * sqrt((double)l.periods / (double)m.evidence.periods));
+    check_near(m.evidence.impacts_per_period, l.impacts_per_period, 0.02 * l.impacts_per_period);
+    saltus_lyapunov_clear(&l);
+    saltus_motion_clear(&m);
+    saltus_system_free(system);
+}
+
+/* Phases in which section points come again after p periods within a fiftieth of their extent: five rounds
+ * and twenty points at least. The part of time spent in them, and the longest. */
+static double laminar_part(const saltus_system *system, const double *points, int count, int p,
+                           long long *longest) {
+    const double *scale = saltus_system_scale(system);
+    double extent = 0;
+    long long phase = 0, laminar = 0;
+    for (int k = 0; k < count; k++)
+        for (int i = 0; i < 2; i++)
+            extent = fmax(extent, fabs(points[2 * k + i] - points[i]) / scale[i]);
+    *longest = 0;
+    for (int k = p; k <= count; k++) {
+        double apart = INFINITY;
+        if (k < count)
+            apart = fmax(fabs(points[2 * k] - points[2 * (k - p)]) / scale[0],
+                         fabs(points[2 * k + 1] - points[2 * (k - p) + 1]) / scale[1]);
+        if (apart < 0.02 * extent) {
+            phase++;
+            continue;
+        }
+        if (phase >= 5 * p && phase >= 20) {
+            laminar += phase + p;
+            *longest = phase + p > *longest ? phase + p : *longest;
+        }
+        phase = 0;
+    }
+    return (double)laminar / count;
+}
+
+/* Chaos next to the fold of an orbit of period 6 stays near it for long, again and again. */
+static void laminar_phases_are_recounted(void **unused) {
+    (void)unused;
+    enum { stretches = 8, stretch = 2000 };
+    saltus_system *system = struck_oscillator(0, 3.04, 0);
+    const double start[2] = {-0.3, 0.1};
+    saltus_motion m = classify(system, start, 2000, 128000);
+    long long impacts, longest, lower = INT32_MAX, upper = 0;
+    double *points = section_points(system, m.state, stretches * stretch, &impacts), mean = 0, square = 0;
+    assert_int_equal(m.kind, SALTUS_CHAOTIC);
+    int p = m.evidence.laminar_period;
+    assert_true(p == 6 || p == 12);
+    for (int k = 0; k < stretches; k++) {
+        double part = laminar_part(system, points + 2 * k * stretch, stretch, p, &longest);
+        mean += part / stretches;
+        square += part * part / stretches;
+        lower = longest < lower ? longest : lower;
+        upper = longest > upper ? longest : upper;
+        /* No other period has more of it. */
+        for (int other = 1; other < p; other++) {
+            long long unused_phase;
+            assert_true(laminar_part(system, points + 2 * k * stretch, stretch, other, &unused_phase) <=
+                        part + 0.05);
+        }
+    }
+    check_near(m.evidence.laminar, mean, 3.5 * sqrt(square - mean * mean));
+    assert_true(m.evidence.longest_phase >= 0.7 * (double)lower &&
+                m.evidence.longest_phase <= 1.5 * (double)upper);
+    /* Much longer than neighbours take to separate. */
+    assert_true((double)m.evidence.longest_phase > 10 / (m.lyapunov * saltus_system_period(system)));
+    assert_true(m.evidence.laminar >= 0.05 && m.evidence.laminar <= 1);
+    free(points);
+    saltus_motion_clear(&m);
+    saltus_system_free(system);
+}
+
+/* A trajectory that has left a chaotic transient is betrayed, and what it has left for is an orbit of the
+ * system; the orbit that was found amid the points is it. */
+static void those_who_left_are_named(void **unused) {
+    (void)unused;
+    saltus_system *system = two_masses(leaving, false);
+    saltus_motion end = classify(system, NULL, 20000, 0);
+    assert_int_equal(end.kind, SALTUS_PERIODIC);
+    static const long long transients[] = {200, 400, 1600};
+    for (int k = 0; k < 3; k++) {
+        saltus_motion m = classify(system, NULL, transients[k], 8000);
+        assert_true(m.kind == SALTUS_UNSETTLED || m.kind == SALTUS_UNDECIDED);
+        assert_true(m.evidence.periods > 0 && m.evidence.periods <= 8000);
+        assert_true(m.lyapunov > 0);
+        if (m.kind == SALTUS_UNSETTLED) {
+            assert_string_equal(m.label, "transient");
+            assert_true(m.evidence.left >= 1 && m.evidence.left <= m.evidence.members);
+            assert_string_equal(m.evidence.left_for, end.label);
+        } else
+            assert_string_equal(m.evidence.stable_orbit, end.label);
+        assert_true(m.evidence.stable_orbit[0] == 0 || strcmp(m.evidence.stable_orbit, end.label) == 0);
+        saltus_motion_clear(&m);
+    }
+    saltus_motion_clear(&end);
+    saltus_system_free(system);
+}
+
+/* What a motion without a period reaches: of a torus any 400 periods tell, of chaos at least the stop. */
+static void extremes_are_found_again(void **unused) {
+    (void)unused;
+    saltus_system *systems[] = {two_masses(torus, true), struck_oscillator(0.1, 0.8, 0)};
+    for (int k = 0; k < 2; k++) {
+        enum { samples = 64 };
+        const double start[2] = {-0.3, 0.1}, *observer = saltus_system_observer(systems[k]);
+        saltus_motion m = classify(systems[k], k ? start : NULL, 2000, 16000);
+        saltus_flow_options options = saltus_flow_defaults();
+        saltus_message message = {""};
+        double largest = -INFINITY, smallest = INFINITY, now[4];
+        saltus_flow *flow = open_flow(systems[k], &options, 0, m.state);
+        for (int j = 0; j < 400 * samples; j++) {
+            saltus_event event;
+            check_ok(saltus_flow_advance(flow, (saltus_time){j / samples, (double)(j % samples) / samples},
+                                         SALTUS_WATCH_TURNING | SALTUS_WATCH_IMPACT, &event, &message),
+                     &message);
+            saltus_flow_state(flow, 0, now);
+            double x = observer[0] * now[0] + (k ? 0 : observer[1] * now[1]);
+            largest = fmax(largest, x);
+            smallest = fmin(smallest, x);
+            j -= event.kind != SALTUS_REACHED;
+        }
+        check_near(m.largest, largest, k ? 1e-9 : 1e-4);
+        check_near(m.smallest, smallest, k ? 0.05 * fabs(smallest) : 1e-3);
+        saltus_flow_free(flow);
+        saltus_motion_clear(&m);
+        saltus_system_free(systems[k]);
+    }
+}
+
+/* What is told of a run while it goes on, and when it is ended. */
+typedef struct listener {
+    long long last, transient, measure;
+    int calls, stop_after;
+    bool measuring;
+} listener;
+
+static bool listen(void *context, long long periods, long long at_most) {
+    listener *l = context;
+    assert_true(l->stop_after == 0 || l->calls < l->stop_after); /* not asked again */
+    if (at_most == l->measure && !l->measuring) {
+        l->measuring = true;
+        l->last = 0;
+    }
+    assert_int_equal(at_most, l->measuring ? l->measure : l->transient);
+    assert_true(periods > l->last && periods <= at_most);
+    l->last = periods;
+    l->calls += l->measuring;
+    return l->stop_after == 0 || l->calls < l->stop_after;
+}
+
+static void listeners_hear_of_it(void **unused) {
+    (void)unused;
+    saltus_system *system = struck_oscillator(0.1, 0.8, 0);
+    double start[2] = {-0.3, 0.1};
+    for (int stop_after = 0; stop_after < 4; stop_after += 3) {
+        saltus_classify_options options = saltus_classify_defaults();
+        saltus_message message = {""};
+        saltus_motion m;
+        listener l = {.transient = 2000, .measure = 33333, .stop_after = stop_after};
+        options.transient = l.transient;
+        options.measure = l.measure;
+        options.progress = listen;
+        options.context = &l;
+        check_ok(saltus_classify(system, start, &options, &m, &message), &message);
+        assert_true(l.measuring && m.evidence.periods == l.last);
+        assert_int_equal(m.kind, stop_after ? SALTUS_UNDECIDED : SALTUS_CHAOTIC);
+        assert_int_equal(m.evidence.history_count, l.calls);
+        saltus_motion_clear(&m);
+    }
+    saltus_system_free(system);
+}
+
+static void defaults_are_those_told(void **unused) {
+    (void)unused;
+    saltus_lyapunov_options l = saltus_lyapunov_defaults();
+    saltus_classify_options c = saltus_classify_defaults();
+    saltus_flow_options flow = saltus_flow_defaults();
+    assert_true(l.flow.rtol == 1e-10 && l.flow.atol == 1e-14 && l.exponents == 1 && l.members == 8);
+    assert_true(l.transient == 1000 && l.periods == 1000000 && l.precision == 0.01 && l.interval == 0);
+    assert_true(l.seed == 0 && l.progress == NULL);
+    assert_true(c.flow.rtol == flow.rtol && c.flow.atol == flow.atol && c.progress == NULL);
+    assert_true(c.transient == 20000 && c.measure == 256000 && c.longest == 64);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(events_of_a_run_are_recounted),
+        cmocka_unit_test(members_make_the_whole),
+        cmocka_unit_test(progress_is_told),
+        cmocka_unit_test(seeds_disturb),
+        cmocka_unit_test(dimension_of_tori),
+        cmocka_unit_test(volumes_of_two_masses),
+        cmocka_unit_test(drift_is_left_out),
+        cmocka_unit_test(opinions_are_repeated),
+        cmocka_unit_test(exponents_are_repeated),
+        cmocka_unit_test(laminar_phases_are_recounted),
+        cmocka_unit_test(those_who_left_are_named),
+        cmocka_unit_test(extremes_are_found_again),
+        cmocka_unit_test(listeners_hear_of_it),
+        cmocka_unit_test(defaults_are_those_told),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
