@@ -87,18 +87,21 @@ static pid_t start(const fixture *f, const char *line, beginning how, int number
     for (char *word = strtok_r(rest, " ", &rest); word && count < words_max;
          word = strtok_r(NULL, " ", &rest))
         words[count++] = word;
+    /* Before there is a child, so that it is ignored at any time. */
+    if (how == ignoring)
+        signal(number, SIG_IGN);
     pid_t child = fork();
-    assert_true(child >= 0);
-    if (child > 0)
+    if (child != 0) {
+        signal(number, SIG_DFL);
+        assert_true(child > 0);
         return child;
+    }
     sigset_t set;
     sigemptyset(&set);
     sigaddset(&set, number);
     bool ready = chdir(f->folder) == 0 && freopen("out", "w", stdout) && freopen("err", "w", stderr);
     setenv("PATH", f->path, 1);
     setenv("TMPDIR", f->nameless, 1);
-    if (how == ignoring)
-        signal(number, SIG_IGN);
     if (how == pending) {
         sigprocmask(SIG_BLOCK, &set, NULL);
         raise(number);
