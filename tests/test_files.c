@@ -94,8 +94,8 @@ static void every_dataset_has_a_checksum(void **state) {
     static const char *const lines[] = {
         "simulate impact-oscillator --periods 2 -o x.h5",
         "continue impact-oscillator --in omega=0.99:1.01 --points 2 --at 1.005 -o x.h5",
-        "sweep impact-oscillator --over omega=0.9:1.1:3 --over F=0.4:0.5:2 --what "
-        "turning,impacts,stroboscopic,lyapunov --quiet -o x.h5",
+        ("sweep impact-oscillator --over omega=0.9:1.1:3 --over F=0.4:0.5:2 --what "
+         "turning,impacts,stroboscopic,lyapunov --quiet -o x.h5"),
         "basins impact-oscillator --over q1=0:0.2:2 --over v1=0:0.2:2 --quiet -o x.h5"};
     const fixture *f = *state;
     char path[128];
@@ -449,6 +449,70 @@ static void names_and_titles_have_their_limits(void **state) {
     }
 }
 
+/* A sentence names file, line, key and value: for every parameter of every model and every key of a stop. */
+static void each_key_of_a_scene_file_is_named_when_it_is_wrong(void **state) {
+    static const char *const models[] = {"pipe", "oscillator"};
+    static const char *const stop[] = {"d: fast",     "r: 2",    "r: -0.5",
+                                       "sides: left", "xi: 1.5", "weight: [x, 1]"};
+    static const char *const values[] = {"fast", "2", "-0.5", "left", "1.5", "x"};
+    (void)state;
+    saltus_message message;
+    saltus_scene scene;
+    char text[256], wanted[64];
+    for (int m = 0; m < 2; m++) {
+        int count;
+        const saltus_parameter *p = saltus_model_parameters(saltus_model_find(models[m]), &count);
+        for (int k = 0; k < count; k++) {
+            snprintf(text, sizeof text, "title: t\nmodel: %s\n\n%s: fast\n", models[m], p[k].name);
+            assert_int_equal(saltus_scene_parse(text, strlen(text), "some.yaml", &scene, &message),
+                             SALTUS_BAD_INPUT);
+            snprintf(wanted, sizeof wanted, "some.yaml:4: %s = \"fast\"", p[k].name);
+            if (!strstr(message.text, wanted))
+                fail_msg("'%s' instead of '%s'", message.text, wanted);
+        }
+        for (int k = 0; k < 6; k++) {
+            bool foreign = (m == 0 && k == 5) || (m == 1 && k == 4);
+            snprintf(text, sizeof text, "model: %s\nomega: 1\nstop:\n  %s\n%s", models[m], stop[k],
+                     k ? "  d: 1\n" : "");
+            assert_int_equal(saltus_scene_parse(text, strlen(text), "some.yaml", &scene, &message),
+                             SALTUS_BAD_INPUT);
+            snprintf(wanted, sizeof wanted, "%.*s", (int)strcspn(stop[k], ":"), stop[k]);
+            if (!strstr(message.text, "some.yaml:4: ") || !strstr(message.text, wanted) ||
+                (!foreign && !strstr(message.text, values[k])))
+                fail_msg("%s, %s: %s", models[m], stop[k], message.text);
+        }
+    }
+}
+
+/* What the exponent's CSV tells in its head and in its last row is what JSON tells. */
+static void exponents_are_the_same_in_csv_and_json(void **state) {
+    const fixture *f = *state;
+    char path[128], line[64];
+    size_t length;
+    assert_int_equal(run(f, "lyapunov impact-oscillator --transient 20 --periods 1800 --json -o x.csv"), 0);
+    char *text = read_all(path_in(f, "out", path), &length),
+         *csv = read_all(path_in(f, "x.csv", path), &length);
+    json *o = json_read(text);
+    double exponent = json_number_at(o, "exponents.0"), error = json_number_at(o, "standard_errors.0");
+    double time = json_number_at(o, "time");
+    const char *result = strstr(csv, "# result: exponent = ");
+    assert_non_null(result);
+    char *end = NULL;
+    assert_true(strtod(result + 21, &end) == exponent && strtod(strstr(end, "= ") + 2, NULL) == error);
+    csv[length - 1] = '\0';
+    const char *last = strrchr(csv, '\n') + 1;
+    assert_true(strtod(last, &end) == time && strtod(end + 1, &end) == exponent &&
+                strtod(end + 1, NULL) == error);
+    snprintf(line, sizeof line, "# measured: %.0f periods, trajectories: %.0f", json_number_at(o, "periods"),
+             json_number_at(o, "members"));
+    assert_non_null(strstr(csv, line));
+    check_near(time, json_number_at(o, "periods") * json_number_at(o, "period"), 1e-12 * time);
+    assert_true(json_number_at(o, "largest") == exponent);
+    json_free(o);
+    free(text);
+    free(csv);
+}
+
 /* Lists of the command line: 63 and 64 of an option that may be repeated, 65 are refused; settings likewise.
  */
 static void lists_of_the_command_line_have_their_limits(void **state) {
@@ -488,6 +552,8 @@ int main(void) {
         cmocka_unit_test(a_chaotic_motion_reads_back_field_by_field),
         cmocka_unit_test(a_trajectory_is_the_same_in_every_format),
         cmocka_unit_test(names_and_titles_have_their_limits),
+        cmocka_unit_test(each_key_of_a_scene_file_is_named_when_it_is_wrong),
+        cmocka_unit_test(exponents_are_the_same_in_csv_and_json),
         cmocka_unit_test(lists_of_the_command_line_have_their_limits),
     };
     return cmocka_run_group_tests(tests, open_fixture, close_fixture);
