@@ -49,6 +49,9 @@ printf 'model: pipe\nomega: 42\nstop: {d: -0.01, sides: both}\n' >sides.yaml
 printf 'model: pipe\nomega: 42\nstop: {d: 0.01, xi: 0}\n' >place.yaml
 printf 'model: pipe\nomega: -1\n' >omega.yaml
 printf 'model: pipe\nomega: 42\nstop: {d: 0.01}\ninitial: {q: [0.02]}\n' >beyond.yaml
+# x'' + 0.05 x' + x = cos(omega t) with a stop at rest: chaos, and a flip near omega = 2.656.
+printf 'model: oscillator\nc: 0.05\nF: 1\nomega: 2.8\nstop: {d: 0, r: 0.8}\n' >chaos.yaml
+printf 'model: oscillator\nc: 0.05\nF: 1\nomega: 2.6\nstop: {d: 0, r: 0.8}\n' >flip.yaml
 : >empty.yaml
 head -c 4096 /dev/urandom >binary.yaml
 mkdir folder
@@ -172,12 +175,12 @@ accept "2/2" classify fig3 --json
 accept "4/4" classify pipe --set N=5 omega=42 --set d=0.035 r=0.9 xi=0.5 sides=upper --json
 accept "equilibrium" classify pipe --set sigma=0 --set sides=none --json
 accept "held" classify pipe --set sigma=0 d=0.01 --json
-accept "chaotic" classify fig7c --json --transient 500
-accept "undecided" classify fig7c --json --transient 500 --measure 0
+accept "chaotic" classify chaos.yaml --json --transient 300 --measure 8000
+accept "undecided" classify chaos.yaml --json --transient 300 --measure 0
 accept "positive: nearby trajectories separate" lyapunov fig7c --precision 0.05
 accept '"sign": "negative"' lyapunov fig7d --json
-accept "trace and restitution give" lyapunov fig7d --all
-accept "2 of 10 directions are lost in lasting contacts" lyapunov chatter --all --periods 1600
+accept "trace and restitution give" lyapunov impact-oscillator --all
+accept "2 of 10 directions are lost in lasting contacts" lyapunov chatter --all --members 1 --periods 200 --transient 50
 accept "every direction is lost in lasting contacts" lyapunov bouncing-ball
 accept "precision     NOT reached" lyapunov fig7c --precision 1e-4 --periods 4000
 for kind in png pdf svg csv; do
@@ -189,7 +192,7 @@ accept "multiples of omega/4" spectrum fig7d
 accept '"between_lines"' spectrum fig7d --json
 accept "spectrum.csv" spectrum fig7d --of q3 -o spectrum.csv
 awk -F, '!/^#/ {print NF}' spectrum.csv | sort -u | wc -l | grep -q '^1$' || fail "spectrum.csv has ragged rows"
-accept "degrees of freedom" spectrum fig7c --transient 100 --periods 128
+accept "degrees of freedom" spectrum chaos.yaml --transient 100 --periods 128 --samples 32
 accept "does not move" spectrum pipe --set sigma=0 d=0.01
 for kind in png pdf svg; do
     accept "spectrum.$kind" spectrum impact-oscillator -o spectrum.$kind
@@ -239,14 +242,17 @@ accept "4/4" orbit fig7d --from points.json:2
 accept "branch.h5:PD1" orbit --help
 accept "branch.png" plot branch.h5 -o branch.png
 accept "branch.svg" plot branch.h5 branch.h5 -o branch.svg --show impacts --range omega=41:41.3
-keep flip.txt continue fig7d --from orbit.json --in omega=41:42.5 --locus PD --and d=0.0348:0.0352 -o flip.h5
-keep turned.txt continue fig7d --from orbit.json --in d=0.0348:0.0353 --locus PD --and omega=41:42.5 -o turned.h5
-grep -q "PD of 4/4" flip.txt || fail "continue does not say what it follows: $(cat flip.txt)"
-accept "plane.png" plot flip.h5 turned.h5 -o plane.png --label d=0.035,omega=42,4/4 --range d=0.0349:0.0352
-refuse 2 "axes" plot branch.h5 flip.h5 -o x.png
+keep start.json orbit flip.yaml --periods 1 --json
+keep flip.txt continue flip.yaml --from start.json --in omega=2.55:2.7 --locus PD --and r=0.79:0.81 -o flip.h5
+keep turned.txt continue flip.yaml --from start.json --set omega=2.656 --in r=0.78:0.82 --locus PD --and omega=2.6:2.7 -o turned.h5
+grep -q "PD of 1/1" flip.txt || fail "continue does not say what it follows: $(cat flip.txt)"
+accept "plane.png" plot flip.h5 turned.h5 -o plane.png --label r=0.8,omega=2.6562,1/1 --range r=0.795:0.81
+keep out continue flip.yaml --from start.json --in omega=2.59:2.61 -o short.h5
+rm -f out
+refuse 2 "axes" plot short.h5 flip.h5 -o x.png
 refuse 2 "--label 4/4" plot flip.h5 -o x.png --label 4/4
 refuse 2 "two parameters" plot branch.h5 -o x.png --label omega=42,d=0.035,4/4
-refuse 2 "shows omega and d" plot flip.h5 -o x.png --range r=0.5:0.9
+refuse 2 "shows omega and r" plot flip.h5 -o x.png --range d=0.5:0.9
 refuse 2 "--range omega" plot flip.h5 -o x.png --range omega
 refuse 2 "--show colours" plot branch.h5 -o x.png --show colours
 refuse 2 "no point" plot branch.h5 -o x.png --range omega=50:51
@@ -268,25 +274,27 @@ accept "PD     41.1105994075" continue fig7d --in omega=41:42.5 -o branch.h5 --r
 # wait_for FILE: until the first points are in it.
 wait_for() {
     tries=0
-    while [ ! -s "$1" ] && [ $tries -lt 100 ]; do
-        sleep 0.1
+    while [ ! -s "$1" ] && [ $tries -lt 1000 ]; do
+        sleep 0.02
         tries=$((tries + 1))
     done
 }
 
 # A killed run leaves a file that can be read, and --resume completes it; an interrupted one says so itself.
+long='continue impact-oscillator --in omega=0.95:1.05 --step-max 0.0002 --points 20000'
 for signal in KILL TERM; do
     count=$((count + 1))
-    "$saltus" continue fig7d --from orbit.json --in omega=38:46 --step-max 0.003 -o long.h5 >out 2>err &
+    # shellcheck disable=SC2086
+    "$saltus" $long -o long.h5 >out 2>err &
     wait_for long.h5
-    sleep 0.3
     kill -$signal $!
     wait $!
     got=$?
     [ $signal = KILL ] || [ $got -eq 1 ] || fail "continue exits with $got after SIG$signal"
     [ $signal = KILL ] || grep -q -- --resume err || fail "continue says nothing after SIG$signal: $(cat err)"
-    "$saltus" orbit fig7d --from long.h5:1 >/dev/null || fail "SIG$signal leaves no readable file"
-    keep out continue fig7d --from orbit.json --in omega=38:46 --step-max 0.003 -o long.h5 --resume
+    "$saltus" orbit impact-oscillator --from long.h5:1 >/dev/null || fail "SIG$signal leaves no readable file"
+    # shellcheck disable=SC2086
+    keep out $long -o long.h5 --resume
     grep -q "end of the parameter's range" out || fail "the run is not completed after SIG$signal: $(cat out)"
     rm -f long.h5 out err
 done

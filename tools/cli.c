@@ -83,7 +83,7 @@ static bool parse_value(const cli_option *option, const char *text, cli_request 
     bool number = end != text && *end == '\0' && isfinite(value);
     bool whole = option->kind != CLI_WHOLE || (number && value == floor(value));
     if (!number || !whole || value < option->min || value > option->max) {
-        fprintf(stderr, "saltus: %s %s: must be a %snumber from %g to %g\n", option->name, text,
+        fprintf(stderr, "saltus: %s %s: must be a %snumber from %.10g to %.10g\n", option->name, text,
                 option->kind == CLI_WHOLE ? "whole " : "", option->min, option->max);
         return false;
     }

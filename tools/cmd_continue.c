@@ -75,8 +75,12 @@ typedef struct run_state {
 
 static bool read_values(const char *text, run_state *run) {
     const saltus_branch_options *o = &run->options;
-    while (text && run->options.value_count < values_max) {
+    while (text) {
         char *end;
+        if (run->options.value_count == values_max) {
+            fprintf(stderr, "saltus: --at %s: only %d values can be given\n", text, values_max);
+            return false;
+        }
         double value = strtod(text, &end);
         if (end == text || !isfinite(value) || (*end && *end != ',')) {
             fprintf(stderr, "saltus: --at %s: must be numbers with commas between them\n", text);

@@ -108,7 +108,7 @@ static int run_line(const cli_request *request, command_line *c) {
         fprintf(stderr, "saltus: paper: %.100s: no command of the list of figures\n", c->text);
         return CLI_FAILED;
     }
-    if (!command->together && ranks_here() > 0)
+    if (!command->together && (ranks_here() > 0 || interrupt_asked()))
         return CLI_DONE;
     if (!cli_parse(command, c->count - 1, c->words + 1, &inner))
         return CLI_FAILED;
@@ -126,10 +126,15 @@ static int figure_of(const char *line, size_t length) {
     return number;
 }
 
+/* Several processes end together, by the next sweep: there they hear of each other's signals. */
+static bool goes_on(void) {
+    return !interrupt_asked() || ranks_count() > 1;
+}
+
 static int run_figures(const cli_request *request) {
     command_line c;
     int current = 0, wanted = request->figure ? request->figure[0] - '0' : 0, code = CLI_DONE;
-    for (const char *line = paper_figures; *line && code == CLI_DONE && !interrupt_asked();) {
+    for (const char *line = paper_figures; *line && code == CLI_DONE && goes_on();) {
         size_t length = strcspn(line, "\n");
         int begins = figure_of(line, length);
         current = begins ? begins : current;

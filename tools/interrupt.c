@@ -25,12 +25,16 @@ void interrupt_catch(void) {
     static const int signals[] = {SIGINT, SIGTERM, SIGHUP};
     /* A file beyond the limit of the user is an error of writing as any other. */
     signal(SIGXFSZ, SIG_IGN);
+    sigset_t heard;
+    sigemptyset(&heard);
     for (size_t k = 0; k < sizeof signals / sizeof signals[0]; k++) {
         struct sigaction now, wanted = {.sa_handler = ask, .sa_flags = SA_RESTART};
         sigemptyset(&wanted.sa_mask);
         if (sigaction(signals[k], NULL, &now) == 0 && now.sa_handler != SIG_IGN)
             sigaction(signals[k], &wanted, NULL);
+        sigaddset(&heard, signals[k]);
     }
+    sigprocmask(SIG_UNBLOCK, &heard, NULL);
 }
 
 const volatile sig_atomic_t *interrupt_flag(void) {

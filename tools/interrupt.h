@@ -7,8 +7,10 @@
 #include <signal.h>
 #include <stdbool.h>
 
-/* From here on SIGINT, SIGTERM and SIGHUP only raise the flag below; one that comes seconds later ends the
- * program at once. Those that are ignored stay so. SIGXFSZ is ignored. */
+/* From here on, to the end of the program, SIGINT, SIGTERM and SIGHUP only raise the flag below; one that
+ * comes seconds later ends the program at once. The flag is never lowered, and nothing else takes these
+ * signals: whoever works for long looks at it. They are let through if they were blocked; those that are
+ * ignored stay so. SIGXFSZ is ignored. */
 void interrupt_catch(void);
 /* For saltus_flow_options.stop. */
 const volatile sig_atomic_t *interrupt_flag(void);

@@ -2,9 +2,9 @@
 #include "run_sweep.h"
 
 #include "cli.h"
+#include "interrupt.h"
 #include "sweep_desk.h"
 
-#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
@@ -174,22 +174,6 @@ static bool has_stopped(void *context) {
     return atomic_load_explicit(&desk->stopped, memory_order_relaxed);
 }
 
-/* The signals that ask to stop are kept from ending the program; the attending thread asks for them. */
-static void stop_signals(sigset_t *set) {
-    sigemptyset(set);
-    sigaddset(set, SIGINT);
-    sigaddset(set, SIGTERM);
-    sigaddset(set, SIGHUP);
-}
-
-static void look_for_signals(sweep_desk *desk) {
-    sigset_t set;
-    struct timespec at_once = {0, 0};
-    stop_signals(&set);
-    if (sigtimedwait(&set, NULL, &at_once) > 0)
-        sweep_desk_stop(desk, SALTUS_OK, NULL);
-}
-
 /* Sleep until something changes at the desk, or for a time. */
 static void rest(sweep_desk *desk, double seconds) {
     struct timespec until;
@@ -209,7 +193,8 @@ static void *attend(void *context) {
     sweep_desk *desk = context;
     double pause = nap;
     for (bool over = false; !over;) {
-        look_for_signals(desk);
+        if (interrupt_asked())
+            sweep_desk_stop(desk, SALTUS_OK, NULL);
         bool busy = desk->ranks > 1 && sweep_ranks_serve(desk);
         pthread_mutex_lock(&desk->lock);
         bool finished = desk->finished;
@@ -276,13 +261,21 @@ static saltus_status open_output(sweep_desk *desk, unsigned char **marks, saltus
     return status == SALTUS_OK && order->resume ? mark_settled(desk, marks, message) : status;
 }
 
+/* What has gone wrong by itself is told as such, whether there was a signal or not. */
+static int fail(saltus_status status, const saltus_message *message) {
+    if (status == SALTUS_INTERRUPTED)
+        return interrupt_report("there is no result yet");
+    fprintf(stderr, "saltus: %s\n", message->text[0] ? message->text : saltus_status_name(status));
+    return cli_code(status);
+}
+
 /* What the run has come to, on the first rank. */
 static int conclude(sweep_desk *desk, saltus_status status, const saltus_message *message,
                     saltus_status written, const saltus_message *closing) {
     if (status != SALTUS_OK)
-        return cli_report(status, message);
+        return fail(status, message);
     if (written != SALTUS_OK)
-        return cli_report(written, closing);
+        return fail(written, closing);
     if (desk->done == desk->places)
         return CLI_DONE;
     fprintf(stderr, "saltus: interrupted; %s holds %lld of %lld points so far, --resume goes on\n",
@@ -294,6 +287,9 @@ static int run_desk(sweep_desk *desk, saltus_status status, saltus_message *mess
     saltus_message closing = {""};
     unsigned char *marks = NULL;
     bool together = desk->ranks > 1;
+    /* A signal that came before: what is in the file stays. */
+    if (status == SALTUS_OK && interrupt_asked())
+        status = saltus_fail(message, SALTUS_INTERRUPTED, "interrupted");
     if (together)
         status = sweep_ranks_gather(desk, status, message);
     if (status == SALTUS_OK)
@@ -355,9 +351,6 @@ int run_sweep(const sweep_order *order, saltus_status status, const saltus_messa
     sweep_rank *known = calloc((size_t)report->ranks, sizeof *known);
     int code = CLI_FAILED;
     if (desk && known) {
-        sigset_t set, usual;
-        stop_signals(&set);
-        sigprocmask(SIG_BLOCK, &set, &usual);
         prepare_desk(desk, order, report);
         desk->known = known;
         code = run_desk(desk, status, &message, report);
@@ -365,7 +358,6 @@ int run_sweep(const sweep_order *order, saltus_status status, const saltus_messa
         pthread_mutex_destroy(&desk->writing);
         pthread_mutex_destroy(&desk->lock);
         pthread_cond_destroy(&desk->changed);
-        sigprocmask(SIG_SETMASK, &usual, NULL);
     } else
         fprintf(stderr, "saltus: no memory\n");
     free(known);

@@ -132,6 +132,9 @@ static saltus_status run_transient(saltus_ensemble *e, saltus_message *message) 
         long long spread = e->transient / 2, place = e->transient - spread * m / e->members;
         status = follow(e, flow, place, e->member[m].state, message);
     }
+    /* What was cut off is not told as done. */
+    if (status == SALTUS_OK && e->stopped)
+        e->transient = saltus_flow_time(flow, 0).cycle;
     saltus_flow_free(flow);
     return status;
 }

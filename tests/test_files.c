@@ -1,0 +1,560 @@
+/* Files tell what the library holds, field by field, number by number, and tell the same in every format;
+ * what has a limit is accepted up to it and refused, or cut, beyond.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "folder.h"
+#include "json.h"
+
+#include <hdf5.h>
+#include <unistd.h>
+
+#include "io/hdf5.h"
+
+/* A folder and the trajectory of two masses that hit each other. */
+typedef struct fixture {
+    char folder[64];
+    saltus_scene scene;
+    saltus_system *system;
+    saltus_flow_options options;
+    saltus_record record;
+} fixture;
+
+static const char *path_in(const fixture *f, const char *name, char path[128]) {
+    snprintf(path, 128, "%s/%s", f->folder, name);
+    return path;
+}
+
+static int open_fixture(void **state) {
+    saltus_message message = {""};
+    fixture *f = calloc(1, sizeof *f);
+    const double start[4] = {0.1, 0, 0.3, -0.2};
+    strcpy(f->folder, "/tmp/saltus-test-XXXXXX");
+    assert_non_null(mkdtemp(f->folder));
+    check_ok(saltus_scene_load("two-mass", &f->scene, &message), &message);
+    f->system = build(&f->scene.spec);
+    f->options = saltus_flow_defaults();
+    f->options.rtol = 1e-9;
+    f->options.atol = 3e-11;
+    check_ok(saltus_record_run(f->system, start, &f->options, 0, 6, 24, &f->record, &message), &message);
+    assert_true(f->record.event_count > 2);
+    H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
+    *state = f;
+    return 0;
+}
+
+static int close_fixture(void **state) {
+    fixture *f = *state;
+    folder_files(f->folder, true);
+    rmdir(f->folder);
+    saltus_record_clear(&f->record);
+    saltus_system_free(f->system);
+    free(f);
+    return 0;
+}
+
+static int run(const fixture *f, const char *arguments) {
+    char line[600];
+    snprintf(line, sizeof line, "cd %s && %s %s >out 2>err", f->folder, SALTUS_COMMAND, arguments);
+    return system(line);
+}
+
+/* Datasets met and those without one of the filters. */
+typedef struct census {
+    int sets, bare;
+} census;
+
+static herr_t look_at_filters(hid_t group, const char *name, const H5O_info_t *info, void *context) {
+    census *c = context;
+    if (info->type != H5O_TYPE_DATASET)
+        return 0;
+    hid_t set = H5Dopen2(group, name, H5P_DEFAULT), list = H5Dget_create_plist(set);
+    bool sums = false, shuffled = false, short_ = false;
+    for (int k = 0; k < H5Pget_nfilters(list); k++) {
+        unsigned flags, words[16];
+        size_t count = 16;
+        H5Z_filter_t filter = H5Pget_filter2(list, (unsigned)k, &flags, &count, words, 0, NULL, NULL);
+        sums |= filter == H5Z_FILTER_FLETCHER32;
+        shuffled |= filter == H5Z_FILTER_SHUFFLE;
+        short_ |= filter == H5Z_FILTER_DEFLATE;
+    }
+    /* An empty one has nothing to be summed. */
+    hid_t space = H5Dget_space(set);
+    bool empty = H5Sget_simple_extent_npoints(space) == 0;
+    H5Sclose(space);
+    c->sets++;
+    c->bare += H5Aexists(set, "units") <= 0 || H5Aexists(set, "description") <= 0;
+    if (!empty)
+        c->bare += !sums || !shuffled || !short_ || H5Pget_layout(list) != H5D_CHUNKED;
+    H5Pclose(list);
+    H5Dclose(set);
+    return 0;
+}
+
+/* Every dataset of every kind of file is stored in chunks, shuffled, deflated and with a checksum. */
+static void every_dataset_has_a_checksum(void **state) {
+    static const char *const lines[] = {
+        "simulate impact-oscillator --periods 2 -o x.h5",
+        "continue impact-oscillator --in omega=0.99:1.01 --points 2 --at 1.005 -o x.h5",
+        ("sweep impact-oscillator --over omega=0.9:1.1:3 --over F=0.4:0.5:2 --what "
+         "turning,impacts,stroboscopic,lyapunov --quiet -o x.h5"),
+        "basins impact-oscillator --over q1=0:0.2:2 --over v1=0:0.2:2 --quiet -o x.h5"};
+    const fixture *f = *state;
+    char path[128];
+    for (int k = 0; k < 4; k++) {
+        census c = {0, 0};
+        assert_int_equal(run(f, lines[k]), 0);
+        hid_t file = H5Fopen(path_in(f, "x.h5", path), H5F_ACC_RDONLY, H5P_DEFAULT);
+        assert_true(file >= 0);
+        assert_true(H5Ovisit(file, H5_INDEX_NAME, H5_ITER_NATIVE, look_at_filters, &c) >= 0);
+        H5Fclose(file);
+        assert_true(c.sets > 5);
+        if (c.bare)
+            fail_msg("%s: %d of %d datasets lack a filter", lines[k], c.bare, c.sets);
+        remove(path);
+    }
+}
+
+/* Put another dataset in place of one, of an extent that nothing is stored for, and seal the file again. */
+static void forge_extent(const char *path, const char *name, hsize_t rows) {
+    hsize_t size[4], chunk[4] = {1, 1, 1, 1};
+    char seal[SALTUS_H5_SEAL + 1];
+    FILE *stream = fopen(path, "rb+");
+    assert_non_null(stream);
+    fseek(stream, 0, SEEK_END);
+    assert_int_equal(ftruncate(fileno(stream), ftell(stream) - SALTUS_H5_SEAL), 0);
+    fclose(stream);
+    hid_t file = H5Fopen(path, H5F_ACC_RDWR, H5P_DEFAULT), set = H5Dopen2(file, name, H5P_DEFAULT);
+    hid_t space = H5Dget_space(set), type = H5Dget_type(set);
+    int rank = H5Sget_simple_extent_dims(space, size, NULL);
+    H5Sclose(space);
+    H5Dclose(set);
+    H5Ldelete(file, name, H5P_DEFAULT);
+    size[0] = rows;
+    hid_t list = H5Pcreate(H5P_DATASET_CREATE);
+    H5Pset_chunk(list, rank, chunk);
+    space = H5Screate_simple(rank, size, NULL);
+    set = H5Dcreate2(file, name, type, space, H5P_DEFAULT, list, H5P_DEFAULT);
+    assert_true(set >= 0);
+    H5Dclose(set);
+    H5Sclose(space);
+    H5Pclose(list);
+    H5Tclose(type);
+    H5Fclose(file);
+    stream = fopen(path, "rb+");
+    fseek(stream, 0, SEEK_END);
+    assert_true(saltus_h5_seal(fileno(stream), ftell(stream), seal));
+    fwrite(seal, 1, SALTUS_H5_SEAL, stream);
+    fclose(stream);
+}
+
+/* A file that says it has far more rows than bytes is refused, by a sentence, before memory is asked for. */
+static void an_extent_without_storage_is_refused(void **state) {
+    const fixture *f = *state;
+    char path[128];
+    saltus_message message;
+    static const char *const points[] = {"points/state", "points/kind", "events/time"};
+    static const char *const clouds[] = {"turning/displacement", "impacts/speed"};
+    for (int k = 0; k < 3; k++) {
+        saltus_branch_file file;
+        assert_int_equal(run(f, "continue impact-oscillator --in omega=0.99:1.01 --points 2 -o x.h5"), 0);
+        forge_extent(path_in(f, "x.h5", path), points[k], k ? 100000000 : 5000);
+        message.text[0] = '\0';
+        assert_int_equal(saltus_branch_file_read(path, &file, &message), SALTUS_BAD_INPUT);
+        assert_non_null(strstr(message.text, path));
+    }
+    for (int k = 0; k < 2; k++) {
+        saltus_sweep_file file;
+        assert_int_equal(run(f, "sweep impact-oscillator --over omega=0.9:1.1:3 --quiet -o x.h5"), 0);
+        forge_extent(path_in(f, "x.h5", path), clouds[k], k ? 100000000 : 50000);
+        message.text[0] = '\0';
+        assert_int_equal(saltus_sweep_file_read(path, &file, &message), SALTUS_BAD_INPUT);
+        assert_non_null(strstr(message.text, path));
+    }
+    remove(path);
+}
+
+/* A number as JSON has it: null where it is not finite. */
+static void check_member(const json *object, const char *path, double value) {
+    const json *found = json_at(object, path);
+    if (isfinite(value) ? found->kind != JSON_NUMBER || found->number != value : found->kind != JSON_NULL)
+        fail_msg("%s is %.17g, not %.17g", path, found->number, value);
+}
+
+static void check_pair(const json *object, const char *path, const double *pair) {
+    char inner[64];
+    assert_int_equal(json_count(json_at(object, path)), 2);
+    for (int k = 0; k < 2; k++) {
+        snprintf(inner, sizeof inner, "%s.%d", path, k);
+        check_member(object, inner, pair[k]);
+    }
+}
+
+static json *motion_json(const fixture *f, const saltus_scene *scene, const saltus_system *system,
+                         const saltus_motion *motion) {
+    char path[128];
+    size_t length;
+    FILE *file = fopen(path_in(f, "motion.json", path), "wb");
+    assert_non_null(file);
+    saltus_write_motion_json(file, scene, system, motion);
+    fclose(file);
+    char *text = read_all(path, &length);
+    json *object = json_read(text);
+    free(text);
+    remove(path);
+    return object;
+}
+
+static void check_spec(const json *object, const saltus_spec *spec) {
+    int count;
+    char path[64];
+    const saltus_parameter *p = saltus_model_parameters(spec->model, &count);
+    assert_string_equal(json_text_at(object, "parameters.model"), saltus_model_name(spec->model));
+    for (int k = 0; k < count; k++) {
+        snprintf(path, sizeof path, "parameters.%s", p[k].name);
+        check_member(object, path, spec->parameters[k]);
+    }
+    assert_int_equal(json_count(json_at(object, "parameters.stops")), spec->stop_count);
+    for (int s = 0; s < spec->stop_count; s++) {
+        static const char *const sides[] = {"", "upper", "lower", "both"};
+        const char *const keys[] = {"d", "r"};
+        const double values[] = {spec->stops[s].d, spec->stops[s].r};
+        for (int k = 0; k < 2; k++) {
+            snprintf(path, sizeof path, "parameters.stops.%d.%s", s, keys[k]);
+            check_member(object, path, values[k]);
+        }
+        snprintf(path, sizeof path, "parameters.stops.%d.sides", s);
+        assert_string_equal(json_text_at(object, path), sides[spec->stops[s].sides]);
+        snprintf(path, sizeof path, "parameters.stops.%d.weight", s);
+        check_pair(object, path, spec->stops[s].weight);
+    }
+}
+
+/* All that a chaotic verdict rests on, and with numbers put in that are all different, so that none can stand
+ * for another. */
+static void a_chaotic_motion_reads_back_field_by_field(void **state) {
+    const fixture *f = *state;
+    saltus_message message = {""};
+    saltus_scene scene = {.name = "chaos"};
+    saltus_motion motion;
+    saltus_classify_options how = saltus_classify_defaults();
+    const double start[2] = {-0.5, 0};
+    scene.spec = oscillator_spec(0.05, 1, 1, 2.8);
+    add_stop(&scene.spec, 0, 0.8, SALTUS_UPPER);
+    saltus_system *system = build(&scene.spec);
+    how.transient = 100;
+    how.measure = 8000;
+    check_ok(saltus_classify(system, start, &how, &motion, &message), &message);
+    assert_int_equal(motion.kind, SALTUS_CHAOTIC);
+    for (int made_up = 0; made_up < 2; made_up++) {
+        saltus_evidence *e = &motion.evidence;
+        if (made_up) {
+            double *const reals[] = {&e->half[0],
+                                     &e->half[1],
+                                     &e->half_errors[0],
+                                     &e->half_errors[1],
+                                     &e->zero_one,
+                                     &e->zero_one_quartiles[0],
+                                     &e->zero_one_quartiles[1],
+                                     &e->dimension,
+                                     &e->dimension_error,
+                                     &e->broadband,
+                                     &e->impacts_per_period,
+                                     &e->laminar,
+                                     &motion.lyapunov,
+                                     &motion.lyapunov_error,
+                                     &motion.largest,
+                                     &motion.smallest,
+                                     &motion.residual};
+            for (size_t k = 0; k < sizeof reals / sizeof reals[0]; k++)
+                *reals[k] = 0.1 + 1.0 / (double)(k + 3);
+            e->periods = 4001;
+            e->members = 7;
+            e->curves = 3;
+            e->laminar_period = 5;
+            e->longest_phase = 6000000000;
+            e->left = 2;
+            motion.transient = 7000000000;
+            strcpy(e->left_for, "3/2");
+            strcpy(e->stable_orbit, "1/4");
+            strcpy(motion.reason, "a \"quoted\" \\ reason\twith a tab");
+        }
+        json *o = motion_json(f, &scene, system, &motion);
+        assert_string_equal(json_text_at(o, "version"), SALTUS_VERSION);
+        assert_string_equal(json_text_at(o, "scene"), "chaos");
+        assert_string_equal(json_text_at(o, "label"), motion.label);
+        assert_string_equal(json_text_at(o, "kind"), "chaotic");
+        assert_int_equal(json_at(o, "impacts")->kind, JSON_NULL);
+        check_member(o, "periods", motion.periods);
+        check_member(o, "sticking_intervals", motion.sticking_intervals);
+        assert_int_equal(json_at(o, "impacts_per_response")->kind, JSON_NULL);
+        assert_int_equal(json_count(json_at(o, "state")), motion.dimension);
+        check_pair(o, "state", motion.state);
+        assert_int_equal(json_count(json_at(o, "events")), motion.event_count);
+        assert_int_equal(json_count(json_at(o, "multipliers")), motion.multiplier_count);
+        assert_int_equal(json_at(o, "stable")->kind, motion.stable ? JSON_TRUE : JSON_FALSE);
+        assert_string_equal(json_text_at(o, "mirror"), "none");
+        check_member(o, "residual", motion.residual);
+        assert_int_equal(json_at(o, "sum_rule")->kind, JSON_NULL);
+        check_member(o, "lyapunov", motion.lyapunov);
+        check_member(o, "lyapunov_standard_error", motion.lyapunov_error);
+        check_member(o, "evidence.periods", (double)e->periods);
+        check_member(o, "evidence.members", e->members);
+        check_pair(o, "evidence.halves", e->half);
+        check_pair(o, "evidence.half_errors", e->half_errors);
+        check_member(o, "evidence.zero_one_test", e->zero_one);
+        check_pair(o, "evidence.zero_one_quartiles", e->zero_one_quartiles);
+        check_member(o, "evidence.correlation_dimension", e->dimension);
+        check_member(o, "evidence.correlation_dimension_error", e->dimension_error);
+        check_member(o, "evidence.broadband", e->broadband);
+        check_member(o, "evidence.closed_curves", e->curves);
+        check_member(o, "evidence.impacts_per_period", e->impacts_per_period);
+        check_member(o, "evidence.laminar", e->laminar);
+        check_member(o, "evidence.laminar_period", e->laminar_period);
+        check_member(o, "evidence.longest_phase", (double)e->longest_phase);
+        check_member(o, "evidence.left", e->left);
+        assert_string_equal(json_text_at(o, "evidence.left_for"), e->left_for);
+        assert_string_equal(json_text_at(o, "evidence.stable_orbit"), e->stable_orbit);
+        assert_int_equal(json_at(o, "contact_force")->kind, JSON_NULL);
+        check_member(o, "largest_displacement", motion.largest);
+        check_member(o, "smallest_displacement", motion.smallest);
+        check_member(o, "transient", (double)motion.transient);
+        assert_string_equal(json_text_at(o, "reason"), motion.reason);
+        check_spec(o, &scene.spec);
+        json_free(o);
+    }
+    saltus_motion_clear(&motion);
+    saltus_system_free(system);
+}
+
+static double *reals_of(hid_t file, const char *name, long long count) {
+    double *values = calloc((size_t)count + 1, sizeof *values);
+    hid_t set = H5Dopen2(file, name, H5P_DEFAULT);
+    assert_true(set >= 0);
+    hid_t space = H5Dget_space(set);
+    assert_int_equal(H5Sget_simple_extent_npoints(space), count);
+    assert_true(H5Dread(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) >= 0);
+    H5Sclose(space);
+    H5Dclose(set);
+    return values;
+}
+
+/* The same trajectory as CSV and as HDF5 is the record, number by number, and both say which event is where.
+ */
+static void a_trajectory_is_the_same_in_every_format(void **state) {
+    const fixture *f = *state;
+    const saltus_record *r = &f->record;
+    saltus_message message = {""};
+    char path[128];
+    size_t length;
+    int n = r->dimension;
+    check_ok(saltus_record_write(r, &f->scene, f->system, &f->options, path_in(f, "run.csv", path), &message),
+             &message);
+    char *text = read_all(path, &length), *rest = text;
+    check_ok(saltus_record_write(r, &f->scene, f->system, &f->options, path_in(f, "run.h5", path), &message),
+             &message);
+    hid_t file = H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT);
+    assert_true(file >= 0);
+    double *time = reals_of(file, "trajectory/time", r->samples);
+    double *states = reals_of(file, "trajectory/states", r->samples * n);
+    double *displacement = reals_of(file, "trajectory/displacement", r->samples);
+    double *velocity = reals_of(file, "trajectory/velocity", r->samples);
+    double *before = reals_of(file, "events/velocity_before", r->event_count);
+    double *after = reals_of(file, "events/velocity_after", r->event_count);
+    double *when = reals_of(file, "events/time", r->event_count);
+    double *stop = reals_of(file, "events/stop", r->event_count),
+           *side = reals_of(file, "events/side", r->event_count);
+    double *rows = reals_of(file, "events/row", r->event_count);
+    H5Fclose(file);
+    long long row = -1, event = 0;
+    for (char *line = strtok_r(rest, "\n", &rest); line; line = strtok_r(NULL, "\n", &rest)) {
+        if (line[0] == '#')
+            continue;
+        if (row < 0) {
+            assert_string_equal(line, "time_over_T,displacement,velocity,q1,q2,v1,v2,stop,side,event");
+            row = 0;
+            continue;
+        }
+        const double record[] = {r->time[row], r->displacement[row], r->velocity[row]};
+        const double stored[] = {time[row], displacement[row], velocity[row]};
+        char *at = line;
+        for (int k = 0; k < 3 + n; k++, at += *at == ',') {
+            double value = strtod(at, &at);
+            assert_true(value == (k < 3 ? record[k] : r->states[row * n + k - 3]));
+            assert_true(value == (k < 3 ? stored[k] : states[row * n + k - 3]));
+        }
+        if (event < r->event_count && r->event_rows[event] == row) {
+            const saltus_event *e = &r->events[event];
+            char wanted[64];
+            snprintf(wanted, sizeof wanted, "1,upper,%s",
+                     e->kind == SALTUS_IMPACT  ? "impact"
+                     : e->kind == SALTUS_STICK ? "stick"
+                                               : "release");
+            assert_string_equal(at, wanted);
+            assert_true(stop[event] == 1 && side[event] == 1 && rows[event] == (double)row);
+            assert_true(before[event] == e->velocity_before);
+            assert_true(after[event] == (e->kind == SALTUS_STICK ? 0 : e->velocity_after));
+            assert_true(when[event] == saltus_time_periods(e->time) && when[event] == r->time[row]);
+            /* Two masses of the same weight: the relative velocity turns round by r. */
+            if (e->kind == SALTUS_IMPACT)
+                check_near(e->velocity_after, -f->scene.spec.stops[0].r * e->velocity_before, 1e-12);
+            event++;
+        } else
+            assert_string_equal(at, ",,");
+        row++;
+    }
+    assert_int_equal(row, r->samples);
+    assert_int_equal(event, r->event_count);
+    free(text);
+    double *const all[] = {time, states, displacement, velocity, before, after, when, stop, side, rows};
+    for (size_t k = 0; k < sizeof all / sizeof all[0]; k++)
+        free(all[k]);
+    folder_files(f->folder, true);
+}
+
+static void fill(char *text, size_t length) {
+    memset(text, 'x', length);
+    text[length] = '\0';
+}
+
+/* A title of 159 bytes is kept whole and one of 160 is refused; a file's name is cut where a scene's name
+ * ends. */
+static void names_and_titles_have_their_limits(void **state) {
+    const fixture *f = *state;
+    saltus_message message = {""};
+    saltus_scene scene;
+    char title[256], text[512], name[256], path[400];
+    enum { title_room = sizeof scene.title, name_room = sizeof scene.name };
+    for (size_t length = title_room - 2; length <= title_room + 1; length++) {
+        fill(title, length);
+        snprintf(text, sizeof text, "title: %s\nmodel: oscillator\nomega: 1\n", title);
+        saltus_status status = saltus_scene_parse(text, strlen(text), "here", &scene, &message);
+        assert_int_equal(status, length < title_room ? SALTUS_OK : SALTUS_BAD_INPUT);
+        if (status == SALTUS_OK)
+            assert_string_equal(scene.title, title);
+        else
+            assert_non_null(strstr(message.text, "title"));
+    }
+    for (size_t length = name_room - 2; length <= name_room + 1; length++) {
+        fill(name, length);
+        snprintf(path, sizeof path, "%s/%s.yaml", f->folder, name);
+        FILE *file = fopen(path, "w");
+        assert_non_null(file);
+        fputs("model: oscillator\nomega: 1\n", file);
+        fclose(file);
+        if (saltus_scene_load(path, &scene, &message) == SALTUS_OK) {
+            assert_int_equal(strlen(scene.name), length < name_room ? length : name_room - 1);
+            assert_memory_equal(scene.name, name, strlen(scene.name));
+        } else
+            assert_true(length >= name_room);
+        remove(path);
+    }
+}
+
+/* A sentence names file, line, key and value: for every parameter of every model and every key of a stop. */
+static void each_key_of_a_scene_file_is_named_when_it_is_wrong(void **state) {
+    static const char *const models[] = {"pipe", "oscillator"};
+    static const char *const stop[] = {"d: fast",     "r: 2",    "r: -0.5",
+                                       "sides: left", "xi: 1.5", "weight: [x, 1]"};
+    static const char *const values[] = {"fast", "2", "-0.5", "left", "1.5", "x"};
+    (void)state;
+    saltus_message message;
+    saltus_scene scene;
+    char text[256], wanted[64];
+    for (int m = 0; m < 2; m++) {
+        int count;
+        const saltus_parameter *p = saltus_model_parameters(saltus_model_find(models[m]), &count);
+        for (int k = 0; k < count; k++) {
+            snprintf(text, sizeof text, "title: t\nmodel: %s\n\n%s: fast\n", models[m], p[k].name);
+            assert_int_equal(saltus_scene_parse(text, strlen(text), "some.yaml", &scene, &message),
+                             SALTUS_BAD_INPUT);
+            snprintf(wanted, sizeof wanted, "some.yaml:4: %s = \"fast\"", p[k].name);
+            if (!strstr(message.text, wanted))
+                fail_msg("'%s' instead of '%s'", message.text, wanted);
+        }
+        for (int k = 0; k < 6; k++) {
+            bool foreign = (m == 0 && k == 5) || (m == 1 && k == 4);
+            snprintf(text, sizeof text, "model: %s\nomega: 1\nstop:\n  %s\n%s", models[m], stop[k],
+                     k ? "  d: 1\n" : "");
+            assert_int_equal(saltus_scene_parse(text, strlen(text), "some.yaml", &scene, &message),
+                             SALTUS_BAD_INPUT);
+            snprintf(wanted, sizeof wanted, "%.*s", (int)strcspn(stop[k], ":"), stop[k]);
+            if (!strstr(message.text, "some.yaml:4: ") || !strstr(message.text, wanted) ||
+                (!foreign && !strstr(message.text, values[k])))
+                fail_msg("%s, %s: %s", models[m], stop[k], message.text);
+        }
+    }
+}
+
+/* What the exponent's CSV tells in its head and in its last row is what JSON tells. */
+static void exponents_are_the_same_in_csv_and_json(void **state) {
+    const fixture *f = *state;
+    char path[128], line[64];
+    size_t length;
+    assert_int_equal(run(f, "lyapunov impact-oscillator --transient 20 --periods 1800 --json -o x.csv"), 0);
+    char *text = read_all(path_in(f, "out", path), &length),
+         *csv = read_all(path_in(f, "x.csv", path), &length);
+    json *o = json_read(text);
+    double exponent = json_number_at(o, "exponents.0"), error = json_number_at(o, "standard_errors.0");
+    double time = json_number_at(o, "time");
+    const char *result = strstr(csv, "# result: exponent = ");
+    assert_non_null(result);
+    char *end = NULL;
+    assert_true(strtod(result + 21, &end) == exponent && strtod(strstr(end, "= ") + 2, NULL) == error);
+    csv[length - 1] = '\0';
+    const char *last = strrchr(csv, '\n') + 1;
+    assert_true(strtod(last, &end) == time && strtod(end + 1, &end) == exponent &&
+                strtod(end + 1, NULL) == error);
+    snprintf(line, sizeof line, "# measured: %.0f periods, trajectories: %.0f", json_number_at(o, "periods"),
+             json_number_at(o, "members"));
+    assert_non_null(strstr(csv, line));
+    check_near(time, json_number_at(o, "periods") * json_number_at(o, "period"), 1e-12 * time);
+    assert_true(json_number_at(o, "largest") == exponent);
+    json_free(o);
+    free(text);
+    free(csv);
+}
+
+/* Lists of the command line: 63 and 64 of an option that may be repeated, 65 are refused; settings likewise.
+ */
+static void lists_of_the_command_line_have_their_limits(void **state) {
+    static const struct {
+        const char *begin, *each, *end;
+        int most;
+        const char *first, *named; /* one of them alone; a part of the refusal */
+    } lists[] = {
+        {"plot x.h5 -o x.svg ", "--range omega=0.9:1.1 ", "--show nothing", 64, "--show nothing", "--range"},
+        {"plot x.h5 -o x.svg ", "--label omega=1,d=1,n ", "--show nothing", 64, "--show nothing", "--label"},
+        {"plot ", "x.h5 ", "-o x.svg --show nothing", 256, "--show nothing", "256 files"},
+        {"check impact-oscillator ", "--set F=0.6 ", "--set F=x", 255, "F=x", "F=x"},
+        {"continue impact-oscillator -o x.h5 --in omega=0.9:1.1 --direction both --at ", "1,", "1,2", 254,
+         "outside", "only 256"}};
+    const fixture *f = *state;
+    for (size_t k = 0; k < sizeof lists / sizeof lists[0]; k++)
+        for (int count = lists[k].most - 1; count <= lists[k].most + 1; count++) {
+            static char line[16000];
+            char command[16400], path[128];
+            size_t used = (size_t)snprintf(line, sizeof line, "%s", lists[k].begin), length;
+            for (int i = 0; i < count; i++)
+                used += (size_t)snprintf(line + used, sizeof line - used, "%s", lists[k].each);
+            snprintf(line + used, sizeof line - used, "%s", lists[k].end);
+            snprintf(command, sizeof command, "cd %s && %s %s >out 2>err", f->folder, SALTUS_COMMAND, line);
+            assert_int_equal(WEXITSTATUS(system(command)), 2);
+            char *text = read_all(path_in(f, "err", path), &length);
+            if (!strstr(text, count <= lists[k].most ? lists[k].first : lists[k].named))
+                fail_msg("%d of %s: %s", count, lists[k].each, text);
+            free(text);
+        }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_dataset_has_a_checksum),
+        cmocka_unit_test(an_extent_without_storage_is_refused),
+        cmocka_unit_test(a_chaotic_motion_reads_back_field_by_field),
+        cmocka_unit_test(a_trajectory_is_the_same_in_every_format),
+        cmocka_unit_test(names_and_titles_have_their_limits),
+        cmocka_unit_test(each_key_of_a_scene_file_is_named_when_it_is_wrong),
+        cmocka_unit_test(exponents_are_the_same_in_csv_and_json),
+        cmocka_unit_test(lists_of_the_command_line_have_their_limits),
+    };
+    return cmocka_run_group_tests(tests, open_fixture, close_fixture);
+}

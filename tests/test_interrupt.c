@@ -1,0 +1,373 @@
+/* Signals that ask to stop: whenever one comes, a command ends with the status of an interrupted one and a
+ * sentence, or it has done all that it was asked for; files are whole.
+ *
+ * A signal that is pending while the program is started reaches it before any of its work; one that a made-up
+ * gnuplot sends reaches it while it waits for a figure; the growing journal tells when a sweep is near its
+ * end.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "folder.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+enum { words_max = 32, patience_ms = 20000 };
+
+/* A folder to work in, with one for the made-up gnuplot and one for nameless files. */
+typedef struct fixture {
+    char folder[64], tools[80], nameless[80], paper[80], path[4200];
+} fixture;
+
+static const char *path_in(const fixture *f, const char *name, char path[320]) {
+    snprintf(path, 320, "%s/%s", f->folder, name);
+    return path;
+}
+
+static int open_fixture(void **state) {
+    fixture *f = calloc(1, sizeof *f);
+    strcpy(f->folder, "/tmp/saltus-test-XXXXXX");
+    assert_non_null(mkdtemp(f->folder));
+    snprintf(f->tools, sizeof f->tools, "%s/tools", f->folder);
+    snprintf(f->nameless, sizeof f->nameless, "%s/nameless", f->folder);
+    snprintf(f->paper, sizeof f->paper, "%s/paper", f->folder);
+    mkdir(f->tools, 0777);
+    mkdir(f->nameless, 0777);
+    mkdir(f->paper, 0777);
+    snprintf(f->path, sizeof f->path, "%s:%s", f->tools, getenv("PATH"));
+    *state = f;
+    return 0;
+}
+
+static void empty(const fixture *f) {
+    folder_files(f->tools, true);
+    folder_files(f->nameless, true);
+    folder_files(f->paper, true);
+    rmdir(f->paper);
+    rmdir(f->tools);
+    rmdir(f->nameless);
+    folder_files(f->folder, true);
+}
+
+static int close_fixture(void **state) {
+    fixture *f = *state;
+    empty(f);
+    rmdir(f->folder);
+    free(f);
+    return 0;
+}
+
+static void write_text(const char *path, const char *text) {
+    FILE *file = fopen(path, "w");
+    assert_non_null(file);
+    fputs(text, file);
+    fclose(file);
+}
+
+/* A gnuplot that does something and then leaves what looks like a picture. */
+static void make_gnuplot(const fixture *f, const char *does) {
+    char path[128], text[512];
+    snprintf(path, sizeof path, "%s/gnuplot", f->tools);
+    snprintf(text, sizeof text, "#!/bin/sh\n%s\nprintf %%080d 0\nprintf 'IEND....'\n", does);
+    write_text(path, text);
+    chmod(path, 0755);
+}
+
+/* What a child begins with. */
+typedef enum beginning { plainly, pending, ignoring } beginning;
+
+/* Start a command in the folder, its words separated by blanks; what it says goes to `out` and `err`. */
+static pid_t start(const fixture *f, const char *line, beginning how, int number) {
+    char copy[512], command[] = SALTUS_COMMAND, *words[words_max + 1] = {command}, *rest = copy;
+    int count = 1;
+    snprintf(copy, sizeof copy, "%s", line);
+    for (char *word = strtok_r(rest, " ", &rest); word && count < words_max;
+         word = strtok_r(NULL, " ", &rest))
+        words[count++] = word;
+    /* Before there is a child, so that it is ignored at any time. */
+    if (how == ignoring)
+        signal(number, SIG_IGN);
+    pid_t child = fork();
+    if (child != 0) {
+        signal(number, SIG_DFL);
+        assert_true(child > 0);
+        return child;
+    }
+    sigset_t set;
+    sigemptyset(&set);
+    sigaddset(&set, number);
+    bool ready = chdir(f->folder) == 0 && freopen("out", "w", stdout) && freopen("err", "w", stderr);
+    setenv("PATH", f->path, 1);
+    setenv("TMPDIR", f->nameless, 1);
+    if (how == pending) {
+        sigprocmask(SIG_BLOCK, &set, NULL);
+        raise(number);
+    }
+    if (ready)
+        execv(command, words);
+    _exit(99);
+}
+
+static void pause_ms(double ms) {
+    struct timespec time = {(time_t)(ms / 1000), (long)(1e6 * fmod(ms, 1000))};
+    nanosleep(&time, NULL);
+}
+
+/* The wait status of a child; one that does not end fails the test. */
+static int end_of(pid_t child) {
+    int outcome = 0;
+    for (int waited = 0; waitpid(child, &outcome, WNOHANG) == 0; waited++) {
+        if (waited > patience_ms) {
+            kill(child, SIGKILL);
+            fail_msg("a command does not end");
+        }
+        pause_ms(1);
+    }
+    return outcome;
+}
+
+static char *said(const fixture *f, const char *where) {
+    char path[320];
+    size_t length;
+    return read_all(path_in(f, where, path), &length);
+}
+
+/* Exit status 1, one sentence that tells of the interruption, and nothing half-made. */
+static void check_interrupted(const fixture *f, int outcome, const char *what) {
+    char *text = said(f, "err"), *end = strchr(text, '\n');
+    if (!WIFEXITED(outcome) || WEXITSTATUS(outcome) != 1)
+        fail_msg("%s: status %#x: %s", what, (unsigned)outcome, text);
+    if (strncmp(text, "saltus: interrupted; ", 21) != 0 || !end || end[1])
+        fail_msg("%s says: %s", what, text);
+    free(text);
+    assert_int_equal(folder_files(f->nameless, true), 0);
+}
+
+static bool is_there(const fixture *f, const char *name) {
+    char path[320];
+    return access(path_in(f, name, path), F_OK) == 0;
+}
+
+/* Files of a folder whose name has a part. */
+static int named(const char *folder, const char *part) {
+    DIR *open = opendir(folder);
+    int count = 0;
+    for (struct dirent *entry = open ? readdir(open) : NULL; entry; entry = readdir(open))
+        count += strstr(entry->d_name, part) != NULL;
+    if (open)
+        closedir(open);
+    return count;
+}
+
+/* Before any work: no command forgets it, and none goes on for long. */
+static void a_signal_before_the_work_ends_every_command(void **state) {
+    static const char *const lines[] = {
+        "classify fig7c --transient 100000000 --measure 0",
+        "classify fig7c --measure 1000000000",
+        "classify fig7d --json --seeds 100000",
+        "diagnose fig7c --measure 1000000000 -o never.png",
+        "simulate fig7c --periods 1000000 --samples 1 -o run.csv",
+        "simulate fig7c --periods 10 --transient 100000000 -o never.csv",
+        "orbit fig7d --periods 4 --transient 100000000",
+        "orbit fig7a --unstable --search 100000000",
+        "continue fig7d --in omega=38:46 --step-max 0.0003 -o never.h5",
+        "lyapunov fig7c --precision 1e-8 --periods 1000000000",
+        "lyapunov fig7c --transient 1000000000 --json",
+        "spectrum fig7c --transient 100000000 --periods 1000000 -o never.png",
+        "sweep fig6 --over omega=12:54:5000 -o never.h5",
+        "sweep fig6 --over omega=12:54:5000 --quiet -o never.csv",
+        "basins fig6 --over q1=-0.01:0.01:300 --over v1=-1:1:300 --quiet -o never.h5",
+        "paper --quiet -o paper",
+        "paper --figure 5 -o paper"};
+    static const int signals[] = {SIGTERM, SIGINT, SIGHUP};
+    const fixture *f = *state;
+    for (size_t k = 0; k < sizeof lines / sizeof lines[0]; k++) {
+        int number = signals[k % 3];
+        check_interrupted(f, end_of(start(f, lines[k], pending, number)), lines[k]);
+        assert_int_equal(named(f->folder, "never"), 0);
+        assert_int_equal(named(f->folder, ".part"), 0);
+        assert_int_equal(named(f->paper, ".h5"), 0);
+        assert_int_equal(named(f->paper, ".png"), 0);
+    }
+}
+
+/* What an interrupted measurement tells of its transient is what it has run. */
+static void a_transient_that_is_cut_off_is_not_told_as_run(void **state) {
+    const fixture *f = *state;
+    check_interrupted(f, end_of(start(f, "lyapunov fig7c --transient 1000000000 --json", pending, SIGTERM)),
+                      "lyapunov");
+    char *text = said(f, "out"), *at = strstr(text, "\"transient\": ");
+    assert_non_null(at);
+    assert_true(strtod(at + 13, NULL) < 1e6);
+    assert_non_null(strstr(at + 13, "\"transient\": 1000000000,"));
+    free(text);
+}
+
+/* A sweep that has not begun leaves the file of an earlier one, and its journal, as they are. */
+static void a_signal_before_a_sweep_leaves_what_was_there(void **state) {
+    static const char line[] =
+        "sweep impact-oscillator --over omega=0.9:1.1:3 --threads 1 --quiet -o kept.h5";
+    const fixture *f = *state;
+    char path[320];
+    size_t before, after;
+    assert_int_equal(end_of(start(f, line, plainly, SIGTERM)), 0);
+    char *first = read_all(path_in(f, "kept.h5", path), &before);
+    check_interrupted(f, end_of(start(f, "sweep fig6 --over omega=12:54:5000 -o kept.h5", pending, SIGTERM)),
+                      "sweep");
+    char *second = read_all(path, &after);
+    assert_int_equal(before, after);
+    assert_memory_equal(first, second, before);
+    assert_false(is_there(f, "kept.h5.journal"));
+    free(first);
+    free(second);
+}
+
+/* As of a program that nohup or a shell's `trap ''` has started. */
+static void ignored_signals_stay_ignored(void **state) {
+    static const int signals[] = {SIGTERM, SIGINT, SIGHUP};
+    const fixture *f = *state;
+    for (int k = 0; k < 3; k++) {
+        pid_t child =
+            start(f, "lyapunov impact-oscillator --transient 2000 --periods 20000", ignoring, signals[k]);
+        pause_ms(8);
+        kill(child, signals[k]);
+        assert_int_equal(end_of(child), 0);
+    }
+}
+
+/* A signal that comes twice at once, to a process and to its group, is one; the figure is finished. Seconds
+ * later the next one ends the program even where it cannot be asked. */
+static void a_late_second_signal_ends_the_program(void **state) {
+    const fixture *f = *state;
+    assert_int_equal(
+        end_of(start(f, "sweep impact-oscillator --over omega=0.9:1.1:3 --quiet -o s.h5", plainly, SIGTERM)),
+        0);
+    make_gnuplot(f, "kill -TERM $PPID; kill -INT $PPID");
+    assert_int_equal(end_of(start(f, "plot s.h5 -o twice.png", plainly, SIGTERM)), 0);
+    assert_true(is_there(f, "twice.png"));
+    make_gnuplot(f, "kill -TERM $PPID; sleep 2.1; kill -TERM $PPID; sleep 0.2");
+    int outcome = end_of(start(f, "plot s.h5 -o late.png", plainly, SIGTERM));
+    assert_true(WIFSIGNALED(outcome) && WTERMSIG(outcome) == SIGTERM);
+    assert_false(is_there(f, "late.png"));
+    assert_int_equal(folder_files(f->nameless, true), 0);
+}
+
+/* While a figure is drawn: it is finished, what follows is not begun, and --resume makes the rest. */
+static void a_signal_during_a_figure_ends_paper(void **state) {
+    static const char *const made[] = {"paper/fig4a.h5", "paper/fig4a.png", "paper/fig4b.h5",
+                                       "paper/fig4b.png"};
+    const fixture *f = *state;
+    char data[320];
+    struct stat before, after;
+    make_gnuplot(f, "kill -TERM $PPID");
+    check_interrupted(f, end_of(start(f, "paper --quick --quiet --figure 4 -o paper", plainly, SIGTERM)),
+                      "paper");
+    for (int k = 0; k < 4; k++) {
+        assert_int_equal(is_there(f, made[k]), k < 2);
+    }
+    assert_int_equal(stat(path_in(f, "paper/fig4a.h5", data), &before), 0);
+    make_gnuplot(f, ":");
+    assert_int_equal(end_of(start(f, "paper --quick --quiet --figure 4 --resume -o paper", plainly, SIGTERM)),
+                     0);
+    for (int k = 0; k < 4; k++) {
+        assert_true(is_there(f, made[k]));
+    }
+    assert_int_equal(stat(data, &after), 0);
+    assert_int_equal(before.st_size, after.st_size);
+    assert_int_equal(folder_files(f->paper, true), 4);
+}
+
+static long long size_of(const char *path) {
+    struct stat facts;
+    return stat(path, &facts) == 0 ? (long long)facts.st_size : -1;
+}
+
+/* The largest that the first sweep's journal gets, of a paper that is ended when the journal is gone. */
+static long long largest_journal(const fixture *f, const char *line, const char *journal) {
+    pid_t child = start(f, line, plainly, SIGTERM);
+    long long largest = 0;
+    for (int k = 0; k < 10 * patience_ms && !(largest && size_of(journal) < 0); k++) {
+        long long now = size_of(journal);
+        largest = now > largest ? now : largest;
+        pause_ms(0.1);
+    }
+    kill(child, SIGTERM);
+    end_of(child);
+    folder_files(f->paper, true);
+    return largest;
+}
+
+/* When all that a sweep has to do is as good as done, the signal still ends what comes after it. */
+static void a_signal_at_the_end_of_a_sweep_ends_paper(void **state) {
+    static const char line[] = "paper --quick --quiet --figure 4 -o paper";
+    static const double parts[] = {0.85, 0.93, 0.98};
+    const fixture *f = *state;
+    char journal[320];
+    make_gnuplot(f, ":");
+    path_in(f, "paper/fig4a.h5.journal", journal);
+    long long most = largest_journal(f, line, journal);
+    assert_true(most > 0);
+    for (size_t k = 0; k < sizeof parts / sizeof parts[0]; k++) {
+        pid_t child = start(f, line, plainly, SIGTERM);
+        for (int tries = 0; tries < 10 * patience_ms && size_of(journal) < parts[k] * (double)most &&
+                            !is_there(f, "paper/fig4a.png");
+             tries++)
+            pause_ms(0.1);
+        kill(child, SIGTERM);
+        check_interrupted(f, end_of(child), "paper at the end of a sweep");
+        assert_false(is_there(f, "paper/fig4b.png"));
+        folder_files(f->paper, true);
+    }
+}
+
+/* At any moment: done with the whole file, interrupted with a sentence, or ended before there was anything.
+ */
+static void a_signal_at_any_moment_leaves_whole_files(void **state) {
+    static const char *const lines[] = {
+        "simulate impact-oscillator --periods 10 -o x.h5",
+        "sweep impact-oscillator --over omega=0.9:1.1:8 --quiet --threads 1 -o x.h5",
+        "continue impact-oscillator --in omega=0.9:1.1 --points 6 -o x.h5"};
+    enum { trials = 36 };
+    const fixture *f = *state;
+    char path[320];
+    path_in(f, "x.h5", path);
+    for (int k = 0; k < trials; k++) {
+        pid_t child = start(f, lines[k % 3], plainly, SIGTERM);
+        pause_ms(0.9 * (k / 3));
+        kill(child, SIGTERM);
+        int outcome = end_of(child);
+        size_t length = 0;
+        char *bytes = is_there(f, "x.h5") ? read_all(path, &length) : NULL;
+        if (WIFSIGNALED(outcome)) {
+            assert_int_equal(WTERMSIG(outcome), SIGTERM);
+            assert_null(bytes);
+        } else if (WEXITSTATUS(outcome) != 0)
+            check_interrupted(f, outcome, lines[k % 3]);
+        else
+            assert_non_null(bytes);
+        assert_int_equal(named(f->folder, ".part"), 0);
+        if (bytes)
+            assert_true(length > 24 && memcmp(bytes + length - 24, "saltus:", 7) == 0);
+        free(bytes);
+        remove(path);
+        remove(path_in(f, "x.h5.journal", path));
+        path_in(f, "x.h5", path);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_signal_before_the_work_ends_every_command),
+        cmocka_unit_test(a_transient_that_is_cut_off_is_not_told_as_run),
+        cmocka_unit_test(a_signal_before_a_sweep_leaves_what_was_there),
+        cmocka_unit_test(ignored_signals_stay_ignored),
+        cmocka_unit_test(a_late_second_signal_ends_the_program),
+        cmocka_unit_test(a_signal_during_a_figure_ends_paper),
+        cmocka_unit_test(a_signal_at_the_end_of_a_sweep_ends_paper),
+        cmocka_unit_test(a_signal_at_any_moment_leaves_whole_files),
+    };
+    return cmocka_run_group_tests(tests, open_fixture, close_fixture);
+}

@@ -1,0 +1,898 @@
+/* Options take effect: each option of each command, given another value than its default, is found in the
+ * file or changes the result as its help says. The options are those that `saltus COMMAND --help` lists, so
+ * that one without a row in the table below fails.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#define _XOPEN_SOURCE 700
+#include "folder.h"
+#include "json.h"
+
+#include <fcntl.h>
+#include <hdf5.h>
+#include <signal.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+enum { commands_max = 32, options_max = 256 };
+
+/* Inputs lie in `in`; each command is run without the option in `base` and with it in `with`. */
+typedef struct fixture {
+    char folder[64], last[512];
+    int status; /* of the last run in `base` */
+} fixture;
+
+/* What shows that an option has been heeded, of the run with it as against the one without:
+ *   json:PATH=VALUE, count:PATH=N       a value, or how many there are, in the JSON object on stdout
+ *   attr:FILE:GROUP:NAME=VALUE          an attribute
+ *   rows:FILE:DATASET=N                 a dataset's first extent
+ *   lines:FILE=N, text:FILE:TEXT        lines of a file, a text in it (`out` and `err` are the streams)
+ *   differs:FILE, same:FILE, made:FILE  a file
+ *   refused                             exit status 2 */
+typedef struct option_case {
+    const char *command, *option, *before, *base, *more, *witness;
+} option_case;
+
+#define CHAOS "../in/chaos.yaml"
+#define TWICE "../in/twice.yaml"
+#define SWEEP "sweep impact-oscillator --over omega=0.9:1.1:2 --threads 1 --quiet -o s.h5"
+#define BASINS "basins impact-oscillator --over q1=0:0.2:2 --over v1=0:0.2:2 --threads 1 --quiet -o s.h5"
+#define CONTINUE "continue impact-oscillator --in omega=0.99:1.01 --points 2 -o b.h5"
+#define LYAPUNOV "lyapunov " CHAOS " --transient 20 --periods 1800 --json"
+#define DIAGNOSE "diagnose impact-oscillator -o s.png --data d.h5"
+#define SIMULATE "simulate impact-oscillator --periods 2 -o r.h5"
+
+static const option_case cases[] = {
+    {"classify", "--set", "", "classify impact-oscillator --json", "--set F=0.6", "json:parameters.F=0.6"},
+    {"classify", "--json", "", "classify impact-oscillator", "--json", "text:out:{\"version\": "},
+    {"classify", "--seeds", "", "classify impact-oscillator --json", "--seeds 2", "json:seeds=2"},
+    {"classify", "--seed", "", "classify " TWICE " --seeds 2 --json", "--seed 5", "differs:out"},
+    {"classify", "--transient", "", "classify " TWICE " --json --measure 0", "--transient 3",
+     "json:kind=undecided"},
+    {"classify", "--longest", "", "classify " TWICE " --json --transient 200 --measure 0", "--longest 1",
+     "json:kind=undecided"},
+    {"classify", "--measure", "", "classify " CHAOS " --json --transient 100 --measure 8000", "--measure 0",
+     "json:kind=undecided"},
+    {"classify", "--measure", "", "classify " CHAOS " --json --transient 100 --measure 0", "--measure 8000",
+     "json:kind=chaotic"},
+    {"classify", "--rtol", "", "classify impact-oscillator --json", "--rtol 1e-4", "differs:out"},
+    {"classify", "--atol", "", "classify impact-oscillator --json", "--atol 1e-3", "differs:out"},
+    {"classify", "--integrator", "", "classify impact-oscillator --json", "--integrator radau",
+     "differs:out"},
+
+    {"diagnose", "--set", "", DIAGNOSE, "--set F=0.6", "differs:script"},
+    {"diagnose", "-o", "", "diagnose impact-oscillator", "-o x.png", "made:x.png"},
+    {"diagnose", "--data", "", "diagnose impact-oscillator -o s.png", "--data d.h5", "made:d.h5"},
+    {"diagnose", "--data", "", "diagnose impact-oscillator -o s.png", "--data d.h5", "made:d.gp"},
+    {"diagnose", "--transient", "", "diagnose " TWICE " --measure 0 -o s.png", "--transient 3",
+     "differs:out"},
+    {"diagnose", "--longest", "", "diagnose " TWICE " --measure 0 --transient 100 -o s.png", "--longest 1",
+     "differs:out"},
+    {"diagnose", "--measure", "", "diagnose " CHAOS " --transient 100 --measure 0 -o s.png", "--measure 8000",
+     "differs:out"},
+    {"diagnose", "--rtol", "", DIAGNOSE, "--rtol 1e-6", "attr:d.h5:/:rtol=1e-6"},
+    {"diagnose", "--atol", "", DIAGNOSE, "--atol 1e-7", "attr:d.h5:/:atol=1e-7"},
+    {"diagnose", "--integrator", "", DIAGNOSE, "--integrator radau", "attr:d.h5:/:integrator=radau"},
+
+    {"simulate", "--set", "", SIMULATE, "--set F=0.6", "differs:r.h5"},
+    {"simulate", "--periods", "", SIMULATE, "--periods 3", "rows:r.h5:strobe/states=3"},
+    {"simulate", "--transient", "", SIMULATE, "--transient 1", "differs:r.h5"},
+    {"simulate", "--samples", "", "simulate impact-oscillator --set d=9 --periods 2 -o r.h5", "--samples 16",
+     "rows:r.h5:trajectory/time=33"},
+    {"simulate", "-o", "", "simulate impact-oscillator --periods 2", "-o x.csv", "made:x.csv"},
+    {"simulate", "--rtol", "", SIMULATE, "--rtol 1e-6", "attr:r.h5:/:rtol=1e-6"},
+    {"simulate", "--atol", "", SIMULATE, "--atol 1e-7", "attr:r.h5:/:atol=1e-7"},
+    {"simulate", "--integrator", "", SIMULATE, "--integrator radau", "attr:r.h5:/:integrator=radau"},
+
+    {"orbit", "--set", "", "orbit impact-oscillator --periods 1 --json", "--set F=0.6",
+     "json:parameters.F=0.6"},
+    {"orbit", "--periods", "", "orbit " TWICE " --periods 1 --json", "--periods 2", "json:periods=2"},
+    {"orbit", "--from", "", "orbit impact-oscillator --periods 1 --json", "--from ../in/orbit.json",
+     "json:parameters.omega=1.01"},
+    {"orbit", "--transient", "", "orbit impact-oscillator --periods 1 --verbose", "--transient 3",
+     "differs:err"},
+    {"orbit", "--mirror", "", "orbit ../in/sides.yaml --periods 1 --json", "--mirror", "differs:out"},
+    {"orbit", "--unstable", "", "orbit " CHAOS " --periods 2 --search 500 --transient 50 --json",
+     "--unstable", "lines:out=2"},
+    {"orbit", "--search", "", "orbit " CHAOS " --periods 2 --unstable --search 500", "--search 300",
+     "differs:out"},
+    {"orbit", "--most", "", "orbit " CHAOS " --periods 2 --unstable --search 500 --json", "--most 1",
+     "lines:out=1"},
+    {"orbit", "--segments", "", "orbit impact-oscillator --periods 4 --transient 3 --verbose", "--segments 3",
+     "differs:err"},
+    {"orbit", "--json", "", "orbit impact-oscillator --periods 1", "--json", "text:out:{\"version\": "},
+    {"orbit", "--verbose", "", "orbit impact-oscillator --periods 1", "--verbose", "differs:err"},
+    {"orbit", "--rtol", "", "orbit impact-oscillator --periods 1 --json", "--rtol 1e-4", "differs:out"},
+    {"orbit", "--atol", "", "orbit impact-oscillator --periods 1 --json", "--atol 1e-3", "differs:out"},
+    {"orbit", "--integrator", "", "orbit impact-oscillator --periods 1 --json", "--integrator radau",
+     "differs:out"},
+
+    {"continue", "--set", "", CONTINUE, "--set F=0.6", "attr:b.h5:/parameters:F=0.6"},
+    {"continue", "--from", "", CONTINUE, "--from ../in/orbit.json", "attr:b.h5:/parameters:omega=1.01"},
+    {"continue", "--in", "", CONTINUE, "--in c=0.05:0.2", "attr:b.h5:/continuation:key1=c"},
+    {"continue", "--in", "", CONTINUE, "--in omega=0.98:1.01", "attr:b.h5:/continuation:low1=0.98"},
+    {"continue", "--in", "", CONTINUE, "--in omega=0.99:1.03", "attr:b.h5:/continuation:high1=1.03"},
+    {"continue", "--locus", "", "continue ../in/flip.yaml --from ../in/flip.json --in omega=2.55:2.7 -o b.h5",
+     "--locus PD --and r=0.79:0.81", "attr:b.h5:/continuation:locus=PD"},
+    {"continue", "--and", "", "continue ../in/flip.yaml --from ../in/flip.json --in omega=2.55:2.7 -o b.h5",
+     "--locus PD --and r=0.79:0.81", "attr:b.h5:/continuation:high2=0.81"},
+    {"continue", "--periods", "", CONTINUE, "--periods 2", "attr:b.h5:/start:periods=2"},
+    {"continue", "--step", "", CONTINUE, "--step 0.007", "attr:b.h5:/continuation:step=0.007"},
+    {"continue", "--step-max", "", CONTINUE, "--step-max 0.2", "attr:b.h5:/continuation:step_max=0.2"},
+    {"continue", "--points", "", CONTINUE, "--points 4", "attr:b.h5:/continuation:points=4"},
+    {"continue", "--direction", "", CONTINUE, "--direction down", "attr:b.h5:/continuation:direction=-1"},
+    {"continue", "--direction", "", CONTINUE, "--direction up", "attr:b.h5:/continuation:direction=1"},
+    {"continue", "--switch", "", CONTINUE, "--switch 1", "attr:b.h5:/continuation:switches=1"},
+    {"continue", "--at", "", CONTINUE, "--at 0.995,1.005", "rows:b.h5:continuation/values=2"},
+    {"continue", "--resume", CONTINUE, "continue impact-oscillator --in omega=0.99:1.01 --points 5 -o b.h5",
+     "--resume", "attr:b.h5:/continuation:points=2"},
+    {"continue", "--transient", "", "continue " TWICE " --in omega=2.69:2.71 --points 2 -o b.h5",
+     "--transient 3", "refused"},
+    {"continue", "--longest", "",
+     "continue " TWICE " --in omega=2.69:2.71 --points 2 --transient 200 -o b.h5", "--longest 1", "refused"},
+    {"continue", "--json", "", CONTINUE, "--json", "text:out:\"arclength\": "},
+    {"continue", "-o", "", "continue impact-oscillator --in omega=0.99:1.01 --points 2", "-o x.h5",
+     "made:x.h5"},
+    {"continue", "--rtol", "", CONTINUE, "--rtol 1e-11", "attr:b.h5:/continuation:rtol=1e-11"},
+    {"continue", "--atol", "", CONTINUE, "--atol 1e-13", "attr:b.h5:/continuation:atol=1e-13"},
+    {"continue", "--integrator", "", CONTINUE, "--integrator radau", "attr:b.h5:/continuation:integrator=2"},
+
+    {"sweep", "--set", "", SWEEP, "--set F=0.6", "attr:s.h5:/parameters:F=0.6"},
+    {"sweep", "--over", "", SWEEP, "--over c=0.1:0.2:3", "attr:s.h5:/sweep:key2=c"},
+    {"sweep", "--over", "", SWEEP, "--over c=0.1:0.2:3:log", "attr:s.h5:/sweep:spacing2=logarithmic"},
+    {"sweep", "--over", "", SWEEP, "--over c=0.1,0.2,0.4", "rows:s.h5:axes/axis2=3"},
+    {"sweep", "--start", "", SWEEP, "--start carry", "attr:s.h5:/sweep:passes=up,down"},
+    {"sweep", "--start", "", SWEEP, "--start both", "attr:s.h5:/sweep:passes=reset,up,down"},
+    {"sweep", "--seeds", "", SWEEP, "--seeds 3", "attr:s.h5:/sweep:seeds=3"},
+    {"sweep", "--seed", "", SWEEP, "--seed 7", "attr:s.h5:/sweep:seed=7"},
+    {"sweep", "--what", "", SWEEP, "--what impacts,lyapunov", "attr:s.h5:/sweep:keep=impacts,lyapunov"},
+    {"sweep", "--what", "", SWEEP, "--what stroboscopic", "attr:s.h5:/sweep:keep=stroboscopic"},
+    {"sweep", "--what", "", SWEEP, "--what turning,class", "attr:s.h5:/sweep:keep=turning"},
+    {"sweep", "--at-most", "", SWEEP, "--at-most 300", "attr:s.h5:/sweep:transient=300"},
+    {"sweep", "--longest", "", SWEEP, "--longest 9", "attr:s.h5:/sweep:longest=9"},
+    {"sweep", "--transient", "", SWEEP, "--transient 33", "attr:s.h5:/sweep:transient=33"},
+    {"sweep", "--transient", "", SWEEP, "--transient 33", "attr:s.h5:/sweep:adaptive=0"},
+    {"sweep", "--record", "", SWEEP, "--record 12", "attr:s.h5:/sweep:record=12"},
+    {"sweep", "--measure", "", SWEEP, "--measure 4321", "attr:s.h5:/sweep:measure=4321"},
+    {"sweep", "-o", "", "sweep impact-oscillator --over omega=0.9:1.1:2 --quiet", "-o x.csv", "made:x.csv"},
+    {"sweep", "--resume", SWEEP, SWEEP " --json", "--resume", "json:computed=0"},
+    {"sweep", "--lanes", "", SWEEP " --lanes 1", "--lanes 2", "same:s.h5"},
+    {"sweep", "--threads", "", SWEEP, "--threads 2", "same:s.h5"},
+    {"sweep", "--json", "", SWEEP, "--json", "text:out:{\"version\": "},
+    {"sweep", "--rtol", "", SWEEP, "--rtol 1e-6", "attr:s.h5:/sweep:rtol=1e-6"},
+    {"sweep", "--atol", "", SWEEP, "--atol 1e-7", "attr:s.h5:/sweep:atol=1e-7"},
+    {"sweep", "--integrator", "", SWEEP, "--integrator radau", "attr:s.h5:/sweep:integrator=radau"},
+
+    {"basins", "--set", "", BASINS, "--set F=0.6", "attr:s.h5:/parameters:F=0.6"},
+    {"basins", "--over", "", "basins impact-oscillator --over q1=0:0.2:2 --quiet -o s.h5",
+     "--over v1=0:0.2:3", "rows:s.h5:axes/axis2=3"},
+    {"basins", "--at-most", "", BASINS, "--at-most 300", "attr:s.h5:/sweep:transient=300"},
+    {"basins", "--longest", "", BASINS, "--longest 9", "attr:s.h5:/sweep:longest=9"},
+    {"basins", "-o", "", "basins impact-oscillator --over q1=0:0.2:2 --over v1=0:0.2:2 --quiet", "-o x.h5",
+     "made:x.h5"},
+    {"basins", "--resume", BASINS, BASINS " --json", "--resume", "json:computed=0"},
+    {"basins", "--lanes", "", BASINS " --lanes 1", "--lanes 2", "same:s.h5"},
+    {"basins", "--threads", "", BASINS, "--threads 2", "same:s.h5"},
+    {"basins", "--json", "", BASINS, "--json", "text:out:{\"version\": "},
+    {"basins", "--rtol", "", BASINS, "--rtol 1e-6", "attr:s.h5:/sweep:rtol=1e-6"},
+    {"basins", "--atol", "", BASINS, "--atol 1e-7", "attr:s.h5:/sweep:atol=1e-7"},
+    {"basins", "--integrator", "", BASINS, "--integrator radau", "attr:s.h5:/sweep:integrator=radau"},
+
+    {"lyapunov", "--set", "", LYAPUNOV, "--set F=1.1", "json:parameters.F=1.1"},
+    {"lyapunov", "--all", "", LYAPUNOV, "--all", "count:exponents=2"},
+    {"lyapunov", "--exponents", "", LYAPUNOV, "--exponents 2", "count:exponents=2"},
+    {"lyapunov", "--precision", "", LYAPUNOV, "--precision 0.5", "json:options.precision=0.5"},
+    {"lyapunov", "--transient", "", LYAPUNOV, "--transient 31", "json:options.transient=31"},
+    {"lyapunov", "--periods", "", LYAPUNOV, "--periods 2400", "json:options.periods=2400"},
+    {"lyapunov", "--members", "", LYAPUNOV, "--members 3", "json:options.members=3"},
+    {"lyapunov", "--interval", "", LYAPUNOV, "--interval 2 --periods 3200", "json:options.interval=2"},
+    {"lyapunov", "--seed", "", LYAPUNOV, "--seed 4", "json:options.seed=4"},
+    {"lyapunov", "--json", "", "lyapunov impact-oscillator --transient 20 --periods 1800", "--json",
+     "text:out:{\"version\": "},
+    {"lyapunov", "--rtol", "", LYAPUNOV, "--rtol 1e-7", "json:options.rtol=1e-7"},
+    {"lyapunov", "--atol", "", LYAPUNOV, "--atol 1e-8", "json:options.atol=1e-8"},
+    {"lyapunov", "--integrator", "", LYAPUNOV, "--integrator radau", "json:options.integrator=radau"},
+    {"lyapunov", "-o", "", LYAPUNOV, "-o x.csv", "made:x.csv"},
+
+    {"spectrum", "--set", "", "spectrum impact-oscillator --samples 64 --json", "--set F=0.6", "differs:out"},
+    {"spectrum", "--of", "", "spectrum impact-oscillator --samples 64 --json", "--of v1",
+     "json:spectra.0.quantity=v1"},
+    {"spectrum", "--periods", "", "spectrum impact-oscillator --samples 64 --json", "--periods 4",
+     "json:analysed_periods=4"},
+    {"spectrum", "--segment", "", "spectrum " CHAOS " --transient 60 --periods 128 --samples 32 --json",
+     "--segment 16", "json:spectra.0.resolution=0.0625"},
+    {"spectrum", "--samples", "", "spectrum impact-oscillator --samples 64 --json", "--samples 128",
+     "json:samples_per_period=128"},
+    {"spectrum", "--json", "", "spectrum impact-oscillator --samples 64", "--json",
+     "text:out:{\"version\": "},
+    {"spectrum", "-o", "", "spectrum impact-oscillator --samples 64", "-o x.csv", "made:x.csv"},
+    {"spectrum", "--rtol", "", "spectrum impact-oscillator --samples 64 -o s.csv", "--rtol 1e-6",
+     "text:s.csv:rtol = 9.99999999999999"},
+    {"spectrum", "--atol", "", "spectrum impact-oscillator --samples 64 -o s.csv", "--atol 0.5",
+     "text:s.csv:atol = 0.5,"},
+    {"spectrum", "--transient", "", "spectrum " TWICE " --samples 64 --json --periods 128", "--transient 3",
+     "differs:out"},
+    {"spectrum", "--longest", "", "spectrum " TWICE " --samples 64 --json --periods 128 --transient 200",
+     "--longest 1", "differs:out"},
+    {"spectrum", "--integrator", "", "spectrum impact-oscillator --samples 64 -o s.csv", "--integrator radau",
+     "text:s.csv:integrator = radau"},
+
+    {"plot", "-o", "", "plot ../in/branch.h5", "-o x.png", "made:x.png"},
+    {"plot", "--show", "", "plot ../in/branch.h5 -o x.png", "--show displacement", "differs:script"},
+    {"plot", "--show", "", "plot ../in/branch.h5 -o x.png", "--show velocity", "differs:script"},
+    {"plot", "--show", "", "plot ../in/branch.h5 -o x.png", "--show period", "differs:script"},
+    {"plot", "--range", "", "plot ../in/branch.h5 -o x.png", "--range omega=0.995:1.003", "differs:script"},
+    {"plot", "--label", "", "plot ../in/plane.h5 -o x.png", "--label r=0.8,omega=2.6562,here",
+     "text:script:here"},
+    {"plot", "--view", "", "plot ../in/sweep.h5 -o x.png", "--view impacts", "differs:script"},
+    {"plot", "--view", "", "plot ../in/sweep.h5 -o x.png", "--view stroboscopic", "differs:script"},
+    {"plot", "--view", "", "plot ../in/map.h5 -o x.png", "--view attractors", "differs:script"},
+    {"plot", "--view", "", "plot ../in/map.h5 -o x.png", "--view largest", "differs:script"},
+    {"plot", "--view", "", "plot ../in/map.h5 -o x.png", "--view speed", "differs:script"},
+    {"plot", "--view", "", "plot ../in/map.h5 -o x.png", "--view rate", "differs:script"},
+    {"plot", "--view", "", "plot ../in/map.h5 -o x.png", "--view contact", "differs:script"},
+    {"plot", "--view", "", "plot ../in/map.h5 -o x.png", "--view lyapunov", "differs:script"},
+    {"plot", "--view", "", "plot ../in/map.h5 -o x.png", "--view settled", "differs:script"},
+    {"plot", "--title", "", "plot ../in/sweep.h5 -o x.png", "--title 'of one more kind'",
+     "text:script:of one more kind"},
+    {"plot", "--over", "", "plot ../in/sweep.h5 --view impacts -o x.png", "--over ../in/branch.h5",
+     "differs:script"},
+
+    {"export", "--table", "", "export ../in/sweep.h5 -o x.csv", "--table turning", "differs:x.csv"},
+    {"export", "--table", "", "export ../in/sweep.h5 -o x.csv", "--table impacts", "differs:x.csv"},
+    {"export", "--table", "", "export ../in/sweep.h5 -o x.csv", "--table stroboscopic", "differs:x.csv"},
+    {"export", "-o", "", "export ../in/sweep.h5", "-o x.csv", "made:x.csv"},
+
+    {"paper", "--figure", "", "paper --figure 3 -o p", "--figure 3 --format svg", "made:p/fig3.svg"},
+    {"paper", "-o", "", "paper --figure 3", "-o elsewhere", "made:elsewhere/fig3.png"},
+    {"paper", "--format", "", "paper --figure 3 -o p", "--format pdf", "made:p/fig3.pdf"},
+
+    {"check", "--set", "", "check impact-oscillator", "--set F=0.6", "differs:out"},
+};
+
+/* Options that have a case of their own below. */
+static const char *const others[] = {"paper --quick", "paper --resume"};
+
+static void put_text(const fixture *f, const char *name, const char *text) {
+    char path[320];
+    snprintf(path, sizeof path, "%s/%s", f->folder, name);
+    FILE *file = fopen(path, "w");
+    assert_non_null(file);
+    fputs(text, file);
+    fclose(file);
+}
+
+/* The exit status of the command line in a folder of the fixture's; a leading path to the program is added.
+ */
+static int run_in(const fixture *f, const char *where, const char *line, const char *more) {
+    char text[1600];
+    snprintf(text, sizeof text, "cd %s/%s && PATH=%s/tools:$PATH && export PATH && { %s %s %s; } >out 2>err",
+             f->folder, where, f->folder, SALTUS_COMMAND, line, more);
+    int outcome = system(text);
+    return WIFEXITED(outcome) ? WEXITSTATUS(outcome) : 128;
+}
+
+static void *text_of(const fixture *f, const char *where, const char *name, size_t *length) {
+    char path[320];
+    snprintf(path, sizeof path, "%s/%s/%s", f->folder, where, name);
+    return read_all(path, length);
+}
+
+static bool is_there(const fixture *f, const char *where, const char *name) {
+    char path[320];
+    snprintf(path, sizeof path, "%s/%s/%s", f->folder, where, name);
+    return access(path, F_OK) == 0;
+}
+
+static void clear(const fixture *f, const char *where) {
+    char path[96], text[128];
+    snprintf(path, sizeof path, "%s/%s", f->folder, where);
+    if (folder_files(path, true) > 0 && folder_files(path, false) > 0) {
+        snprintf(text, sizeof text, "rm -rf %s/*", path); /* folders of figures */
+        assert_int_equal(system(text), 0);
+    }
+}
+
+static void must(const fixture *f, const char *line) {
+    size_t length;
+    if (run_in(f, "in", line, "") != 0)
+        fail_msg("%s: %s", line, (char *)text_of(f, "in", "err", &length));
+}
+
+static void prepare(const fixture *f) {
+    static const char oscillator[] = "model: oscillator\nc: 0.05\nF: 1\nomega: %s\nstop: {d: 0, r: 0.8}\n";
+    char text[256];
+    put_text(f, "tools/gnuplot", "#!/bin/sh\ncat >script\nprintf %080d 0\nprintf 'IEND....'\n");
+    snprintf(text, sizeof text, "%s/tools/gnuplot", f->folder);
+    chmod(text, 0755);
+    snprintf(text, sizeof text, oscillator, "2.8");
+    put_text(f, "in/chaos.yaml", text);
+    snprintf(text, sizeof text, oscillator, "2.7");
+    put_text(f, "in/twice.yaml", text);
+    snprintf(text, sizeof text, oscillator, "2.6");
+    put_text(f, "in/flip.yaml", text);
+    put_text(f, "in/sides.yaml",
+             "model: oscillator\nc: 0.1\nF: 0.5\nomega: 1\nstop: {d: 1, r: 0.8, sides: both}\n");
+    must(f, "orbit impact-oscillator --set omega=1.01 --periods 1 --json >orbit.json");
+    must(f, "orbit flip.yaml --periods 1 --json >flip.json");
+    must(f, "continue impact-oscillator --in omega=0.99:1.01 -o branch.h5");
+    must(f,
+         "continue flip.yaml --from flip.json --in omega=2.55:2.7 --locus PD --and r=0.79:0.81 -o plane.h5");
+    must(f, "sweep impact-oscillator --over omega=0.9:1.1:5 --what turning,impacts,stroboscopic --quiet -o "
+            "sweep.h5");
+    must(f, "sweep impact-oscillator --over omega=0.9:2.9:3 --over F=0.3:0.6:2 --what lyapunov --quiet -o "
+            "map.h5");
+}
+
+static int open_fixture(void **state) {
+    static const char *const rooms[] = {"in", "base", "with", "tools"};
+    fixture *f = calloc(1, sizeof *f);
+    strcpy(f->folder, "/tmp/saltus-test-XXXXXX");
+    assert_non_null(mkdtemp(f->folder));
+    for (int k = 0; k < 4; k++) {
+        char path[320];
+        snprintf(path, sizeof path, "%s/%s", f->folder, rooms[k]);
+        mkdir(path, 0777);
+    }
+    H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
+    prepare(f);
+    *state = f;
+    return 0;
+}
+
+static int close_fixture(void **state) {
+    fixture *f = *state;
+    char text[128];
+    snprintf(text, sizeof text, "rm -rf %s", f->folder);
+    int outcome = system(text);
+    free(f);
+    return outcome;
+}
+
+/* Whether a value is the one that a witness names: numbers as numbers. */
+static bool is_value(const char *wanted, bool number, double value, const char *text) {
+    return number ? value == strtod(wanted, NULL) : text && strcmp(text, wanted) == 0;
+}
+
+static bool json_tells(const fixture *f, const char *where, const char *path, const char *wanted,
+                       bool count) {
+    size_t length;
+    char *text = text_of(f, where, "out", &length);
+    const char *at = text;
+    json *object = json_value(&at); /* the first where there are several */
+    const json *found = json_find(object, path);
+    bool told = found && (count ? json_count(found) == atoi(wanted)
+                                : is_value(wanted, found->kind == JSON_NUMBER, found->number, found->text));
+    json_free(object);
+    free(text);
+    return told;
+}
+
+static bool attribute_tells(const char *file, const char *group, const char *name, const char *wanted) {
+    double number = 0;
+    char text[256] = "";
+    hid_t from = H5Fopen(file, H5F_ACC_RDONLY, H5P_DEFAULT);
+    assert_true(from >= 0);
+    bool told = H5Aexists_by_name(from, group, name, H5P_DEFAULT) > 0;
+    if (told) {
+        hid_t attribute = H5Aopen_by_name(from, group, name, H5P_DEFAULT, H5P_DEFAULT);
+        hid_t type = H5Aget_type(attribute);
+        bool words = H5Tget_class(type) == H5T_STRING;
+        if (words)
+            H5Aread(attribute, type, text);
+        else
+            H5Aread(attribute, H5T_NATIVE_DOUBLE, &number);
+        told = is_value(wanted, !words, number, text);
+        H5Tclose(type);
+        H5Aclose(attribute);
+    }
+    H5Fclose(from);
+    return told;
+}
+
+static bool rows_tell(const char *file, const char *name, const char *wanted) {
+    hsize_t extent[8] = {0};
+    hid_t from = H5Fopen(file, H5F_ACC_RDONLY, H5P_DEFAULT);
+    bool there = from >= 0 && H5Lexists(from, name, H5P_DEFAULT) > 0;
+    if (there) {
+        hid_t set = H5Dopen2(from, name, H5P_DEFAULT), space = H5Dget_space(set);
+        H5Sget_simple_extent_dims(space, extent, NULL);
+        H5Sclose(space);
+        H5Dclose(set);
+    }
+    if (from >= 0)
+        H5Fclose(from);
+    return there && extent[0] == strtoull(wanted, NULL, 10);
+}
+
+static bool text_tells(const fixture *f, const char *where, const char *name, const char *wanted,
+                       bool lines) {
+    size_t length;
+    char *text = text_of(f, where, name, &length);
+    int count = 0;
+    for (size_t k = 0; k < length; k++)
+        count += text[k] == '\n';
+    bool told = lines ? count == atoi(wanted) : strstr(text, wanted) != NULL;
+    free(text);
+    return told;
+}
+
+static bool same_files(const fixture *f, const char *name) {
+    size_t a, b;
+    void *first = text_of(f, "base", name, &a), *second = text_of(f, "with", name, &b);
+    bool same = a == b && memcmp(first, second, a) == 0;
+    free(first);
+    free(second);
+    return same;
+}
+
+/* Whether a run in one of the two folders shows what the witness says. */
+static bool tells(const fixture *f, const char *where, const char *witness) {
+    char copy[256], path[320], *part[4] = {NULL}, *rest = copy;
+    snprintf(copy, sizeof copy, "%s", witness);
+    bool words = strncmp(witness, "text:", 5) == 0;
+    for (int k = 0; k < (words ? 2 : 4) && *rest; k++) {
+        part[k] = rest;
+        rest += strcspn(rest, k || words ? ":=" : ":");
+        if (*rest)
+            *rest++ = '\0';
+    }
+    if (words)
+        part[2] = rest;
+    snprintf(path, sizeof path, "%s/%s/%s", f->folder, where, part[1] ? part[1] : "");
+    if (strcmp(part[0], "json") == 0 || strcmp(part[0], "count") == 0)
+        return json_tells(f, where, part[1], part[2], part[0][0] == 'c');
+    if (strcmp(part[0], "rows") == 0)
+        return rows_tell(path, part[2], part[3]);
+    if (strcmp(part[0], "attr") == 0) {
+        const char *wanted = strrchr(witness, '=') + 1;
+        char name[64];
+        snprintf(name, sizeof name, "%.*s", (int)strcspn(part[3], "="), part[3]);
+        return attribute_tells(path, part[2], name, wanted);
+    }
+    if (strcmp(part[0], "made") == 0)
+        return is_there(f, where, part[1]);
+    assert_true(words || strcmp(part[0], "lines") == 0);
+    return text_tells(f, where, part[1], part[2], !words);
+}
+
+/* What is wrong; NULL: nothing. */
+static const char *check_case(fixture *f, const option_case *c) {
+    char key[sizeof f->last];
+    snprintf(key, sizeof key, "%s; %s", c->before, c->base);
+    if (strcmp(key, f->last) != 0) {
+        clear(f, "base");
+        if (c->before[0])
+            assert_int_equal(run_in(f, "base", c->before, ""), 0);
+        f->status = run_in(f, "base", c->base, "");
+        strcpy(f->last, key);
+    }
+    clear(f, "with");
+    if (c->before[0])
+        assert_int_equal(run_in(f, "with", c->before, ""), 0);
+    int status = run_in(f, "with", c->base, c->more);
+    bool made = strncmp(c->witness, "made:", 5) == 0, rows = strncmp(c->witness, "rows:", 5) == 0;
+    if (!made && !rows && f->status != 0)
+        return "fails without the option";
+    if (strcmp(c->witness, "refused") == 0)
+        return status == 2 ? NULL : "is accepted with the option";
+    if (status != 0)
+        return "fails with the option";
+    const char *name = strchr(c->witness, ':') + 1;
+    if (strncmp(c->witness, "differs:", 8) == 0)
+        return same_files(f, name) ? "gives the same with the option" : NULL;
+    if (strncmp(c->witness, "same:", 5) == 0)
+        return same_files(f, name) ? NULL : "gives something else with the option";
+    if (!tells(f, "with", c->witness))
+        return "does not show it with the option";
+    return tells(f, "base", c->witness) ? "shows it without the option, too" : NULL;
+}
+
+static void each_option_takes_effect(void **state) {
+    int wrong = 0;
+    for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
+        const char *what = check_case(*state, &cases[k]);
+        if (what)
+            print_error("%s %s: %s: %s\n", cases[k].base, cases[k].more, what, cases[k].witness);
+        wrong += what != NULL;
+    }
+    assert_int_equal(wrong, 0);
+}
+
+/* An option as the help lists it. */
+typedef struct listed {
+    char command[16], name[24], argument[24];
+} listed;
+
+/* All options of all commands, from their help; how many. */
+static int list_options(const fixture *f, listed options[options_max]) {
+    char commands[commands_max][16];
+    size_t length;
+    int count = 0, found = 0;
+    assert_int_equal(run_in(f, "in", "--help", ""), 0);
+    char *text = text_of(f, "in", "out", &length), *rest = text;
+    for (char *line = strtok_r(rest, "\n", &rest); line; line = strtok_r(NULL, "\n", &rest))
+        if (strncmp(line, "  saltus ", 9) == 0 && count < commands_max)
+            assert_int_equal(sscanf(line, "  saltus %15s", commands[count++]), 1);
+    free(text);
+    for (int k = 0; k < count; k++) {
+        assert_int_equal(run_in(f, "in", commands[k], "--help"), 0);
+        text = rest = text_of(f, "in", "out", &length);
+        for (char *line = strtok_r(rest, "\n", &rest); line; line = strtok_r(NULL, "\n", &rest)) {
+            listed *o = &options[found];
+            if (strncmp(line, "  -", 3) != 0)
+                continue;
+            assert_true(found < options_max);
+            *o = (listed){.argument = ""};
+            strcpy(o->command, commands[k]);
+            sscanf(line, "  %23s", o->name);
+            const char *after = line + 2 + strlen(o->name);
+            if (after[0] == ' ' && after[1] != ' ')
+                sscanf(after, " %23s", o->argument);
+            found++;
+        }
+        free(text);
+    }
+    assert_true(count >= 14 && found > 100);
+    return found;
+}
+
+static bool has_case(const listed *o) {
+    char name[48];
+    snprintf(name, sizeof name, "%.15s %.23s", o->command, o->name);
+    for (size_t k = 0; k < sizeof others / sizeof others[0]; k++)
+        if (strcmp(others[k], name) == 0)
+            return true;
+    for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++)
+        if (strcmp(cases[k].command, o->command) == 0 && strcmp(cases[k].option, o->name) == 0)
+            return true;
+    return strcmp(o->name, "--quiet") == 0; /* quiet_commands_are_silent */
+}
+
+static void each_listed_option_has_a_case(void **state) {
+    static listed options[options_max];
+    int count = list_options(*state, options);
+    for (int k = 0; k < count; k++)
+        if (!has_case(&options[k]))
+            fail_msg("nothing shows that %s %s takes effect", options[k].command, options[k].name);
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        bool known = false;
+        for (int k = 0; k < count && !known; k++)
+            known = strcmp(cases[i].command, options[k].command) == 0 &&
+                    strcmp(cases[i].option, options[k].name) == 0;
+        if (!known)
+            fail_msg("%s --help does not list %s", cases[i].command, cases[i].option);
+    }
+}
+
+/* A command that has all it needs, but for the option. */
+static const char *beginning_of(const char *command) {
+    static const char *const lines[][2] = {
+        {"classify", "classify impact-oscillator"},
+        {"diagnose", "diagnose impact-oscillator -o never.png"},
+        {"simulate", "simulate impact-oscillator --periods 2 -o never.h5"},
+        {"orbit", "orbit impact-oscillator --periods 1"},
+        {"continue", "continue impact-oscillator --in omega=0.9:1.1 --locus GR --and d=0.9:1.1 -o never.h5"},
+        {"sweep", "sweep impact-oscillator --over omega=0.9:1.1:2 -o never.h5"},
+        {"basins", "basins impact-oscillator --over q1=0:1:2 --over v1=0:1:2 -o never.h5"},
+        {"lyapunov", "lyapunov impact-oscillator"},
+        {"spectrum", "spectrum impact-oscillator"},
+        {"plot", "plot ../in/sweep.h5 --view impacts -o never.png"},
+        {"export", "export ../in/sweep.h5 -o never.csv"},
+        {"paper", "paper -o never"},
+        {"scenes", "scenes"},
+        {"check", "check impact-oscillator"}};
+    for (size_t k = 0; k < sizeof lines / sizeof lines[0]; k++)
+        if (strcmp(lines[k][0], command) == 0)
+            return lines[k][1];
+    fail_msg("no beginning for %s", command);
+    return NULL;
+}
+
+/* Exit status 2, nothing on stdout, one sentence on stderr that holds both words, and no file. */
+static char *check_refused(const fixture *f, const char *line, const char *more, const char *one,
+                           const char *other) {
+    size_t length;
+    clear(f, "with");
+    int status = run_in(f, "with", line, more);
+    char *out = text_of(f, "with", "out", &length), *err = text_of(f, "with", "err", &length);
+    char *end = strchr(err, '\n');
+    if (status != 2 || out[0] || strncmp(err, "saltus: ", 8) != 0 || !end || end[1] || !strstr(err, one) ||
+        !strstr(err, other))
+        fail_msg("%s %s: exit status %d, stdout '%s', stderr '%s'", line, more, status, out, err);
+    char path[96];
+    snprintf(path, sizeof path, "%s/with", f->folder);
+    assert_int_equal(folder_files(path, false), 2);
+    free(out);
+    return err;
+}
+
+/* Any file or text may be good for these. */
+static bool takes_anything(const listed *o) {
+    static const char *const names[] = {"-o", "--data", "--title"};
+    for (int k = 0; k < 3; k++)
+        if (strcmp(o->name, names[k]) == 0)
+            return true;
+    return false;
+}
+
+/* The bounds are those that the sentence tells: both are accepted, as far as the scene, which is not there;
+ * what lies beyond them is not. */
+static void check_bounds(const fixture *f, const listed *o, const char *sentence) {
+    const char *at = strstr(sentence, "number from ");
+    char line[128], more[128], whole = strstr(sentence, "whole number") != NULL, value[48];
+    double bound[2];
+    if (!at || strcmp(o->command, "paper") == 0)
+        return;
+    assert_int_equal(sscanf(at, "number from %lf to %lf", &bound[0], &bound[1]), 2);
+    const char *beginning = beginning_of(o->command), *scene = strstr(beginning, "impact-oscillator");
+    assert_non_null(scene);
+    snprintf(line, sizeof line, "%.*snosuchscene%s", (int)(scene - beginning), beginning,
+             scene + strlen("impact-oscillator"));
+    for (int k = 0; k < 2; k++) {
+        double step = whole ? 1 : fmax(fabs(bound[k]), 1e-300) * 1e-9, beyond = bound[k] + (k ? step : -step);
+        snprintf(value, sizeof value, "%.17g", bound[k]);
+        snprintf(more, sizeof more, "%.23s %.47s", o->name, value);
+        char *text = check_refused(f, line, more, "", "");
+        if (!strstr(text, "nosuchscene"))
+            fail_msg("%s: %s", more, text);
+        free(text);
+        snprintf(value, sizeof value, "%.17g", beyond);
+        snprintf(more, sizeof more, "%.23s %.47s", o->name, value);
+        free(check_refused(f, line, more, o->name, value));
+    }
+    if (whole) {
+        snprintf(more, sizeof more, "%.23s %.1f", o->name, bound[0] + 0.5);
+        free(check_refused(f, line, more, o->name, "whole"));
+    }
+}
+
+static void bad_values_are_refused_by_name(void **state) {
+    static listed options[options_max];
+    static char bounds[options_max][128]; /* those that have been tried: many commands share an option */
+    int tried = 0;
+    const fixture *f = *state;
+    int count = list_options(f, options);
+    for (int k = 0; k < count; k++) {
+        const listed *o = &options[k];
+        const char *line = beginning_of(o->command);
+        char more[64];
+        if (strcmp(o->command, "basins") == 0 && strcmp(o->name, "--over") == 0)
+            line = "basins impact-oscillator --over q1=0:1:2 -o never.h5"; /* exactly two are wanted */
+        if (!o->argument[0])
+            continue;
+        free(check_refused(f, line, o->name, o->name, ""));
+        if (takes_anything(o))
+            continue;
+        snprintf(more, sizeof more, "%.23s not~good", o->name);
+        bool file = strcmp(o->name, "--from") == 0 || (strcmp(o->name, "--over") == 0 && line[0] == 'p');
+        char *sentence = check_refused(f, line, more, file ? "" : o->name, "not~good");
+        int same = 0;
+        while (same < tried && strncmp(bounds[same], sentence, sizeof bounds[0] - 1) != 0)
+            same++;
+        if (same == tried) {
+            snprintf(bounds[tried++], sizeof bounds[0], "%.127s", sentence);
+            check_bounds(f, o, sentence);
+        }
+        free(sentence);
+    }
+}
+
+static void unknown_options_are_refused_by_every_command(void **state) {
+    static listed options[options_max];
+    const fixture *f = *state;
+    int count = list_options(f, options);
+    for (int k = 0; k < count; k++)
+        if (k == 0 || strcmp(options[k].command, options[k - 1].command) != 0)
+            free(check_refused(f, beginning_of(options[k].command), "--unheard-of", "--unheard-of",
+                               options[k].command));
+    free(check_refused(f, "scenes", "--json", "--json", "scenes"));
+    free(check_refused(f, "unheard-of", "", "unheard-of", ""));
+}
+
+/* Of an option that comes twice the last value holds; settings and lists are added up. */
+static void of_a_repeated_option_the_last_value_holds(void **state) {
+    const fixture *f = *state;
+    clear(f, "base");
+    clear(f, "with");
+    assert_int_equal(run_in(f, "base", LYAPUNOV, "--rtol 1e-7 --integrator radau --members 4"), 0);
+    assert_int_equal(
+        run_in(f, "with", LYAPUNOV,
+               "--rtol 1e-3 --members 2 --integrator taylor --rtol 1e-7 --integrator radau --members 4 "
+               "--json"),
+        0);
+    assert_true(same_files(f, "out"));
+    assert_int_equal(run_in(f, "base", "check impact-oscillator", "--set F=0.7 c=0.2 F=0.6"), 0);
+    assert_int_equal(run_in(f, "with", "check impact-oscillator", "--set F=0.7 --set c=0.2 --set F=0.6"), 0);
+    assert_true(same_files(f, "out"));
+    assert_int_equal(run_in(f, "with", "check impact-oscillator", "--set F=0.6 --set c=0.2 --set F=0.7"), 0);
+    assert_false(same_files(f, "out"));
+    free(check_refused(f, "classify impact-oscillator", "--rtol 1 --rtol 1e-9", "--rtol", "1:"));
+    ((fixture *)*state)->last[0] = '\0';
+}
+
+/* Bytes that a command writes to stderr where that is a terminal. */
+static size_t words_on_terminal(const fixture *f, const char *line, const char *more) {
+    int master = posix_openpt(O_RDWR | O_NOCTTY);
+    char text[1024], block[4096];
+    size_t heard = 0;
+    assert_true(master >= 0 && grantpt(master) == 0 && unlockpt(master) == 0);
+    snprintf(text, sizeof text, "cd %s/with && PATH=%s/tools:$PATH %s %s %s >out", f->folder, f->folder,
+             SALTUS_COMMAND, line, more);
+    const char *name = ptsname(master);
+    int slave = open(name, O_RDWR | O_NOCTTY);
+    pid_t child = fork();
+    if (child == 0) {
+        dup2(slave, STDERR_FILENO);
+        close(slave);
+        close(master);
+        execl("/bin/sh", "sh", "-c", text, (char *)NULL);
+        _exit(99);
+    }
+    close(slave);
+    for (ssize_t got; (got = read(master, block, sizeof block)) > 0;)
+        heard += (size_t)got;
+    int outcome = 0;
+    waitpid(child, &outcome, 0);
+    close(master);
+    if (outcome != 0)
+        fail_msg("%s %s on a terminal: %#x: %.300s", line, more, (unsigned)outcome, block);
+    return heard;
+}
+
+/* On a terminal there is a progress line; --quiet is heeded by every command that lists it, and elsewhere
+ * stderr is empty. */
+static void quiet_commands_are_silent(void **state) {
+    static const char *const lines[][2] = {
+        {"classify", "classify impact-oscillator"},
+        {"diagnose", "diagnose impact-oscillator -o x.png"},
+        {"continue", "continue impact-oscillator --in omega=0.99:1.01 --points 2 -o x.h5"},
+        {"sweep", "sweep impact-oscillator --over omega=0.9:1.1:2 -o x.h5"},
+        {"basins", "basins impact-oscillator --over q1=0:1:2 --over v1=0:1:2 -o x.h5"},
+        {"lyapunov", "lyapunov impact-oscillator --transient 20 --periods 1800"},
+        {"spectrum", "spectrum impact-oscillator --samples 64"},
+        {"paper", "paper --figure 3 -o p"}};
+    static listed options[options_max];
+    const fixture *f = *state;
+    int count = list_options(f, options), quiet = 0;
+    for (int k = 0; k < count; k++)
+        quiet += strcmp(options[k].name, "--quiet") == 0;
+    assert_int_equal(quiet, sizeof lines / sizeof lines[0]);
+    for (size_t k = 0; k < sizeof lines / sizeof lines[0]; k++) {
+        clear(f, "with");
+        if (words_on_terminal(f, lines[k][1], "") == 0)
+            fail_msg("%s shows no progress on a terminal", lines[k][0]);
+        if (words_on_terminal(f, lines[k][1], "--quiet") != 0)
+            fail_msg("%s --quiet is not silent", lines[k][0]);
+        size_t length;
+        assert_int_equal(run_in(f, "with", lines[k][1], ""), 0);
+        free(text_of(f, "with", "err", &length));
+        if (length)
+            fail_msg("%s writes to stderr where that is no terminal", lines[k][0]);
+    }
+}
+
+/* Begin the paper's second figure, end it when its sweep has begun, and read what it was told to do. */
+static void begin_figure(const fixture *f, const char *more, const char *transient, const char *values) {
+    char text[1024], path[320];
+    clear(f, "with");
+    snprintf(path, sizeof path, "%s/with/p/fig2.h5", f->folder);
+    snprintf(text, sizeof text,
+             "cd %s/with && { PATH=%s/tools:$PATH %s paper --quiet --figure 2 -o p %s >out 2>err & child=$!; "
+             "while kill -0 $child 2>/dev/null && [ ! -e p/fig2.h5.journal ]; do :; done; kill -TERM $child; "
+             "wait $child; }",
+             f->folder, f->folder, SALTUS_COMMAND, more);
+    assert_int_equal(WEXITSTATUS(system(text)), 1);
+    assert_true(attribute_tells(path, "/sweep", "transient", transient));
+    assert_true(rows_tell(path, "axes/axis1", values));
+}
+
+/* --quick runs fewer values, and shorter; --resume takes up what there is, where without it all begins anew.
+ */
+static void paper_is_quick_and_resumes(void **state) {
+    fixture *f = *state;
+    char path[320];
+    struct stat before, after;
+    begin_figure(f, "", "500", "1000");
+    begin_figure(f, "--quick", "200", "125");
+    snprintf(path, sizeof path, "%s/with/p/fig2.h5", f->folder);
+    assert_int_equal(run_in(f, "with", "paper --quiet --figure 2 -o p --quick", "--resume"), 0);
+    assert_true(attribute_tells(path, "/", "complete", "1"));
+    assert_int_equal(stat(path, &before), 0);
+    assert_int_equal(run_in(f, "with", "paper --quiet --figure 2 -o p --quick", "--resume"), 0);
+    assert_int_equal(stat(path, &after), 0);
+    size_t length;
+    char *told = text_of(f, "with", "out", &length);
+    assert_non_null(strstr(told, "all were there"));
+    free(told);
+    assert_int_equal(before.st_size, after.st_size);
+}
+
+/* The state after some time from a scene with one setting more; where the scene refuses it, the test fails.
+ */
+static void settle(const saltus_scene *scene, const char *setting, double *state) {
+    saltus_message message = {""};
+    saltus_scene changed = *scene;
+    saltus_record record;
+    saltus_flow_options options = saltus_flow_defaults();
+    double start[SALTUS_SCENE_STATE_MAX] = {0};
+    if (setting)
+        check_ok(saltus_scene_set(&changed, setting, &message), &message);
+    saltus_system *system = build(&changed.spec);
+    int n = saltus_system_dimension(system);
+    start[n / 2] = -1;
+    if (changed.initial_count == n)
+        memcpy(start, changed.initial, (size_t)n * sizeof *start);
+    check_ok(saltus_record_run(system, start, &options, 0, 3, 16, &record, &message), &message);
+    memset(state, 0, SALTUS_SCENE_STATE_MAX * sizeof *state);
+    memcpy(state, record.states + (record.samples - 1) * n, (size_t)n * sizeof *state);
+    saltus_record_clear(&record);
+    saltus_system_free(system);
+}
+
+/* Every parameter, every key of a stop and every entry of the initial state moves the trajectory. */
+static void each_key_of_a_scene_changes_the_motion(void **state) {
+    static const char *const pipe[] = {"N=3",        "alpha=0.006", "beta=0.6",   "kappa=5100", "u0=4.4",
+                                       "sigma=0.3",  "omega=43",    "xi=0.45",    "d=0.0195",   "r=0.85",
+                                       "sides=both", "sides=lower", "sides=none", "d1=0.0195",  "r1=0.85",
+                                       "xi1=0.45",   "q1=0.001",    "v2=0.01"};
+    static const char *const masses[] = {
+        "m=1.1",      "c=0.12",        "k=1.1",   "F=0.6",   "F0=0.1",    "m2=1.2",  "c2=0.12",
+        "k2=1.1",     "F2=0.1",        "F02=0.1", "kz=0.2",  "omega=1.5", "d=0.25",  "r=0.7",
+        "sides=both", "weight=1,-0.9", "d1=0.25", "q1=0.01", "v1=0.01",   "q2=0.01", "v2=0.01"};
+    static const struct {
+        const char *name;
+        const char *const *keys;
+        size_t count;
+    } scenes[] = {{"pipe", pipe, sizeof pipe / sizeof pipe[0]},
+                  {"two-mass", masses, sizeof masses / sizeof masses[0]}};
+    (void)state;
+    for (int s = 0; s < 2; s++) {
+        saltus_message message = {""};
+        saltus_scene scene;
+        double plain[SALTUS_SCENE_STATE_MAX], moved[SALTUS_SCENE_STATE_MAX];
+        int parameters;
+        check_ok(saltus_scene_load(scenes[s].name, &scene, &message), &message);
+        scene.initial_count = 0;
+        if (s == 0) {
+            check_ok(saltus_scene_set(&scene, "N=2", &message), &message);
+            check_ok(saltus_scene_set(&scene, "d=0.02", &message), &message);
+        }
+        settle(&scene, NULL, plain);
+        for (size_t k = 0; k < scenes[s].count; k++) {
+            settle(&scene, scenes[s].keys[k], moved);
+            if (memcmp(plain, moved, sizeof plain) == 0)
+                fail_msg("%s: %s changes nothing", scenes[s].name, scenes[s].keys[k]);
+        }
+        const saltus_parameter *p = saltus_model_parameters(scene.spec.model, &parameters);
+        for (int k = 0; k < parameters; k++) {
+            /* With one mass a stop between two makes no sense; tz counts with kz only, see below. */
+            bool tried = strcmp(p[k].name, "tz") == 0 || (s == 1 && strcmp(p[k].name, "N") == 0);
+            for (size_t i = 0; i < scenes[s].count && !tried; i++)
+                tried = strncmp(scenes[s].keys[i], p[k].name, strlen(p[k].name)) == 0 &&
+                        scenes[s].keys[i][strlen(p[k].name)] == '=';
+            if (!tried)
+                fail_msg("%s: %s is not tried", scenes[s].name, p[k].name);
+        }
+        if (s == 1) {
+            check_ok(saltus_scene_set(&scene, "kz=0.2", &message), &message);
+            settle(&scene, NULL, plain);
+            settle(&scene, "tz=2", moved);
+            assert_memory_not_equal(plain, moved, sizeof plain);
+        }
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(each_listed_option_has_a_case),
+        cmocka_unit_test(each_option_takes_effect),
+        cmocka_unit_test(bad_values_are_refused_by_name),
+        cmocka_unit_test(unknown_options_are_refused_by_every_command),
+        cmocka_unit_test(of_a_repeated_option_the_last_value_holds),
+        cmocka_unit_test(quiet_commands_are_silent),
+        cmocka_unit_test(paper_is_quick_and_resumes),
+        cmocka_unit_test(each_key_of_a_scene_changes_the_motion),
+    };
+
+    return cmocka_run_group_tests(tests, open_fixture, close_fixture);
+}
