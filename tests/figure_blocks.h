@@ -607,8 +607,10 @@ static inline unsigned figure_pixel(const figure_element *e, int x, int y, int *
 
 /* The colour that a style names, -1 for none. */
 static inline long figure_colour(const char *style) {
-    const char *at = strchr(style, '#');
-    return at ? strtol(at + 1, NULL, 16) : -1;
+    size_t at = 0;
+    while (style[at] && style[at] != '#')
+        at++;
+    return style[at] ? strtol(style + at + 1, NULL, 16) : -1;
 }
 
 #endif
