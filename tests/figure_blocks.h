@@ -58,6 +58,10 @@ typedef struct figure_panel {
     figure_element *element;
     int element_count;
     bool parametric;
+    double tic[2];      /* distance of the tics of x and y; 0: gnuplot's choice */
+    double tics[2][40]; /* or the places of each */
+    int tic_count[2];
+    int key_rows; /* most rows of the legend, where it is told */
 } figure_panel;
 
 typedef struct figure {
@@ -318,6 +322,23 @@ static inline void figure_range(const char *line, double range[2]) {
     assert_int_equal(*end, ']');
 }
 
+/* "5", "auto" or "('1' 1, '2' 2)". */
+static inline void figure_tics(figure_panel *now, const char *at, int axis) {
+    char word[40];
+    now->tic[axis] = *at == '(' ? 0 : strtod(at, NULL);
+    now->tic_count[axis] = 0;
+    for (at += *at == '('; *at && *at != ')' && *at != 'a' && now->tic[axis] == 0;) {
+        at += strspn(at, ", ");
+        if (*at == '\'')
+            at = figure_quoted(at, word, sizeof word);
+        char *end;
+        assert_true(now->tic_count[axis] < 40);
+        now->tics[axis][now->tic_count[axis]++] = strtod(at, &end);
+        assert_true(end > at);
+        at = end;
+    }
+}
+
 /* One command that is no plot. */
 static inline void figure_set(figure *f, figure_panel *now, const char *line) {
     static const char *const ranges[] = {"set xrange", "set yrange", "set x2range", "set y2range"},
@@ -350,6 +371,14 @@ static inline void figure_set(figure *f, figure_panel *now, const char *line) {
         if (figure_begins(line, word))
             figure_drop(now, kinds[k][0], atoi(line + strlen(word)));
     }
+    for (int k = 0; k < 2; k++) {
+        snprintf(word, sizeof word, "set %ctics ", 'x' + k);
+        if (figure_begins(line, word))
+            figure_tics(now, line + strlen(word), k);
+    }
+    const char *key_rows = figure_begins(line, "set key ") ? strstr(line, "maxrows ") : NULL;
+    if (key_rows)
+        now->key_rows = atoi(key_rows + 8);
     if (figure_begins(line, "set terminal"))
         snprintf(f->terminal, sizeof f->terminal, "%s", line + 13);
     if (figure_begins(line, "cut(x) = "))
@@ -559,6 +588,34 @@ static inline void figure_says(const figure *f, const char *words) {
         fail_msg("the caption does not say '%s': %s", words, text);
 }
 
+/* Tics are at round numbers, neither too few nor too many, and named ones are in the range; what is written
+ * has as many braces that open as close. */
+static inline void figure_check_tics(const figure_panel *panel) {
+    for (int axis = 0; axis < 2; axis++) {
+        double width = panel->range[axis][1] - panel->range[axis][0], step = panel->tic[axis];
+        if (step > 0) {
+            double digit = step / pow(10, floor(log10(step) + 1e-9));
+            assert_true(fabs(digit - round(digit)) < 1e-6 && width / step > 1.5 && width / step < 20);
+            assert_true(fabs(digit - 1) < 0.1 || fabs(digit - 2) < 0.1 || fabs(digit - 4) < 0.1 ||
+                        fabs(digit - 5) < 0.1 || fabs(digit - 6) < 0.1);
+        }
+        for (int k = 0; k < panel->tic_count[axis]; k++)
+            assert_true(panel->tics[axis][k] >= panel->range[axis][0] * (1 - 1e-9) &&
+                        panel->tics[axis][k] <= panel->range[axis][1] * (1 + 1e-9) &&
+                        (k == 0 || panel->tics[axis][k] > panel->tics[axis][k - 1]));
+    }
+    for (int m = 0; m < panel->mark_count; m++) {
+        const char *text = panel->mark[m].kind == 'l' ? panel->mark[m].text : "";
+        int depth = 0;
+        for (; *text; text++) {
+            depth += *text == '{' ? 1 : *text == '}' ? -1 : 0;
+            text += *text == '\\' && text[1];
+            assert_true(depth >= 0);
+        }
+        assert_int_equal(depth, 0);
+    }
+}
+
 /* Panels are on the page, beneath its caption, and none lies on another. */
 static inline void figure_check_page(const figure *f) {
     double caption = 1;
@@ -570,12 +627,21 @@ static inline void figure_check_page(const figure *f) {
     assert_true(f->panel_count > 0 && caption < 1);
     for (int p = 0; p < f->panel_count; p++) {
         const double *a = f->panel[p].frame;
+        figure_check_tics(&f->panel[p]);
         assert_true(a[0] > 0 && a[0] < a[1] && a[1] < 1 && a[2] > 0 && a[2] < a[3] && a[3] < caption);
         for (int o = 0; o < p; o++) {
             const double *b = f->panel[o].frame;
             assert_true(a[1] <= b[0] || b[1] <= a[0] || a[3] <= b[2] || b[3] <= a[2]);
         }
     }
+}
+
+/* How many things the legend explains. */
+static inline int figure_titles(const figure_panel *panel) {
+    int count = 0;
+    for (int e = 0; e < panel->element_count; e++)
+        count += panel->element[e].title[0] != '\0';
+    return count;
 }
 
 /* Every number of an element that is drawn as x and y lies in its panel. */

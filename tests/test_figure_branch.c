@@ -105,6 +105,12 @@ static void write_branch(const char *name) {
     check_ok(saltus_branch_output_close(output, true, &message), &message);
 }
 
+/* The legend has as many rows as what it explains needs: in a row eight short names, or five. */
+static void check_rows_of_legend(const figure_panel *panel, int in_a_row) {
+    int count = figure_titles(panel);
+    assert_true(panel->key_rows * in_a_row >= count && (panel->key_rows - 1) * in_a_row < count);
+}
+
 static figure draw_files(const char *const *names, int count, const saltus_plot_options *how) {
     saltus_message message = {""};
     char path[4][path_size], out[path_size];
@@ -390,6 +396,7 @@ static void the_legend_explains_what_there_is(void **state) {
         assert_true(mark_of(&f.panel[0], SALTUS_POINT_BP, mark) == !k);
         assert_true(mark_of(&f.panel[0], SALTUS_POINT_NS, mark) == !k);
         assert_false(mark_of(&f.panel[0], SALTUS_POINT_EP, mark));
+        check_rows_of_legend(&f.panel[0], 8);
         assert_non_null(figure_element_of(&f.panel[0], "title 'stable'", 0));
         assert_non_null(figure_element_of(&f.panel[0], "title 'unstable'", 0));
         const double *x = f.panel[0].range[0], *y = f.panel[0].range[1];
@@ -648,6 +655,47 @@ static void planes_turn_and_clip(void **state) {
     }
 }
 
+/* Curves of several kinds in one plane: each has its own colour, and the legend names it. */
+static void kinds_of_loci_have_their_own_colours(void **state) {
+    (void)state;
+    static const saltus_point_kind own[] = {SALTUS_POINT_LP, SALTUS_POINT_PD, SALTUS_POINT_NS,
+                                            SALTUS_POINT_GR};
+    static const char *const names[] = {"0.h5", "1.h5", "2.h5", "3.h5"};
+    const saltus_plot_options how = saltus_plot_defaults();
+    long colour[4];
+    for (int i = 0; i < 4; i++) {
+        make_locus(own[i]);
+        for (int k = 0; k < points; k++)
+            made.point[k].value[1] += 0.001 * i;
+        if (i == 1) {
+            made.point[40].kind = SALTUS_POINT_CH;
+            made.point[41].kind = SALTUS_POINT_ST;
+        }
+        write_branch(names[i]);
+    }
+    figure f = draw_files(names, 4, &how);
+    const figure_panel *panel = &f.panel[0];
+    check_rows_of_legend(panel, 5);
+    assert_int_equal(figure_titles(panel), 7);
+    for (int i = 0; i < 4; i++) {
+        const figure_element *entry = figure_element_of(panel, kinds[own[i]].meaning, 0);
+        assert_true(entry && strstr(entry->style, "with lines"));
+        colour[i] = figure_colour(entry->style);
+        for (int j = 0; j < i; j++)
+            assert_true(colour[i] != colour[j]);
+    }
+    for (int e = 0; e < panel->element_count; e++) {
+        const figure_element *line = &panel->element[e];
+        for (int k = 0; k < line->values.count && strstr(line->style, "with lines"); k++)
+            for (int i = 0; i < 4; i++)
+                for (int p = 0; p < points; p++)
+                    if (fabs(made.point[p].value[0] - line->values.at[k][0]) < 1e-9 &&
+                        fabs(made.point[p].value[1] - 0.001 * (3 - i) - line->values.at[k][1]) < 1e-7)
+                        assert_true(figure_colour(line->style) == colour[i]);
+    }
+    figure_free(&f);
+}
+
 /* Branches over a sweep */
 
 static void fill_sweep(made_place *m) {
@@ -743,6 +791,7 @@ int main(void) {
         cmocka_unit_test(files_over_each_other_have_their_own_colour),
         cmocka_unit_test(loci_are_solid_where_they_bound_stable_orbits),
         cmocka_unit_test(planes_turn_and_clip),
+        cmocka_unit_test(kinds_of_loci_have_their_own_colours),
         cmocka_unit_test(branches_lie_over_clouds),
     };
     return cmocka_run_group_tests(tests, open_folder, close_folder);

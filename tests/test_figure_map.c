@@ -222,10 +222,22 @@ static double luminance(unsigned colour) {
     return 0.299 * (colour >> 16 & 0xff) + 0.587 * (colour >> 8 & 0xff) + 0.114 * (colour & 0xff);
 }
 
-/* Hue in degrees, of a hexagon's corners. */
-static double hue(unsigned colour) {
-    double r = colour >> 16 & 0xff, g = colour >> 8 & 0xff, b = colour & 0xff;
-    return atan2(sqrt(3) * (g - b), 2 * r - g - b) * 180 / acos(-1.0);
+/* Lightness and hue (degrees) as they look: Ottosson's Oklab, from the sRGB standard's transfer curve. */
+static void looks(unsigned colour, double *lightness, double *hue) {
+    double c[3], lms[3];
+    static const double to_lms[3][3] = {{0.4122214708, 0.5363325363, 0.0514459929},
+                                        {0.2119034982, 0.6806995451, 0.1073969566},
+                                        {0.0883024619, 0.2817188376, 0.6299787005}};
+    for (int k = 0; k < 3; k++) {
+        double v = (colour >> (16 - 8 * k) & 0xff) / 255.0;
+        c[k] = v <= 0.04045 ? v / 12.92 : pow((v + 0.055) / 1.055, 2.4);
+    }
+    for (int k = 0; k < 3; k++)
+        lms[k] = cbrt(to_lms[k][0] * c[0] + to_lms[k][1] * c[1] + to_lms[k][2] * c[2]);
+    double a = 1.9779984951 * lms[0] - 2.4285922050 * lms[1] + 0.4505937099 * lms[2],
+           b = 0.0259040371 * lms[0] + 0.7827717662 * lms[1] - 0.8086757660 * lms[2];
+    *lightness = 0.2104542553 * lms[0] + 0.7936177850 * lms[1] - 0.0040720468 * lms[2];
+    *hue = atan2(b, a) * 180 / acos(-1.0);
 }
 
 static double apart(double a, double b) {
@@ -248,27 +260,34 @@ static void shades_tell_period_and_impacts(void **state) {
     make_axes(axes, SALTUS_LINEAR);
     made_write(path_in("s.h5", path), &scene, axes, 2, &options, fill_shades, 100);
     figure f = draw(&how, "s.png");
-    double middle[3] = {0};
-    for (int p = 1; p <= 2; p++) {
-        double before = 256, first = 0;
-        for (int n = 0; n <= 6; n++)
-            for (int m = 0; m < f.panel[0].mark_count; m++) {
+    double light[3][7], hue[3][7];
+    for (int p = 1; p <= 2; p++)
+        for (int n = 0; n <= 6; n++) {
+            bool found = false;
+            char label[24];
+            snprintf(label, sizeof label, "%d/%d%s", n, p, n ? "" : "  no impact");
+            for (int m = 0; m < f.panel[0].mark_count && !found; m++) {
                 const figure_mark *mark = &f.panel[0].mark[m];
                 const char *figures;
-                char label[16];
                 long colour = mark->kind == 'o' ? figure_colour(mark->text) : -1;
-                snprintf(label, sizeof label, "%d/%d%s", n, p, n ? "" : "  no impact");
-                if (colour < 0 || strcmp(entry_of(&f.panel[0], (unsigned)colour, &figures)->text, label) != 0)
-                    continue;
-                assert_true(luminance((unsigned)colour) < before - 8);
-                before = luminance((unsigned)colour);
-                first = n == 1 ? hue((unsigned)colour) : first;
-                assert_true(n == 0 || apart(hue((unsigned)colour), first) < 45);
-                middle[p] = n == 3 ? hue((unsigned)colour) : middle[p];
+                found = colour >= 0 &&
+                        strcmp(entry_of(&f.panel[0], (unsigned)colour, &figures)->text, label) == 0;
+                if (found)
+                    looks((unsigned)colour, &light[p][n], &hue[p][n]);
             }
-        assert_true(before < 100);
+            assert_true(found);
+        }
+    for (int p = 1; p <= 2; p++) {
+        double step = light[p][1] - light[p][2];
+        assert_true(light[p][0] > light[p][1] && step > 0.05);
+        for (int n = 2; n < 6; n++)
+            check_near(light[p][n] - light[p][n + 1], step, 0.012);
+        for (int n = 2; n <= 6; n++)
+            assert_true(apart(hue[p][n], hue[p][1]) < 30);
+        assert_true(apart(hue[p][0], hue[p][3]) < 30);
     }
-    assert_true(apart(middle[1], middle[2]) > 45);
+    for (int n = 0; n <= 6; n++)
+        assert_true(apart(hue[1][n], hue[2][n]) > 60);
     figure_free(&f);
 }
 
@@ -665,6 +684,34 @@ static void zero_is_the_palest_of_exponents(void **state) {
     figure_free(&f);
 }
 
+/* The bar says that its colours end where any number is beyond it, and only then. */
+static void cut_ranges_say_so(void **state) {
+    (void)state;
+    saltus_scene scene = made_scene();
+    saltus_sweep_options options = saltus_sweep_defaults();
+    saltus_plot_part part = {"speed", 0, 0};
+    saltus_sweep_view how = {.view = SALTUS_VIEW_SPEED, .parts = &part, .part_count = 1};
+    saltus_axis axes[2];
+    char path[path_size];
+    double most = -INFINITY, least = INFINITY;
+    make_axes(axes, SALTUS_LINEAR);
+    made_write(path_in("s.h5", path), &scene, axes, 2, &options, fill_numbers, 100);
+    saltus_sweep_file file = made_read(path);
+    for (int p = 0; p < columns * rows; p++)
+        if (file.rows[p].verdict != SALTUS_ROW_FAILED) {
+            most = fmax(most, file.rows[p].largest_speed);
+            least = fmin(least, file.rows[p].largest_speed);
+        }
+    for (int cut = 0; cut < 3; cut++) {
+        part.low = least + (cut == 1 ? 1e-4 : -1e-4);
+        part.high = most + (cut == 2 ? -1e-4 : 1e-4);
+        figure f = draw(&how, "s.png");
+        assert_true((strstr(f.panel[1].label[2], "colours end") != NULL) == (cut > 0));
+        figure_free(&f);
+    }
+    saltus_sweep_file_clear(&file);
+}
+
 /* Single numbers far from all others take no colours from them; those that are not so far do. */
 static double outlier;
 
@@ -827,6 +874,7 @@ int main(void) {
         cmocka_unit_test(names_stand_in_their_regions),
         cmocka_unit_test(colours_read_back_from_the_bar),
         cmocka_unit_test(zero_is_the_palest_of_exponents),
+        cmocka_unit_test(cut_ranges_say_so),
         cmocka_unit_test(far_numbers_do_not_stretch_the_colours),
         cmocka_unit_test(a_pixel_shows_what_most_of_its_cells_are),
         cmocka_unit_test(basins_show_where_each_start_goes),

@@ -148,7 +148,7 @@ static saltus_motion orbit_of(int periods) {
 static saltus_motion irregular(void) {
     saltus_motion motion = {.kind = SALTUS_UNDECIDED, .lyapunov = NAN, .lyapunov_error = NAN};
     strcpy(motion.label, "undecided");
-    strcpy(motion.reason, "nothing was measured");
+    strcpy(motion.reason, "exponent 0.1 +- 0.2 and 0.3 +- 0.4 so far");
     return motion;
 }
 
@@ -494,7 +494,7 @@ static void the_section_is_of_the_long_record(void **state) {
     check_trajectory(figure_element_of(figure_panel_of(&f, "phase portrait"), "$orbit", 0), &shown.record,
                      shown.record.samples);
     check_history(figure_panel_of(&f, "time history; dots: impacts"), &shown.record, 20, NULL, 0);
-    figure_says(&f, "nothing was measured");
+    figure_says(&f, "exponent 0.1 ± 0.2 and 0.3 ± 0.4 so far ");
     figure_says(&f, "shown: 22 periods, section 9");
     assert_null(figure_find(&f, "$multipliers"));
     figure_free(&f);
@@ -723,10 +723,9 @@ static void exponents_and_lines_are_those_measured(void **state) {
     assert_true(at[0] >= 2 && at[1] == 2);
     figure_says(&f, "0.562 ± 0.031 per unit of time");
     figure_says(&f, "over 77 periods by 5 trajectories");
-    figure_says(&f, "halves of the run 0.500 ± 0.062 and 0.625 ± 0.062");
-    figure_says(&f, "0–1 test 0.875;  correlation dimension 1.250 ± 0.062");
-    figure_says(&f, "broadband fraction 0.38");
-    figure_says(&f, "1.625 impacts per");
+    figure_says(&f, "exponent in the halves of the run 0.500 ± 0.062 and 0.625 ± 0.062;  0–1 test 0.875;  "
+                    "correlation dimension 1.250 ± 0.062;  broadband fraction 0.38; ");
+    figure_says(&f, "; 1.625 impacts per {/:Italic T}");
     figure_free(&f);
     saltus_system_free(system);
 }
@@ -798,6 +797,75 @@ static void long_records_are_cut_at_whole_periods(void **state) {
     saltus_system_free(system);
 }
 
+/* A caption that is too long for a line goes on in the next one, between words, and nothing is lost. */
+static void long_captions_are_broken_between_words(void **state) {
+    (void)state;
+    static made_up m;
+    saltus_spec spec = oscillator_spec(0.123456, 1.23456, 1.34567, 0.654321);
+    saltus_motion motion = orbit_of(1);
+    const saltus_diagnosis diagnosis = {.motion = &motion, .record = &m.record};
+    set_parameter(&spec, "N", 2);
+    for (int s = 0; s < 4; s++) {
+        add_stop(&spec, 0.0312345 + 0.001 * s, 0.712345, s % 2 ? SALTUS_UPPER : SALTUS_BOTH);
+        spec.stops[s].weight[0] = 0.512345;
+        spec.stops[s].weight[1] = -1.12345 - s;
+    }
+    saltus_system *system = build(&spec);
+    make_record(&m, system, 1, NULL, 0);
+    figure f = draw(system, &diagnosis);
+    int lines = 0;
+    for (int k = 0; k < f.panel[0].mark_count; k++) {
+        const figure_mark *mark = &f.panel[0].mark[k];
+        int letters = 0;
+        if (mark->kind != 'l' || mark->system[0][0] != 's' || mark->place[0][0] != 0.03)
+            continue;
+        for (const char *c = mark->text; *c; c++) {
+            if (strncmp(c, "{/:Italic ", 10) == 0)
+                c += 10;
+            letters += (*c & 0xc0) != 0x80 && !strchr("{}_", *c);
+        }
+        assert_true(letters < 160 && mark->text[0] != ' ');
+        lines++;
+    }
+    assert_in_range(lines, 6, 8);
+    for (int s = 0; s < 4; s++) {
+        char words[200];
+        snprintf(
+            words, sizeof words,
+            "stop %d: 0.512345 {/:Italic x}_1 − %.6g {/:Italic x}_2, {/:Italic d} = %.6g, {/:Italic r} = "
+            "0.712345, %s",
+            s + 1, 1.12345 + s, spec.stops[s].d, s % 2 ? "upper" : "both sides");
+        figure_says(&f, words);
+    }
+    figure_free(&f);
+    saltus_system_free(system);
+}
+
+/* What does not move has room about it, and what is at rest is said to be. */
+static void a_rest_has_room_about_it(void **state) {
+    (void)state;
+    static made_up m;
+    saltus_system *system = between_stops(50);
+    saltus_motion motion = {.kind = SALTUS_EQUILIBRIUM, .label = "equilibrium", .lyapunov = NAN};
+    const saltus_diagnosis diagnosis = {.motion = &motion, .record = &m.record};
+    for (int k = 0; k < 2; k++) {
+        make_record(&m, system, 2, NULL, 0);
+        for (long long row = 0; row < m.record.samples; row++) {
+            m.displacement[row] = m.states[2 * row] = k ? -7 : 0.01;
+            m.velocity[row] = m.states[2 * row + 1] = 0;
+        }
+        figure f = draw(system, &diagnosis);
+        const figure_panel *panel = figure_panel_of(&f, "phase portrait");
+        double place = k ? -7 : 0.01, size = fmax(saltus_system_scale(system)[0], fabs(place));
+        check_near(panel->range[0][0], place - 1.14 * size, 1e-6 * size);
+        check_near(panel->range[0][1], place + 1.14 * size, 1e-6 * size);
+        assert_true(panel->range[1][0] < 0 && panel->range[1][1] > 0);
+        figure_says(&f, "at rest, clear of every stop");
+        figure_free(&f);
+    }
+    saltus_system_free(system);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_portrait_is_the_record),
@@ -812,6 +880,8 @@ int main(void) {
         cmocka_unit_test(exponents_and_lines_are_those_measured),
         cmocka_unit_test(panels_are_lettered_as_they_are_read),
         cmocka_unit_test(long_records_are_cut_at_whole_periods),
+        cmocka_unit_test(long_captions_are_broken_between_words),
+        cmocka_unit_test(a_rest_has_room_about_it),
     };
     return cmocka_run_group_tests(tests, open_folder, close_folder);
 }

@@ -374,6 +374,11 @@ static void histories_converge_to_their_end(void **state) {
         assert_true(panel->range[0][0] <= history[0].time * (1 + 1e-8) &&
                     panel->range[0][1] >= history[counts[c] - 1].time * (1 - 1e-8));
         assert_true((figure_element_of(panel, "pt 7", 0) != NULL) == (counts[c] < 30));
+        assert_true((panel->tic_count[0] >= 2) == (panel->range[0][1] <= 3000 * panel->range[0][0]));
+        for (int k = 0; k < panel->tic_count[0]; k++) {
+            double power = pow(10, floor(log10(panel->tics[0][k]) + 1e-9)), digit = panel->tics[0][k] / power;
+            assert_true(fabs(digit - 1) < 1e-6 || fabs(digit - 2) < 1e-6 || fabs(digit - 5) < 1e-6);
+        }
         if (c == 3) {
             const figure_element *bar = figure_element_of(panel, "yerrorbars", 0);
             assert_true(bar && fabs(bar->values.at[0][2] - history[0].standard_error) < 1e-9);
