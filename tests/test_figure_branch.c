@@ -481,6 +481,34 @@ static void names_stand_on_their_stretches(void **state) {
     figure_free(&f);
 }
 
+/* Two files with the same curves do not have their names on each other. */
+static void names_do_not_lie_on_each_other(void **state) {
+    (void)state;
+    const char *const names[] = {"b.h5", "b.h5", "b.h5"};
+    saltus_plot_options how = saltus_plot_defaults();
+    int count = 0;
+    make_branch();
+    made.point[70].kind = SALTUS_POINT_PD;
+    made.point[5].kind = SALTUS_POINT_LP;
+    write_branch("b.h5");
+    how.show = SALTUS_SHOW_DISPLACEMENT;
+    figure f = draw_files(names, 3, &how);
+    const figure_panel *panel = &f.panel[0];
+    for (int m = 0; m < panel->mark_count; m++)
+        for (int o = 0; o < m; o++) {
+            const figure_mark *a = &panel->mark[m], *b = &panel->mark[o];
+            if (a->kind != 'l' || b->kind != 'l' || a->system[0][0] != 'g' || b->system[0][0] != 'g')
+                continue;
+            /* Room for the letters of both, some of a hundredth of the page wide and twice that high. */
+            double wide = 0.004 * (double)(strlen(a->text) + strlen(b->text));
+            assert_true(fabs(a->place[0][0] - b->place[0][0]) > wide ||
+                        fabs(a->place[0][1] - b->place[0][1]) > 0.02);
+            count++;
+        }
+    assert_true(count > 15);
+    figure_free(&f);
+}
+
 /* A file over itself is the same curves; over another with one parameter changed the legend tells them apart.
  */
 static void files_over_each_other_have_their_own_colour(void **state) {
@@ -788,6 +816,7 @@ int main(void) {
         cmocka_unit_test(special_points_are_marked_at_their_rows),
         cmocka_unit_test(the_legend_explains_what_there_is),
         cmocka_unit_test(names_stand_on_their_stretches),
+        cmocka_unit_test(names_do_not_lie_on_each_other),
         cmocka_unit_test(files_over_each_other_have_their_own_colour),
         cmocka_unit_test(loci_are_solid_where_they_bound_stable_orbits),
         cmocka_unit_test(planes_turn_and_clip),

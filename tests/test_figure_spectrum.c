@@ -409,6 +409,13 @@ static void histories_converge_to_their_end(void **state) {
     assert_non_null(figure_mark_of(&f.panel[0], 'l', "the largest exponent is −∞", 0));
     figure_says(&f, "exponent  −∞");
     figure_free(&f);
+    /* A number without a history. */
+    saltus_lyapunov bare = l;
+    lost = 0.5;
+    f = draw_convergence(&bare);
+    assert_non_null(figure_mark_of(&f.panel[0], 'l', "too few values", 0));
+    assert_null(figure_element_of(&f.panel[0], "$convergence", 0));
+    figure_free(&f);
 }
 
 /* Commands */

@@ -649,8 +649,8 @@ static void check_strip(const figure_panel *panel, const saltus_sweep_file *file
             int cell = 0, opacity;
             while (cell < n && edge_of(sorted, n, cell + 1, logarithmic) < at)
                 cell++;
-            if (cell == n || fabs(at - edge_of(sorted, n, cell, logarithmic)) < pixel ||
-                fabs(at - edge_of(sorted, n, cell + 1, logarithmic)) < pixel)
+            if (cell == n || fabs(at - edge_of(sorted, n, cell, logarithmic)) < 0.02 * pixel ||
+                fabs(at - edge_of(sorted, n, cell + 1, logarithmic)) < 0.02 * pixel)
                 continue;
             unsigned colour = figure_pixel(e, x, y, &opacity);
             assert_int_equal(opacity, 255);
