@@ -560,6 +560,27 @@ static void diagnose_draws_the_data_that_it_keeps(void **state) {
     figure_free(&f);
 }
 
+/* Without a period the section is long, and goes through the same points as the record shown. */
+static void diagnose_looks_longer_at_what_has_no_period(void **state) {
+    (void)state;
+    write_scene("scene.yaml", struck);
+    run("diagnose scene.yaml --set c=0.1 d=0.2 omega=2.6 --transient 50 --longest 2 --measure 0 -o s.svg "
+        "--quiet");
+    figure f = figure_taken(folder);
+    figure_check_page(&f);
+    figure_says(&f, "undecided");
+    figure_says(&f, "section 2000");
+    const figure_element *shown = figure_element_of(figure_panel_of(&f, "phase portrait"), "$strobe", 0),
+                         *section =
+                             figure_element_of(figure_panel_of(&f, "stroboscopic section"), "$section", 0);
+    assert_true(section->values.count == 2000 && shown->values.count >= 200);
+    for (int k = 0; k < 5; k++)
+        for (int i = 0; i < 2; i++)
+            check_near(shown->values.at[k][i], section->values.at[k][i], 1e-6);
+    assert_non_null(figure_panel_of(&f, "frequency"));
+    figure_free(&f);
+}
+
 /* `spectrum` draws the table that it writes, of the quantities asked for, in their order. */
 static void spectrum_draws_its_table(void **state) {
     (void)state;
@@ -741,6 +762,7 @@ int main(void) {
         cmocka_unit_test(densities_are_drawn_with_their_band),
         cmocka_unit_test(histories_converge_to_their_end),
         cmocka_unit_test(diagnose_draws_the_data_that_it_keeps),
+        cmocka_unit_test(diagnose_looks_longer_at_what_has_no_period),
         cmocka_unit_test(spectrum_draws_its_table),
         cmocka_unit_test(lyapunov_draws_its_table),
         cmocka_unit_test(plot_draws_what_is_asked_for),
