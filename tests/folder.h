@@ -13,7 +13,7 @@ static inline int folder_files(const char *path, bool remove_them) {
     int count = 0;
     assert_non_null(folder);
     for (struct dirent *entry = readdir(folder); entry; entry = readdir(folder)) {
-        char file[400];
+        char file[700];
         if (entry->d_name[0] == '.')
             continue;
         snprintf(file, sizeof file, "%s/%s", path, entry->d_name);

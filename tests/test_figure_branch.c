@@ -1,0 +1,827 @@
+/* Bifurcation diagrams draw the rows of their branch files: curves solid where stable and dashed where not,
+ * special points with the mark that the legend explains, n/p on stretches of that motion. The branches are
+ * made up, so that every kind of point is there.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "figure_blocks.h"
+#include "made_sweep.h"
+
+enum { path_size = 160, points = 90, dimension = 2, events_most = 3 };
+
+static char folder[64];
+
+/* A branch file in the making; each test changes what it is about. */
+typedef struct made_branch {
+    saltus_scene scene;
+    saltus_branch_options options;
+    saltus_branch_point point[points];
+    double state[points][dimension];
+    saltus_event event[points][events_most];
+    saltus_multiplier multiplier[points][dimension];
+} made_branch;
+
+static made_branch made;
+
+static int open_folder(void **state) {
+    (void)state;
+    strcpy(folder, "/tmp/saltus-test-XXXXXX");
+    assert_non_null(mkdtemp(folder));
+    figure_open(folder);
+    return 0;
+}
+
+static int close_folder(void **state) {
+    (void)state;
+    folder_files(folder, true);
+    rmdir(folder);
+    return 0;
+}
+
+static const char *path_in(const char *name, char path[path_size]) {
+    snprintf(path, path_size, "%s/%s", folder, name);
+    return path;
+}
+
+/* An arc that leaves from omega = 1 and turns back near 2, so that it is no function of omega. */
+static double omega_at(int k) {
+    double t = (k % 30) / 29.0;
+    return k < 60 ? 1 + (k < 30 ? 1 : 0.7) * sin(2.2 * t) : 1.2 + 0.02 * (k - 60);
+}
+
+/* Three branches of thirty points: 0 up, 1 down, 2 switched to from 0. Motions, stability and special points
+ * change at places of their own. */
+static void make_branch(void) {
+    made = (made_branch){.scene = {.spec = oscillator_spec(0.125, 1.75, 1.5, 1)},
+                         .options = saltus_branch_defaults()};
+    add_stop(&made.scene.spec, 0.25, 0.75, SALTUS_BOTH);
+    strcpy(made.scene.name, "made_up");
+    strcpy(made.options.key[0], "omega");
+    made.options.low[0] = 1;
+    made.options.high[0] = 3;
+    for (int k = 0; k < points; k++) {
+        saltus_branch_point *p = &made.point[k];
+        *p = (saltus_branch_point){.branch = k / 30,
+                                   .parent = k < 60 ? -1 : 0,
+                                   .step = k % 30,
+                                   .arclength = 0.1 * (k % 30),
+                                   .value = {omega_at(k), NAN},
+                                   .heading = 1,
+                                   .spec = made.scene.spec,
+                                   .periods = k < 60 ? 1 : 2,
+                                   .impacts = 2,
+                                   .dimension = dimension,
+                                   .state = made.state[k],
+                                   .events = made.event[k],
+                                   .event_count = 2,
+                                   .multipliers = made.multiplier[k],
+                                   .stable = k % 30 < 12 || k % 30 > 20,
+                                   .admissible = true,
+                                   .sum_rule = NAN};
+        set_parameter(&p->spec, "omega", p->value[0]);
+        snprintf(p->label, sizeof p->label, "%d/%d", 2 + (k % 30 > 15), p->periods);
+        made.state[k][0] = 0.03 * cos(0.1 * k) + 0.1 * p->branch;
+        made.state[k][1] = 0.5 + 0.02 * sin(0.13 * k);
+        for (int e = 0; e < 2; e++)
+            made.event[k][e] =
+                (saltus_event){.kind = SALTUS_IMPACT,
+                               .face = e,
+                               .time = {0, 0.2 + 0.5 * e + 0.001 * (k % 30)},
+                               .velocity_before = (e ? -1 : 1) * (0.6 + 0.3 * e + 0.01 * (k % 30)),
+                               .velocity_after = (e ? 1 : -1) * 0.4,
+                               .displacement = e ? -0.25 : 0.25};
+        for (int i = 0; i < dimension; i++)
+            made.multiplier[k][i] = (saltus_multiplier){0.5 - 0.25 * i, 0, log(0.5 - 0.25 * i)};
+    }
+}
+
+static void write_branch(const char *name) {
+    saltus_message message = {""};
+    saltus_branch_output *output = NULL;
+    char path[path_size];
+    check_ok(saltus_branch_output_open(path_in(name, path), &made.scene, 1, made.state[0], &made.options,
+                                       &output, &message),
+             &message);
+    for (int k = 0; k < points; k++)
+        check_ok(saltus_branch_output_add(output, &made.point[k], &message), &message);
+    check_ok(saltus_branch_output_close(output, true, &message), &message);
+}
+
+/* The legend has as many rows as what it explains needs: in a row eight short names, or five. */
+static void check_rows_of_legend(const figure_panel *panel, int in_a_row) {
+    int count = figure_titles(panel);
+    assert_true(panel->key_rows * in_a_row >= count && (panel->key_rows - 1) * in_a_row < count);
+}
+
+static figure draw_files(const char *const *names, int count, const saltus_plot_options *how) {
+    saltus_message message = {""};
+    char path[4][path_size], out[path_size];
+    const char *paths[4];
+    for (int k = 0; k < count; k++)
+        paths[k] = path_in(names[k], path[k]);
+    check_ok(saltus_plot(paths, count, how, path_in("b.svg", out), &message), &message);
+    return figure_taken(folder);
+}
+
+static figure draw(const saltus_plot_options *how) {
+    const char *const names[] = {"b.h5"};
+    return draw_files(names, 1, how);
+}
+
+/* What is drawn of a point, up the page. */
+static double height(saltus_show show, const saltus_branch_point *p) {
+    double largest = 0, slowest = INFINITY;
+    for (int e = 0; e < p->event_count; e++)
+        if (p->events[e].kind == SALTUS_IMPACT || p->events[e].kind == SALTUS_STICK) {
+            largest = fmax(largest, fabs(p->events[e].velocity_before));
+            slowest = fmin(slowest, fabs(p->events[e].velocity_before));
+        }
+    return show == SALTUS_SHOW_DISPLACEMENT                            ? p->state[0]
+           : show == SALTUS_SHOW_VELOCITY                              ? p->state[1]
+           : show == SALTUS_SHOW_PERIOD                                ? p->periods
+           : show == SALTUS_SHOW_IMPACTS && p->kind == SALTUS_POINT_GR ? (isfinite(slowest) ? slowest : 0)
+                                                                       : largest;
+}
+
+enum { solid, dashed, dotted };
+
+/* How a line is drawn: as the legend has it. */
+static int stroke_of(const figure_panel *panel, const char *style) {
+    const char *dash = strstr(style, " dt ");
+    const figure_element *unstable = figure_element_of(panel, "'unstable'", 0);
+    const char *word = unstable ? strstr(unstable->style, " dt ") : NULL;
+    return !dash ? solid : word && strncmp(dash, word, 10) == 0 ? dashed : dotted;
+}
+
+/* How many pieces of line there are between two places, by strokes. */
+static void count_pieces(const figure_panel *panel, const double from[2], const double to[2], int pieces[3]) {
+    pieces[solid] = pieces[dashed] = pieces[dotted] = 0;
+    for (int e = 0; e < panel->element_count; e++) {
+        const figure_element *line = &panel->element[e];
+        if (!strstr(line->style, "with lines") || line->text[0] != '$')
+            continue;
+        for (int k = 1; k < line->values.count; k++) {
+            const double *a = line->values.at[k - 1], *b = line->values.at[k];
+            if (line->values.joined[k] && hypot(a[0] - from[0], a[1] - from[1]) < 1e-7 &&
+                hypot(b[0] - to[0], b[1] - to[1]) < 1e-7)
+                pieces[stroke_of(panel, line->style)]++;
+        }
+    }
+}
+
+/* The number of all pieces that are drawn. */
+static int all_pieces(const figure_panel *panel) {
+    int count = 0;
+    for (int e = 0; e < panel->element_count; e++)
+        for (int k = 1; k < panel->element[e].values.count && strstr(panel->element[e].style, "with lines");
+             k++)
+            count += panel->element[e].values.joined[k];
+    return count;
+}
+
+static bool tells(const saltus_branch_point *p) {
+    return p->kind == SALTUS_POINT_REGULAR || p->kind == SALTUS_POINT_UZ || p->kind == SALTUS_POINT_EP;
+}
+
+/* From one point to the next: as stable as both are; where stability changes at a special point, as the point
+ * beside it. */
+static int stroke_between(const saltus_branch_point *a, const saltus_branch_point *b) {
+    bool both = tells(a) && tells(b);
+    if (!a->admissible && !b->admissible)
+        return dotted;
+    return (both ? a->stable && b->stable : tells(a) ? a->stable : b->stable) ? solid : dashed;
+}
+
+static void check_curves(const figure *f, saltus_show show) {
+    const figure_panel *panel = &f->panel[0];
+    int expected = 0;
+    for (int k = 1; k < points; k++) {
+        const saltus_branch_point *a = &made.point[k - 1], *b = &made.point[k];
+        const double from[2] = {a->value[0], height(show, a)}, to[2] = {b->value[0], height(show, b)};
+        int pieces[3];
+        if (a->branch != b->branch)
+            continue;
+        expected++;
+        count_pieces(panel, from, to, pieces);
+        for (int stroke = 0; stroke < 3; stroke++)
+            if (pieces[stroke] != (stroke == stroke_between(a, b)))
+                fail_msg("from point %d to the next there are %d pieces of stroke %d", k - 1, pieces[stroke],
+                         stroke);
+    }
+    assert_int_equal(all_pieces(panel), expected);
+}
+
+/* Each measure, and each kind of line. */
+static void curves_are_the_rows_of_the_file(void **state) {
+    (void)state;
+    static const char *const names[] = {[SALTUS_SHOW_AUTOMATIC] = "largest impact speed",
+                                        [SALTUS_SHOW_SPEED] = "largest impact speed",
+                                        [SALTUS_SHOW_DISPLACEMENT] =
+                                            "displacement {/:Italic x}_1  at phase 0",
+                                        [SALTUS_SHOW_VELOCITY] = "velocity d{/:Italic x}_1",
+                                        [SALTUS_SHOW_PERIOD] = "period in"};
+    make_branch();
+    made.point[40].admissible = made.point[41].admissible = made.point[42].admissible = false;
+    made.point[70].kind = SALTUS_POINT_UZ;
+    made.point[72].kind = SALTUS_POINT_PD;
+    made.point[72].stable = false;
+    made.point[81].kind = SALTUS_POINT_LP;
+    made.point[51].kind = SALTUS_POINT_GR;
+    made.event[5][0].kind = SALTUS_STICK;
+    made.event[6][1].kind = SALTUS_RELEASE;
+    made.event[6][1].velocity_before = 5;
+    write_branch("b.h5");
+    for (saltus_show show = SALTUS_SHOW_AUTOMATIC; show <= SALTUS_SHOW_PERIOD; show++) {
+        saltus_plot_options how = saltus_plot_defaults();
+        how.show = show;
+        if (show == SALTUS_SHOW_IMPACTS)
+            continue;
+        figure f = draw(&how);
+        check_curves(&f, show);
+        assert_true(strstr(f.panel[0].label[1], names[show]) == f.panel[0].label[1]);
+        assert_non_null(strstr(f.panel[0].label[0], "{/:Italic ω}"));
+        double low = INFINITY, high = -INFINITY;
+        for (int k = 0; k < points; k++) {
+            low = fmin(low, height(show, &made.point[k]));
+            high = fmax(high, height(show, &made.point[k]));
+        }
+        const double *x = f.panel[0].range[0], *y = f.panel[0].range[1];
+        assert_true(x[0] < 1 && x[1] > 2 && x[1] - x[0] < 1.1);
+        assert_true(y[0] < low && y[1] > high && y[1] - y[0] < 1.3 * (high - low));
+        figure_says(&f, "made\\_up:  periodic orbits in {/:Italic ω}");
+        figure_says(&f, "{/:Italic c} = 0.125");
+        figure_says(&f, "stop: {/:Italic d} = 0.25, {/:Italic r} = 0.75, both sides");
+        char text[8000];
+        figure_caption(&f, text, sizeof text);
+        assert_null(strstr(text, "{/:Italic ω} ="));
+        figure_free(&f);
+    }
+    /* Without any impact the displacement is shown. */
+    for (int k = 0; k < points; k++)
+        made.point[k].event_count = 0;
+    write_branch("b.h5");
+    const saltus_plot_options usual = saltus_plot_defaults();
+    figure f = draw(&usual);
+    check_curves(&f, SALTUS_SHOW_DISPLACEMENT);
+    figure_free(&f);
+}
+
+/* Every impact is a curve of its own, from where it is born to where it dies. */
+static void impacts_are_curves_of_their_own(void **state) {
+    (void)state;
+    saltus_plot_options how = saltus_plot_defaults();
+    make_branch();
+    /* The second impact is there for points 10 to 19 of branch 0 only, then comes one of another face; in
+     * branch 1 it passes through phase 0, in branch 2 it jumps too far to be the same. */
+    for (int k = 0; k < 10; k++)
+        made.point[k].event_count = 1;
+    for (int k = 20; k < 30; k++)
+        made.event[k][1].face = 0;
+    for (int k = 30; k < 60; k++) {
+        double time = 0.9 + 0.008 * (k - 30);
+        made.event[k][1].time.phase = time - floor(time);
+    }
+    for (int k = 70; k < 90; k++)
+        made.event[k][1].time.phase -= 0.25;
+    write_branch("b.h5");
+    how.show = SALTUS_SHOW_IMPACTS;
+    figure f = draw(&how);
+    int expected = 0;
+    for (int k = 1; k < points; k++) {
+        const saltus_branch_point *a = &made.point[k - 1], *b = &made.point[k];
+        if (a->branch != b->branch)
+            continue;
+        for (int e = 0; e < 2; e++) {
+            bool both = e < a->event_count && e < b->event_count && k != 20 && k != 70;
+            const double from[2] = {a->value[0], fabs(a->events[e].velocity_before)},
+                         to[2] = {b->value[0], fabs(b->events[e].velocity_before)};
+            int pieces[3];
+            count_pieces(&f.panel[0], from, to, pieces);
+            for (int stroke = 0; stroke < 3; stroke++)
+                if (pieces[stroke] != ((e == 0 || both) && stroke == stroke_between(a, b)))
+                    fail_msg("impact %d from point %d to the next: %d pieces of stroke %d", e, k - 1,
+                             pieces[stroke], stroke);
+            expected += e == 0 || both;
+        }
+    }
+    assert_int_equal(all_pieces(&f.panel[0]), expected);
+    assert_true(strstr(f.panel[0].label[1], "speed of every impact") == f.panel[0].label[1]);
+    /* A slow impact gets room, too. */
+    assert_true(f.panel[0].range[1][0] < 0.6 && f.panel[0].range[1][1] > 1.19);
+    figure_free(&f);
+}
+
+/* Marks */
+
+static const struct {
+    const char *word, *meaning;
+} kinds[SALTUS_POINT_KINDS] = {
+    [SALTUS_POINT_LP] = {"LP", "fold"},     [SALTUS_POINT_PD] = {"PD", "flip"},
+    [SALTUS_POINT_NS] = {"NS", "torus"},    [SALTUS_POINT_BP] = {"BP", "branch point"},
+    [SALTUS_POINT_GR] = {"GR", "grazing"},  [SALTUS_POINT_CH] = {"CH", "chatter"},
+    [SALTUS_POINT_ST] = {"ST", "sticking"}, [SALTUS_POINT_UZ] = {"UZ", "wanted"},
+    [SALTUS_POINT_EP] = {"EP", "end"},
+};
+
+/* The mark that the legend gives a kind, as "pt N", or none. */
+static bool mark_of(const figure_panel *panel, int kind, char mark[16]) {
+    for (int e = 0; e < panel->element_count; e++) {
+        const char *title = panel->element[e].title, *type = strstr(panel->element[e].style, " pt ");
+        if (!type || strncmp(title, kinds[kind].word, 2) != 0 || !strstr(title, kinds[kind].meaning))
+            continue;
+        snprintf(mark, 16, "%.*s ", (int)strcspn(type + 4, " ") + 4, type);
+        return true;
+    }
+    return false;
+}
+
+/* Marks of a kind near a place. */
+static int count_marks(const figure_panel *panel, const char *mark, double x, double y) {
+    int count = 0;
+    for (int e = 0; e < panel->element_count; e++)
+        for (int k = 0; k < panel->element[e].values.count && strstr(panel->element[e].style, mark) &&
+                        !strstr(panel->element[e].style, "#ffffff");
+             k++)
+            count +=
+                hypot(panel->element[e].values.at[k][0] - x, panel->element[e].values.at[k][1] - y) < 1e-7;
+    return count;
+}
+
+/* Every kind of special point lies where its row says, with the mark that the legend explains; ends at the
+ * border of what was asked for are none. */
+static void special_points_are_marked_at_their_rows(void **state) {
+    (void)state;
+    for (int show = SALTUS_SHOW_SPEED; show <= SALTUS_SHOW_IMPACTS; show++) {
+        saltus_plot_options how = saltus_plot_defaults();
+        char used[SALTUS_POINT_KINDS][16];
+        how.show = (saltus_show)show;
+        make_branch();
+        for (int kind = SALTUS_POINT_LP; kind < SALTUS_POINT_KINDS; kind++)
+            for (int b = 0; b < 2; b++)
+                made.point[3 * kind + 30 * b].kind = (saltus_point_kind)kind;
+        made.point[89].kind = made.point[60].kind = SALTUS_POINT_EP;
+        made.options.low[0] = made.point[60].value[0];
+        write_branch("b.h5");
+        figure f = draw(&how);
+        const figure_panel *panel = &f.panel[0];
+        for (int kind = SALTUS_POINT_LP; kind < SALTUS_POINT_KINDS; kind++) {
+            assert_true(mark_of(panel, kind, used[kind]));
+            for (int j = SALTUS_POINT_LP; j < kind; j++)
+                assert_string_not_equal(used[kind], used[j]);
+            for (int k = 0; k < points; k++) {
+                const saltus_branch_point *p = &made.point[k];
+                double y = height(how.show, p);
+                int count = count_marks(panel, used[kind], p->value[0], y);
+                assert_int_equal(count, p->kind == (saltus_point_kind)kind && k != 60);
+            }
+        }
+        figure_free(&f);
+    }
+}
+
+/* The legend explains what is shown and nothing else. */
+static void the_legend_explains_what_there_is(void **state) {
+    (void)state;
+    saltus_plot_options how = saltus_plot_defaults();
+    saltus_plot_part part = {"omega", 1.2, 1.9};
+    char mark[16];
+    make_branch();
+    made.point[70].kind = SALTUS_POINT_PD; /* omega = 1.4 */
+    made.point[1].kind = SALTUS_POINT_BP;  /* omega = 1.08 */
+    made.point[15].kind = SALTUS_POINT_NS; /* omega = 1.91 */
+    write_branch("b.h5");
+    for (int k = 0; k < 2; k++) {
+        how.parts = &part;
+        how.part_count = k;
+        figure f = draw(&how);
+        assert_true(mark_of(&f.panel[0], SALTUS_POINT_PD, mark));
+        assert_true(mark_of(&f.panel[0], SALTUS_POINT_BP, mark) == !k);
+        assert_true(mark_of(&f.panel[0], SALTUS_POINT_NS, mark) == !k);
+        assert_false(mark_of(&f.panel[0], SALTUS_POINT_EP, mark));
+        check_rows_of_legend(&f.panel[0], 8);
+        assert_non_null(figure_element_of(&f.panel[0], "title 'stable'", 0));
+        assert_non_null(figure_element_of(&f.panel[0], "title 'unstable'", 0));
+        const double *x = f.panel[0].range[0], *y = f.panel[0].range[1];
+        double low = INFINITY, high = -INFINITY;
+        for (int p = 0; p < points && k; p++)
+            if (made.point[p].value[0] >= 1.2 && made.point[p].value[0] <= 1.9) {
+                low = fmin(low, height(SALTUS_SHOW_SPEED, &made.point[p]));
+                high = fmax(high, height(SALTUS_SHOW_SPEED, &made.point[p]));
+            }
+        if (k)
+            assert_true(x[0] == 1.2 && x[1] == 1.9 && y[0] < low && y[1] > high &&
+                        y[1] - y[0] < 1.2 * (high - low));
+        figure_free(&f);
+    }
+    saltus_message message;
+    char path[path_size], out[path_size];
+    const char *paths[] = {path_in("b.h5", path)};
+    part = (saltus_plot_part){"omega", 2.2, 2.4};
+    assert_int_equal(saltus_plot(paths, 1, &how, path_in("b.svg", out), &message), SALTUS_BAD_INPUT);
+    part = (saltus_plot_part){"d", 0.2, 2.4};
+    assert_int_equal(saltus_plot(paths, 1, &how, path_in("b.svg", out), &message), SALTUS_BAD_INPUT);
+}
+
+/* The place of a label in the numbers of the axes. */
+static void place_of(const figure_panel *panel, const figure_mark *label, double place[2]) {
+    for (int i = 0; i < 2; i++) {
+        assert_int_equal(label->system[0][i], 'g');
+        place[i] = panel->range[i][0] + label->place[0][i] * (panel->range[i][1] - panel->range[i][0]);
+    }
+}
+
+/* n/p stands on a point of a stretch of that motion, and no label on another. */
+static void names_stand_on_their_stretches(void **state) {
+    (void)state;
+    saltus_plot_options how = saltus_plot_defaults();
+    make_branch();
+    made.point[70].kind = SALTUS_POINT_PD;
+    made.point[5].kind = SALTUS_POINT_LP;
+    write_branch("b.h5");
+    how.show = SALTUS_SHOW_DISPLACEMENT;
+    figure f = draw(&how);
+    const figure_panel *panel = &f.panel[0];
+    int names = 0, words = 0;
+    bool named[3] = {false};
+    for (int m = 0; m < panel->mark_count; m++) {
+        const figure_mark *label = &panel->mark[m];
+        double at[2], near = INFINITY;
+        if (label->kind != 'l' || label->system[0][0] != 'g')
+            continue;
+        place_of(panel, label, at);
+        int nearest = 0;
+        for (int k = 0; k < points; k++) {
+            double away = hypot((made.point[k].value[0] - at[0]) / (panel->range[0][1] - panel->range[0][0]),
+                                (made.state[k][0] - at[1]) / (panel->range[1][1] - panel->range[1][0]));
+            if (away < near) {
+                near = away;
+                nearest = k;
+            }
+        }
+        if (strchr(label->text, '/')) {
+            assert_true(near < 1e-3);
+            assert_string_equal(label->text, made.point[nearest].label);
+            named[nearest / 30] = true;
+            names++;
+        } else {
+            /* A special point's name is beside its mark. */
+            int k = strcmp(label->text, "PD") == 0 ? 70 : 5;
+            assert_true(k == 70 || strcmp(label->text, "LP") == 0);
+            double away = hypot((made.point[k].value[0] - at[0]) / (panel->range[0][1] - panel->range[0][0]),
+                                (made.state[k][0] - at[1]) / (panel->range[1][1] - panel->range[1][0]));
+            assert_true(away > 0.005 && away < 0.06);
+            words++;
+        }
+        for (int o = 0; o < m; o++) {
+            const figure_mark *other = &panel->mark[o];
+            if (other->kind == 'l' && other->system[0][0] == 'g')
+                assert_true(fabs(other->place[0][0] - label->place[0][0]) > 0.015 ||
+                            fabs(other->place[0][1] - label->place[0][1]) > 0.02);
+        }
+    }
+    assert_true(names >= 4 && words == 2 && named[0] && named[1] && named[2]);
+    figure_free(&f);
+}
+
+/* Two files with the same curves do not have their names on each other. */
+static void names_do_not_lie_on_each_other(void **state) {
+    (void)state;
+    const char *const names[] = {"b.h5", "b.h5", "b.h5"};
+    saltus_plot_options how = saltus_plot_defaults();
+    int count = 0;
+    make_branch();
+    made.point[70].kind = SALTUS_POINT_PD;
+    made.point[5].kind = SALTUS_POINT_LP;
+    write_branch("b.h5");
+    how.show = SALTUS_SHOW_DISPLACEMENT;
+    figure f = draw_files(names, 3, &how);
+    const figure_panel *panel = &f.panel[0];
+    for (int m = 0; m < panel->mark_count; m++)
+        for (int o = 0; o < m; o++) {
+            const figure_mark *a = &panel->mark[m], *b = &panel->mark[o];
+            if (a->kind != 'l' || b->kind != 'l' || a->system[0][0] != 'g' || b->system[0][0] != 'g')
+                continue;
+            /* Room for the letters of both, some of a hundredth of the page wide and twice that high. */
+            double wide = 0.004 * (double)(strlen(a->text) + strlen(b->text));
+            assert_true(fabs(a->place[0][0] - b->place[0][0]) > wide ||
+                        fabs(a->place[0][1] - b->place[0][1]) > 0.02);
+            count++;
+        }
+    assert_true(count > 15);
+    figure_free(&f);
+}
+
+/* A file over itself is the same curves; over another with one parameter changed the legend tells them apart.
+ */
+static void files_over_each_other_have_their_own_colour(void **state) {
+    (void)state;
+    const char *const names[] = {"a.h5", "b.h5"};
+    saltus_plot_options how = saltus_plot_defaults();
+    make_branch();
+    write_branch("a.h5");
+    set_parameter(&made.scene.spec, "c", 0.375);
+    made.scene.spec.stops[0].r = 0.5;
+    for (int k = 0; k < points; k++)
+        made.state[k][0] += 1;
+    write_branch("b.h5");
+    how.show = SALTUS_SHOW_DISPLACEMENT;
+    figure f = draw_files(names, 2, &how);
+    const figure_panel *panel = &f.panel[0];
+    const figure_element *first = figure_element_of(panel, "{/:Italic c} = 0.125, {/:Italic r} = 0.75", 0),
+                         *second = figure_element_of(panel, "{/:Italic c} = 0.375, {/:Italic r} = 0.5", 0);
+    assert_true(first && second);
+    long own[2] = {figure_colour(first->style), figure_colour(second->style)};
+    assert_true(own[0] != own[1]);
+    int pieces[2] = {0};
+    for (int e = 0; e < panel->element_count; e++) {
+        const figure_element *line = &panel->element[e];
+        for (int k = 0; k < line->values.count && strstr(line->style, "with lines"); k++) {
+            int file = line->values.at[k][1] > 0.5;
+            assert_true(figure_colour(line->style) == own[file]);
+            pieces[file] += line->values.joined[k];
+        }
+    }
+    assert_true(pieces[0] == 87 && pieces[1] == 87);
+    figure_says(&f, "where nothing else is said");
+    figure_free(&f);
+    /* Of one file a branch's colour tells how often it was switched. */
+    f = draw_files(names, 1, &how);
+    long colour[3] = {-1, -1, -1};
+    for (int e = 0; e < f.panel[0].element_count; e++) {
+        const figure_element *line = &f.panel[0].element[e];
+        for (int k = 0; k < line->values.count && strstr(line->style, "with lines"); k++)
+            for (int p = 0; p < points; p++)
+                if (fabs(made.point[p].value[0] - line->values.at[k][0]) < 1e-9 &&
+                    fabs(made.state[p][0] - 1 - line->values.at[k][1]) < 1e-7)
+                    colour[p / 30] = figure_colour(line->style);
+    }
+    assert_true(colour[0] == colour[1] && colour[2] != colour[0] && colour[0] >= 0 && colour[2] >= 0);
+    figure_free(&f);
+}
+
+/* Curves of special points */
+
+static void make_locus(saltus_point_kind kind) {
+    make_branch();
+    strcpy(made.options.key[1], "d");
+    made.options.low[1] = 0.1;
+    made.options.high[1] = 0.5;
+    made.options.locus = kind;
+    for (int k = 0; k < points; k++) {
+        saltus_branch_point *p = &made.point[k];
+        p->kind = kind;
+        p->value[1] = 0.2 + 0.002 * k + 0.03 * p->branch;
+        double critical = kind == SALTUS_POINT_PD ? -1 : 1;
+        made.multiplier[k][0] = (saltus_multiplier){critical, 0, 0};
+        made.multiplier[k][1] = (saltus_multiplier){0.25, 0, log(0.25)};
+    }
+}
+
+/* A curve of special points is solid where it bounds stable orbits: where no multiplier but its own is
+ * outside. */
+static void loci_are_solid_where_they_bound_stable_orbits(void **state) {
+    (void)state;
+    saltus_plot_options how = saltus_plot_defaults();
+    for (int kind = SALTUS_POINT_LP; kind <= SALTUS_POINT_GR; kind++) {
+        bool solid_at[points];
+        if (kind == SALTUS_POINT_BP)
+            continue;
+        make_locus((saltus_point_kind)kind);
+        for (int k = 0; k < points; k++) {
+            solid_at[k] = true;
+            if (kind == SALTUS_POINT_NS) {
+                /* A pair on the circle, in a system of two entries: nothing else is there. */
+                made.multiplier[k][0] = (saltus_multiplier){0.6, 0.8, 0};
+                made.multiplier[k][1] = (saltus_multiplier){0.6, -0.8, 0};
+            } else if (kind == SALTUS_POINT_GR) {
+                double modulus = k % 30 < 10 ? 1.5 : k % 30 < 20 ? 1e4 : 0.5;
+                made.multiplier[k][0] = (saltus_multiplier){modulus, 0, log(modulus)};
+                /* With a multiplier that has no bound the nearest point that tells. */
+                solid_at[k] = k % 30 >= 15;
+            } else if (k % 30 > 9 && k % 30 < 20) {
+                solid_at[k] = false;
+                made.multiplier[k][1] = made.multiplier[k][0];
+                made.multiplier[k][0] = (saltus_multiplier){-made.multiplier[k][1].re * 1.5, 0, log(1.5)};
+            }
+        }
+        write_branch("b.h5");
+        figure f = draw(&how);
+        int expected = 0;
+        for (int k = 1; k < points; k++) {
+            const saltus_branch_point *a = &made.point[k - 1], *b = &made.point[k];
+            int pieces[3];
+            if (a->branch != b->branch)
+                continue;
+            /* Two points in the middle are as near to the one side as to the other. */
+            bool tie = kind == SALTUS_POINT_GR && k % 30 >= 14 && k % 30 <= 16;
+            count_pieces(&f.panel[0], a->value, b->value, pieces);
+            assert_int_equal(pieces[solid] + pieces[dotted], 1);
+            if (!tie)
+                assert_int_equal(pieces[solid], solid_at[k - 1] && solid_at[k]);
+            expected++;
+        }
+        assert_int_equal(all_pieces(&f.panel[0]), expected);
+        assert_non_null(figure_element_of(&f.panel[0], kinds[kind].meaning, 0));
+        assert_non_null(strstr(f.panel[0].label[1], "{/:Italic d}"));
+        const double *y = f.panel[0].range[1];
+        assert_true(y[0] < 0.2 && y[1] > 0.438 && y[1] - y[0] < 1.2 * 0.24);
+        figure_says(&f, "special points in {/:Italic ω} and {/:Italic d}");
+        /* The points that make the curve are no marks. */
+        char mark[16];
+        assert_false(mark_of(&f.panel[0], kind, mark) &&
+                     count_marks(&f.panel[0], mark, made.point[3].value[0], made.point[3].value[1]) > 0);
+        figure_free(&f);
+    }
+}
+
+/* A locus whose parameters came in the other order is the same curve; names are written where they are asked
+ * for; a range of either parameter clips. */
+static void planes_turn_and_clip(void **state) {
+    (void)state;
+    const char *const names[] = {"a.h5", "b.h5"};
+    saltus_plot_label label = {{"d", "omega"}, {0.3, 1.5}, "own_name"};
+    saltus_plot_part parts[2] = {{"d", 0.25, 0.4}, {"omega", 1.1, 1.7}};
+    saltus_plot_options how = saltus_plot_defaults();
+    make_locus(SALTUS_POINT_LP);
+    write_branch("a.h5");
+    for (int k = 0; k < points; k++) {
+        double first = made.point[k].value[0];
+        made.point[k].value[0] = made.point[k].value[1] + 0.05;
+        made.point[k].value[1] = first;
+    }
+    strcpy(made.options.key[0], "d");
+    strcpy(made.options.key[1], "omega");
+    made.options.low[0] = 0.1;
+    made.options.high[0] = 0.5;
+    made.options.low[1] = 1;
+    made.options.high[1] = 3;
+    write_branch("b.h5");
+    how.labels = &label;
+    how.label_count = 1;
+    for (int clip = 0; clip < 3; clip++) {
+        how.parts = parts + (clip == 2);
+        how.part_count = clip == 0 ? 0 : clip == 1 ? 2 : 1;
+        figure f = draw_files(names, 2, &how);
+        const figure_panel *panel = &f.panel[0];
+        assert_int_equal(all_pieces(panel), 2 * 87);
+        for (int k = 1; k < 30; k++) {
+            int pieces[3];
+            const double from[2] = {made.point[k - 1].value[1], made.point[k - 1].value[0]},
+                         to[2] = {made.point[k].value[1], made.point[k].value[0]};
+            count_pieces(panel, from, to, pieces);
+            assert_int_equal(pieces[solid], 1);
+        }
+        const figure_mark *name = figure_mark_of(panel, 'l', "own\\_name", 0);
+        double at[2];
+        assert_non_null(name);
+        place_of(panel, name, at);
+        check_near(at[0], 1.5, 1e-3);
+        check_near(at[1], 0.3, 1e-3);
+        if (clip) {
+            assert_true(panel->range[0][0] == 1.1 && panel->range[0][1] == 1.7);
+            assert_true((panel->range[1][0] == 0.25 && panel->range[1][1] == 0.4) == (clip == 1));
+        }
+        figure_free(&f);
+    }
+}
+
+/* Curves of several kinds in one plane: each has its own colour, and the legend names it. */
+static void kinds_of_loci_have_their_own_colours(void **state) {
+    (void)state;
+    static const saltus_point_kind own[] = {SALTUS_POINT_LP, SALTUS_POINT_PD, SALTUS_POINT_NS,
+                                            SALTUS_POINT_GR};
+    static const char *const names[] = {"0.h5", "1.h5", "2.h5", "3.h5"};
+    const saltus_plot_options how = saltus_plot_defaults();
+    long colour[4];
+    for (int i = 0; i < 4; i++) {
+        make_locus(own[i]);
+        for (int k = 0; k < points; k++)
+            made.point[k].value[1] += 0.001 * i;
+        if (i == 1) {
+            made.point[40].kind = SALTUS_POINT_CH;
+            made.point[41].kind = SALTUS_POINT_ST;
+        }
+        write_branch(names[i]);
+    }
+    figure f = draw_files(names, 4, &how);
+    const figure_panel *panel = &f.panel[0];
+    check_rows_of_legend(panel, 5);
+    assert_int_equal(figure_titles(panel), 7);
+    for (int i = 0; i < 4; i++) {
+        const figure_element *entry = figure_element_of(panel, kinds[own[i]].meaning, 0);
+        assert_true(entry && strstr(entry->style, "with lines"));
+        colour[i] = figure_colour(entry->style);
+        for (int j = 0; j < i; j++)
+            assert_true(colour[i] != colour[j]);
+    }
+    for (int e = 0; e < panel->element_count; e++) {
+        const figure_element *line = &panel->element[e];
+        for (int k = 0; k < line->values.count && strstr(line->style, "with lines"); k++)
+            for (int i = 0; i < 4; i++)
+                for (int p = 0; p < points; p++)
+                    if (fabs(made.point[p].value[0] - line->values.at[k][0]) < 1e-9 &&
+                        fabs(made.point[p].value[1] - 0.001 * (3 - i) - line->values.at[k][1]) < 1e-7)
+                        assert_true(figure_colour(line->style) == colour[i]);
+    }
+    figure_free(&f);
+}
+
+/* Branches over a sweep */
+
+static void fill_sweep(made_place *m) {
+    m->row[0] = made_periodic(2, 1);
+    m->row[0].largest_speed = 0.9 + 0.001 * (double)m->point;
+    m->impact_count[0] = 2;
+    m->impact[0] = (saltus_sweep_impact){0.1, -0.8, 1};
+    m->impact[1] = (saltus_sweep_impact){0.6, 0.7, 0};
+    m->strobe_count[0] = 1;
+    m->strobe[0] = 0.02;
+    m->strobe[1] = 3;
+}
+
+/* Over a cloud the curves show what the cloud shows, in the same axes, and all of them are inside. */
+static void branches_lie_over_clouds(void **state) {
+    (void)state;
+    static const saltus_view views[] = {SALTUS_VIEW_IMPACTS, SALTUS_VIEW_SPEED, SALTUS_VIEW_STROBOSCOPIC};
+    static const saltus_show shows[] = {SALTUS_SHOW_IMPACTS, SALTUS_SHOW_SPEED, SALTUS_SHOW_DISPLACEMENT};
+    saltus_axis axis = {.key = "omega", .count = 11, .low = 0.9, .high = 2.1};
+    saltus_sweep_options options = saltus_sweep_defaults();
+    saltus_message message = {""};
+    char path[path_size], branch[path_size], out[path_size], mark[16];
+    const char *paths[] = {path_in("b.h5", branch)};
+    make_branch();
+    made.point[70].kind = SALTUS_POINT_PD;
+    write_branch("b.h5");
+    options.keep = SALTUS_KEEP_IMPACTS | SALTUS_KEEP_STROBOSCOPIC;
+    made_write(path_in("s.h5", path), &made.scene, &axis, 1, &options, fill_sweep, 100);
+    saltus_sweep_view how = {.branches = paths, .branch_count = 1};
+    for (int k = 0; k < 3; k++) {
+        how.view = views[k];
+        check_ok(saltus_plot_sweep(path, &how, path_in("s.png", out), &message), &message);
+        figure f = figure_taken(folder);
+        const figure_panel *panel = &f.panel[0];
+        figure_check_page(&f);
+        for (int p = 1; p < points; p++) {
+            const saltus_branch_point *a = &made.point[p - 1], *b = &made.point[p];
+            const double from[2] = {a->value[0], height(shows[k], a)},
+                         to[2] = {b->value[0], height(shows[k], b)};
+            int pieces[3];
+            if (a->branch != b->branch)
+                continue;
+            count_pieces(panel, from, to, pieces);
+            assert_int_equal(pieces[stroke_between(a, b)], 1);
+            assert_true(from[1] > panel->range[1][0] && from[1] < panel->range[1][1]);
+        }
+        const figure_element *cloud = figure_element_of(panel, "$cloud", 0);
+        figure_check_inside(panel, cloud);
+        assert_int_equal(cloud->values.count, k == 0 ? 22 : 11);
+        for (int i = 0; i < cloud->values.count; i++)
+            assert_true(cloud->values.at[i][1] > 0);
+        assert_true(mark_of(panel, SALTUS_POINT_PD, mark));
+        assert_int_equal(count_marks(panel, mark, made.point[70].value[0], height(shows[k], &made.point[70])),
+                         1);
+        assert_non_null(figure_element_of(panel, "title 'stable'", 0));
+        figure_free(&f);
+    }
+    /* What does not belong over the sweep is refused: another view, another system, another key. */
+    how.view = SALTUS_VIEW_LARGEST;
+    assert_int_equal(saltus_plot_sweep(path, &how, path_in("s.png", out), &message), SALTUS_BAD_INPUT);
+    how.view = SALTUS_VIEW_SPEED;
+    const saltus_spec own = made.scene.spec;
+    for (int k = 0; k < 5; k++) {
+        made.scene.spec = own;
+        saltus_stop *stop = &made.scene.spec.stops[0];
+        if (k == 0)
+            set_parameter(&made.scene.spec, "c", 0.13);
+        else if (k == 1)
+            stop->d = 0.26;
+        else if (k == 2)
+            stop->r = 0.76;
+        else if (k == 3)
+            stop->sides = SALTUS_UPPER;
+        else
+            set_parameter(&made.scene.spec, "omega", 1.1); /* the axis's own */
+        made_write(path, &made.scene, &axis, 1, &options, fill_sweep, 100);
+        assert_int_equal(saltus_plot_sweep(path, &how, path_in("s.png", out), &message),
+                         k < 4 ? SALTUS_BAD_INPUT : SALTUS_OK);
+    }
+    made.scene.spec = own;
+    strcpy(axis.key, "k");
+    made_write(path, &made.scene, &axis, 1, &options, fill_sweep, 100);
+    assert_int_equal(saltus_plot_sweep(path, &how, path_in("s.png", out), &message), SALTUS_BAD_INPUT);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(curves_are_the_rows_of_the_file),
+        cmocka_unit_test(impacts_are_curves_of_their_own),
+        cmocka_unit_test(special_points_are_marked_at_their_rows),
+        cmocka_unit_test(the_legend_explains_what_there_is),
+        cmocka_unit_test(names_stand_on_their_stretches),
+        cmocka_unit_test(names_do_not_lie_on_each_other),
+        cmocka_unit_test(files_over_each_other_have_their_own_colour),
+        cmocka_unit_test(loci_are_solid_where_they_bound_stable_orbits),
+        cmocka_unit_test(planes_turn_and_clip),
+        cmocka_unit_test(kinds_of_loci_have_their_own_colours),
+        cmocka_unit_test(branches_lie_over_clouds),
+    };
+    return cmocka_run_group_tests(tests, open_folder, close_folder);
+}

@@ -1,0 +1,894 @@
+/* Maps of sweeps over two axes: every pixel has the colour of the row whose cell it lies in, the legend or
+ * the bar beside the map says what that colour means, and both agree with the file.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "figure_blocks.h"
+#include "made_sweep.h"
+
+enum { path_size = 160, columns = 6, rows = 5, nothing_colour = 0xc6c6c6 };
+
+static char folder[64];
+
+static int open_folder(void **state) {
+    (void)state;
+    strcpy(folder, "/tmp/saltus-test-XXXXXX");
+    assert_non_null(mkdtemp(folder));
+    figure_open(folder);
+    return 0;
+}
+
+static int close_folder(void **state) {
+    (void)state;
+    folder_files(folder, true);
+    rmdir(folder);
+    return 0;
+}
+
+static const char *path_in(const char *name, char path[path_size]) {
+    snprintf(path, path_size, "%s/%s", folder, name);
+    return path;
+}
+
+static saltus_scene made_scene(void) {
+    saltus_scene scene = {.spec = oscillator_spec(0.125, 1.75, 1.5, 0.625), .initial_count = 0};
+    add_stop(&scene.spec, 1, 0.75, SALTUS_UPPER);
+    strcpy(scene.name, "made_up");
+    return scene;
+}
+
+static figure draw(const saltus_sweep_view *view, const char *picture) {
+    saltus_message message = {""};
+    char path[path_size], out[path_size];
+    check_ok(saltus_plot_sweep(path_in("s.h5", path), view, path_in(picture, out), &message), &message);
+    figure f = figure_taken(folder);
+    figure_check_page(&f);
+    return f;
+}
+
+/* A list in no order across, equal or equal-ratio steps up. */
+static void make_axes(saltus_axis axes[2], saltus_spacing up) {
+    static const double values[columns] = {0.9, 0.5, 1.5, 0.75, 0.6, 1.2};
+    axes[0] = (saltus_axis){
+        .key = "omega", .spacing = SALTUS_LIST, .count = columns, .low = 0.9, .high = 1.2, .list = values};
+    axes[1] = (saltus_axis){.key = "d", .spacing = up, .count = rows, .low = 0.125, .high = 8};
+}
+
+static double place_of(double value, bool logarithmic) {
+    return logarithmic ? log(value) : value;
+}
+
+/* Which entry of an axis a pixel belongs to: the one whose cell, half way to its neighbours, holds the
+ * pixel's middle; -1 near an edge. */
+static void find_cells(const saltus_axis *axis, const double range[2], int pixels, int *cell) {
+    bool logarithmic = axis->spacing == SALTUS_LOGARITHMIC;
+    int order[64];
+    double edge[65] = {0};
+    for (int k = 0; k < axis->count; k++) {
+        int rank = 0;
+        for (int j = 0; j < axis->count; j++)
+            rank += axis->list[j] < axis->list[k];
+        order[rank] = k;
+    }
+    for (int k = 1; k < axis->count; k++)
+        edge[k] = 0.5 * (place_of(axis->list[order[k - 1]], logarithmic) +
+                         place_of(axis->list[order[k]], logarithmic));
+    edge[0] = 2 * place_of(axis->list[order[0]], logarithmic) - edge[1];
+    edge[axis->count] = 2 * place_of(axis->list[order[axis->count - 1]], logarithmic) - edge[axis->count - 1];
+    double low = place_of(range[0], logarithmic), width = place_of(range[1], logarithmic) - low;
+    for (int x = 0; x < pixels; x++) {
+        double at = low + width * (x + 0.5) / pixels, pixel = width / pixels;
+        int k = 0;
+        while (k < axis->count && edge[k + 1] < at)
+            k++;
+        bool clear = k < axis->count && at - edge[k] > 0.02 * pixel && edge[k + 1] - at > 0.02 * pixel;
+        cell[x] = clear ? order[k] : -1;
+    }
+}
+
+/* The point of the grid at each pixel, -1 near an edge; to be freed. */
+static long long *points_of(const figure_panel *panel, const figure_element *e,
+                            const saltus_sweep_file *file) {
+    int *across = calloc((size_t)e->width, sizeof *across), *up = calloc((size_t)e->height, sizeof *up);
+    long long *points = calloc((size_t)e->width * (size_t)e->height, sizeof *points);
+    assert_true(across && up && points);
+    assert_true(panel->range[2][0] == 0 && panel->range[2][1] == e->width);
+    assert_true(panel->range[3][0] == 0 && panel->range[3][1] == e->height);
+    for (int axis = 0; axis < 2; axis++)
+        assert_true(panel->logarithmic[axis] == (file->axes[axis].spacing == SALTUS_LOGARITHMIC));
+    find_cells(&file->axes[0], panel->range[0], e->width, across);
+    find_cells(&file->axes[1], panel->range[1], e->height, up);
+    for (int y = 0; y < e->height; y++)
+        for (int x = 0; x < e->width; x++)
+            points[y * e->width + x] =
+                across[x] < 0 || up[y] < 0 ? -1 : across[x] + (long long)up[y] * file->axes[0].count;
+    free(across);
+    free(up);
+    return points;
+}
+
+/* The words beside a square of that colour in the legend; `figures` too, where they are at its right. */
+static const figure_mark *entry_of(const figure_panel *panel, unsigned colour, const char **figures) {
+    char word[16];
+    snprintf(word, sizeof word, "'#%06x'", colour);
+    const figure_mark *square = figure_mark_of(panel, 'o', word, 0), *words = NULL;
+    *figures = "";
+    if (!square)
+        return NULL;
+    double middle = 0.5 * (square->place[0][1] + square->place[1][1]);
+    for (int m = 0; m < panel->mark_count; m++) {
+        const figure_mark *mark = &panel->mark[m];
+        if (mark->kind != 'l' || mark->system[0][0] != 's' || fabs(mark->place[0][1] - middle) > 1e-4)
+            continue;
+        if (strstr(mark->style, "right"))
+            *figures = mark->text;
+        else if (!words && mark->place[0][0] > square->place[1][0])
+            words = mark;
+    }
+    assert_non_null(words);
+    return words;
+}
+
+/* Classes */
+
+static const int verdicts[] = {SALTUS_ROW_CHAOTIC, SALTUS_ROW_HELD, SALTUS_ROW_FAILED, SALTUS_ROW_UNDECIDED};
+
+static saltus_sweep_row class_row(long long point) {
+    long long kind = point * point % 11;
+    return kind < 3    ? made_periodic((int)kind, 1)
+           : kind == 3 ? made_periodic(-1, 2)
+           : kind < 8  ? made_other(verdicts[kind - 4])
+                       : made_periodic((int)kind, 2);
+}
+
+static void fill_classes(made_place *m) {
+    m->row[0] = class_row(m->point);
+}
+
+static void class_name(const saltus_sweep_row *row, char label[64]) {
+    char own[32];
+    saltus_sweep_label(row, own);
+    snprintf(label, 64, "%s",
+             row->verdict == SALTUS_ROW_HELD        ? "held by the stop"
+             : row->verdict == SALTUS_ROW_UNDECIDED ? "no period up to 20"
+             : row->verdict == SALTUS_ROW_FAILED    ? "failed"
+                                                    : own);
+    if (row->verdict == SALTUS_ROW_PERIODIC && row->impacts == 0)
+        snprintf(label + strlen(label), 64 - strlen(label), "  no impact");
+}
+
+static void each_cell_has_the_colour_of_its_class(void **state) {
+    (void)state;
+    saltus_scene scene = made_scene();
+    saltus_sweep_options options = saltus_sweep_defaults();
+    saltus_axis axes[2];
+    char path[path_size];
+    for (int k = 0; k < 2; k++) {
+        make_axes(axes, k ? SALTUS_LOGARITHMIC : SALTUS_LINEAR);
+        made_write(path_in("s.h5", path), &scene, axes, 2, &options, fill_classes, 100);
+        saltus_sweep_file file = made_read(path);
+        saltus_sweep_view how = {.view = k ? SALTUS_VIEW_CLASS : SALTUS_VIEW_AUTOMATIC};
+        figure f = draw(&how, k ? "s.svg" : "s.png");
+        const figure_panel *panel = &f.panel[0];
+        const figure_element *e = figure_element_of(panel, "binary", 0);
+        long long *point = points_of(panel, e, &file), seen = 0;
+        unsigned colour[columns * rows] = {0};
+        int pixels = (int)lround(1600 * (panel->frame[1] - panel->frame[0]));
+        assert_int_equal(e->width, (k ? 2 : 1) * pixels);
+        for (int n = 0; n < e->width * e->height; n++) {
+            if (point[n] < 0)
+                continue;
+            int opacity;
+            unsigned own = figure_pixel(e, n % e->width, n / e->width, &opacity);
+            assert_int_equal(opacity, 255);
+            assert_true(!colour[point[n]] || colour[point[n]] == own);
+            colour[point[n]] = own;
+            seen++;
+        }
+        assert_true(seen > 0.97 * e->width * e->height);
+        double above = 2, share_above = 101;
+        for (int p = 0; p < columns * rows; p++) {
+            char label[64], share[32];
+            const char *figures;
+            int same = 0;
+            class_name(&file.rows[p], label);
+            for (int q = 0; q < columns * rows; q++) {
+                char other[64];
+                class_name(&file.rows[q], other);
+                same += strcmp(label, other) == 0;
+                assert_true((strcmp(label, other) == 0) == (colour[p] == colour[q]));
+            }
+            const figure_mark *words = entry_of(panel, colour[p], &figures);
+            double part = 100.0 * same / (columns * rows);
+            assert_non_null(words);
+            assert_string_equal(words->text, label);
+            snprintf(share, sizeof share, "%.*f %%", part < 9.95, part);
+            assert_string_equal(figures, share);
+            if (p == 0) {
+                above = words->place[0][1];
+                share_above = part;
+            } else if (part != share_above)
+                assert_true((words->place[0][1] < above) == (part < share_above));
+        }
+        assert_non_null(strstr(panel->label[0], "{/:Italic ω}"));
+        assert_non_null(strstr(panel->label[1], "{/:Italic d}"));
+        figure_says(&f, "motions in {/:Italic ω} and {/:Italic d}");
+        figure_says(&f, "6 values of {/:Italic ω} × 5 of {/:Italic d}, each from the initial state");
+        free(point);
+        figure_free(&f);
+        saltus_sweep_file_clear(&file);
+    }
+}
+
+static double luminance(unsigned colour) {
+    return 0.299 * (colour >> 16 & 0xff) + 0.587 * (colour >> 8 & 0xff) + 0.114 * (colour & 0xff);
+}
+
+/* Lightness and hue (degrees) as they look: Ottosson's Oklab, from the sRGB standard's transfer curve. */
+static void looks(unsigned colour, double *lightness, double *hue) {
+    double c[3], lms[3];
+    static const double to_lms[3][3] = {{0.4122214708, 0.5363325363, 0.0514459929},
+                                        {0.2119034982, 0.6806995451, 0.1073969566},
+                                        {0.0883024619, 0.2817188376, 0.6299787005}};
+    for (int k = 0; k < 3; k++) {
+        double v = (colour >> (16 - 8 * k) & 0xff) / 255.0;
+        c[k] = v <= 0.04045 ? v / 12.92 : pow((v + 0.055) / 1.055, 2.4);
+    }
+    for (int k = 0; k < 3; k++)
+        lms[k] = cbrt(to_lms[k][0] * c[0] + to_lms[k][1] * c[1] + to_lms[k][2] * c[2]);
+    double a = 1.9779984951 * lms[0] - 2.4285922050 * lms[1] + 0.4505937099 * lms[2],
+           b = 0.0259040371 * lms[0] + 0.7827717662 * lms[1] - 0.8086757660 * lms[2];
+    *lightness = 0.2104542553 * lms[0] + 0.7936177850 * lms[1] - 0.0040720468 * lms[2];
+    *hue = atan2(b, a) * 180 / acos(-1.0);
+}
+
+static double apart(double a, double b) {
+    return fabs(remainder(a - b, 360));
+}
+
+static void fill_shades(made_place *m) {
+    m->row[0] = made_periodic((int)(m->point % 4) + (m->point % 4 > 0) * 3 * (int)(m->point / 4 % 2),
+                              1 + (int)(m->point / 8 % 2));
+}
+
+/* The hue tells the period; of one period more impacts are darker, in steps that can be told apart. */
+static void shades_tell_period_and_impacts(void **state) {
+    (void)state;
+    saltus_scene scene = made_scene();
+    saltus_sweep_options options = saltus_sweep_defaults();
+    saltus_sweep_view how = {.view = SALTUS_VIEW_CLASS};
+    saltus_axis axes[2];
+    char path[path_size];
+    make_axes(axes, SALTUS_LINEAR);
+    made_write(path_in("s.h5", path), &scene, axes, 2, &options, fill_shades, 100);
+    figure f = draw(&how, "s.png");
+    double light[3][7], hue[3][7];
+    for (int p = 1; p <= 2; p++)
+        for (int n = 0; n <= 6; n++) {
+            bool found = false;
+            char label[24];
+            snprintf(label, sizeof label, "%d/%d%s", n, p, n ? "" : "  no impact");
+            for (int m = 0; m < f.panel[0].mark_count && !found; m++) {
+                const figure_mark *mark = &f.panel[0].mark[m];
+                const char *figures;
+                long colour = mark->kind == 'o' ? figure_colour(mark->text) : -1;
+                found = colour >= 0 &&
+                        strcmp(entry_of(&f.panel[0], (unsigned)colour, &figures)->text, label) == 0;
+                if (found)
+                    looks((unsigned)colour, &light[p][n], &hue[p][n]);
+            }
+            assert_true(found);
+        }
+    for (int p = 1; p <= 2; p++) {
+        double step = light[p][1] - light[p][2];
+        assert_true(light[p][0] > light[p][1] && step > 0.05);
+        for (int n = 2; n < 6; n++)
+            check_near(light[p][n] - light[p][n + 1], step, 0.012);
+        for (int n = 2; n <= 6; n++)
+            assert_true(apart(hue[p][n], hue[p][1]) < 30);
+        assert_true(apart(hue[p][0], hue[p][3]) < 30);
+    }
+    for (int n = 0; n <= 6; n++)
+        assert_true(apart(hue[1][n], hue[2][n]) > 60);
+    figure_free(&f);
+}
+
+/* From several starts a cell shows the motion that most of them came to, and lines across where there is more
+ * than one. */
+static void fill_several(made_place *m) {
+    for (int s = 0; s < m->seeds; s++) {
+        m->row[s] = made_periodic(1, 1);
+        if (s >= m->point % 4)
+            m->row[s] = made_periodic(2, 1);
+        m->row[s].attractor = m->point % 4 > 0 && m->point % 4 < 3 && s >= m->point % 4;
+    }
+}
+
+static void the_motion_of_most_starts_is_shown(void **state) {
+    (void)state;
+    saltus_scene scene = made_scene();
+    saltus_sweep_options options = saltus_sweep_defaults();
+    saltus_sweep_view how = {.view = SALTUS_VIEW_CLASS};
+    saltus_axis axes[2];
+    char path[path_size];
+    options.seeds = 3;
+    make_axes(axes, SALTUS_LINEAR);
+    made_write(path_in("s.h5", path), &scene, axes, 2, &options, fill_several, 100);
+    saltus_sweep_file file = made_read(path);
+    figure f = draw(&how, "s.png");
+    const figure_element *e = figure_element_of(&f.panel[0], "binary", 0);
+    long long *point = points_of(&f.panel[0], e, &file);
+    int pixels[4] = {0}, ours[4] = {0}, others[4] = {0};
+    unsigned own[4] = {0};
+    for (int kind = 0; kind < 4; kind++) {
+        const char *figures;
+        for (int m = 0; m < f.panel[0].mark_count; m++) {
+            const figure_mark *mark = &f.panel[0].mark[m];
+            long colour = mark->kind == 'o' ? figure_colour(mark->text) : -1;
+            if (colour >= 0 && strcmp(entry_of(&f.panel[0], (unsigned)colour, &figures)->text,
+                                      kind < 2 ? "2/1" : "1/1") == 0)
+                own[kind] = (unsigned)colour;
+        }
+        assert_true(own[kind]);
+    }
+    for (int n = 0; n < e->width * e->height; n++) {
+        if (point[n] < 0)
+            continue;
+        int kind = (int)(point[n] % 4);
+        unsigned colour = figure_pixel(e, n % e->width, n / e->width, NULL);
+        pixels[kind]++;
+        ours[kind] += colour == own[kind];
+        others[kind] += colour == own[3 - kind] && own[3 - kind] != own[kind];
+    }
+    assert_true(ours[0] == pixels[0] && ours[3] == pixels[3]);
+    for (int kind = 1; kind < 3; kind++) {
+        double part = (double)ours[kind] / pixels[kind];
+        assert_true(part > 0.8 && part < 0.95 && others[kind] == 0);
+    }
+    assert_non_null(figure_mark_of(&f.panel[0], 'l', "more than one attractor", 0));
+    free(point);
+    figure_free(&f);
+    saltus_sweep_file_clear(&file);
+    /* How many there are. */
+    how.view = SALTUS_VIEW_ATTRACTORS;
+    f = draw(&how, "s.png");
+    file = made_read(path);
+    e = figure_element_of(&f.panel[0], "binary", 0);
+    point = points_of(&f.panel[0], e, &file);
+    for (int n = 0; n < e->width * e->height; n += 97) {
+        const char *figures;
+        if (point[n] < 0)
+            continue;
+        int kind = (int)(point[n] % 4);
+        const figure_mark *words =
+            entry_of(&f.panel[0], figure_pixel(e, n % e->width, n / e->width, NULL), &figures);
+        assert_true(words != NULL);
+        assert_string_equal(words->text, kind == 1 || kind == 2 ? "2 attractors" : "1 attractor");
+    }
+    free(point);
+    figure_free(&f);
+    saltus_sweep_file_clear(&file);
+}
+
+/* In passes the motions count as attractors, too; what was not computed counts for nothing. */
+static void fill_passes(made_place *m) {
+    m->row[0] = made_periodic(1, m->pass == SALTUS_PASS_DOWN && m->point % 2 ? 2 : 1);
+}
+
+static void passes_that_differ_are_two_attractors(void **state) {
+    (void)state;
+    saltus_scene scene = made_scene();
+    saltus_sweep_options options = saltus_sweep_defaults();
+    saltus_axis axes[2];
+    char path[path_size], text[8000];
+    options.passes = 6;
+    make_axes(axes, SALTUS_LINEAR);
+    for (int whole = 0; whole < 2; whole++) {
+        made_write(path_in("s.h5", path), &scene, axes, 2, &options, fill_passes,
+                   whole ? 100 : columns * rows + 12);
+        saltus_sweep_file file = made_read(path);
+        for (int counted = 0; counted < 2; counted++) {
+            saltus_sweep_view how = {.view = counted ? SALTUS_VIEW_ATTRACTORS : SALTUS_VIEW_CLASS};
+            figure f = draw(&how, "s.png");
+            const figure_element *e = figure_element_of(&f.panel[0], "binary", 0);
+            long long *point = points_of(&f.panel[0], e, &file);
+            int hatched[2] = {0};
+            unsigned last = 0;
+            const figure_mark *words = NULL;
+            for (int n = 0; n < e->width * e->height; n += 1 + 12 * counted) {
+                const char *figures;
+                if (point[n] < 0)
+                    continue;
+                bool two = point[n] % 2 && (whole || point[n] < 12);
+                unsigned colour = figure_pixel(e, n % e->width, n / e->width, NULL);
+                if (n == 0 || colour != last)
+                    words = entry_of(&f.panel[0], colour, &figures);
+                last = colour;
+                if (counted)
+                    assert_string_equal(words ? words->text : "", two ? "2 attractors" : "1 attractor");
+                else if (words)
+                    assert_string_equal(words->text, "1/1");
+                hatched[two] += !words;
+            }
+            assert_true(hatched[0] == 0 && (hatched[1] > 0) == !counted);
+            figure_caption(&f, text, sizeof text);
+            assert_true((strstr(text, "(interrupted: 70 % done)") != NULL) == !whole);
+            free(point);
+            figure_free(&f);
+        }
+        saltus_sweep_file_clear(&file);
+    }
+}
+
+/* What is too rare for an entry of its own is counted with its family. */
+static void fill_many(made_place *m) {
+    m->row[0] = m->point < 16   ? made_periodic(1 + (int)(m->point % 8), 1 + (int)(m->point / 8 % 2))
+                : m->point < 20 ? made_periodic(20 + (int)m->point, 2)
+                                : made_periodic(1 + (int)(m->point % 8), 1);
+}
+
+static void rare_motions_are_counted_together(void **state) {
+    (void)state;
+    saltus_scene scene = made_scene();
+    saltus_sweep_options options = saltus_sweep_defaults();
+    saltus_sweep_view how = {.view = SALTUS_VIEW_CLASS};
+    saltus_axis axes[2];
+    char path[path_size];
+    make_axes(axes, SALTUS_LINEAR);
+    made_write(path_in("s.h5", path), &scene, axes, 2, &options, fill_many, 100);
+    figure f = draw(&how, "s.png");
+    double sum = 0;
+    int entries = 0;
+    for (int m = 0; m < f.panel[0].mark_count; m++) {
+        const figure_mark *mark = &f.panel[0].mark[m];
+        const char *figures;
+        long colour = mark->kind == 'o' ? figure_colour(mark->text) : -1;
+        if (colour < 0)
+            continue;
+        entry_of(&f.panel[0], (unsigned)colour, &figures);
+        sum += strtod(figures, NULL);
+        entries++;
+    }
+    /* 20 classes: 15 of their own, 5 of period 2 together. */
+    assert_int_equal(entries, 16);
+    check_near(sum, 100, 1);
+    const figure_mark *others = figure_mark_of(&f.panel[0], 'l', "5 other", 0);
+    assert_true(others && strstr(others->text, "/2"));
+    figure_free(&f);
+}
+
+/* Region names stand in a region of that motion, in letters that can be read. */
+static void fill_regions(made_place *m) {
+    m->row[0] = m->point % columns < 3 ? made_periodic(1, 1) : made_other(SALTUS_ROW_CHAOTIC);
+    if (m->point / columns == 4)
+        m->row[0] = made_periodic(5, 2);
+}
+
+static void names_stand_in_their_regions(void **state) {
+    (void)state;
+    saltus_scene scene = made_scene();
+    saltus_sweep_options options = saltus_sweep_defaults();
+    saltus_sweep_view how = {.view = SALTUS_VIEW_CLASS};
+    saltus_axis axes[2] = {{.key = "omega", .count = columns, .low = 0.5, .high = 1.5},
+                           {.key = "d", .count = rows, .low = 1, .high = 2}};
+    char path[path_size];
+    made_write(path_in("s.h5", path), &scene, axes, 2, &options, fill_regions, 100);
+    figure f = draw(&how, "s.png");
+    const figure_element *e = figure_element_of(&f.panel[0], "binary", 0);
+    /* Middles of the three regions. */
+    static const double middle[3][2] = {{0.25, 0.4}, {0.75, 0.4}, {0.5, 0.9}};
+    static const char *const names[] = {"1/1", "chaotic", "5/2"};
+    int found = 0;
+    for (int m = 0; m < f.panel[0].mark_count; m++) {
+        const figure_mark *mark = &f.panel[0].mark[m];
+        if (mark->kind != 'l' || mark->system[0][0] != 'g')
+            continue;
+        const char *figures;
+        unsigned colour =
+            figure_pixel(e, (int)(mark->place[0][0] * e->width), (int)(mark->place[0][1] * e->height), NULL);
+        assert_string_equal(entry_of(&f.panel[0], colour, &figures)->text, mark->text);
+        assert_true(fabs(luminance((unsigned)figure_colour(mark->style)) - luminance(colour)) > 110);
+        for (int k = 0; k < 3; k++)
+            if (strcmp(names[k], mark->text) == 0) {
+                check_near(mark->place[0][0], middle[k][0], 0.05);
+                check_near(mark->place[0][1], middle[k][1], 0.05);
+                found++;
+            }
+    }
+    assert_int_equal(found, 3);
+    figure_free(&f);
+}
+
+/* Numbers */
+
+static double number_of(long long a, long long b) {
+    return sin(1.7 * (double)a + 0.37 * (double)b + 0.2);
+}
+
+static void fill_numbers(made_place *m) {
+    long long p = m->point;
+    saltus_sweep_row *row = &m->row[0];
+    *row = p == 3   ? made_other(SALTUS_ROW_FAILED)
+           : p == 7 ? made_other(SALTUS_ROW_UNDECIDED)
+                    : made_periodic(1, 1 + (int)(p % 5));
+    row->settled = 1 + p * p * p;
+    row->largest = number_of(p, 1);
+    row->impact_rate = 3 + number_of(p, 2);
+    row->largest_speed = 2 + number_of(p, 3);
+    row->contact_fraction = 0.5 + 0.25 * number_of(p, 4);
+    row->lyapunov = p == 11 ? -INFINITY : p == 17 ? NAN : 0.5 + number_of(p, 5);
+}
+
+static double number_shown(saltus_view view, const saltus_sweep_row *row) {
+    if (row->verdict == SALTUS_ROW_FAILED)
+        return NAN;
+    return view == SALTUS_VIEW_LARGEST            ? row->largest
+           : view == SALTUS_VIEW_SPEED            ? row->largest_speed
+           : view == SALTUS_VIEW_RATE             ? row->impact_rate
+           : view == SALTUS_VIEW_CONTACT          ? row->contact_fraction
+           : view == SALTUS_VIEW_LYAPUNOV         ? row->lyapunov
+           : row->verdict == SALTUS_ROW_UNDECIDED ? NAN
+                                                  : (double)row->settled;
+}
+
+/* The number that a colour means, from the bar beside the map: the middle of the steps that have it. */
+static double read_bar(const figure_panel *bar, unsigned colour, double *width) {
+    const figure_element *e = figure_element_of(bar, "binary", 0);
+    int first = -1, last = -1;
+    for (int y = 0; y < e->height; y++)
+        if (figure_pixel(e, 0, y, NULL) == colour) {
+            first = first < 0 ? y : first;
+            last = y;
+        }
+    const double *range = bar->range[3];
+    double part;
+    if (first >= 0)
+        part = (0.5 * (first + last) + 0.5) / e->height;
+    else {
+        /* No step has it exactly: the nearest one. */
+        double least = INFINITY;
+        int nearest = 0;
+        for (int y = 0; y < e->height; y++) {
+            unsigned other = figure_pixel(e, 0, y, NULL);
+            double away = 0;
+            for (int c = 0; c < 24; c += 8)
+                away += fabs((double)(other >> c & 0xff) - (double)(colour >> c & 0xff));
+            nearest = away < least ? y : nearest;
+            least = fmin(least, away);
+        }
+        assert_true(least < 6);
+        part = (nearest + 0.5) / e->height;
+        last = first = nearest;
+    }
+    *width = (2.0 + last - first) / e->height;
+    return bar->logarithmic[3] ? range[0] * pow(range[1] / range[0], part)
+                               : range[0] + part * (range[1] - range[0]);
+}
+
+static void check_numbers(const figure *f, const saltus_sweep_file *file, saltus_view view) {
+    const figure_panel *panel = &f->panel[0], *bar = &f->panel[1];
+    const figure_element *e = figure_element_of(panel, "binary", 0);
+    long long *point = points_of(panel, e, file);
+    unsigned colour[columns * rows];
+    bool there[columns * rows] = {false};
+    for (int n = 0; n < e->width * e->height; n++) {
+        if (point[n] < 0)
+            continue;
+        unsigned own = figure_pixel(e, n % e->width, n / e->width, NULL);
+        assert_true(!there[point[n]] || colour[point[n]] == own);
+        colour[point[n]] = own;
+        there[point[n]] = true;
+    }
+    free(point);
+    const double *range = bar->range[3];
+    for (int p = 0; p < columns * rows; p++) {
+        const saltus_sweep_row *row = &file->rows[p];
+        const char *figures;
+        double number = number_shown(view, row), width;
+        if (!there[p])
+            continue;
+        if (isnan(number)) {
+            const figure_mark *words = entry_of(panel, colour[p], &figures);
+            assert_string_equal(words ? words->text : "", row->verdict == SALTUS_ROW_FAILED ? "failed"
+                                                          : view == SALTUS_VIEW_LYAPUNOV    ? "not measured"
+                                                                                         : "no period found");
+        } else if (isinf(number))
+            assert_true(colour[p] == 0);
+        else {
+            double read = read_bar(bar, colour[p], &width), meant = fmin(fmax(number, range[0]), range[1]);
+            if (bar->logarithmic[3])
+                check_near(log(read), log(meant), width * log(range[1] / range[0]));
+            else
+                check_near(read, meant, width * (range[1] - range[0]));
+        }
+    }
+}
+
+/* Each number's colour is that of the bar at this number. */
+static void colours_read_back_from_the_bar(void **state) {
+    (void)state;
+    static const char *const names[] = {[SALTUS_VIEW_LARGEST] = "largest displacement",
+                                        [SALTUS_VIEW_SPEED] = "largest impact speed",
+                                        [SALTUS_VIEW_RATE] = "impacts per forcing period",
+                                        [SALTUS_VIEW_CONTACT] = "part of the time in contact",
+                                        [SALTUS_VIEW_LYAPUNOV] = "largest Lyapunov exponent",
+                                        [SALTUS_VIEW_SETTLED] = "periods until settled"};
+    saltus_scene scene = made_scene();
+    saltus_sweep_options options = saltus_sweep_defaults();
+    saltus_axis axes[2];
+    char path[path_size];
+    options.keep = SALTUS_KEEP_LYAPUNOV;
+    make_axes(axes, SALTUS_LOGARITHMIC);
+    made_write(path_in("s.h5", path), &scene, axes, 2, &options, fill_numbers, 100);
+    saltus_sweep_file file = made_read(path);
+    for (saltus_view view = SALTUS_VIEW_LARGEST; view <= SALTUS_VIEW_SETTLED; view++) {
+        saltus_sweep_view how = {.view = view};
+        double low = INFINITY, high = -INFINITY;
+        for (int p = 0; p < columns * rows; p++) {
+            double number = number_shown(view, &file.rows[p]);
+            low = isfinite(number) ? fmin(low, number) : low;
+            high = isfinite(number) ? fmax(high, number) : high;
+        }
+        figure f = draw(&how, "s.png");
+        assert_int_equal(f.panel_count, 2);
+        check_numbers(&f, &file, view);
+        assert_true(strstr(f.panel[1].label[2], names[view]) == f.panel[1].label[2]);
+        assert_null(strstr(f.panel[1].label[2], "colours end"));
+        check_near(f.panel[1].range[3][0], low, 1e-6 * fabs(low));
+        check_near(f.panel[1].range[3][1], high, 1e-6 * fabs(high));
+        assert_true(f.panel[1].logarithmic[3] == (view == SALTUS_VIEW_SETTLED));
+        figure_free(&f);
+        if (view == SALTUS_VIEW_LARGEST || view == SALTUS_VIEW_RATE || view == SALTUS_VIEW_CONTACT)
+            continue;
+        /* A part of the range: beyond its ends the colours are those of the ends. */
+        saltus_plot_part part = {.low = low + 0.2 * (high - low), .high = high - 0.3 * (high - low)};
+        static const char *const words[] = {
+            [SALTUS_VIEW_LARGEST] = "largest",   [SALTUS_VIEW_SPEED] = "speed",
+            [SALTUS_VIEW_RATE] = "rate",         [SALTUS_VIEW_CONTACT] = "contact",
+            [SALTUS_VIEW_LYAPUNOV] = "lyapunov", [SALTUS_VIEW_SETTLED] = "settled"};
+        strcpy(part.key, words[view]);
+        how.parts = &part;
+        how.part_count = 1;
+        f = draw(&how, "s.png");
+        check_numbers(&f, &file, view);
+        check_near(f.panel[1].range[3][0], part.low, 1e-6 * fabs(part.low));
+        check_near(f.panel[1].range[3][1], part.high, 1e-6 * fabs(part.high));
+        assert_non_null(strstr(f.panel[1].label[2], "(colours end at the range)"));
+        figure_free(&f);
+    }
+    saltus_sweep_file_clear(&file);
+}
+
+/* Exponents have a middle at zero: the palest step of the bar. */
+static void zero_is_the_palest_of_exponents(void **state) {
+    (void)state;
+    saltus_scene scene = made_scene();
+    saltus_sweep_options options = saltus_sweep_defaults();
+    saltus_sweep_view how = {.view = SALTUS_VIEW_LYAPUNOV};
+    saltus_axis axes[2];
+    char path[path_size];
+    options.keep = SALTUS_KEEP_LYAPUNOV;
+    make_axes(axes, SALTUS_LINEAR);
+    made_write(path_in("s.h5", path), &scene, axes, 2, &options, fill_numbers, 100);
+    figure f = draw(&how, "s.png");
+    const figure_element *e = figure_element_of(&f.panel[1], "binary", 0);
+    const double *range = f.panel[1].range[3];
+    double palest = 0, at = 0;
+    for (int y = 0; y < e->height; y++)
+        if (luminance(figure_pixel(e, 0, y, NULL)) > palest) {
+            palest = luminance(figure_pixel(e, 0, y, NULL));
+            at = range[0] + (y + 0.5) / e->height * (range[1] - range[0]);
+        }
+    check_near(at, 0, 0.01 * (range[1] - range[0]));
+    assert_true(luminance(figure_pixel(e, 0, 0, NULL)) < 120 &&
+                luminance(figure_pixel(e, 0, e->height - 1, NULL)) < 120);
+    figure_says(&f, "black: all directions lost");
+    figure_free(&f);
+}
+
+/* The bar says that its colours end where any number is beyond it, and only then. */
+static void cut_ranges_say_so(void **state) {
+    (void)state;
+    saltus_scene scene = made_scene();
+    saltus_sweep_options options = saltus_sweep_defaults();
+    saltus_plot_part part = {"speed", 0, 0};
+    saltus_sweep_view how = {.view = SALTUS_VIEW_SPEED, .parts = &part, .part_count = 1};
+    saltus_axis axes[2];
+    char path[path_size];
+    double most = -INFINITY, least = INFINITY;
+    make_axes(axes, SALTUS_LINEAR);
+    made_write(path_in("s.h5", path), &scene, axes, 2, &options, fill_numbers, 100);
+    saltus_sweep_file file = made_read(path);
+    for (int p = 0; p < columns * rows; p++)
+        if (file.rows[p].verdict != SALTUS_ROW_FAILED) {
+            most = fmax(most, file.rows[p].largest_speed);
+            least = fmin(least, file.rows[p].largest_speed);
+        }
+    for (int cut = 0; cut < 3; cut++) {
+        part.low = least + (cut == 1 ? 1e-4 : -1e-4);
+        part.high = most + (cut == 2 ? -1e-4 : 1e-4);
+        figure f = draw(&how, "s.png");
+        assert_true((strstr(f.panel[1].label[2], "colours end") != NULL) == (cut > 0));
+        figure_free(&f);
+    }
+    saltus_sweep_file_clear(&file);
+}
+
+/* Single numbers far from all others take no colours from them; those that are not so far do. */
+static double outlier;
+
+static void fill_outlier(made_place *m) {
+    m->row[0] = made_periodic(1, 1);
+    m->row[0].largest = m->point == 100 ? outlier : m->point == 200 ? -outlier : number_of(m->point, 1);
+}
+
+static void far_numbers_do_not_stretch_the_colours(void **state) {
+    (void)state;
+    saltus_scene scene = made_scene();
+    saltus_sweep_options options = saltus_sweep_defaults();
+    saltus_sweep_view how = {.view = SALTUS_VIEW_LARGEST};
+    saltus_axis axes[2] = {{.key = "omega", .count = 21, .low = 0.5, .high = 1.5},
+                           {.key = "d", .count = 20, .low = 1, .high = 2}};
+    char path[path_size];
+    for (int far = 0; far < 2; far++) {
+        outlier = far ? 2.2 : 1.8; /* half the width beyond the end is at 2 */
+        made_write(path_in("s.h5", path), &scene, axes, 2, &options, fill_outlier, 1000);
+        figure f = draw(&how, "s.png");
+        check_near(f.panel[1].range[3][0], far ? -1 : -outlier, 1e-2);
+        check_near(f.panel[1].range[3][1], far ? 1 : outlier, 1e-2);
+        assert_true((strstr(f.panel[1].label[2], "percentiles") != NULL) == far);
+        /* What does not occur is not explained. */
+        assert_true(!figure_mark_of(&f.panel[0], 'l', "failed", 0) &&
+                    !figure_mark_of(&f.panel[0], 'l', "not computed", 0) &&
+                    !figure_mark_of(&f.panel[0], 'l', "no period found", 0));
+        figure_free(&f);
+    }
+}
+
+/* More values than pixels: a pixel shows what most of its cells are. */
+enum { fine = 5400 };
+
+static void fill_fine(made_place *m) {
+    m->row[0] = made_periodic(1, m->point % fine % 11 < 5 ? 2 : 1);
+}
+
+static void a_pixel_shows_what_most_of_its_cells_are(void **state) {
+    (void)state;
+    saltus_scene scene = made_scene();
+    saltus_sweep_options options = saltus_sweep_defaults();
+    saltus_sweep_view how = {.view = SALTUS_VIEW_CLASS};
+    saltus_axis axes[2] = {{.key = "omega", .count = fine, .low = 0.5, .high = 1.5},
+                           {.key = "d", .count = 1, .low = 1, .high = 1}};
+    char path[path_size];
+    made_write(path_in("s.h5", path), &scene, axes, 2, &options, fill_fine, 2 * fine);
+    figure f = draw(&how, "s.png");
+    const figure_panel *panel = &f.panel[0];
+    const figure_element *e = figure_element_of(panel, "binary", 0);
+    unsigned colour[2] = {0};
+    int asked = 0;
+    for (int x = 0; x < e->width; x++) {
+        int count[2] = {0};
+        double low = panel->range[0][0], width = (panel->range[0][1] - low) / e->width;
+        for (int k = (int)floor((double)x / e->width * fine) - 2; k < (x + 1.0) / e->width * fine + 2; k++) {
+            double value = 0.5 + k / (fine - 1.0);
+            if (k >= 0 && k < fine && value >= low + x * width && value < low + (x + 1) * width)
+                count[k % 11 < 5]++;
+        }
+        if (abs(count[0] - count[1]) < 2)
+            continue;
+        unsigned own = figure_pixel(e, x, e->height / 2, NULL);
+        int most = count[1] > count[0];
+        assert_true(!colour[most] || colour[most] == own);
+        colour[most] = own;
+        asked++;
+    }
+    assert_true(asked > 300 && colour[0] && colour[0] != colour[1]);
+    figure_free(&f);
+}
+
+/* Basins: the colour of a start tells its attractor, whose orbit lies there as dots; paler the sooner. */
+static void basins_show_where_each_start_goes(void **state) {
+    (void)state;
+    char path[path_size], command[700];
+    path_in("s.h5", path);
+    remove(path);
+    snprintf(
+        command, sizeof command,
+        "cd %s && printf 'model: oscillator\\nc: 0.05\\nF: 1\\nomega: 2.8\\nstop: {d: 0.2, r: 0.9}\\n' "
+        ">scene.yaml && '%s' basins scene.yaml --over q1=-1:0.35:8 --over v1=-2:2:6 -o s.h5 --quiet >out",
+        folder, SALTUS_COMMAND);
+    assert_int_equal(system(command), 0);
+    saltus_sweep_file file = made_read(path);
+    assert_true(file.attractor_count >= 2);
+    saltus_sweep_view how = {.view = SALTUS_VIEW_AUTOMATIC};
+    figure f = draw(&how, "s.png");
+    const figure_panel *panel = &f.panel[0];
+    const figure_element *e = figure_element_of(panel, "binary", 0);
+    unsigned own[8] = {0};
+    for (int k = 0; k < file.attractor_count; k++) {
+        char name[16], expected[48];
+        const char *figures;
+        snprintf(name, sizeof name, "$orbit_%d", k);
+        const figure_element *rim = figure_element_of(panel, name, 0),
+                             *dots = figure_element_of(panel, name, 1);
+        assert_true(rim && dots && k < 8);
+        own[k] = (unsigned)figure_colour(dots->style);
+        const figure_mark *words = entry_of(panel, own[k], &figures);
+        assert_non_null(words);
+        assert_string_equal(words->text, file.attractor_label[k]);
+        int count = 0;
+        for (long long row = 0; row < file.row_count; row++)
+            count += file.rows[row].attractor == k;
+        double share = 100.0 * count / (double)file.row_count;
+        snprintf(expected, sizeof expected, "|{/:Italic μ}| = %.3g,  %.*f %%", file.attractor_multiplier[k],
+                 share < 9.95, share);
+        assert_string_equal(figures, expected);
+        assert_int_equal(dots->values.count, file.attractor_points[k]);
+        assert_int_equal(rim->values.count, file.attractor_points[k]);
+        for (int p = 0; p < dots->values.count; p++)
+            for (int i = 0; i < 2; i++)
+                figure_near(dots->values.at[p][i],
+                            file.attractor_states[(file.attractor_first[k] + p) * file.dimension + i], 1e-8);
+        for (int j = 0; j < k; j++)
+            assert_true(own[j] != own[k]);
+    }
+    long long *point = points_of(panel, e, &file);
+    double paleness[64];
+    for (int n = 0; n < 64; n++)
+        paleness[n] = -1;
+    for (int n = 0; n < e->width * e->height; n += 53) {
+        if (point[n] < 0)
+            continue;
+        const saltus_sweep_row *row = &file.rows[point[n]];
+        unsigned colour = figure_pixel(e, n % e->width, n / e->width, NULL);
+        if (row->attractor < 0) {
+            assert_true(colour == (row->verdict == SALTUS_ROW_FAILED ? 0xffffff : nothing_colour));
+            continue;
+        }
+        /* Mixed with white: the same part of the way for all three colours. */
+        double part[3], mean = 0;
+        for (int c = 0; c < 3; c++) {
+            double full = own[row->attractor] >> (8 * c) & 0xff;
+            part[c] = ((colour >> (8 * c) & 0xff) - full) / (255 - full);
+            mean += part[c] / 3;
+        }
+        for (int c = 0; c < 3; c++)
+            check_near(part[c], mean, 0.02);
+        paleness[point[n]] = mean;
+    }
+    double palest = 0, fullest = 1;
+    for (int a = 0; a < 48; a++)
+        if (paleness[a] >= 0) {
+            palest = fmax(palest, paleness[a]);
+            fullest = fmin(fullest, paleness[a]);
+        }
+    assert_true(palest > 0.3 && palest < 0.6 && fullest < 0.02);
+    for (int a = 0; a < 48; a++)
+        for (int b = 0; b < 48; b++)
+            if (paleness[a] >= 0 && paleness[b] >= 0 &&
+                file.rows[a].settled > 1.1 * (double)file.rows[b].settled)
+                assert_true(paleness[a] < paleness[b] + 0.01);
+    assert_non_null(strstr(panel->label[0], "initial displacement  {/:Italic q}_{1}"));
+    assert_non_null(strstr(panel->label[1], "initial velocity  {/:Italic q}′_{1}"));
+    assert_non_null(figure_mark_of(panel, 'l', "dots: the orbits at phase 0", 0));
+    free(point);
+    figure_free(&f);
+    saltus_sweep_file_clear(&file);
+    remove(path);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(each_cell_has_the_colour_of_its_class),
+        cmocka_unit_test(shades_tell_period_and_impacts),
+        cmocka_unit_test(the_motion_of_most_starts_is_shown),
+        cmocka_unit_test(passes_that_differ_are_two_attractors),
+        cmocka_unit_test(rare_motions_are_counted_together),
+        cmocka_unit_test(names_stand_in_their_regions),
+        cmocka_unit_test(colours_read_back_from_the_bar),
+        cmocka_unit_test(zero_is_the_palest_of_exponents),
+        cmocka_unit_test(cut_ranges_say_so),
+        cmocka_unit_test(far_numbers_do_not_stretch_the_colours),
+        cmocka_unit_test(a_pixel_shows_what_most_of_its_cells_are),
+        cmocka_unit_test(basins_show_where_each_start_goes),
+    };
+    return cmocka_run_group_tests(tests, open_folder, close_folder);
+}

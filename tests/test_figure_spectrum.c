@@ -1,0 +1,773 @@
+/* Spectra and the convergence of exponents are drawn as their tables have them; and the commands draw what
+ * they are asked for, with the numbers of the files that they write.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "figure_blocks.h"
+
+#include <hdf5.h>
+
+enum { path_size = 160 };
+
+static char folder[64];
+
+static int open_folder(void **state) {
+    (void)state;
+    strcpy(folder, "/tmp/saltus-test-XXXXXX");
+    assert_non_null(mkdtemp(folder));
+    figure_open(folder);
+    return 0;
+}
+
+static int close_folder(void **state) {
+    char command[200];
+    (void)state;
+    snprintf(command, sizeof command, "rm -rf '%s'", folder);
+    return system(command);
+}
+
+static const char *path_in(const char *name, char path[path_size]) {
+    snprintf(path, path_size, "%s/%s", folder, name);
+    return path;
+}
+
+static saltus_scene made_scene(void) {
+    saltus_scene scene = {.spec = oscillator_spec(0.125, 1.75, 1.5, 0.625), .initial_count = 0};
+    add_stop(&scene.spec, 0.25, 0.75, SALTUS_UPPER);
+    strcpy(scene.name, "made_up");
+    return scene;
+}
+
+/* Spectra */
+
+static figure draw_spectra(const saltus_spectra *spectra, const char *label) {
+    saltus_message message = {""};
+    char path[path_size];
+    saltus_scene scene = made_scene();
+    saltus_system *system = build(&scene.spec);
+    saltus_flow_options flow = saltus_flow_defaults();
+    saltus_motion motion = {.kind = SALTUS_PERIODIC, .periods = spectra->periods};
+    strcpy(motion.label, label);
+    check_ok(saltus_spectra_write(&scene, system, &motion, spectra, &flow, path_in("s.svg", path), &message),
+             &message);
+    saltus_system_free(system);
+    figure f = figure_taken(folder);
+    if (f.block_count)
+        figure_check_page(&f);
+    figure_says(&f, "made\\_up:  spectrum");
+    figure_says(&f, label);
+    figure_says(&f, "{/:Italic ω} = 0.625");
+    return f;
+}
+
+enum { lines_most = 1024 };
+
+/* Lines at multiples of 1/p that fall off, up and down by turns. */
+static void make_lines(saltus_spectrum *s, saltus_spectral_line *lines, int periods, int per_period,
+                       double slope) {
+    static double density[4];
+    *s = (saltus_spectrum){.kind = SALTUS_SPECTRUM_LINES,
+                           .per_period = per_period,
+                           .mean = 0.25,
+                           .variance = 0.375,
+                           .bins = 4,
+                           .resolution = 0.5,
+                           .density = density,
+                           .orbits = 2,
+                           .periods = periods,
+                           .lines = lines,
+                           .line_count = periods * per_period / 2,
+                           .between = 1e-11,
+                           .broadband = 0.125,
+                           .trustworthy = 9.375};
+    assert_true(s->line_count <= lines_most);
+    for (int k = 0; k < s->line_count; k++) {
+        double decibels = -slope * k - 7 * (k % 3) - 2.5 * (k % 7);
+        lines[k] = (saltus_spectral_line){.harmonic = k + 1,
+                                          .frequency = (k + 1.0) / periods,
+                                          .amplitude = 0.3 * pow(10, decibels / 20),
+                                          .decibels = decibels};
+    }
+}
+
+/* The dots and stems of a panel are these lines: on its floor, red where multiples of omega. */
+static void check_dots(const figure_panel *panel, const saltus_spectral_line *const *shown, int count,
+                       int periods, double stems_end) {
+    const char *colour[2];
+    double floor = panel->range[1][0];
+    for (int forced = 0; forced < 2; forced++) {
+        const figure_element *stems = figure_element_of(panel, "with vectors", forced),
+                             *dots = figure_element_of(panel, "with points", forced);
+        int at = 0, stem = 0;
+        assert_true(stems && dots);
+        colour[forced] = strchr(dots->style, '#');
+        assert_true(figure_colour(stems->style) == figure_colour(dots->style));
+        for (int k = 0; k < count; k++) {
+            if ((periods > 1 && shown[k]->harmonic % periods == 0) != forced)
+                continue;
+            assert_true(at < dots->values.count);
+            figure_near(dots->values.at[at][0], shown[k]->frequency, 1e-8);
+            figure_near(dots->values.at[at++][1], shown[k]->decibels, 1e-5);
+            if (shown[k]->decibels <= floor || shown[k]->frequency > stems_end)
+                continue;
+            const double *v = stems->values.at[stem++];
+            figure_near(v[0], shown[k]->frequency, 1e-8);
+            figure_near(v[1], floor, 1e-9);
+            assert_true(v[2] == 0);
+            check_near(v[1] + v[3], shown[k]->decibels, 1e-3);
+        }
+        assert_int_equal(at, dots->values.count);
+        assert_int_equal(stem, stems->values.count);
+    }
+    assert_true(strncmp(colour[0], colour[1], 7) != 0);
+}
+
+/* The low frequencies: every line up to the end of the axis, which no line within 60 dB lies beyond. */
+static void check_low(const figure_panel *panel, const saltus_spectrum *s) {
+    const saltus_spectral_line *shown[lines_most];
+    int count = 0;
+    double end = panel->range[0][1];
+    assert_true(panel->range[0][0] == 0 && end >= 4 && end <= 16 && end <= s->per_period / 2.0);
+    for (int k = 0; k < s->line_count; k++) {
+        if (s->lines[k].frequency <= end)
+            shown[count++] = &s->lines[k];
+        else
+            assert_true(s->lines[k].decibels <= -60 || end == 16);
+    }
+    check_dots(panel, shown, count, s->periods, INFINITY);
+    assert_true(panel->range[1][0] >= -100 && panel->range[1][1] > 0 && !panel->logarithmic[0]);
+}
+
+/* All frequencies: of lines closer than 1/96 of an octave the highest, of the others each one. */
+static void check_whole(const figure_panel *panel, const saltus_spectrum *s) {
+    const saltus_spectral_line *shown[lines_most];
+    int count = 0;
+    for (int k = 0; k < s->line_count;) {
+        int highest = k, first = k;
+        for (; k < s->line_count &&
+               floor(96 * log2(s->lines[k].frequency)) == floor(96 * log2(s->lines[first].frequency));
+             k++)
+            if (s->lines[k].amplitude > s->lines[highest].amplitude)
+                highest = k;
+        shown[count++] = &s->lines[highest];
+    }
+    check_dots(panel, shown, count, s->periods, 24.0 / s->periods);
+    assert_true(panel->logarithmic[0]);
+    assert_true(panel->range[0][0] < s->lines[0].frequency && panel->range[0][1] == s->per_period / 2.0);
+    for (int k = 0; k < s->line_count; k++)
+        assert_true(s->lines[k].frequency > s->trustworthy || s->lines[k].decibels >= panel->range[1][0]);
+}
+
+/* Grey from the highest trustworthy frequency to the end, and a line at it. */
+static void check_trust(const figure_panel *panel, double trustworthy) {
+    const figure_mark *grey = figure_mark_of(panel, 'o', "rectangle", 0);
+    double end = panel->range[0][1];
+    assert_true((grey != NULL) == (trustworthy < end));
+    if (!grey)
+        return;
+    figure_near(grey->place[0][0], trustworthy, 1e-8);
+    figure_near(grey->place[1][0], end, 1e-8);
+    bool found = false;
+    const figure_mark *edge;
+    for (int k = 0; (edge = figure_mark_of(panel, 'a', "nohead", k)) != NULL; k++)
+        found = found || (edge->place[0][0] == grey->place[0][0] && edge->place[1][0] == grey->place[0][0]);
+    assert_true(found);
+}
+
+static void lines_are_drawn_where_they_are(void **state) {
+    (void)state;
+    static saltus_spectral_line lines[2][lines_most];
+    static const double slopes[] = {0.9, 3, 0.2};
+    for (int k = 0; k < 3; k++) {
+        saltus_spectra spectra = {.count = 2, .periods = k == 1 ? 1 : 3, .per_period = 128, .analysed = 6};
+        spectra.quantities[1].velocity = true;
+        for (int q = 0; q < 2; q++)
+            make_lines(&spectra.spectra[q], lines[q], spectra.periods, 128, slopes[k] * (1 + 0.3 * q));
+        spectra.spectra[1].trustworthy = 70;
+        figure f = draw_spectra(&spectra, "4/3");
+        assert_int_equal(f.panel_count, 4);
+        for (int q = 0; q < 2; q++) {
+            const saltus_spectrum *s = &spectra.spectra[q];
+            const figure_panel *whole = &f.panel[2 * q + 1];
+            check_low(&f.panel[2 * q], s);
+            check_whole(whole, s);
+            check_trust(&f.panel[2 * q], s->trustworthy);
+            check_trust(whole, s->trustworthy);
+            const figure_mark *between = figure_mark_of(whole, 'a', "dt (6,5)", 0);
+            assert_true(between && between->system[0][1] == 'f');
+            check_near(between->place[0][1], 20 * log10(s->between), 1e-3);
+            check_near(between->place[1][1], 20 * log10(s->between), 1e-3);
+            assert_null(figure_mark_of(&f.panel[2 * q], 'a', "dt (6,5)", 0));
+        }
+        assert_non_null(figure_mark_of(&f.panel[0], 'l', "displacement {/:Italic x}_1", 0));
+        assert_non_null(figure_mark_of(&f.panel[2], 'l', "velocity d{/:Italic x}_1", 0));
+        figure_says(&f, "displacement: total power 0.375, broadband fraction 0.12");
+        figure_free(&f);
+    }
+}
+
+enum { bins = 700 };
+
+/* A density in decibels of its peak with its confidence band; where bins are close their mean is drawn. */
+static void densities_are_drawn_with_their_band(void **state) {
+    (void)state;
+    static double density[bins];
+    saltus_spectral_line lines[] = {{0, 0.75, 0.5, 0, 0, 0.5},
+                                    {0, 1.5, 0.1, 0, -14, 0.1},
+                                    {0, 1.51, 0.05, 0, -20, 0.02},
+                                    {0, 2.25, 1e-4, 0, -74, 0},
+                                    {0, 9, 0.25, 0, -6, 0.1}};
+    double peak = 0;
+    for (int k = 0; k < bins; k++) {
+        density[k] = 3 * exp(-0.02 * k) * (1.2 + sin(0.7 * k));
+        peak = fmax(peak, density[k]);
+    }
+    saltus_spectra spectra = {.count = 2,
+                              .quantities = {{0, false}, {1, true}},
+                              .spectra = {{.kind = SALTUS_SPECTRUM_WELCH,
+                                           .per_period = 35,
+                                           .variance = 2.5,
+                                           .bins = bins,
+                                           .resolution = 0.025,
+                                           .density = density,
+                                           .segments = 7,
+                                           .segment_periods = 40,
+                                           .confidence = 0.9,
+                                           .low = 0.5,
+                                           .high = 2.25,
+                                           .lines = lines,
+                                           .line_count = 5,
+                                           .between = NAN,
+                                           .broadband = 0.75,
+                                           .trustworthy = 8},
+                                          {.kind = SALTUS_SPECTRUM_CONSTANT, .mean = -0.125}},
+                              .per_period = 35};
+    figure f = draw_spectra(&spectra, "chaotic");
+    assert_int_equal(f.panel_count, 2);
+    const figure_panel *low = &f.panel[0], *whole = &f.panel[1];
+    const figure_element *line = figure_element_of(low, "with lines", 0),
+                         *band = figure_element_of(low, "filledcurves", 0);
+    double end = low->range[0][1];
+    int count = (int)floor(end / 0.025 + 1e-9) + 1;
+    assert_true(low->range[0][0] == 0 && line->values.count == count && band->values.count == count);
+    for (int k = 0; k < count; k++) {
+        figure_near(line->values.at[k][0], k * 0.025, 1e-8);
+        check_near(line->values.at[k][1], 10 * log10(density[k] / peak), 1e-3);
+        check_near(band->values.at[k][1], 10 * log10(0.5 * density[k] / peak), 1e-3);
+        check_near(band->values.at[k][2], 10 * log10(2.25 * density[k] / peak), 1e-3);
+    }
+    for (int k = 0; k < bins; k++)
+        assert_true(k * 0.025 <= end || density[k] <= 1e-6 * peak || end == 16);
+    line = figure_element_of(whole, "with lines", 0);
+    int at = 0;
+    for (int k = 1; k < bins; at++) {
+        double sum = 0, cell = floor(96 * log2(k * 0.025));
+        int first = k;
+        for (; k < bins && floor(96 * log2(k * 0.025)) == cell; k++)
+            sum += density[k];
+        assert_true(at < line->values.count);
+        figure_near(line->values.at[at][0], 0.5 * 0.025 * (first + k - 1), 1e-8);
+        check_near(line->values.at[at][1], 10 * log10(sum / (k - first) / peak), 1e-3);
+    }
+    assert_int_equal(at, line->values.count);
+    assert_true(whole->logarithmic[0] && whole->range[0][0] == 0.025 && whole->range[0][1] == 17.5);
+    for (int k = 1; k < bins; k++)
+        assert_true(10 * log10(0.5 * density[k] / peak) >= whole->range[1][0]);
+    check_trust(low, 8);
+    check_trust(whole, 8);
+    /* Strong lines are marked, the weaker of two that would touch is not. */
+    static const bool marked[] = {true, true, false, false, true};
+    for (int k = 0; k < 5; k++) {
+        bool found = false;
+        const figure_mark *mark;
+        for (int m = 0; (mark = figure_mark_of(low, 'l', "▾", m)) != NULL; m++)
+            found = found || fabs(mark->place[0][0] - lines[k].frequency) < 1e-8;
+        assert_true(found == (marked[k] && lines[k].frequency < end));
+    }
+    figure_says(&f, "displacement: total power 2.5, broadband fraction 0.75;  v1: −0.125 throughout");
+    assert_non_null(figure_mark_of(low, 'l', "90 % confidence", 0));
+    figure_free(&f);
+    /* Nothing moves. */
+    spectra.count = 1;
+    spectra.spectra[0] = spectra.spectra[1];
+    f = draw_spectra(&spectra, "equilibrium");
+    assert_true(f.panel_count == 1 && f.block_count == 0);
+    figure_says(&f, "displacement: −0.125 throughout");
+    figure_free(&f);
+}
+
+/* Convergence */
+
+static figure draw_convergence(const saltus_lyapunov *l) {
+    saltus_message message = {""};
+    char path[path_size];
+    saltus_scene scene = made_scene();
+    saltus_system *system = build(&scene.spec);
+    saltus_lyapunov_options options = saltus_lyapunov_defaults();
+    check_ok(saltus_write_convergence(&scene, system, &options, l, path_in("c.svg", path), &message),
+             &message);
+    saltus_system_free(system);
+    figure f = figure_taken(folder);
+    figure_check_page(&f);
+    figure_says(&f, "made\\_up:  largest Lyapunov exponent");
+    figure_says(&f, "{/:Italic k} = 1.75");
+    return f;
+}
+
+/* The history with its band, whole or as differences from where it ends; a level at zero where it is near. */
+static void histories_converge_to_their_end(void **state) {
+    (void)state;
+    enum { most = 40 };
+    saltus_lyapunov_progress history[most];
+    static const double exponents[] = {0.25, 5, 0.01, -0.5, 1};
+    static const double sizes[] = {0.08, 1e-3, 0.05, 0.1, 0.2};
+    static const int counts[] = {most, 12, 25, 1, most};
+    for (int c = 0; c < 5; c++) {
+        double exponent = exponents[c], error = 0.125 * sizes[c], low = exponent, high = exponent;
+        for (int k = 0; k < counts[c]; k++) {
+            double t = 20 * pow(c == 4 ? 1.5 : 1.15, k);
+            history[k] =
+                (saltus_lyapunov_progress){t, exponent + sizes[c] * cos(k) / (k + 1), sizes[c] / (k + 2)};
+            low = fmin(low, history[k].exponent);
+            high = fmax(high, history[k].exponent);
+        }
+        const saltus_lyapunov l = {.dimension = 2,
+                                   .count = 1,
+                                   .exponents = &exponent,
+                                   .standard_errors = &error,
+                                   .period = 2,
+                                   .periods = 345,
+                                   .transient = 67,
+                                   .impacts_per_period = 1.25,
+                                   .members = 5,
+                                   .agree = c != 2,
+                                   .precise = c != 2,
+                                   .history = history,
+                                   .history_count = counts[c]};
+        figure f = draw_convergence(&l);
+        const figure_panel *panel = &f.panel[0];
+        const figure_element *line = figure_element_of(panel, "title 'estimate'", 0),
+                             *band = figure_element_of(panel, "standard error'", 0);
+        bool differences = strstr(panel->label[1], "final value") != NULL;
+        double origin = differences ? exponent : 0;
+        assert_true(differences == (c == 1));
+        assert_true(panel->logarithmic[0] && line->values.count == counts[c]);
+        for (int k = 0; k < counts[c]; k++) {
+            figure_near(line->values.at[k][0], history[k].time, 1e-8);
+            check_near(line->values.at[k][1], history[k].exponent - origin, 1e-12);
+            for (int side = -1; side <= 1; side += 2) {
+                double edge = history[k].exponent + side * history[k].standard_error - origin;
+                edge = fmin(fmax(edge, panel->range[1][0]), panel->range[1][1]);
+                check_near(band->values.at[k][side < 0 ? 1 : 2], edge, 1e-8);
+            }
+        }
+        figure_check_inside(panel, line);
+        /* The band is whole where the begin is over. */
+        double whole = panel->range[0][0] * pow(panel->range[0][1] / panel->range[0][0], 0.2);
+        for (int k = 0; k < counts[c]; k++)
+            if (history[k].time > whole * 1.001)
+                assert_true(history[k].exponent + history[k].standard_error - origin < panel->range[1][1] &&
+                            history[k].exponent - history[k].standard_error - origin > panel->range[1][0]);
+        const figure_mark *end = figure_mark_of(panel, 'a', "dt (12,9)", 0),
+                          *zero = figure_mark_of(panel, 'a', "#707070", 0);
+        check_near(end->place[0][1], exponent - origin, 1e-10);
+        check_near(end->place[1][1], exponent - origin, 1e-10);
+        assert_true((zero != NULL) == (panel->range[1][0] < 0 && panel->range[1][1] > 0 && !differences));
+        assert_true(panel->range[0][0] <= history[0].time * (1 + 1e-8) &&
+                    panel->range[0][1] >= history[counts[c] - 1].time * (1 - 1e-8));
+        assert_true((figure_element_of(panel, "pt 7", 0) != NULL) == (counts[c] < 30));
+        assert_true((panel->tic_count[0] >= 2) == (panel->range[0][1] <= 3000 * panel->range[0][0]));
+        for (int k = 0; k < panel->tic_count[0]; k++) {
+            double power = pow(10, floor(log10(panel->tics[0][k]) + 1e-9)), digit = panel->tics[0][k] / power;
+            assert_true(fabs(digit - 1) < 1e-6 || fabs(digit - 2) < 1e-6 || fabs(digit - 5) < 1e-6);
+        }
+        if (c == 3) {
+            const figure_element *bar = figure_element_of(panel, "yerrorbars", 0);
+            assert_true(bar && fabs(bar->values.at[0][2] - history[0].standard_error) < 1e-9);
+        }
+        if (c == 0) {
+            figure_says(&f, "0.250 ± 0.010");
+            figure_says(&f,
+                        "0.500 ± 0.020 per period {/:Italic T} = 2;  345 periods measured by 5 trajectories "
+                        "together after a transient of 67;  impacts per period: 1.25");
+            assert_non_null(figure_element_of(panel, "final value 0.250 ± 0.010", 0));
+        }
+        char text[8000];
+        figure_caption(&f, text, sizeof text);
+        assert_true((strstr(text, "was not reached") != NULL) == (c == 2));
+        assert_true((strstr(text, "do not agree") != NULL) == (c == 2));
+        figure_free(&f);
+    }
+    double lost = -INFINITY, error = 0;
+    const saltus_lyapunov l = {.dimension = 2,
+                               .count = 1,
+                               .exponents = &lost,
+                               .standard_errors = &error,
+                               .period = 2,
+                               .members = 1,
+                               .agree = true,
+                               .precise = true};
+    figure f = draw_convergence(&l);
+    assert_non_null(figure_mark_of(&f.panel[0], 'l', "the largest exponent is −∞", 0));
+    figure_says(&f, "exponent  −∞");
+    figure_free(&f);
+    /* A number without a history. */
+    saltus_lyapunov bare = l;
+    lost = 0.5;
+    f = draw_convergence(&bare);
+    assert_non_null(figure_mark_of(&f.panel[0], 'l', "too few values", 0));
+    assert_null(figure_element_of(&f.panel[0], "$convergence", 0));
+    figure_free(&f);
+}
+
+/* Commands */
+
+/* Run the program in the folder; its standard output goes to `out`. */
+static void run(const char *arguments) {
+    char command[900];
+    snprintf(command, sizeof command, "cd '%s' && '%s' %s >out 2>err", folder, SALTUS_COMMAND, arguments);
+    if (system(command) != 0)
+        fail_msg("saltus %s fails", arguments);
+}
+
+static void write_scene(const char *name, const char *text) {
+    char path[path_size];
+    FILE *file = fopen(path_in(name, path), "w");
+    assert_non_null(file);
+    fputs(text, file);
+    fclose(file);
+}
+
+static const char struck[] = "model: oscillator\nc: 0.4\nF: 1\nomega: 2\nstop: {d: 0.25, r: 0.8}\n";
+
+/* Numbers of one dataset; to be freed. */
+static double *dataset(hid_t file, const char *name, int *count) {
+    hid_t set = H5Dopen2(file, name, H5P_DEFAULT), space = H5Dget_space(set);
+    *count = (int)H5Sget_simple_extent_npoints(space);
+    double *values = calloc((size_t)*count + 1, sizeof *values);
+    assert_true(set >= 0 && values &&
+                H5Dread(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) >= 0);
+    H5Sclose(space);
+    H5Dclose(set);
+    return values;
+}
+
+/* A table of numbers below comment lines and names; columns are found by name. */
+typedef struct table {
+    char *text;
+    int count;
+    double at[4096][8];
+    char name[8][48];
+} table;
+
+static void read_table(const char *name, table *t) {
+    char path[path_size];
+    size_t length;
+    t->text = read_all(path_in(name, path), &length);
+    char *line = t->text;
+    while (*line == '#')
+        line = strchr(line, '\n') + 1;
+    char *names = line;
+    line = strchr(line, '\n') + 1;
+    names[strcspn(names, "\n")] = '\0';
+    for (int c = 0; c < 8 && *names; c++) {
+        size_t width = strcspn(names, ",");
+        snprintf(t->name[c], sizeof t->name[c], "%.*s", (int)width, names);
+        names += width + (names[width] == ',');
+    }
+    for (t->count = 0; *line; t->count++) {
+        assert_true(t->count < 4096);
+        for (int c = 0; *line != '\n'; c++) {
+            t->at[t->count][c] = strtod(line, &line);
+            line += *line == ',';
+        }
+        line++;
+    }
+    free(t->text);
+}
+
+static int column(const table *t, const char *name) {
+    for (int c = 0; c < 8; c++)
+        if (strcmp(t->name[c], name) == 0)
+            return c;
+    fail_msg("no column %s", name);
+    return 0;
+}
+
+/* `diagnose` draws the trajectory that it writes, with the multipliers that `classify` tells. */
+static void diagnose_draws_the_data_that_it_keeps(void **state) {
+    (void)state;
+    char path[path_size];
+    size_t length;
+    write_scene("scene.yaml", struck);
+    run("diagnose scene.yaml --set d=0.2 -o s.svg --data s.h5 --quiet");
+    figure f = figure_taken(folder);
+    figure_check_page(&f);
+    hid_t file = H5Fopen(path_in("s.h5", path), H5F_ACC_RDONLY, H5P_DEFAULT);
+    int rows, strobes, events, own;
+    double *time = dataset(file, "trajectory/time", &rows),
+           *x = dataset(file, "trajectory/displacement", &own),
+           *v = dataset(file, "trajectory/velocity", &own), *at = dataset(file, "strobe/states", &strobes),
+           *before = dataset(file, "events/velocity_before", &events),
+           *when = dataset(file, "events/time", &own);
+    H5Fclose(file);
+    const figure_panel *portrait = figure_panel_of(&f, "phase portrait");
+    const figure_element *line = figure_element_of(portrait, "$orbit", 0),
+                         *dots = figure_element_of(portrait, "$strobe", 0),
+                         *history = figure_element_of(figure_panel_of(&f, "one orbit"), "$history", 0),
+                         *map = figure_element_of(figure_panel_of(&f, "velocity before"), "$impact_map", 0);
+    assert_true(line->values.count == rows && history->values.count == rows && rows > 900);
+    for (int k = 0; k < rows; k++) {
+        check_near(line->values.at[k][0], x[k], 1e-8);
+        check_near(line->values.at[k][1], v[k], 1e-8);
+        check_near(history->values.at[k][0], time[k], 1e-8);
+        check_near(history->values.at[k][1], x[k], 1e-8);
+    }
+    assert_int_equal(dots->values.count, strobes / 2);
+    check_near(dots->values.at[0][0], at[0], 1e-8);
+    check_near(dots->values.at[0][1], at[1], 1e-8);
+    assert_true(events > 0 && map->values.count == events);
+    for (int k = 0; k < events; k++) {
+        check_near(map->values.at[k][0], when[k] - floor(when[k]), 1e-8);
+        check_near(map->values.at[k][1], before[k], 1e-8);
+    }
+    figure_says(&f, "{/:Italic d} = 0.2");
+    run("classify scene.yaml --set d=0.2 --json --quiet");
+    char *json = read_all(path_in("out", path), &length), *list = strstr(json, "\"multipliers\": [");
+    const figure_element *circle = figure_element_of(figure_panel_of(&f, "unit circle"), "$multipliers", 0);
+    assert_true(list && circle->values.count == 2);
+    list = strchr(list, '[') + 1;
+    for (int k = 0; k < 2; k++)
+        for (int i = 0; i < 2; i++) {
+            list += strcspn(list, "-0123456789");
+            check_near(circle->values.at[k][i], strtod(list, &list), 1e-8);
+        }
+    /* The spectrum's lines are those that `spectrum` tells. */
+    static table t;
+    run("spectrum scene.yaml --set d=0.2 --of displacement --samples 1024 --periods 2 -o s.csv --quiet");
+    read_table("s.csv", &t);
+    const figure_element *lines = figure_element_of(figure_panel_of(&f, "frequency"), "with points", 0);
+    assert_true(lines->values.count >= 4);
+    for (int k = 0; k < lines->values.count; k++) {
+        check_near(lines->values.at[k][0], t.at[k][column(&t, "frequency_over_omega")], 1e-8);
+        check_near(lines->values.at[k][1], t.at[k][column(&t, "displacement_dB")], 1e-3);
+    }
+    free(json);
+    free(time);
+    free(x);
+    free(v);
+    free(at);
+    free(before);
+    free(when);
+    figure_free(&f);
+}
+
+/* Without a period the section is long, and goes through the same points as the record shown. */
+static void diagnose_looks_longer_at_what_has_no_period(void **state) {
+    (void)state;
+    write_scene("scene.yaml", struck);
+    run("diagnose scene.yaml --set c=0.1 d=0.2 omega=2.6 --transient 50 --longest 2 --measure 0 -o s.svg "
+        "--quiet");
+    figure f = figure_taken(folder);
+    figure_check_page(&f);
+    figure_says(&f, "undecided");
+    figure_says(&f, "section 2000");
+    const figure_element *shown = figure_element_of(figure_panel_of(&f, "phase portrait"), "$strobe", 0),
+                         *section =
+                             figure_element_of(figure_panel_of(&f, "stroboscopic section"), "$section", 0);
+    assert_true(section->values.count == 2000 && shown->values.count >= 200);
+    for (int k = 0; k < 5; k++)
+        for (int i = 0; i < 2; i++)
+            check_near(shown->values.at[k][i], section->values.at[k][i], 1e-6);
+    assert_non_null(figure_panel_of(&f, "frequency"));
+    figure_free(&f);
+}
+
+/* `spectrum` draws the table that it writes, of the quantities asked for, in their order. */
+static void spectrum_draws_its_table(void **state) {
+    (void)state;
+    static table t;
+    write_scene("scene.yaml", struck);
+    run("spectrum scene.yaml --of v1 --of displacement --samples 64 -o s.svg --quiet");
+    figure f = figure_taken(folder);
+    run("spectrum scene.yaml --of v1 --of displacement --samples 64 -o s.csv --quiet");
+    read_table("s.csv", &t);
+    assert_int_equal(f.panel_count, 4);
+    for (int q = 0; q < 2; q++) {
+        const figure_panel *panel = &f.panel[2 * q];
+        const figure_element *dots = figure_element_of(panel, "with points", 0);
+        int values = column(&t, q ? "displacement_dB" : "v1_dB"), shown = 0;
+        assert_non_null(figure_mark_of(panel, 'l', q ? "displacement" : "mass 1, {/:Italic x}′", 0));
+        for (int k = 0; k < t.count && t.at[k][1] <= panel->range[0][1]; k++, shown++) {
+            check_near(dots->values.at[k][0], t.at[k][column(&t, "frequency_over_omega")], 1e-8);
+            check_near(dots->values.at[k][1], t.at[k][values], 1e-3);
+        }
+        assert_int_equal(shown, dots->values.count);
+        assert_true(f.panel[2 * q + 1].range[0][1] == 32);
+    }
+    figure_free(&f);
+}
+
+/* `lyapunov` draws the rows that it writes, to the number that it tells. */
+static void lyapunov_draws_its_table(void **state) {
+    (void)state;
+    static table t;
+    char path[path_size];
+    size_t length;
+    write_scene("scene.yaml", struck);
+    run("lyapunov scene.yaml --transient 20 --periods 400 --members 2 --seed 3 --json -o c.svg --quiet");
+    figure f = figure_taken(folder);
+    char *json = read_all(path_in("out", path), &length), *at = strstr(json, "\"exponents\": [");
+    assert_non_null(at);
+    double exponent = strtod(strchr(at, '[') + 1, NULL);
+    free(json);
+    run("lyapunov scene.yaml --transient 20 --periods 400 --members 2 --seed 3 -o c.csv --quiet");
+    read_table("c.csv", &t);
+    const figure_panel *panel = &f.panel[0];
+    const figure_rows *drawn = figure_find(&f, "$convergence");
+    assert_true(drawn && drawn->count == t.count && t.count > 0);
+    for (int k = 0; k < t.count; k++)
+        for (int c = 0; c < 3; c++)
+            figure_near(drawn->at[k][c], t.at[k][c], 1e-8);
+    const figure_element *line = figure_element_of(panel, "title 'estimate'", 0);
+    const figure_mark *end = figure_mark_of(panel, 'a', "dt (12,9)", 0);
+    double origin = t.at[0][1] - line->values.at[0][1];
+    check_near(end->place[0][1] + origin, exponent, 1e-9);
+    figure_free(&f);
+}
+
+/* Each option of `plot` reaches the figure. */
+static void plot_draws_what_is_asked_for(void **state) {
+    (void)state;
+    static const char *const views[][2] = {
+        {"turning", "displacement diagram"},      {"impacts", "velocity diagram"},
+        {"stroboscopic", "stroboscopic diagram"}, {"class", "period in"},
+        {"attractors", "number of attractors"},   {"largest", "largest displacement"},
+        {"speed", "largest impact speed"},        {"rate", "impacts per period"},
+        {"contact", "time in contact"},           {"lyapunov", "largest Lyapunov exponent"},
+        {"settled", "periods until settled"}};
+    static const char *const shows[][2] = {{"speed", "largest impact speed"},
+                                           {"impacts", "speed of every impact"},
+                                           {"displacement", "displacement"},
+                                           {"velocity", "velocity"},
+                                           {"period", "period in"}};
+    char arguments[300];
+    write_scene("scene.yaml", struck);
+    run("sweep scene.yaml --over omega=1.9:2.1:5 --what turning,impacts,stroboscopic,lyapunov -o s.h5 "
+        "--quiet");
+    for (int k = 0; k < 11; k++) {
+        snprintf(arguments, sizeof arguments, "plot s.h5 --view %s -o s.png", views[k][0]);
+        run(arguments);
+        figure f = figure_taken(folder);
+        figure_says(&f, views[k][1]);
+        assert_true(figure_begins(f.terminal, "pngcairo"));
+        figure_free(&f);
+    }
+    run("plot s.h5 --view speed --range omega=1.92:2.03 --range speed=0.1:3 --title 'own title' -o s.pdf");
+    figure f = figure_taken(folder);
+    figure_says(&f, "own title");
+    assert_true(figure_begins(f.terminal, "pdfcairo"));
+    assert_true(f.panel[0].range[0][0] == 1.92 && f.panel[0].range[0][1] == 2.03);
+    assert_true(f.panel[0].range[1][0] == 0.1 && f.panel[0].range[1][1] == 3);
+    figure_free(&f);
+    run("classify scene.yaml --json --quiet");
+    char command[300];
+    snprintf(command, sizeof command, "cp '%s/out' '%s/orbit.json'", folder, folder);
+    assert_int_equal(system(command), 0);
+    run("continue scene.yaml --from orbit.json --in omega=1.95:2.05 -o b.h5 --quiet");
+    for (int k = 0; k < 5; k++) {
+        snprintf(arguments, sizeof arguments, "plot b.h5 --show %s -o b.svg", shows[k][0]);
+        run(arguments);
+        f = figure_taken(folder);
+        assert_true(strstr(f.panel[0].label[1], shows[k][1]) == f.panel[0].label[1]);
+        figure_free(&f);
+    }
+    run("plot b.h5 --range omega=1.97:2.01 -o b.svg");
+    f = figure_taken(folder);
+    assert_true(f.panel[0].range[0][0] == 1.97 && f.panel[0].range[0][1] == 2.01);
+    figure_free(&f);
+    run("plot s.h5 --view impacts --over b.h5 -o s.svg");
+    f = figure_taken(folder);
+    assert_non_null(figure_element_of(&f.panel[0], "$curve", 0));
+    figure_free(&f);
+}
+
+/* `paper` runs the commands of a figure with the choices for a trial, into the folder named. */
+static void paper_draws_the_figure_asked_for(void **state) {
+    (void)state;
+    char path[path_size];
+    saltus_sweep_file sweep;
+    saltus_message message = {""};
+    run("paper --quick --figure 2 -o there/in --format svg --quiet");
+    figure f = figure_taken(folder);
+    figure_says(&f, "fig2:  displacement diagram in {/:Italic ω}");
+    assert_true(figure_begins(f.terminal, "svg"));
+    assert_int_equal(folder_files(path_in("there/in", path), false), 2);
+    assert_int_equal(access(path_in("there/in/fig2.svg", path), F_OK), 0);
+    check_ok(saltus_sweep_file_read(path_in("there/in/fig2.h5", path), &sweep, &message), &message);
+    assert_true(sweep.axis_count == 1 && sweep.axes[0].count == 125 && sweep.axes[0].low == 0.055 &&
+                sweep.axes[0].high == 55 && strcmp(sweep.axes[0].key, "omega") == 0);
+    assert_true(sweep.options.transient == 200 && sweep.options.keep == SALTUS_KEEP_TURNING &&
+                sweep.complete);
+    long long points = 0;
+    for (long long row = 0; row < sweep.row_count; row++)
+        points += sweep.turning_count[row];
+    assert_true(points > 0);
+    saltus_sweep_file_clear(&sweep);
+    figure_free(&f);
+    run("paper --figure 3 --quiet");
+    f = figure_taken(folder);
+    figure_says(&f, "fig3:  2/2");
+    assert_true(figure_begins(f.terminal, "pngcairo"));
+    assert_int_equal(access(path_in("paper/fig3.png", path), F_OK), 0);
+    assert_int_equal(access(path_in("paper/fig3.h5", path), F_OK), 0);
+    figure_free(&f);
+}
+
+/* Each kind of figure is one that gnuplot itself draws; of an empty curve it says so. */
+static void gnuplot_takes_every_script(void **state) {
+    (void)state;
+    static const char *const figures[] = {
+        "diagnose scene.yaml --quiet",
+        "plot s.h5 --view class",
+        "plot b.h5",
+        "plot m.h5",
+        "plot m.h5 --view speed",
+        "spectrum scene.yaml --samples 64 --quiet",
+        "lyapunov scene.yaml --transient 20 --periods 400 --members 2 --quiet"};
+    char command[600], path[path_size];
+    size_t length;
+    /* The one beyond the keeper of scripts. */
+    const char *others = strchr(getenv("PATH"), ':') + 1;
+    snprintf(command, sizeof command, "PATH='%s' gnuplot --version >'%s/version' 2>&1", others, folder);
+    if (system(command) != 0)
+        skip();
+    run("sweep scene.yaml --over omega=1.9:2.1:4 --over d=0.2:0.3:3 -o m.h5 --quiet");
+    for (int k = 0; k < 7; k++) {
+        snprintf(command, sizeof command, "%s -o f.png", figures[k]);
+        run(command);
+        snprintf(command, sizeof command,
+                 "cd '%s' && PATH='%s' gnuplot --default-settings <script >picture 2>words && ! grep -v -e "
+                 "'no valid points' -e '^$' words",
+                 folder, others);
+        if (system(command) != 0)
+            fail_msg("gnuplot does not take %s", figures[k]);
+        unsigned char *picture = read_all(path_in("picture", path), &length);
+        assert_true(length > 5000 && memcmp(picture, "\x89PNG", 4) == 0);
+        free(picture);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(lines_are_drawn_where_they_are),
+        cmocka_unit_test(densities_are_drawn_with_their_band),
+        cmocka_unit_test(histories_converge_to_their_end),
+        cmocka_unit_test(diagnose_draws_the_data_that_it_keeps),
+        cmocka_unit_test(diagnose_looks_longer_at_what_has_no_period),
+        cmocka_unit_test(spectrum_draws_its_table),
+        cmocka_unit_test(lyapunov_draws_its_table),
+        cmocka_unit_test(plot_draws_what_is_asked_for),
+        cmocka_unit_test(paper_draws_the_figure_asked_for),
+        cmocka_unit_test(gnuplot_takes_every_script),
+    };
+    return cmocka_run_group_tests(tests, open_folder, close_folder);
+}

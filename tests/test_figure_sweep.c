@@ -1,0 +1,921 @@
+/* Diagrams of sweeps over one axis draw the rows and clouds of their files: points, numbers, exponents and
+ * the strip of classes. The sweeps are made up, so that every kind of row is there.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "figure_blocks.h"
+#include "made_sweep.h"
+
+enum { path_size = 160 };
+
+static const double digits = 1e-6; /* points are written with seven digits */
+
+static char folder[64];
+
+static int open_folder(void **state) {
+    (void)state;
+    strcpy(folder, "/tmp/saltus-test-XXXXXX");
+    assert_non_null(mkdtemp(folder));
+    figure_open(folder);
+    return 0;
+}
+
+static int close_folder(void **state) {
+    (void)state;
+    folder_files(folder, true);
+    rmdir(folder);
+    return 0;
+}
+
+static const char *path_in(const char *name, char path[path_size]) {
+    snprintf(path, path_size, "%s/%s", folder, name);
+    return path;
+}
+
+static saltus_scene scene_of(double d, saltus_sides sides) {
+    saltus_scene scene = {.spec = oscillator_spec(0.125, 1.75, 1.5, 0.625), .initial_count = 0};
+    add_stop(&scene.spec, d, 0.75, sides);
+    strcpy(scene.name, "made_up");
+    return scene;
+}
+
+static figure draw(const char *name, const saltus_sweep_view *view, const char *picture) {
+    saltus_message message = {""};
+    char path[path_size], out[path_size];
+    check_ok(saltus_plot_sweep(path_in(name, path), view, path_in(picture, out), &message), &message);
+    figure f = figure_taken(folder);
+    figure_check_page(&f);
+    return f;
+}
+
+/* Rows of a file by increasing value of the axis: the point at each rank. */
+static void sort_points(const saltus_sweep_file *file, int *order) {
+    for (int k = 0; k < file->axes[0].count; k++) {
+        int rank = 0;
+        for (int j = 0; j < file->axes[0].count; j++)
+            rank += file->axes[0].list[j] < file->axes[0].list[k];
+        order[rank] = k;
+    }
+}
+
+static long long row_at(const saltus_sweep_file *file, int pass, int point, int seed) {
+    return (pass * file->points + point) * file->options.seeds + seed;
+}
+
+/* The drawn element of a pass: the one with the colour that the legend gives it. */
+static const figure_element *element_of_pass(const figure_panel *panel, const saltus_sweep_file *file,
+                                             int pass, const char *kind) {
+    static const char *const words[] = {[SALTUS_PASS_RESET] = "from the initial state",
+                                        [SALTUS_PASS_UP] = "upwards",
+                                        [SALTUS_PASS_DOWN] = "downwards"};
+    if (file->pass_count == 1)
+        return figure_element_of(panel, kind, 0);
+    const figure_element *entry = NULL, *found = NULL;
+    for (int e = 0; e < panel->element_count; e++)
+        if (strcmp(panel->element[e].title, words[file->passes[pass]]) == 0)
+            entry = &panel->element[e];
+    for (int k = 0; entry && (found = figure_element_of(panel, kind, k)) != NULL; k++)
+        if ((figure_colour(found->style) & 0xffffff) == figure_colour(entry->style))
+            return found;
+    fail_msg("no points in the colour of '%s'", words[file->passes[pass]]);
+    return NULL;
+}
+
+/* Clouds */
+
+static double number_of(long long a, long long b) {
+    return 0.03 * sin(1.7 * (double)a + 0.37 * (double)b + 0.2);
+}
+
+static void fill_clouds(made_place *m) {
+    int turning = 0, impacts = 0, strobes = 0;
+    for (int s = 0; s < m->seeds; s++) {
+        m->row[s] = made_periodic(1 + (int)(m->point % 2), 1 + s);
+        m->turning_count[s] = (m->point + s) % 4;
+        m->impact_count[s] = (m->point + 2 * s) % 3;
+        m->strobe_count[s] = 1 + s;
+        for (int k = 0; k < m->turning_count[s]; k++)
+            m->turning[turning++] = number_of(m->place, k + 10 * s);
+        for (int k = 0; k < m->impact_count[s]; k++)
+            m->impact[impacts++] = (saltus_sweep_impact){0.1 * k, 1 + number_of(m->place, k + 20 * s), 0};
+        for (int k = 0; k < m->strobe_count[s]; k++)
+            for (int i = 0; i < m->dimension; i++)
+                m->strobe[strobes++] = number_of(m->place, k + 30 * s + 100 * i);
+    }
+}
+
+static saltus_sweep_options cloud_options(void) {
+    saltus_sweep_options options = saltus_sweep_defaults();
+    options.keep = SALTUS_KEEP_TURNING | SALTUS_KEEP_IMPACTS | SALTUS_KEEP_STROBOSCOPIC;
+    options.passes = 7;
+    options.seeds = 2;
+    return options;
+}
+
+static long long cloud_size(const saltus_sweep_file *file, saltus_view view, long long row) {
+    return view == SALTUS_VIEW_TURNING   ? file->turning_count[row]
+           : view == SALTUS_VIEW_IMPACTS ? file->impact_count[row]
+                                         : file->strobe_count[row];
+}
+
+static double cloud_number(const saltus_sweep_file *file, saltus_view view, long long row, long long k) {
+    return view == SALTUS_VIEW_TURNING   ? file->turning[file->turning_first[row] + k]
+           : view == SALTUS_VIEW_IMPACTS ? file->impacts[file->impact_first[row] + k].speed
+                                         : file->strobes[(file->strobe_first[row] + k) * file->dimension];
+}
+
+/* The points of a view, pass by pass, of those rows and values that are asked for, and no others. */
+static void check_cloud(const figure *f, const saltus_sweep_file *file, saltus_view view,
+                        const double across[2], const double up[2]) {
+    const figure_panel *panel = &f->panel[0];
+    int order[64];
+    sort_points(file, order);
+    for (int pass = 0; pass < file->pass_count; pass++) {
+        const figure_element *e = element_of_pass(panel, file, pass, "$cloud");
+        int at = 0;
+        for (int k = 0; k < file->points; k++)
+            for (int s = 0; s < file->options.seeds; s++) {
+                double x = file->axes[0].list[order[k]];
+                long long row = row_at(file, pass, order[k], s);
+                for (long long i = 0; i < cloud_size(file, view, row); i++) {
+                    double y = cloud_number(file, view, row, i);
+                    if (x < across[0] || x > across[1] || y < up[0] || y > up[1])
+                        continue;
+                    assert_true(at < e->values.count);
+                    figure_near(e->values.at[at][0], x, digits);
+                    figure_near(e->values.at[at++][1], y, digits);
+                }
+            }
+        assert_int_equal(at, e->values.count);
+        figure_check_inside(panel, e);
+    }
+}
+
+static const double everything[2] = {-INFINITY, INFINITY};
+
+/* The clouds of three passes, of an axis whose values come in no order. */
+static void clouds_are_those_of_the_file(void **state) {
+    (void)state;
+    static const double values[] = {0.9, 0.5, 1.5, 0.75, 0.6};
+    static const char *const names[] = {[SALTUS_VIEW_TURNING] = "displacement {/:Italic x}_1  where it turns",
+                                        [SALTUS_VIEW_IMPACTS] = "speed of every impact",
+                                        [SALTUS_VIEW_STROBOSCOPIC] =
+                                            "displacement {/:Italic x}_1  at phase 0"};
+    saltus_axis axis = {
+        .key = "omega", .spacing = SALTUS_LIST, .count = 5, .low = 0.9, .high = 0.6, .list = values};
+    saltus_scene scene = scene_of(1, SALTUS_UPPER);
+    saltus_sweep_options options = cloud_options();
+    char path[path_size];
+    made_write(path_in("s.h5", path), &scene, &axis, 1, &options, fill_clouds, 100);
+    saltus_sweep_file file = made_read(path);
+    for (saltus_view view = SALTUS_VIEW_TURNING; view <= SALTUS_VIEW_STROBOSCOPIC; view++) {
+        saltus_sweep_view how = {.view = view};
+        figure f = draw("s.h5", &how, "s.png");
+        check_cloud(&f, &file, view, everything, everything);
+        assert_string_equal(f.panel[0].label[1][0] ? f.panel[0].label[1] : "",
+                            view == SALTUS_VIEW_IMPACTS ? f.panel[0].label[1] : names[view]);
+        assert_non_null(strstr(f.panel[0].label[1], names[view]));
+        /* No more room than the points need; speeds well above zero do not begin there. */
+        assert_true(f.panel[0].range[1][1] - f.panel[0].range[1][0] < 0.07);
+        assert_true(f.panel[1].label[0][0] && strstr(f.panel[1].label[0], "{/:Italic ω}"));
+        figure_free(&f);
+        const saltus_plot_part parts[] = {{"omega", 0.55, 0.9}, {"", -0.0123, 1.0123}};
+        saltus_plot_part both[2] = {parts[0], parts[1]};
+        strcpy(both[1].key, view == SALTUS_VIEW_TURNING   ? "turning"
+                            : view == SALTUS_VIEW_IMPACTS ? "impacts"
+                                                          : "stroboscopic");
+        how.parts = both;
+        how.part_count = 2;
+        f = draw("s.h5", &how, "s.png");
+        check_cloud(&f, &file, view, (const double[2]){0.55, 0.9}, (const double[2]){-0.0123, 1.0123});
+        assert_true(f.panel[0].range[0][0] == 0.55 && f.panel[0].range[0][1] == 0.9);
+        assert_true(f.panel[0].range[1][0] == -0.0123 && f.panel[0].range[1][1] == 1.0123);
+        figure_free(&f);
+        how.part_count = 1;
+        f = draw("s.h5", &how, "s.png");
+        check_cloud(&f, &file, view, (const double[2]){0.55, 0.9}, everything);
+        figure_free(&f);
+    }
+    saltus_sweep_file_clear(&file);
+}
+
+/* The caption tells the parameters that stand still, how many values there are and how they were reached. */
+static void captions_tell_how_the_sweep_was_made(void **state) {
+    (void)state;
+    saltus_axis axis = {.key = "omega", .count = 8, .low = 0.5, .high = 1.5};
+    saltus_scene scene = scene_of(0.25, SALTUS_BOTH);
+    saltus_sweep_options options = cloud_options();
+    char path[path_size], text[8000];
+    options.transient = 123;
+    options.record = 45;
+    for (int k = 0; k < 4; k++) {
+        options.passes = k == 0 ? 7 : k == 1 ? 6 : k == 2 ? 4 : 1;
+        options.seeds = k == 3 ? 3 : 1;
+        options.adaptive = k != 1;
+        made_write(path_in("s.h5", path), &scene, &axis, 1, &options, fill_clouds, k == 2 ? 4 : 100);
+        saltus_sweep_view how = {.view = k == 0 ? SALTUS_VIEW_TURNING : SALTUS_VIEW_AUTOMATIC,
+                                 .title = k == 3 ? "own_title" : NULL};
+        figure f = draw("s.h5", &how, "s.png");
+        figure_says(&f, k == 3 ? "own\\_title" : "made\\_up:  displacement diagram in {/:Italic ω}");
+        figure_says(&f, "{/:Italic c} = 0.125");
+        figure_says(&f, "{/:Italic k} = 1.75");
+        figure_says(&f, "stop: {/:Italic d} = 0.25, {/:Italic r} = 0.75, both sides");
+        figure_says(&f, "8 values of {/:Italic ω}");
+        figure_says(&f, k == 0   ? ", each from the initial state and carried up and down;"
+                        : k == 1 ? ", carried up and down;"
+                        : k == 2 ? ", carried down;"
+                                 : ", each from 3 initial states;");
+        figure_says(&f, k == 1 ? "recorded: 45 periods after 123"
+                               : "recorded: one orbit, or 45 periods where undecided after 123");
+        figure_caption(&f, text, sizeof text);
+        assert_null(strstr(text, "{/:Italic ω} ="));
+        assert_true((strstr(text, "(interrupted: 50 % done)") != NULL) == (k == 2));
+        figure_free(&f);
+    }
+}
+
+/* Impacts on both sides keep their signs, those on one side are speeds. */
+static void fill_signed(made_place *m) {
+    m->row[0] = made_periodic(2, 1);
+    m->impact_count[0] = 2;
+    m->impact[0] = (saltus_sweep_impact){0.1, -1 - number_of(m->place, 1), 1};
+    m->impact[1] = (saltus_sweep_impact){0.6, m->pass == SALTUS_PASS_UP ? -0.5 : 0.5, 0};
+}
+
+static void impacts_on_two_sides_keep_their_signs(void **state) {
+    (void)state;
+    saltus_axis axis = {.key = "omega", .count = 4, .low = 0.5, .high = 1.5};
+    saltus_scene scene = scene_of(0.25, SALTUS_BOTH);
+    saltus_sweep_options options = cloud_options();
+    saltus_sweep_view how = {.view = SALTUS_VIEW_IMPACTS};
+    char path[path_size];
+    options.seeds = 1;
+    for (int one = 0; one < 2; one++) {
+        options.passes = one ? 1 << SALTUS_PASS_UP : 1;
+        made_write(path_in("s.h5", path), &scene, &axis, 1, &options, fill_signed, 100);
+        figure f = draw("s.h5", &how, "s.png");
+        const figure_element *e = figure_element_of(&f.panel[0], "$cloud", 0);
+        assert_int_equal(e->values.count, 8);
+        for (int k = 0; k < 4; k++) {
+            double v = 1 + number_of(k, 1);
+            figure_near(e->values.at[2 * k][1], one ? v : -v, digits);
+            figure_near(e->values.at[2 * k + 1][1], 0.5, digits);
+        }
+        assert_true((f.panel[0].range[1][0] < 0) == !one);
+        assert_non_null(strstr(f.panel[0].label[1], one ? "speed of every impact" : "velocity at impact"));
+        figure_free(&f);
+    }
+}
+
+/* Where the place of a pipe's stop varies, what is observed varies with it. */
+static void fill_modes(made_place *m) {
+    m->row[0] = made_periodic(0, 1);
+    m->strobe_count[0] = 2;
+    for (int k = 0; k < 2 * m->dimension; k++)
+        m->strobe[k] = number_of(m->place, k);
+}
+
+static void sections_of_a_moving_stop_are_observed_at_it(void **state) {
+    (void)state;
+    enum { modes = 3, count = 5 };
+    saltus_axis axis = {.key = "xi", .count = count, .low = 0.1, .high = 0.8};
+    saltus_scene scene = {.spec = pipe_spec(modes, 20)};
+    saltus_sweep_options options = saltus_sweep_defaults();
+    saltus_sweep_view how = {.view = SALTUS_VIEW_STROBOSCOPIC};
+    char path[path_size];
+    add_stop(&scene.spec, 0.03, 0.75, SALTUS_UPPER);
+    options.keep = SALTUS_KEEP_STROBOSCOPIC;
+    options.passes = 3;
+    made_write(path_in("s.h5", path), &scene, &axis, 1, &options, fill_modes, 100);
+    saltus_sweep_file file = made_read(path);
+    figure f = draw("s.h5", &how, "s.png");
+    for (int pass = 0; pass < 2; pass++) {
+        const figure_element *e = element_of_pass(&f.panel[0], &file, pass, "$cloud");
+        assert_int_equal(e->values.count, 2 * count);
+        for (int k = 0; k < 2 * count; k++) {
+            double xi = file.axes[0].list[k / 2], eta = 0;
+            for (int i = 0; i < modes; i++)
+                eta +=
+                    number_of(pass * count + k / 2, k % 2 * 2 * modes + i) * sin((i + 1) * acos(-1.0) * xi);
+            figure_near(e->values.at[k][0], xi, digits);
+            check_near(e->values.at[k][1], eta, 1e-7);
+        }
+    }
+    assert_non_null(strstr(f.panel[0].label[1], "{/:Italic ξ}"));
+    figure_free(&f);
+    saltus_sweep_file_clear(&file);
+}
+
+/* Stops */
+
+static void fill_near_stops(made_place *m) {
+    m->row[0] = made_periodic(0, 1);
+    m->row[0].largest = 0.2;
+    m->turning_count[0] = 2;
+    m->turning[0] = 0.24;
+    m->turning[1] = -0.24;
+}
+
+/* A stop that is within sight is a line with grey beyond it: level, or rising with the clearance where that
+ * is the axis. Speeds have no stop. */
+static void stops_are_where_the_clearance_says(void **state) {
+    (void)state;
+    saltus_scene scene = scene_of(0.25, SALTUS_BOTH);
+    saltus_sweep_options options = saltus_sweep_defaults();
+    char path[path_size];
+    options.keep = SALTUS_KEEP_TURNING;
+    for (int k = 0; k < 4; k++) {
+        const saltus_axis axis = {.count = 4,
+                                  .low = k == 1 || k == 2 ? 0.05 : 0.5,
+                                  .high = k == 1   ? 0.25
+                                          : k == 2 ? 0.25
+                                                   : 1.5};
+        saltus_axis own = axis;
+        strcpy(own.key, k == 1 ? "d" : k == 2 ? "d1" : "omega");
+        made_write(path_in("s.h5", path), &scene, &own, 1, &options, fill_near_stops, 100);
+        saltus_sweep_view how = {.view = k == 3 ? SALTUS_VIEW_SPEED : SALTUS_VIEW_TURNING};
+        figure f = draw("s.h5", &how, "s.png");
+        const figure_panel *panel = &f.panel[0];
+        for (int face = 0; face < 2; face++) {
+            const figure_element *fill = figure_element_of(panel, "filledcurves", face);
+            char name[16];
+            snprintf(name, sizeof name, "$face_%d", face);
+            assert_true((fill != NULL) == (k < 3));
+            if (!fill)
+                continue;
+            const figure_element *line = figure_element_of(panel, name, 1);
+            double side = fill->values.at[0][1] > 0 ? 1 : -1;
+            assert_true(line && strstr(line->style, "with lines"));
+            assert_true(side == (face ? -1 : 1) && fill->values.count > 10);
+            assert_int_equal(fill->values.count, line->values.count);
+            for (int i = 0; i < fill->values.count; i++) {
+                const double *at = fill->values.at[i];
+                figure_near(at[1], side * (own.key[0] == 'd' ? at[0] : 0.25), 1e-7);
+                figure_near(at[2], panel->range[1][side < 0 ? 0 : 1], 1e-7);
+                assert_true(line->values.at[i][0] == at[0] && line->values.at[i][1] == at[1]);
+            }
+            check_near(fill->values.at[fill->values.count - 1][0], panel->range[0][1], 1e-6);
+            assert_true(side > 0 ? panel->range[1][1] > 0.25 : panel->range[1][0] < -0.25);
+            const figure_mark *label =
+                figure_mark_of(panel, 'l', side < 0 ? "−{/:Italic d}" : "{/:Italic d}", 0);
+            bool found = false;
+            for (int i = 0; (label = figure_mark_of(panel, 'l', "{/:Italic d}", i)) != NULL; i++)
+                found = found || (label->system[0][1] == 'f' &&
+                                  fabs(label->place[0][1] -
+                                       side * (own.key[0] == 'd' ? panel->range[0][1] : 0.25)) < 1e-6 &&
+                                  (strncmp(label->text, "−", 3) == 0) == (side < 0));
+            assert_true(found);
+        }
+        figure_free(&f);
+    }
+}
+
+/* Numbers */
+
+enum { kinds_made = 24 };
+
+static saltus_sweep_row made_row(long long point) {
+    saltus_sweep_row row;
+    switch (point / 2) {
+    case 0:
+        row = made_periodic(1, 1);
+        break;
+    case 1:
+        row = made_periodic(2, 1);
+        break;
+    case 2:
+        row = made_periodic(-1, 2);
+        break;
+    case 3:
+        row = made_other(SALTUS_ROW_EQUILIBRIUM);
+        break;
+    case 4:
+        row = made_other(SALTUS_ROW_HELD);
+        break;
+    case 5:
+        row = made_other(SALTUS_ROW_QUASIPERIODIC);
+        break;
+    case 6:
+        row = made_other(SALTUS_ROW_CHAOTIC);
+        break;
+    case 7:
+        row = made_other(SALTUS_ROW_UNSETTLED);
+        break;
+    case 8:
+        row = made_other(SALTUS_ROW_UNDECIDED);
+        break;
+    case 9:
+        row = made_other(SALTUS_ROW_FAILED);
+        break;
+    case 10:
+        row = made_periodic(3, 8);
+        break;
+    default:
+        row = made_periodic(0, 1);
+    }
+    row.settled = 10 + point * point;
+    row.largest = number_of(point, 1);
+    row.smallest = -2;
+    row.impact_rate = 1 + number_of(point, 2);
+    row.largest_speed = 2 + number_of(point, 3);
+    row.contact_fraction = 0.5 + number_of(point, 4);
+    row.lyapunov = point == 12 ? -INFINITY : point == 17 ? NAN : 10 * number_of(point, 5);
+    row.lyapunov_error = point % 3 ? 0.02 : 0;
+    return row;
+}
+
+static void fill_kinds(made_place *m) {
+    m->row[0] = made_row(m->point);
+}
+
+/* What a view tells of a row; NAN where it has nothing to tell. */
+static double number_shown(saltus_view view, const saltus_sweep_row *row) {
+    bool settled = row->verdict == SALTUS_ROW_PERIODIC || row->verdict == SALTUS_ROW_EQUILIBRIUM ||
+                   row->verdict == SALTUS_ROW_HELD;
+    if (view == SALTUS_VIEW_ATTRACTORS)
+        return row->attractor < 0 ? NAN : row->attractor + 1;
+    if (row->verdict == SALTUS_ROW_FAILED)
+        return NAN;
+    double number = view == SALTUS_VIEW_LARGEST           ? row->largest
+                    : view == SALTUS_VIEW_SPEED           ? row->largest_speed
+                    : view == SALTUS_VIEW_RATE            ? row->impact_rate
+                    : view == SALTUS_VIEW_CONTACT         ? row->contact_fraction
+                    : view == SALTUS_VIEW_LYAPUNOV        ? row->lyapunov
+                    : view == SALTUS_VIEW_SETTLED         ? (settled ? (double)row->settled : NAN)
+                    : row->verdict == SALTUS_ROW_PERIODIC ? row->periods
+                                                          : NAN;
+    return isinf(number) ? NAN : number;
+}
+
+static bool same_class(const saltus_sweep_row *a, const saltus_sweep_row *b) {
+    char own[32], other[32];
+    saltus_sweep_label(a, own);
+    saltus_sweep_label(b, other);
+    return strcmp(own, other) == 0;
+}
+
+static saltus_sweep_options number_options(void) {
+    saltus_sweep_options options = saltus_sweep_defaults();
+    options.keep = SALTUS_KEEP_LYAPUNOV;
+    return options;
+}
+
+/* Each view's number of each row, joined to its neighbour where the motion is the same. */
+static void numbers_are_those_of_the_rows(void **state) {
+    (void)state;
+    static const char *const names[] = {[SALTUS_VIEW_CLASS] = "period in",
+                                        [SALTUS_VIEW_ATTRACTORS] = "number of attractors",
+                                        [SALTUS_VIEW_LARGEST] = "largest displacement",
+                                        [SALTUS_VIEW_SPEED] = "largest impact speed",
+                                        [SALTUS_VIEW_RATE] = "impacts per forcing period",
+                                        [SALTUS_VIEW_CONTACT] = "part of the time in contact",
+                                        [SALTUS_VIEW_LYAPUNOV] = "largest Lyapunov exponent",
+                                        [SALTUS_VIEW_SETTLED] = "periods until settled"};
+    saltus_axis axis = {.key = "omega", .count = kinds_made, .low = 0.5, .high = 1.5};
+    saltus_scene scene = scene_of(1, SALTUS_UPPER);
+    saltus_sweep_options options = number_options();
+    char path[path_size];
+    made_write(path_in("s.h5", path), &scene, &axis, 1, &options, fill_kinds, 100);
+    saltus_sweep_file file = made_read(path);
+    for (saltus_view view = SALTUS_VIEW_CLASS; view <= SALTUS_VIEW_SETTLED; view++) {
+        saltus_sweep_view how = {.view = view};
+        figure f = draw("s.h5", &how, "s.png");
+        const figure_panel *panel = &f.panel[0];
+        const figure_element *dots = figure_element_of(panel, "$cloud", 0),
+                             *lines = figure_element_of(panel, "$links", 0);
+        int at = 0, last = -1;
+        assert_true(strstr(dots->style, "with points") && strstr(lines->style, "with lines"));
+        for (int k = 0; k < kinds_made; k++) {
+            double y = number_shown(view, &file.rows[k]);
+            if (isnan(y))
+                continue;
+            assert_true(at < dots->values.count && at < lines->values.count);
+            for (int e = 0; e < 2; e++) {
+                const figure_rows *rows = e ? &lines->values : &dots->values;
+                figure_near(rows->at[at][0], file.axes[0].list[k], digits);
+                figure_near(rows->at[at][1], y, digits);
+            }
+            assert_true(lines->values.joined[at] ==
+                        (last == k - 1 && last >= 0 && same_class(&file.rows[k], &file.rows[last])));
+            at++;
+            last = k;
+        }
+        assert_int_equal(at, dots->values.count);
+        assert_int_equal(at, lines->values.count);
+        figure_check_inside(panel, dots);
+        assert_true(strstr(panel->label[1], names[view]) == panel->label[1]);
+        figure_free(&f);
+    }
+    saltus_sweep_file_clear(&file);
+}
+
+/* The number of attractors met from several starts is that of the distinct ones. */
+static void fill_attractors(made_place *m) {
+    for (int s = 0; s < m->seeds; s++) {
+        m->row[s] = made_periodic(1, 1 + s);
+        m->row[s].attractor = (int)(m->point < s ? m->point : s);
+    }
+}
+
+static void attractors_are_counted_by_point(void **state) {
+    (void)state;
+    saltus_axis axis = {.key = "omega", .count = 5, .low = 0.5, .high = 1.5};
+    saltus_scene scene = scene_of(1, SALTUS_UPPER);
+    saltus_sweep_options options = number_options();
+    saltus_sweep_view how = {.view = SALTUS_VIEW_ATTRACTORS};
+    char path[path_size];
+    options.seeds = 4;
+    made_write(path_in("s.h5", path), &scene, &axis, 1, &options, fill_attractors, 100);
+    figure f = draw("s.h5", &how, "s.png");
+    const figure_element *dots = figure_element_of(&f.panel[0], "$cloud", 0);
+    assert_int_equal(dots->values.count, 5);
+    for (int k = 0; k < 5; k++)
+        assert_true(dots->values.at[k][1] == (k < 3 ? k + 1 : 4));
+    assert_null(figure_element_of(&f.panel[0], "$links", 0));
+    figure_free(&f);
+}
+
+/* Exponents: columns from zero, above it in one colour and below in another, as wide as their cells; bars of
+ * one standard error; a mark where all directions are lost. */
+static void exponents_stand_on_zero(void **state) {
+    (void)state;
+    saltus_axis axis = {.key = "omega", .count = kinds_made, .low = 0.5, .high = 1.5};
+    saltus_scene scene = scene_of(1, SALTUS_UPPER);
+    saltus_sweep_options options = number_options();
+    saltus_sweep_view how = {.view = SALTUS_VIEW_LYAPUNOV};
+    char path[path_size];
+    made_write(path_in("s.h5", path), &scene, &axis, 1, &options, fill_kinds, 100);
+    saltus_sweep_file file = made_read(path);
+    figure f = draw("s.h5", &how, "s.png");
+    const figure_panel *panel = &f.panel[0];
+    const double cell = 1.0 / (kinds_made - 1), pixel = (panel->range[0][1] - panel->range[0][0]) / 1400;
+    assert_true(panel->range[1][0] < 0 && panel->range[1][1] > 0);
+    for (int below = 0; below < 2; below++) {
+        const figure_element *columns = figure_element_of(panel, "boxxyerror", below);
+        int at = 0;
+        for (int k = 0; k < kinds_made; k++) {
+            double exponent = number_shown(SALTUS_VIEW_LYAPUNOV, &file.rows[k]), x = file.axes[0].list[k];
+            if (isnan(exponent) || (exponent < 0) != below)
+                continue;
+            const double *column = columns->values.at[at++];
+            figure_near(column[0], x, digits);
+            figure_near(column[1], exponent, digits);
+            check_near(column[2], x - 0.5 * cell, 2 * pixel);
+            check_near(column[3], x + 0.5 * cell, 2 * pixel);
+            assert_true(column[4] == 0 && column[5] == column[1]);
+        }
+        assert_int_equal(at, columns->values.count);
+    }
+    const figure_element *bars = figure_element_of(panel, "with vectors", 0),
+                         *lost = figure_element_of(panel, "$lost", 0);
+    int at = 0;
+    for (int k = 0; k < kinds_made; k++) {
+        double exponent = number_shown(SALTUS_VIEW_LYAPUNOV, &file.rows[k]), error = k % 3 ? 0.02 : 0;
+        if (isnan(exponent))
+            continue;
+        const double *bar = bars->values.at[at++];
+        double low = fmax(exponent - error, panel->range[1][0]),
+               high = fmin(exponent + error, panel->range[1][1]);
+        figure_near(bar[0], file.axes[0].list[k], digits);
+        check_near(bar[1], low, 1e-6);
+        assert_true(bar[2] == 0);
+        check_near(bar[3], high - low, 1e-6);
+    }
+    assert_int_equal(at, bars->values.count);
+    assert_int_equal(lost->values.count, 1);
+    figure_near(lost->values.at[0][0], file.axes[0].list[12], digits);
+    figure_check_inside(panel, lost);
+    figure_says(&f, "all directions lost");
+    assert_true(figure_colour(figure_element_of(panel, "boxxyerror", 0)->style) !=
+                figure_colour(figure_element_of(panel, "boxxyerror", 1)->style));
+    figure_free(&f);
+    saltus_sweep_file_clear(&file);
+}
+
+/* The strip */
+
+/* Colours by label, as they are met: one label, one colour, and no two labels the same. */
+typedef struct legend {
+    char label[32][32];
+    unsigned colour[32];
+    int count;
+} legend;
+
+static void check_legend(legend *l, const saltus_sweep_row *row, unsigned colour) {
+    char label[32];
+    saltus_sweep_label(row, label);
+    for (int k = 0; k < l->count; k++)
+        if ((strcmp(l->label[k], label) == 0) != (l->colour[k] == colour))
+            fail_msg("%s has colour %06x, %s has %06x", label, colour, l->label[k], l->colour[k]);
+        else if (l->colour[k] == colour)
+            return;
+    assert_true(l->count < 32);
+    snprintf(l->label[l->count], sizeof l->label[0], "%s", label);
+    l->colour[l->count++] = colour;
+}
+
+static double luminance(unsigned colour) {
+    return 0.299 * (colour >> 16 & 0xff) + 0.587 * (colour >> 8 & 0xff) + 0.114 * (colour & 0xff);
+}
+
+static double place_of(double value, bool logarithmic) {
+    return logarithmic ? log(value) : value;
+}
+
+/* Edge k of the cells of sorted values: half way between neighbours. */
+static double edge_of(const double *values, int count, int k, bool logarithmic) {
+    double inner = k == 0 ? 1 : k == count ? count - 1 : k;
+    double low = place_of(values[(int)inner - 1], logarithmic),
+           high = place_of(values[(int)inner], logarithmic);
+    double middle = 0.5 * (low + high);
+    return k == 0 ? 2 * low - middle : k == count ? 2 * high - middle : middle;
+}
+
+/* Each pixel of a band has the colour of the row whose cell it lies in, but at the cells' very edges. */
+static void check_strip(const figure_panel *panel, const saltus_sweep_file *file, legend *l) {
+    const figure_element *e = figure_element_of(panel, "binary", 0);
+    int order[64], n = file->axes[0].count, passes = file->pass_count;
+    bool logarithmic = file->axes[0].spacing == SALTUS_LOGARITHMIC;
+    double sorted[64];
+    sort_points(file, order);
+    for (int k = 0; k < n; k++)
+        sorted[k] = file->axes[0].list[order[k]];
+    assert_true(panel->logarithmic[0] == logarithmic);
+    double low = place_of(panel->range[0][0], logarithmic), high = place_of(panel->range[0][1], logarithmic);
+    assert_true(panel->range[2][0] == 0 && panel->range[2][1] == e->width);
+    assert_true(panel->range[3][0] == 0 && panel->range[3][1] == e->height);
+    for (int pass = 0; pass < passes; pass++) {
+        int y = (int)((passes - 1 - pass + 0.5) * e->height / passes);
+        for (int x = 0; x < e->width; x++) {
+            double at = low + (high - low) * (x + 0.5) / e->width, pixel = (high - low) / e->width;
+            int cell = 0, opacity;
+            while (cell < n && edge_of(sorted, n, cell + 1, logarithmic) < at)
+                cell++;
+            if (cell == n || fabs(at - edge_of(sorted, n, cell, logarithmic)) < 0.02 * pixel ||
+                fabs(at - edge_of(sorted, n, cell + 1, logarithmic)) < 0.02 * pixel)
+                continue;
+            unsigned colour = figure_pixel(e, x, y, &opacity);
+            assert_int_equal(opacity, 255);
+            check_legend(l, &file->rows[row_at(file, pass, order[cell], 0)], colour);
+        }
+    }
+}
+
+/* Every name stands on a stretch of its own motion, in letters that can be read on its colour. */
+static void check_names(const figure_panel *panel, const saltus_sweep_file *file, const legend *l,
+                        int least) {
+    const figure_element *e = figure_element_of(panel, "binary", 0);
+    int found = 0;
+    for (int m = 0; m < panel->mark_count; m++) {
+        const figure_mark *mark = &panel->mark[m];
+        if (mark->kind != 'l' || mark->system[0][0] != 'g' || mark->place[0][0] < 0)
+            continue;
+        unsigned colour =
+            figure_pixel(e, (int)(mark->place[0][0] * e->width), (int)(mark->place[0][1] * e->height), NULL);
+        for (int k = 0; k < l->count; k++)
+            if (l->colour[k] == colour) {
+                assert_string_equal(mark->text, l->label[k]);
+                double ink = luminance((unsigned)figure_colour(mark->style));
+                assert_true(fabs(ink - luminance(colour)) > 110);
+                found++;
+            }
+    }
+    assert_true(found >= least && file->row_count > 0);
+}
+
+static void fill_other_way(made_place *m) {
+    m->row[0] = made_row(m->pass == SALTUS_PASS_UP ? m->point : (m->point * 7 + 3) % kinds_made);
+}
+
+/* The strip under a diagram: the motion at each value, pass by pass, in equal and in logarithmic steps. */
+static void the_strip_tells_the_motion_at_each_value(void **state) {
+    (void)state;
+    saltus_axis axis = {.key = "omega", .count = kinds_made, .low = 0.5, .high = 1.5};
+    saltus_scene scene = scene_of(1, SALTUS_UPPER);
+    saltus_sweep_options options = number_options();
+    saltus_sweep_view how = {.view = SALTUS_VIEW_LARGEST};
+    char path[path_size];
+    for (int k = 0; k < 3; k++) {
+        legend l = {.count = 0};
+        axis.spacing = k == 1 ? SALTUS_LOGARITHMIC : SALTUS_LINEAR;
+        axis.low = k == 1 ? 0.01 : 0.5;
+        axis.count = k == 2 ? 9 : kinds_made;
+        options.passes = k == 0 ? 6 : 1;
+        made_write(path_in("s.h5", path), &scene, &axis, 1, &options, k ? fill_kinds : fill_other_way, 100);
+        saltus_sweep_file file = made_read(path);
+        figure f = draw("s.h5", &how, k == 1 ? "s.svg" : "s.png");
+        assert_int_equal(f.panel_count, 2);
+        check_strip(&f.panel[1], &file, &l);
+        assert_int_equal(l.count, k == 2 ? 5 : 12);
+        check_names(&f.panel[1], &file, &l, k == 2 ? 4 : 3);
+        /* Both panels share the axis. */
+        for (int end = 0; end < 2; end++) {
+            assert_true(f.panel[0].range[0][end] == f.panel[1].range[0][end]);
+            assert_true(f.panel[0].frame[end] == f.panel[1].frame[end]);
+        }
+        assert_true(f.panel[0].logarithmic[0] == (k == 1));
+        double first = edge_of(file.axes[0].list, axis.count, 0, k == 1),
+               last = edge_of(file.axes[0].list, axis.count, axis.count, k == 1);
+        check_near(place_of(f.panel[0].range[0][0], k == 1), first, 1e-9);
+        check_near(place_of(f.panel[0].range[0][1], k == 1), last, 1e-9);
+        int pixels = (int)lround(1600 * (f.panel[1].frame[1] - f.panel[1].frame[0]));
+        assert_int_equal(figure_element_of(&f.panel[1], "binary", 0)->width, (k == 1 ? 2 : 1) * pixels);
+        if (k == 0) {
+            assert_non_null(figure_mark_of(&f.panel[1], 'l', "up", 0));
+            assert_true(figure_mark_of(&f.panel[1], 'l', "up", 0)->place[0][1] >
+                        figure_mark_of(&f.panel[1], 'l', "down", 0)->place[0][1]);
+        }
+        figure_free(&f);
+        saltus_sweep_file_clear(&file);
+    }
+}
+
+/* Several starts: the motions stand one above the other, each as high as its share. */
+static void fill_shares(made_place *m) {
+    for (int s = 0; s < m->seeds; s++)
+        m->row[s] = made_periodic(1, s < m->point ? 1 : 2);
+}
+
+static void shares_of_the_starts_are_heights(void **state) {
+    (void)state;
+    saltus_axis axis = {.key = "omega", .count = 5, .low = 0.5, .high = 1.5};
+    saltus_scene scene = scene_of(1, SALTUS_UPPER);
+    saltus_sweep_options options = number_options();
+    saltus_sweep_view how = {.view = SALTUS_VIEW_RATE};
+    char path[path_size];
+    options.seeds = 4;
+    made_write(path_in("s.h5", path), &scene, &axis, 1, &options, fill_shares, 100);
+    figure f = draw("s.h5", &how, "s.png");
+    const figure_element *e = figure_element_of(&f.panel[1], "binary", 0);
+    unsigned all = figure_pixel(e, e->width - 20, 3, NULL), none = figure_pixel(e, 20, 3, NULL);
+    assert_true(all != none);
+    for (int k = 0; k < 5; k++) {
+        int count = 0, x = (int)((k + 0.5) * e->width / 5);
+        for (int y = 0; y < e->height; y++) {
+            unsigned colour = figure_pixel(e, x, y, NULL);
+            assert_true(colour == all || colour == none);
+            count += colour == all;
+        }
+        assert_int_equal(count, e->height * k / 4);
+    }
+    figure_free(&f);
+}
+
+/* Tics of a logarithmic axis lie in its range, at round numbers. */
+static void logarithmic_tics_are_round(void **state) {
+    (void)state;
+    static const double ends[][2] = {{0.5, 1.5}, {0.5, 0.9}, {0.02, 1.5}, {0.5, 1.2}, {3, 110}};
+    saltus_scene scene = scene_of(1, SALTUS_UPPER);
+    saltus_sweep_options options = number_options();
+    saltus_sweep_view how = {.view = SALTUS_VIEW_LARGEST};
+    char path[path_size];
+    for (int k = 0; k < 5; k++) {
+        saltus_axis axis = {
+            .key = "omega", .spacing = SALTUS_LOGARITHMIC, .count = 9, .low = ends[k][0], .high = ends[k][1]};
+        made_write(path_in("s.h5", path), &scene, &axis, 1, &options, fill_kinds, 100);
+        saltus_message message = {""};
+        char out[path_size];
+        size_t length;
+        check_ok(saltus_plot_sweep(path, &how, path_in("s.png", out), &message), &message);
+        char *script = read_all(path_in("script", out), &length), *at = strstr(script, "set xtics (");
+        assert_non_null(at);
+        double last = 0, ratio = ends[k][1] / ends[k][0];
+        int count = 0;
+        for (at += 11; *at != ')'; at += strspn(at, ", ")) {
+            double tic = strtod(at, &at), power = pow(10, floor(log10(tic) + 1e-9));
+            assert_true(tic > last && tic > ends[k][0] / ratio && tic < ends[k][1] * ratio);
+            check_near(tic / power * 10, round(tic / power * 10), 1e-9);
+            last = tic;
+            count++;
+        }
+        assert_in_range(count, 4, 14);
+        free(script);
+        figure f = figure_taken(folder);
+        assert_true(last <= f.panel[0].range[0][1]);
+        figure_free(&f);
+    }
+}
+
+/* Very many points are a picture of where they lie. Orbits of thirty points at every second value, recorded
+ * once or fifty times, between motions that never repeat. */
+enum { dense_count = 16, dense_each = 1500, dense_orbit = 30 };
+
+static double dense_point(long long point, int k) {
+    return point % 2 == 0 ? 0.015 * (k % dense_orbit) + 0.001 * (double)point
+                          : 0.5 * fmod(0.6180339887 * k, 1);
+}
+
+static void fill_dense(made_place *m) {
+    m->row[0] = m->point % 2 ? made_other(SALTUS_ROW_CHAOTIC) : made_periodic(1, 20);
+    m->turning_count[0] = m->point == 4 ? dense_orbit : dense_each;
+    for (int k = 0; k < dense_each; k++)
+        m->turning[k] = m->pass == SALTUS_PASS_UP ? dense_point(m->point, k) : -0.2;
+}
+
+/* Every point is painted, and nothing that is far from all points; the most opaque pixel near each value. */
+static void check_painted(const figure_panel *panel, const figure_element *e, const saltus_sweep_file *file,
+                          int pass, int darkest[dense_count]) {
+    unsigned char *near = calloc((size_t)e->width * (size_t)e->height, 1);
+    assert_non_null(near);
+    for (int k = 0; k < dense_count; k++) {
+        double part =
+            (file->axes[0].list[k] - panel->range[0][0]) / (panel->range[0][1] - panel->range[0][0]);
+        int x = (int)(part * e->width);
+        long long row = pass * dense_count + k;
+        darkest[k] = 0;
+        for (int i = 0; i < file->turning_count[row]; i++) {
+            double v = file->turning[file->turning_first[row] + i];
+            int opacity,
+                y = (int)(e->height * (v - panel->range[1][0]) / (panel->range[1][1] - panel->range[1][0]));
+            figure_pixel(e, x, y, &opacity);
+            assert_true(opacity > 0);
+            darkest[k] = opacity > darkest[k] ? opacity : darkest[k];
+            for (int b = -2; b <= 2; b++)
+                for (int a = -2; a <= 2; a++)
+                    if (y + b >= 0 && y + b < e->height)
+                        near[(y + b) * e->width + x + a] = 1;
+        }
+    }
+    for (int y = 0; y < e->height; y++)
+        for (int x = 0; x < e->width; x++) {
+            int opacity;
+            figure_pixel(e, x, y, &opacity);
+            assert_true(opacity == 0 || near[y * e->width + x]);
+        }
+    free(near);
+}
+
+static void dense_clouds_are_painted_where_the_points_are(void **state) {
+    (void)state;
+    saltus_axis axis = {.key = "omega", .count = dense_count, .low = 0.5, .high = 1.5};
+    saltus_scene scene = scene_of(1, SALTUS_UPPER);
+    saltus_sweep_options options = number_options();
+    saltus_sweep_view how = {.view = SALTUS_VIEW_TURNING};
+    char path[path_size];
+    options.keep = SALTUS_KEEP_TURNING;
+    options.passes = 6;
+    made_write(path_in("s.h5", path), &scene, &axis, 1, &options, fill_dense, 100);
+    saltus_sweep_file file = made_read(path);
+    figure f = draw("s.h5", &how, "s.png");
+    const figure_panel *panel = &f.panel[0];
+    int darkest[dense_count];
+    assert_null(figure_element_of(panel, "$cloud", 0));
+    assert_true(panel->range[2][1] == figure_element_of(panel, "binary", 0)->width);
+    assert_true(panel->range[3][1] == figure_element_of(panel, "binary", 0)->height);
+    /* Upwards lies over downwards. */
+    check_painted(panel, figure_element_of(panel, "binary", 0), &file, 1, darkest);
+    check_painted(panel, figure_element_of(panel, "binary", 1), &file, 0, darkest);
+    for (int k = 0; k < dense_count; k++)
+        assert_true(k % 2 ? darkest[k] < 0.75 * 255 && darkest[k] > 40 : darkest[k] > 0.9 * 255);
+    figure_free(&f);
+    saltus_sweep_file_clear(&file);
+}
+
+/* Where nothing is asked for: clouds as far as they are there, otherwise the largest displacement. */
+static void views_are_chosen_by_what_there_is(void **state) {
+    (void)state;
+    static const unsigned keep[] = {SALTUS_KEEP_TURNING | SALTUS_KEEP_IMPACTS, SALTUS_KEEP_IMPACTS,
+                                    SALTUS_KEEP_STROBOSCOPIC, 0};
+    static const char *const words[] = {"displacement diagram", "velocity diagram", "stroboscopic diagram",
+                                        "largest displacement"};
+    static const saltus_view lacking[] = {SALTUS_VIEW_STROBOSCOPIC, SALTUS_VIEW_TURNING, SALTUS_VIEW_IMPACTS,
+                                          SALTUS_VIEW_LYAPUNOV};
+    saltus_axis axis = {.key = "omega", .count = 5, .low = 0.5, .high = 1.5};
+    saltus_scene scene = scene_of(1, SALTUS_UPPER);
+    saltus_sweep_options options = saltus_sweep_defaults();
+    saltus_message message;
+    char path[path_size], out[path_size];
+    for (int k = 0; k < 4; k++) {
+        options.keep = keep[k];
+        made_write(path_in("s.h5", path), &scene, &axis, 1, &options, fill_clouds, 100);
+        saltus_sweep_view how = {.view = SALTUS_VIEW_AUTOMATIC};
+        figure f = draw("s.h5", &how, "s.png");
+        figure_says(&f, words[k]);
+        figure_free(&f);
+        how.view = lacking[k];
+        assert_int_equal(saltus_plot_sweep(path, &how, path_in("s.png", out), &message), SALTUS_BAD_INPUT);
+    }
+    /* Parts of keys that are not shown, and parts where there is nothing, are refused. */
+    static const saltus_plot_part wrong[] = {{"d", 0, 1}, {"omega", 1.7, 2}, {"omega", 0.1, 0.2}};
+    for (int k = 0; k < 3; k++) {
+        saltus_sweep_view how = {.parts = &wrong[k], .part_count = 1};
+        assert_int_equal(saltus_plot_sweep(path, &how, path_in("s.png", out), &message), SALTUS_BAD_INPUT);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(clouds_are_those_of_the_file),
+        cmocka_unit_test(captions_tell_how_the_sweep_was_made),
+        cmocka_unit_test(impacts_on_two_sides_keep_their_signs),
+        cmocka_unit_test(sections_of_a_moving_stop_are_observed_at_it),
+        cmocka_unit_test(stops_are_where_the_clearance_says),
+        cmocka_unit_test(numbers_are_those_of_the_rows),
+        cmocka_unit_test(attractors_are_counted_by_point),
+        cmocka_unit_test(exponents_stand_on_zero),
+        cmocka_unit_test(the_strip_tells_the_motion_at_each_value),
+        cmocka_unit_test(shares_of_the_starts_are_heights),
+        cmocka_unit_test(logarithmic_tics_are_round),
+        cmocka_unit_test(dense_clouds_are_painted_where_the_points_are),
+        cmocka_unit_test(views_are_chosen_by_what_there_is),
+    };
+    return cmocka_run_group_tests(tests, open_folder, close_folder);
+}
