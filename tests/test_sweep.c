@@ -3,7 +3,7 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "allocations.h"
 #include "check.h"
-
+#include "sweep_check.h"
 enum { dimension_max = 40 };
 
 /* Counting is on while `failing` is set: one thread then. */
@@ -11,176 +11,6 @@ static long allocations, failing = -1;
 
 static bool refuse(void) {
     return failing >= 0 && ++allocations == failing;
-}
-
-/* A scene by name with settings, one after the other, separated by blanks. "free" takes the stops away. */
-static saltus_scene scene_of(const char *name, const char *settings) {
-    saltus_message message = {""};
-    saltus_scene scene;
-    char text[256];
-    check_ok(saltus_scene_load(name, &scene, &message), &message);
-    snprintf(text, sizeof text, "%s", settings);
-    for (char *rest = text, *word; (word = strtok_r(rest, " ", &rest));)
-        if (strcmp(word, "free") == 0)
-            scene.spec.stop_count = 0;
-        else
-            check_ok(saltus_scene_set(&scene, word, &message), &message);
-    return scene;
-}
-
-static saltus_sweep *sweep_of(const saltus_scene *scene, const char *first, const char *second,
-                              const saltus_sweep_options *options) {
-    saltus_message message = {""};
-    saltus_axis axes[2];
-    double *lists[2] = {NULL, NULL};
-    saltus_sweep *sweep = NULL;
-    check_ok(saltus_axis_read(first, &axes[0], &lists[0], &message), &message);
-    if (second)
-        check_ok(saltus_axis_read(second, &axes[1], &lists[1], &message), &message);
-    check_ok(saltus_sweep_new(scene, axes, second ? 2 : 1, options, &sweep, &message), &message);
-    free(lists[0]);
-    free(lists[1]);
-    return sweep;
-}
-
-/* Results as packed bytes, one block per place. */
-typedef struct outcome {
-    const saltus_sweep *sweep;
-    long long places, first, step, tasks, handed; /* tasks first, first + step, ... */
-    void **block;
-    size_t *size;
-    saltus_sweep_row *rows; /* of keep_rows */
-} outcome;
-
-static outcome open_outcome(const saltus_sweep *sweep) {
-    outcome o = {.sweep = sweep, .places = saltus_sweep_points(sweep) * saltus_sweep_pass_count(sweep)};
-    o.block = calloc((size_t)o.places, sizeof *o.block);
-    o.size = calloc((size_t)o.places, sizeof *o.size);
-    assert_true(o.block && o.size);
-    return o;
-}
-
-static void close_outcome(outcome *o) {
-    for (long long k = 0; k < o->places; k++)
-        free(o->block[k]);
-    free(o->block);
-    free(o->size);
-}
-
-static long long next_task(void *context) {
-    outcome *o = context;
-    return o->handed < o->tasks ? o->first + o->step * o->handed++ : -1;
-}
-
-static saltus_status keep_result(void *context, const saltus_sweep_result *result, saltus_message *message) {
-    outcome *o = context;
-    size_t size = saltus_sweep_packed_size(o->sweep, result);
-    void *block = malloc(size);
-    if (!block)
-        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a result");
-    saltus_sweep_pack(o->sweep, result, block);
-    free(o->block[result->place]);
-    o->block[result->place] = block;
-    o->size[result->place] = size;
-    return SALTUS_OK;
-}
-
-static saltus_status keep_rows(void *context, const saltus_sweep_result *result, saltus_message *message) {
-    outcome *o = context;
-    int seeds = saltus_sweep_choices(o->sweep)->seeds;
-    (void)message;
-    memcpy(o->rows + result->place * seeds, result->rows, (size_t)seeds * sizeof *o->rows);
-    return SALTUS_OK;
-}
-
-/* Run every step-th task from `first` on, downwards where step is negative. */
-static void run_part(outcome *o, long long first, long long step) {
-    saltus_message message = {""};
-    saltus_sweep_feed feed = {.context = o, .next = next_task, .take = keep_result};
-    long long all = saltus_sweep_tasks(o->sweep);
-    o->first = first;
-    o->step = step;
-    o->handed = 0;
-    o->tasks = step > 0 ? (all - first + step - 1) / step : first + 1;
-    check_ok(saltus_sweep_run(o->sweep, &feed, &message), &message);
-}
-
-static saltus_sweep_result result_at(const outcome *o, long long place) {
-    saltus_sweep_result result;
-    assert_non_null(o->block[place]);
-    assert_true(saltus_sweep_unpack(o->sweep, o->block[place], o->size[place], &result));
-    assert_true(result.place == place);
-    return result;
-}
-
-static void check_same_bits(const outcome *a, const outcome *b, const char *what) {
-    assert_true(a->places == b->places);
-    for (long long k = 0; k < a->places; k++)
-        if (!a->block[k] || !b->block[k] || a->size[k] != b->size[k] ||
-            memcmp(a->block[k], b->block[k], a->size[k]) != 0)
-            fail_msg("%s: place %lld of %lld differs", what, k, a->places);
-}
-
-static saltus_system *system_at(const saltus_sweep *sweep, long long point) {
-    saltus_message message = {""};
-    saltus_scene scene;
-    check_ok(saltus_sweep_scene_at(sweep, point, &scene, &message), &message);
-    return build(&scene.spec);
-}
-
-static saltus_motion motion_from(const saltus_system *system, const double *state, int longest) {
-    saltus_classify_options options = saltus_classify_defaults();
-    saltus_message message = {""};
-    saltus_motion motion;
-    options.transient = 2000;
-    options.longest = longest;
-    check_ok(saltus_classify(system, state, &options, &motion, &message), &message);
-    return motion;
-}
-
-/* What saltus_classify says from the trajectory's end is what the row says. Returns whether it is settled. */
-static bool check_label(const outcome *o, long long place, int seed) {
-    saltus_sweep_result result = result_at(o, place);
-    const saltus_sweep_row *row = &result.rows[seed];
-    char label[32];
-    saltus_sweep_label(row, label);
-    if (!saltus_sweep_settled(row))
-        return false;
-    saltus_system *system = system_at(o->sweep, place % saltus_sweep_points(o->sweep));
-    saltus_motion motion = motion_from(system, result.states + seed * saltus_sweep_dimension(o->sweep),
-                                       saltus_sweep_choices(o->sweep)->longest);
-    assert_string_equal(label, motion.label);
-    if (row->verdict == SALTUS_ROW_PERIODIC)
-        assert_int_equal(row->sticking, motion.sticking_intervals);
-    saltus_motion_clear(&motion);
-    saltus_system_free(system);
-    return true;
-}
-
-/* One point: the scene's own values, `key` once more. */
-typedef struct single {
-    saltus_sweep *sweep;
-    outcome outcome;
-    saltus_sweep_result result;
-    char label[32];
-} single;
-
-static single run_single(const saltus_scene *scene, const char *key, double value,
-                         const saltus_sweep_options *options) {
-    char axis[64];
-    single s;
-    snprintf(axis, sizeof axis, "%s=%.17g", key, value);
-    s.sweep = sweep_of(scene, axis, NULL, options);
-    s.outcome = open_outcome(s.sweep);
-    run_part(&s.outcome, 0, 1);
-    s.result = result_at(&s.outcome, 0);
-    saltus_sweep_label(s.result.rows, s.label);
-    return s;
-}
-
-static void close_single(single *s) {
-    close_outcome(&s->outcome);
-    saltus_sweep_free(s->sweep);
 }
 
 static void axes_have_their_values(void **unused) {
@@ -1159,6 +989,26 @@ static void an_error_of_the_taker_ends_the_run(void **unused) {
     }
 }
 
+/* Rows into an array. */
+typedef struct row_keeper {
+    const saltus_sweep *sweep;
+    saltus_sweep_row *rows;
+    long long handed;
+} row_keeper;
+
+static long long next_row_task(void *context) {
+    row_keeper *k = context;
+    return k->handed < saltus_sweep_tasks(k->sweep) ? k->handed++ : -1;
+}
+
+static saltus_status keep_rows(void *context, const saltus_sweep_result *result, saltus_message *message) {
+    row_keeper *k = context;
+    int seeds = saltus_sweep_choices(k->sweep)->seeds;
+    (void)message;
+    memcpy(k->rows + result->place * seeds, result->rows, (size_t)seeds * sizeof *k->rows);
+    return SALTUS_OK;
+}
+
 /* A small sweep without a check on the way. Its rows, 12 of them, are zero where it did not get there. */
 static saltus_status small_sweep(saltus_sweep_row *rows) {
     saltus_scene scene;
@@ -1179,8 +1029,8 @@ static saltus_status small_sweep(saltus_sweep_row *rows) {
     if (status == SALTUS_OK)
         status = saltus_sweep_new(&scene, &axis, 1, &options, &sweep, &message);
     if (status == SALTUS_OK) {
-        outcome o = {.sweep = sweep, .step = 1, .tasks = saltus_sweep_tasks(sweep), .rows = rows};
-        saltus_sweep_feed feed = {.context = &o, .next = next_task, .take = keep_rows};
+        row_keeper keeper = {.sweep = sweep, .rows = rows};
+        saltus_sweep_feed feed = {.context = &keeper, .next = next_row_task, .take = keep_rows};
         status = saltus_sweep_run(sweep, &feed, &message);
     }
     saltus_sweep_free(sweep);
