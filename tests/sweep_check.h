@@ -21,7 +21,7 @@ static inline saltus_scene scene_of(const char *name, const char *settings) {
 }
 
 static inline saltus_sweep *sweep_of(const saltus_scene *scene, const char *first, const char *second,
-                              const saltus_sweep_options *options) {
+                                     const saltus_sweep_options *options) {
     saltus_message message = {""};
     saltus_axis axes[2];
     double *lists[2] = {NULL, NULL};
@@ -63,7 +63,8 @@ static inline long long next_task(void *context) {
     return o->handed < o->tasks ? o->first + o->step * o->handed++ : -1;
 }
 
-static inline saltus_status keep_result(void *context, const saltus_sweep_result *result, saltus_message *message) {
+static inline saltus_status keep_result(void *context, const saltus_sweep_result *result,
+                                        saltus_message *message) {
     outcome *o = context;
     size_t size = saltus_sweep_packed_size(o->sweep, result);
     void *block = malloc(size);
@@ -149,7 +150,7 @@ typedef struct single {
 } single;
 
 static inline single run_single(const saltus_scene *scene, const char *key, double value,
-                         const saltus_sweep_options *options) {
+                                const saltus_sweep_options *options) {
     char axis[64];
     single s;
     snprintf(axis, sizeof axis, "%s=%.17g", key, value);

@@ -146,6 +146,26 @@ static void check_measures(const single *s, const recount *r, const saltus_syste
     check_near(row->contact_fraction, r->contact / length, 1e-7);
 }
 
+/* The last arcs of a chatter are lower than rounding: there only what is higher is compared. */
+static int next_turning(const recount *r, const double *turning, int k, int count, double unit) {
+    double stop = saltus_system_face_count(r->system)
+                      ? saltus_system_face(r->system, 0).d * saltus_system_face(r->system, 0).side
+                      : 0;
+    while (r->chatter && k < count && fabs(turning[k] - stop) < 1e-9 * unit)
+        k++;
+    return k;
+}
+
+static void check_turning(const recount *r, const double *turning, int count, double unit) {
+    int j = next_turning(r, r->turning, 0, r->turnings, unit), k = next_turning(r, turning, 0, count, unit);
+    while (j < r->turnings && k < count) {
+        check_near(turning[k], r->turning[j], 1e-4 * unit);
+        j = next_turning(r, r->turning, j + 1, r->turnings, unit);
+        k = next_turning(r, turning, k + 1, count, unit);
+    }
+    assert_int_equal(count - k, r->turnings - j);
+}
+
 static void check_clouds(const single *s, const recount *r, const saltus_system *system) {
     const saltus_sweep_result *result = &s->result;
     const double unit = saltus_system_scale(system)[0],
@@ -157,9 +177,9 @@ static void check_clouds(const single *s, const recount *r, const saltus_system 
         check_near(result->impacts[k].speed, r->impact[k].speed, 1e-6 * fast);
         assert_int_equal(result->impacts[k].face, r->impact[k].face);
     }
-    assert_int_equal(result->turning_counts[0], r->turnings);
-    for (int k = 0; k < r->turnings; k++)
-        check_near(result->turning[k], r->turning[k], 1e-4 * unit);
+    /* At rest the velocity's sign is rounding's. */
+    if (result->rows->verdict != SALTUS_ROW_EQUILIBRIUM)
+        check_turning(r, result->turning, (int)result->turning_counts[0], unit);
     assert_int_equal(result->strobe_counts[0], r->sections);
     for (int k = 0; k < r->sections; k++)
         check_near(scaled(system, result->strobes + k * n, r->section + k * n), 0, 1e-6);
@@ -171,8 +191,8 @@ static void check_recorded(const single *s) {
     const saltus_sweep_row *row = s->result.rows;
     saltus_system *system = system_at(s->sweep, 0);
     recount_from(&r, system, &saltus_sweep_choices(s->sweep)->flow, s->result.strobes, row->recorded);
-    check_measures(s, &r, system);
     check_clouds(s, &r, system);
+    check_measures(s, &r, system);
     if (saltus_sweep_choices(s->sweep)->adaptive)
         check_near(scaled(system, s->result.states, r.end), 0, 1e-6);
     if (row->verdict == SALTUS_ROW_PERIODIC && row->recorded == row->periods) {
@@ -187,28 +207,43 @@ typedef struct motion_case {
     const char *scene, *settings, *key;
     double value;
     const char *label;
+    bool far; /* a first stop out of reach, whose coordinate is the one observed */
 } motion_case;
 
 /* One stop, both, none, another stop than the observed one; chatter within a period and across the section;
  * restitution zero; contact from begin to end; rest; chaos. */
 static const motion_case motions[] = {
-    {"impact-oscillator", "", "omega", 1.3, "1/1"},
-    {"impact-oscillator", "sides=lower", "omega", 1.3, "1/1"},
-    {"impact-oscillator", "sides=both d=0.6 r=0.7", "omega", 0.7, NULL},
-    {"impact-oscillator", "free", "omega", 0.7, "0/1"},
-    {"impact-oscillator", "r=0 d=0.2", "omega", 0.9, NULL},
-    {"impact-oscillator", "c=0.02 d=0.016", "omega", 3.04396, NULL},
-    {"two-mass", "", "omega", 1.68, "1/1"},
-    {"two-mass", "weight=0,1 sides=both r=0.6", "omega", 0.65, NULL},
-    {"vibrating-table", "r=0.3", "F", 1.4, "chatter/1"},
-    {"vibrating-table", "r=0.3", "F", -1.4, "chatter/1"},
-    {"vibrating-table", "r=0", "F", 1.3, NULL},
-    {"vibrating-table", "r=0.5", "F", 0.7, "held"},
-    {"impact-pair", "", "d", 1.5, NULL},
-    {"pipe", "N=2 d=0.03", "omega", 20, NULL},
-    {"pipe", "N=1 sigma=0 omega=20", "d", 0.05, "equilibrium"},
-    {"chatter", "N=2", "d", 0.025, NULL},
+    {"impact-oscillator", "", "omega", 1.3, "1/1", false},
+    {"impact-oscillator", "sides=lower", "omega", 1.3, "1/1", false},
+    {"impact-oscillator", "sides=both d=0.6 r=0.7", "omega", 0.7, NULL, false},
+    {"impact-oscillator", "free", "omega", 0.7, "0/1", false},
+    {"impact-oscillator", "r=0 d=0.2", "omega", 0.9, NULL, false},
+    {"impact-oscillator", "c=0.02 d=0.016", "omega", 3.04396, NULL, false},
+    {"two-mass", "", "omega", 1.68, "1/1", false},
+    {"two-mass", "", "omega", 1.68, "1/1", true},
+    {"two-mass", "weight=0,1 sides=both r=0.6", "omega", 0.65, NULL, true},
+    {"two-mass", "r=0", "omega", 0.9, NULL, true},
+    {"two-mass", "weight=0,1 sides=both r=0.6", "omega", 0.65, NULL, false},
+    {"vibrating-table", "r=0.3", "F", 1.4, "chatter/1", false},
+    {"vibrating-table", "r=0.3", "F", -1.4, "chatter/1", false},
+    {"vibrating-table", "r=0", "F", 1.3, NULL, false},
+    {"vibrating-table", "r=0.5", "F", 0.7, "held", false},
+    {"impact-pair", "", "d", 1.5, NULL, false},
+    {"pipe", "N=2 d=0.03", "omega", 20, NULL, false},
+    {"pipe", "N=1 sigma=0 omega=20", "d", 0.05, "equilibrium", false},
+    {"chatter", "N=2", "d", 0.025, NULL, false},
 };
+
+static saltus_scene motion_scene(const motion_case *c) {
+    saltus_scene scene = scene_of(c->scene, c->settings);
+    if (c->far) {
+        scene.spec.stops[1] = scene.spec.stops[0];
+        scene.spec.stops[0] = saltus_stop_defaults();
+        scene.spec.stops[0].d = 10;
+        scene.spec.stop_count = 2;
+    }
+    return scene;
+}
 
 static saltus_sweep_options everything(void) {
     saltus_sweep_options options = saltus_sweep_defaults();
@@ -222,14 +257,16 @@ static saltus_sweep_options everything(void) {
 static void rows_equal_a_recount(void **unused) {
     (void)unused;
     for (size_t k = 0; k < sizeof motions / sizeof motions[0]; k++) {
-        saltus_scene scene = scene_of(motions[k].scene, motions[k].settings);
+        saltus_scene scene = motion_scene(&motions[k]);
         saltus_sweep_options options = everything();
         single s = run_single(&scene, motions[k].key, motions[k].value, &options);
-        if (getenv("SHOW"))
-            print_message("%s %s %s: %lld settled %lld impacts\n", motions[k].scene, motions[k].settings, s.label, s.result.rows->settled, s.result.rows->settled_impacts);
+        print_message("%s %s %s: %lld settled %lld impacts\n", motions[k].scene, motions[k].settings, s.label,
+                      s.result.rows->settled, s.result.rows->settled_impacts);
         if (motions[k].label)
             assert_string_equal(s.label, motions[k].label);
-        assert_int_equal(s.result.rows->recorded, s.result.rows->periods ? s.result.rows->periods : 5);
+        const saltus_sweep_row *row = s.result.rows;
+        if (row->periods || row->verdict == SALTUS_ROW_UNDECIDED)
+            assert_int_equal(row->recorded, row->periods ? row->periods : 5);
         check_recorded(&s);
         close_single(&s);
     }
@@ -239,7 +276,7 @@ static void rows_equal_a_recount(void **unused) {
 static void fixed_rows_equal_a_recount_too(void **unused) {
     (void)unused;
     for (size_t k = 0; k < sizeof motions / sizeof motions[0]; k++) {
-        saltus_scene scene = scene_of(motions[k].scene, motions[k].settings);
+        saltus_scene scene = motion_scene(&motions[k]);
         saltus_sweep_options options = everything(), waiting = everything();
         options.adaptive = false;
         options.transient = 300;
@@ -274,11 +311,11 @@ static void fixed_rows_equal_a_recount_too(void **unused) {
 static void the_way_to_the_verdict_is_counted(void **unused) {
     (void)unused;
     static const motion_case ways[] = {
-        {"impact-oscillator", "c=0.02 d=0.016 q1=-0.3 v1=0.2", "omega", 3.04396, NULL},
-        {"impact-pair", "", "d", 1.5, NULL},
-        {"vibrating-table", "r=0.3", "F", 1.4, NULL},
-        {"impact-oscillator", "r=0 d=0.2", "omega", 0.9, NULL},
-        {"impact-oscillator", "sides=both d=0.6", "omega", 0.7, NULL}};
+        {"impact-oscillator", "c=0.02 d=0.016 q1=-0.3 v1=0.2", "omega", 3.04396, NULL, false},
+        {"impact-pair", "", "d", 1.5, NULL, false},
+        {"vibrating-table", "r=0.3", "F", 1.4, NULL, false},
+        {"impact-oscillator", "r=0 d=0.2", "omega", 0.9, NULL, false},
+        {"impact-oscillator", "sides=both d=0.6", "omega", 0.7, NULL, false}};
     static recount r;
     for (size_t k = 0; k < sizeof ways / sizeof ways[0]; k++)
         for (long long transient = 1; transient <= 5; transient += 2)
@@ -297,7 +334,7 @@ static void the_way_to_the_verdict_is_counted(void **unused) {
                 else
                     check_ok(saltus_system_default_state(system, start, &message), &message);
                 recount_from(&r, system, &options.flow, start, transient);
-                check_near(scaled(system, s.result.strobes, r.end), 0, 1e-6);
+                check_near(scaled(system, s.result.strobes, r.end), 0, 1e-4);
                 if (adaptive) {
                     assert_int_equal(s.result.rows->verdict, SALTUS_ROW_UNDECIDED);
                     assert_int_equal(s.result.rows->settled, transient);
@@ -313,16 +350,17 @@ static void the_way_to_the_verdict_is_counted(void **unused) {
  * disturbance does not take it off its stop, whatever the length of the normal. */
 static void a_start_on_the_orbit_counts_the_orbit(void **unused) {
     (void)unused;
-    static const motion_case orbits[] = {{"impact-oscillator", "", "omega", 1.3, NULL},
-                                         {"impact-oscillator", "sides=both d=0.6 r=0.7", "omega", 0.7, NULL},
-                                         {"two-mass", "", "omega", 1.68, NULL},
-                                         {"pipe", "N=2 d=0.03", "omega", 20, NULL},
-                                         {"vibrating-table", "r=0.5", "F", 0.7, "held"},
-                                         {"pipe", "N=1 omega=10 xi=0.3", "d", 0.005, "held"},
-                                         {"pipe", "N=3 omega=10 xi=0.4", "d", 0.005, "held"},
-                                         {"pipe", "N=2 omega=10 xi=0.6 sigma=0.05", "d", 0.005, "held"},
-                                         {"pipe", "N=3 sigma=0 omega=10", "d", 0.01, "held"},
-                                         {"two-mass", "F=0.1 F0=1 d=0.1 omega=1.1", "omega", 1.1, "held"}};
+    static const motion_case orbits[] = {
+        {"impact-oscillator", "", "omega", 1.3, NULL, false},
+        {"impact-oscillator", "sides=both d=0.6 r=0.7", "omega", 0.7, NULL, false},
+        {"two-mass", "", "omega", 1.68, NULL, false},
+        {"fig3", "", "omega", 14, NULL, false},
+        {"vibrating-table", "r=0.5", "F", 0.7, "held", false},
+        {"pipe", "N=1 omega=10 xi=0.3", "d", 0.005, "held", false},
+        {"pipe", "N=3 xi=0.4 sigma=0.01 r=0.5", "d", 0.005, "held", false},
+        {"pipe", "N=2 xi=0.6 sigma=0.002 r=0.5", "d", 0.005, "held", false},
+        {"pipe", "N=3 sigma=0 omega=10", "d", 0.01, "held", false},
+        {"two-mass", "F=0.02 d=-0.2", "omega", 1.1, "held", false}};
     for (size_t k = 0; k < sizeof orbits / sizeof orbits[0]; k++) {
         saltus_scene scene = scene_of(orbits[k].scene, orbits[k].settings);
         saltus_sweep_options options = everything();
