@@ -35,8 +35,7 @@ bool saltus_settling_open(saltus_settling *s, int dimension, const saltus_sweep_
     s->impacts = calloc((size_t)size, sizeof *s->impacts);
     s->contact = calloc((size_t)size, sizeof *s->contact);
     s->streak = calloc((size_t)options->longest + 1, sizeof *s->streak);
-    s->newest = calloc((size_t)options->longest + 1, sizeof *s->newest);
-    return s->newest && s->points && s->weight && s->impacts && s->contact && s->streak;
+    return s->points && s->weight && s->impacts && s->contact && s->streak;
 }
 
 void saltus_settling_close(saltus_settling *s) {
@@ -45,7 +44,6 @@ void saltus_settling_close(saltus_settling *s) {
     free(s->impacts);
     free(s->contact);
     free(s->streak);
-    free(s->newest);
     *s = (saltus_settling){0};
 }
 
@@ -171,8 +169,7 @@ static bool has_part(const saltus_settling *s, int p) {
 }
 
 static bool reached(const saltus_settling *s, int p, double limit) {
-    if (s->streak[p] < p + 2 || s->count < 4 * p + 2 || s->newest[p] > worth_a_look * limit ||
-        (s->count % seldom != 0 && has_part(s, p)))
+    if (s->streak[p] < p + 2 || s->count < 4 * p + 2 || (s->count % seldom != 0 && has_part(s, p)))
         return false;
     return difference_over(s, s->impacts, p, 0) == difference_over(s, s->impacts, p, p) &&
            difference_over(s, s->contact, p, 0) == difference_over(s, s->contact, p, p) &&

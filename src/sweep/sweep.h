@@ -46,7 +46,6 @@ typedef struct saltus_settling {
     double *weight;               /* 1 / scale */
     long long *impacts, *contact; /* per point: impacts and other contact events until then */
     int *streak;                  /* per period: points in a row that recur */
-    double *newest;               /* per period: how well the last point recurs */
 } saltus_settling;
 
 bool saltus_settling_open(saltus_settling *settling, int dimension, const saltus_sweep_options *options);
