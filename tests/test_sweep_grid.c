@@ -517,6 +517,308 @@ static void attractors_are_numbered_by_orbits(void **unused) {
     }
 }
 
+/* What is not asked for is not there, and what is asked for is the same whatever else is. */
+static void only_what_is_asked_for_is_kept(void **unused) {
+    (void)unused;
+    const saltus_scene scene = scene_of("impact-oscillator", "");
+    saltus_sweep_options options = frame_options(15, 1, 2);
+    single full = run_single(&scene, "omega", 1.3, &options);
+    for (unsigned keep = 0; keep < 16; keep++) {
+        options.keep = keep;
+        single s = run_single(&scene, "omega", 1.3, &options);
+        const saltus_sweep_result *a = &s.result, *b = &full.result;
+        for (int seed = 0; seed < 2; seed++) {
+            assert_int_equal(a->turning_counts[seed], keep & 1 ? b->turning_counts[seed] : 0);
+            assert_int_equal(a->impact_counts[seed], keep & 2 ? b->impact_counts[seed] : 0);
+            assert_int_equal(a->strobe_counts[seed], keep & 4 ? b->strobe_counts[seed] : 0);
+            if (keep & 8)
+                assert_true(a->rows[seed].lyapunov == b->rows[seed].lyapunov);
+            else
+                assert_true(isnan(a->rows[seed].lyapunov) && isnan(a->rows[seed].lyapunov_error));
+            assert_true(a->rows[seed].largest == b->rows[seed].largest);
+        }
+        assert_int_equal(b->strobe_counts[0], 1);
+        if (keep & 1)
+            assert_memory_equal(a->turning, b->turning, 4 * sizeof *a->turning);
+        if (keep & 2)
+            assert_true(a->impacts[1].phase == b->impacts[1].phase);
+        if (keep & 4)
+            assert_memory_equal(a->strobes, b->strobes, 4 * sizeof *a->strobes);
+        close_single(&s);
+    }
+    close_single(&full);
+}
+
+/* A 1/2 motion is not found among periods up to 1, and is then recorded for as long as asked for, after as
+ * long as it was given. */
+static void longest_transient_and_record_are_heeded(void **unused) {
+    (void)unused;
+    const saltus_scene scene = scene_of("near-grazing", "c=0.08 F=0.37");
+    for (int longest = 1; longest <= 3; longest++)
+        for (int k = 0; k < 2; k++) {
+            saltus_sweep_options options = frame_options(7, 1, 1);
+            options.longest = longest;
+            options.transient = 700 + k;
+            options.record = 6 + k;
+            single s = run_single(&scene, "omega", 0.85, &options);
+            const saltus_sweep_row *row = s.result.rows;
+            assert_string_equal(s.label, longest > 1 ? "1/2" : "undecided");
+            assert_int_equal(row->recorded, longest > 1 ? 2 : 6 + k);
+            assert_int_equal(s.result.strobe_counts[0], row->recorded);
+            assert_true(longest > 1 ? row->settled < 700 : row->settled == 700 + k);
+            close_single(&s);
+        }
+}
+
+/* Other integrators and orders give other bits and the same motion. */
+static void the_flows_options_are_heeded(void **unused) {
+    (void)unused;
+    const saltus_scene scene = scene_of("impact-oscillator", "");
+    saltus_sweep_options options = frame_options(4, 1, 1);
+    single usual = run_single(&scene, "omega", 1.3, &options);
+    for (int k = 0; k < 4; k++) {
+        saltus_sweep_options other = options;
+        other.flow.integrator = k == 0 ? SALTUS_RADAU : SALTUS_AUTOMATIC;
+        other.flow.order = k == 1 ? 9 : 0;
+        other.flow.rtol = k == 2 ? 1e-8 : options.flow.rtol;
+        other.seed = k == 3 ? 12 : options.seed;
+        single s = run_single(&scene, "omega", 1.3, &other);
+        assert_string_equal(s.label, usual.label);
+        for (int i = 0; i < 2; i++)
+            check_near(s.result.states[i], usual.result.states[i], 1e-6);
+        assert_true(s.result.states[0] != usual.result.states[0]);
+        close_single(&s);
+    }
+    close_single(&usual);
+}
+
+/* Chaos is asserted from an eighth of the periods that may be measured on, and from 500; a motion that may be
+ * measured for fewer stays undecided, and one that may not be measured has no exponent. */
+static void chaos_is_measured_as_long_as_said(void **unused) {
+    (void)unused;
+    static const long long measures[] = {0, 100, 400, 499, 500, 900, 4000, 9000, 20000};
+    const saltus_scene scene = scene_of("impact-oscillator", "c=0.02 r=0.8 d=0.0160301");
+    for (size_t k = 0; k < sizeof measures / sizeof measures[0]; k++) {
+        const long long most = measures[k];
+        saltus_sweep_options options = frame_options(SALTUS_KEEP_LYAPUNOV, 1, 1);
+        options.transient = 100;
+        options.record = 10;
+        options.measure = most;
+        single s = run_single(&scene, "omega", 3.04396, &options);
+        const saltus_sweep_row *row = s.result.rows;
+        long long measured = row->settled - 110;
+        assert_int_equal(row->recorded, 10);
+        if (most < 500)
+            assert_int_equal(row->verdict, SALTUS_ROW_UNDECIDED);
+        else
+            assert_int_equal(row->verdict, SALTUS_ROW_CHAOTIC);
+        if (most == 0)
+            assert_true(isnan(row->lyapunov) && isnan(row->lyapunov_error) && row->settled == 100);
+        else {
+            /* Before it is measured, the tangent vector turns into the direction that grows. */
+            assert_true(measured <= most + 100 && measured >= (most < 500 ? most : 500));
+            assert_true(most < 500 || measured >= most / 8);
+            assert_true(row->lyapunov > 0 && row->lyapunov_error > 0 && row->lyapunov < 1);
+        }
+        close_single(&s);
+    }
+}
+
+/* A feed that counts who is in it, and checks that tasks end when their places have been handed out. */
+typedef struct strict_feed {
+    outcome outcome;
+    atomic_int inside;
+    bool clean;
+    long long taken, asked, ended, stop_after;
+    int *places_left, *ends;
+} strict_feed;
+
+static void enter_feed(strict_feed *f) {
+    if (atomic_fetch_add(&f->inside, 1) != 0)
+        f->clean = false;
+}
+
+static long long strict_next(void *context) {
+    strict_feed *f = context;
+    enter_feed(f);
+    long long task = next_task(&f->outcome);
+    f->asked += task >= 0;
+    atomic_fetch_sub(&f->inside, 1);
+    return task;
+}
+
+static saltus_status strict_take(void *context, const saltus_sweep_result *result, saltus_message *message) {
+    strict_feed *f = context;
+    const saltus_sweep *sweep = f->outcome.sweep;
+    saltus_sweep_result back;
+    enter_feed(f);
+    saltus_status status = keep_result(&f->outcome, result, message);
+    /* Packed and unpacked it is the same, number by number. */
+    f->clean = f->clean && saltus_sweep_unpack(sweep, f->outcome.block[result->place],
+                                               f->outcome.size[result->place], &back);
+    int seeds = saltus_sweep_choices(sweep)->seeds, n = saltus_sweep_dimension(sweep);
+    long long turning = 0, impacts = 0, strobes = 0;
+    for (int s = 0; s < seeds; s++) {
+        const saltus_sweep_row *a = &result->rows[s], *b = &back.rows[s];
+        const double x[] = {a->largest,          a->smallest, a->impact_rate,   a->largest_speed,
+                            a->contact_fraction, a->lyapunov, a->lyapunov_error},
+                     y[] = {b->largest,          b->smallest, b->impact_rate,   b->largest_speed,
+                            b->contact_fraction, b->lyapunov, b->lyapunov_error};
+        f->clean &= memcmp(x, y, sizeof x) == 0 && a->verdict == b->verdict && a->impacts == b->impacts &&
+                    a->periods == b->periods && a->sticking == b->sticking && a->attractor == b->attractor &&
+                    a->settled == b->settled && a->settled_impacts == b->settled_impacts &&
+                    a->recorded == b->recorded;
+        f->clean &= result->turning_counts[s] == back.turning_counts[s] &&
+                    result->impact_counts[s] == back.impact_counts[s] &&
+                    result->strobe_counts[s] == back.strobe_counts[s];
+        turning += result->turning_counts[s];
+        impacts += result->impact_counts[s];
+        strobes += result->strobe_counts[s];
+    }
+    f->clean &= back.place == result->place &&
+                memcmp(result->states, back.states, (size_t)(seeds * n) * sizeof(double)) == 0 &&
+                memcmp(result->turning, back.turning, (size_t)turning * sizeof(double)) == 0 &&
+                memcmp(result->strobes, back.strobes, (size_t)(strobes * n) * sizeof(double)) == 0;
+    for (long long k = 0; k < impacts; k++)
+        f->clean &= result->impacts[k].phase == back.impacts[k].phase &&
+                    result->impacts[k].speed == back.impacts[k].speed &&
+                    result->impacts[k].face == back.impacts[k].face;
+    f->places_left[result->place]--;
+    f->taken++;
+    atomic_fetch_sub(&f->inside, 1);
+    return status;
+}
+
+static void strict_done(void *context, long long task) {
+    strict_feed *f = context;
+    const saltus_sweep *sweep = f->outcome.sweep;
+    for (int k = 0; k < saltus_sweep_task_length(sweep, task); k++)
+        f->clean &= f->places_left[saltus_sweep_task_place(sweep, task, k)] == 0;
+    f->ends[task]++;
+    f->ended++;
+}
+
+static bool strict_stopped(void *context) {
+    const strict_feed *f = context;
+    return f->taken >= f->stop_after;
+}
+
+static void the_feed_is_asked_and_told_in_order(void **unused) {
+    (void)unused;
+    saltus_scene scene = scene_of("fig3", "");
+    for (int way = 0; way < 4; way++) {
+        saltus_sweep_options options = frame_options(15, 7, 2);
+        saltus_message message = {""};
+        options.threads = way % 2 ? 3 : 1;
+        options.transient = 60;
+        options.measure = 100;
+        saltus_sweep *sweep = sweep_of(&scene, "omega=12:20:4", "d=0.03,0.035", &options);
+        const long long tasks = saltus_sweep_tasks(sweep), places = 3 * 8;
+        strict_feed f = {.outcome = open_outcome(sweep), .clean = true, .stop_after = way < 2 ? 1000 : 5};
+        f.outcome.step = 1;
+        f.outcome.tasks = tasks;
+        f.places_left = calloc((size_t)places, sizeof *f.places_left);
+        f.ends = calloc((size_t)tasks, sizeof *f.ends);
+        assert_true(f.places_left && f.ends);
+        for (long long k = 0; k < places; k++)
+            f.places_left[k] = 1;
+        const saltus_sweep_feed feed = {&f, strict_next, strict_take, strict_done, strict_stopped};
+        check_ok(saltus_sweep_run(sweep, &feed, &message), &message);
+        assert_true(f.clean);
+        for (long long k = 0; k < tasks; k++)
+            assert_true(f.ends[k] <= 1);
+        if (way < 2) {
+            assert_true(f.taken == places && f.asked == tasks && f.ended == tasks);
+            for (long long k = 0; k < places; k++)
+                assert_int_equal(f.places_left[k], 0);
+        } else
+            assert_true(f.taken >= 5 && f.taken < places && f.ended < tasks);
+        free(f.places_left);
+        free(f.ends);
+        close_outcome(&f.outcome);
+        saltus_sweep_free(sweep);
+    }
+}
+
+static void basins_need_a_plane_of_initial_states(void **unused) {
+    (void)unused;
+    static const struct {
+        const char *first, *second;
+        int seeds;
+        bool good;
+    } cases[] = {{"q1=-1:0:3", "v1=-1:1:3", 1, true},
+                 {"q1=-1:0:3", NULL, 1, true},
+                 {"q1=-1:0:3", "d=1:2:3", 1, false},
+                 {"omega=1:2:3", "v1=-1:1:3", 1, false},
+                 {"q1=-1:0:3", "v1=-1:1:3", 2, false}};
+    const saltus_scene scene = scene_of("impact-oscillator", "");
+    for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
+        saltus_sweep_options options = frame_options(0, 1, cases[k].seeds);
+        saltus_sweep *sweep = sweep_of(&scene, cases[k].first, cases[k].second, &options);
+        saltus_message message = {""};
+        saltus_basins *basins = NULL;
+        saltus_status status = saltus_basins_new(sweep, &basins, &message);
+        assert_int_equal(status, cases[k].good ? SALTUS_OK : SALTUS_BAD_INPUT);
+        assert_true(cases[k].good ? basins != NULL : !basins && strlen(message.text) > 10);
+        assert_true(!basins || saltus_basins_count(basins) == 0);
+        saltus_basins_free(basins);
+        saltus_sweep_free(sweep);
+    }
+    saltus_basins_free(NULL);
+}
+
+/* Each settled row is on the orbit that it is said to belong to; new ones are numbered as they come; the
+ * others have none. */
+static int check_basins(const char *name, const char *settings, const char *first, const char *second,
+                        int transient) {
+    saltus_scene scene = scene_of(name, settings);
+    saltus_sweep_options options = frame_options(0, 1, 1);
+    options.transient = transient;
+    saltus_sweep *sweep = sweep_of(&scene, first, second, &options);
+    outcome o = run_all(sweep);
+    saltus_message message = {""};
+    saltus_basins *basins = NULL;
+    saltus_system *system = system_at(sweep, 0);
+    int unsettled = 0, count = 0;
+    check_ok(saltus_basins_new(sweep, &basins, &message), &message);
+    for (long long k = 0; k < o.places; k++) {
+        saltus_sweep_result result = result_at(&o, k);
+        int attractor = -7, known = saltus_basins_count(basins);
+        char label[32];
+        check_ok(saltus_basins_sort(basins, result.rows, result.states, &attractor, &message), &message);
+        count = saltus_basins_count(basins);
+        saltus_sweep_label(result.rows, label);
+        unsettled += !saltus_sweep_settled(result.rows);
+        if (!saltus_sweep_settled(result.rows)) {
+            assert_true(attractor == -1 && count == known);
+            continue;
+        }
+        assert_true(attractor >= 0 && attractor <= known && count == known + (attractor == known));
+        saltus_motion own = motion_from(system, result.states, 20);
+        assert_true(same_motion(system, saltus_basins_motion(basins, attractor), &own));
+        assert_string_equal(label, saltus_basins_motion(basins, attractor)->label);
+        for (int j = 0; j < count; j++)
+            assert_true(j == attractor || !same_motion(system, saltus_basins_motion(basins, j), &own));
+        saltus_motion_clear(&own);
+    }
+    saltus_system_free(system);
+    saltus_basins_free(basins);
+    close_outcome(&o);
+    saltus_sweep_free(sweep);
+    return 100 * unsettled + count;
+}
+
+static void basins_sort_by_orbits(void **unused) {
+    (void)unused;
+    /* A mirror pair of period 2, whose rows end at either phase; two rests and what is on the way to them;
+     * chaos beside an orbit; starts beyond the stop. */
+    assert_int_equal(check_basins("fig3", "", "q1=-0.03:0.03:5", "v1=-1:1:5", 300), 2);
+    assert_int_equal(check_basins("pipe", "N=1 sigma=0 omega=20 free", "q1=-0.02:0.03:5", "v1=-1:1:3", 300),
+                     2);
+    assert_true(check_basins("fig3", "", "q1=-0.03:0.03:5", "v1=-1:1:5", 70) > 100);
+    assert_true(check_basins("impact-oscillator", "c=0.02 d=0.016", "q1=-1:0.2:5", "v1=0,1", 300) > 100);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(axes_are_even_in_values_or_in_their_logarithms),
@@ -531,6 +833,13 @@ int main(void) {
         cmocka_unit_test(an_axis_of_initial_states_sets_the_first_seeds),
         cmocka_unit_test(seeds_are_independent),
         cmocka_unit_test(attractors_are_numbered_by_orbits),
+        cmocka_unit_test(only_what_is_asked_for_is_kept),
+        cmocka_unit_test(longest_transient_and_record_are_heeded),
+        cmocka_unit_test(the_flows_options_are_heeded),
+        cmocka_unit_test(chaos_is_measured_as_long_as_said),
+        cmocka_unit_test(the_feed_is_asked_and_told_in_order),
+        cmocka_unit_test(basins_need_a_plane_of_initial_states),
+        cmocka_unit_test(basins_sort_by_orbits),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
