@@ -623,6 +623,8 @@ static void chaos_is_measured_as_long_as_said(void **unused) {
             /* Before it is measured, the tangent vector turns into the direction that grows. */
             assert_true(measured <= most + 100 && measured >= (most < 500 ? most : 500));
             assert_true(most < 500 || measured >= most / 8);
+            /* It is looked at each time that the number of periods has doubled. */
+            assert_true(measured <= 2 * (most / 8 > 500 ? most / 8 : 500) + 100);
             assert_true(row->lyapunov > 0 && row->lyapunov_error > 0 && row->lyapunov < 1);
         }
         close_single(&s);
