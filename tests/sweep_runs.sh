@@ -1,11 +1,12 @@
 #!/bin/sh
 # Sweeps as they are run: the same file for any number of lanes, threads and processes, after kills at random
 # moments, and from disks that fill up.
-# Argument: the saltus program. SALTUS_KILLS: how often a run is killed (default 20).
+# Argument: the saltus program. SALTUS_KILLS: how often a run is killed (default 8; 40 with SALTUS_LONG_TESTS=1).
 # SPDX-License-Identifier: GPL-3.0-or-later
 set -u
 saltus=$1
-kills=${SALTUS_KILLS:-20}
+kills=${SALTUS_KILLS:-${SALTUS_LONG_TESTS:+40}}
+kills=${kills:-8}
 [ -z "${SALTUS_SANITIZED:-}" ] || kills=4
 place=$(mktemp -d)
 trap 'rm -rf "$place"' EXIT
@@ -18,7 +19,7 @@ fail() {
 }
 
 # The sweep of these tests: with chaos, whose exponents are measured.
-sweep="sweep fig6 --over omega=12:54:16 --over d=0.03:0.036:2 --at-most 150 --record 20 --start both --seeds 2
+sweep="sweep fig6 --set N=2 --over omega=12:54:10 --over d=0.03:0.036:2 --at-most 150 --record 20 --start both --seeds 2
        --what turning,impacts,stroboscopic,lyapunov --measure 500 --quiet"
 
 # run FILE ARGUMENTS...
@@ -34,18 +35,37 @@ same() {
     rm -f "$2"
 }
 
-run whole.h5 --threads 1 >/dev/null || fail "the sweep does not run"
+# number NAME: of the summary in the file of that name.
+number() {
+    grep -o "\"$1\": [0-9]*" summary | head -1 | grep -o '[0-9]*$'
+}
+
+# classes: of the summary, one "label count" per line in its order.
+classes() {
+    sed 's/.*"classes": \[//; s/\].*//' summary | tr '{' '\n' | sed -n 's/"label": "\([^"]*\)", "count": \([0-9]*\).*/\1 \2/p'
+}
+
+run whole.h5 --threads 1 --json >summary || fail "the sweep does not run"
+[ "$(number points) $(number rows) $(number computed) $(number seeds)" = '20 120 120 2' ] || fail "the summary says $(cat summary)"
 [ ! -e whole.h5.journal ] || fail "a finished sweep leaves its journal"
 "$saltus" export whole.h5 -o rows.csv >/dev/null || fail "the sweep's rows cannot be exported"
 [ "$(grep -c ,chaotic, rows.csv)" -gt 20 ] || fail "the sweep has not met much chaos"
+# The summary counts the rows of each class, the most frequent first.
+classes >told
+cp told told_whole
+awk -F, '!/^#/ && $3 != "pass" {n[$5 == "periodic" ? ($6 < 0 ? "chatter" : $6) "/" $7 : $5]++}
+         END {for (k in n) print k, n[k]}' rows.csv | sort -k2,2nr -k1,1 >counted
+sort -k2,2nr -k1,1 told | cmp -s - counted || fail "the summary counts $(cat told), the rows are $(cat counted)"
+sort -s -k2,2nr told | cmp -s - told || fail "the summary's classes are not in order: $(cat told)"
+run whole.h5 --resume --json >again || fail "a finished sweep is not taken up"
+mv again summary
+[ "$(number rows) $(number computed)" = '120 0' ] && classes | cmp -s - told || fail "a finished sweep's summary is $(cat summary)"
 for lanes in 1 4; do
     run lanes.h5 --threads 1 --lanes "$lanes" >/dev/null || fail "$lanes lanes do not run"
     same whole.h5 lanes.h5 "$lanes lanes"
 done
-for threads in 2 3; do
-    run threads.h5 --threads "$threads" >/dev/null || fail "$threads threads do not run"
-    same whole.h5 threads.h5 "$threads threads"
-done
+run threads.h5 --threads 3 >/dev/null || fail "three threads do not run"
+same whole.h5 threads.h5 "three threads"
 
 OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
 export OMPI_ALLOW_RUN_AS_ROOT OMPI_ALLOW_RUN_AS_ROOT_CONFIRM
@@ -58,6 +78,21 @@ if [ -z "${SALTUS_SANITIZED:-}" ] && command -v mpirun >/dev/null && ldd "$saltu
 else
     echo "no mpirun, built without MPI or with sanitizers: ranks are not tested"
 fi
+
+# Basins: the same file, every row of it counted.
+plane="basins fig3 --over q1=-0.03:0.03:8 --over v1=-1:1:5 --at-most 75 --quiet --json"
+# shellcheck disable=SC2086
+"$saltus" $plane -o basins.h5 --threads 1 >summary || fail "basins do not run"
+# shellcheck disable=SC2086
+"$saltus" $plane -o other.h5 --threads 3 --lanes 2 >/dev/null || fail "basins do not run on three threads"
+"$saltus" export basins.h5 -o basins.csv >/dev/null || fail "the basins' rows cannot be exported"
+sed 's/.*"attractors": //' summary | grep -o '"count": [0-9]*' | grep -o '[0-9]*' | sort -n | tr '\n' ' ' >told
+awk -F, '!/^#/ && $3 != "pass" && $9 >= 0 {n[$9]++} END {for (k in n) print n[k]}' basins.csv | sort -n | tr '\n' ' ' >counted
+cmp -s told counted || fail "the summary's attractors have $(cat told) rows, the table $(cat counted)"
+[ "$(awk -F, '!/^#/ && $9 == -1 && $5 != "undecided"' basins.csv)" = '' ] || fail "a settled row has no attractor"
+[ "$(awk -F, '!/^#/ && $9 >= 0 && $5 == "undecided"' basins.csv)" = '' ] || fail "a row that has not settled has an attractor"
+[ "$(awk -F, '$5 == "undecided"' basins.csv | wc -l)" -gt 0 ] || fail "all rows of the basins have settled"
+same basins.h5 other.h5 "basins on three threads"
 
 # A kill after a random part of a second, again and again; each resumed run goes on with what there is.
 killed=0
@@ -72,7 +107,7 @@ while [ "$killed" -lt "$kills" ] && [ "$finished" -lt 200 ]; do
         # shellcheck disable=SC2086
         "$saltus" $sweep -o killed.h5 $resume >/dev/null 2>err &
         child=$!
-        sleep "0.$(od -An -N2 -tu2 /dev/urandom | awk '{printf "%03d", $1 % 400}')"
+        sleep "0.$(od -An -N2 -tu2 /dev/urandom | awk '{printf "%03d", $1 % 200}')"
         if kill -9 "$child" 2>/dev/null; then
             killed=$((killed + 1))
             wait "$child" 2>/dev/null
@@ -94,14 +129,17 @@ fi
 # shellcheck disable=SC2086
 "$saltus" $sweep -o stopped.h5 --threads 1 >/dev/null 2>err &
 child=$!
-sleep 0.3
+sleep 0.1
 if kill -TERM "$child" 2>/dev/null; then
     wait "$child"
     got=$?
     if [ "$got" -ne 0 ]; then
         [ "$got" -eq 1 ] || fail "an interrupted sweep exits with $got"
         [ "$(wc -l <err)" -eq 1 ] && grep -q -- --resume err || fail "an interrupted sweep says: $(cat err)"
-        run stopped.h5 --resume >/dev/null 2>err || fail "resumed after SIGTERM: $(cat err)"
+        there=$(sed -n 's/.*holds \([0-9]*\) of 60 points.*/\1/p' err)
+        run stopped.h5 --resume --json >summary 2>err || fail "resumed after SIGTERM: $(cat err)"
+        [ "$(number computed)" -eq $((120 - 2 * there)) ] || fail "after $there points the resumed sweep says $(cat summary)"
+        classes | cmp -s - told_whole || fail "a resumed sweep's summary is $(cat summary)"
     fi
     same whole.h5 stopped.h5 "resumed after SIGTERM"
 fi
@@ -128,7 +166,7 @@ done
 # shellcheck disable=SC2086
 "$saltus" $sweep -o other.h5 >/dev/null 2>&1 &
 child=$!
-sleep 0.2
+sleep 0.1
 kill -9 "$child" 2>/dev/null && wait "$child" 2>/dev/null
 if [ -e other.h5.journal ]; then
     "$saltus" sweep fig6 --over omega=12:54:25 --resume --quiet -o other.h5 >/dev/null 2>err && fail "another sweep's journal is taken up"

@@ -92,8 +92,9 @@ static void independence(void **unused) {
     }
 }
 
-/* r = 1, no damping, no force, two stops: a million impacts and the energy is still there. */
-static void elastic_million(void **unused) {
+/* r = 1, no damping, no force, two stops: a hundred thousand impacts, or ten million, and the energy is still
+ * there. */
+static void energy_is_kept(void **unused) {
     (void)unused;
     saltus_spec spec = oscillator_spec(0, 1, 0, 1);
     add_stop(&spec, 0.3, 1, SALTUS_BOTH);
@@ -101,7 +102,7 @@ static void elastic_million(void **unused) {
     saltus_flow_options options = saltus_flow_defaults();
     options.rtol = 1e-15;
     double state[2] = {0.1, 1.0}, energy = 0.5 * (0.01 + 1.0);
-    long long impacts = (long long)(1e6 * extent());
+    long long impacts = (long long)((longer() ? 1e6 : 1e5) * extent());
     saltus_flow *flow = open_flow(system, &options, 0, state);
     for (double p = 0; saltus_flow_information(flow, 0).impacts < impacts;)
         advance(flow, p += 1000, 0);
@@ -115,8 +116,8 @@ static void elastic_million(void **unused) {
 }
 
 /* A one-sided impact oscillator settles on an orbit of one impact per period, of speed V and phase given by
- * the closed form of its linear flight: after a million periods the section is still at phase 0, and a period
- * still brings the state back to itself. */
+ * the closed form of its linear flight: after a hundred thousand periods the section is still at phase 0, and
+ * a period still brings the state back to itself. */
 static void section_does_not_drift(void **unused) {
     (void)unused;
     saltus_spec spec = oscillator_spec(0.2, 1, 1, 2.6);
@@ -124,7 +125,7 @@ static void section_does_not_drift(void **unused) {
     saltus_system *system = build(&spec);
     saltus_flow_options options = saltus_flow_defaults();
     double early[2], late[2], state[2] = {-0.1, 0};
-    long long periods = (long long)(1e6 * extent()), settled = 2000;
+    long long periods = (long long)((longer() ? 1e6 : 1e5) * extent()), settled = 2000;
     saltus_flow *flow = open_flow(system, &options, 0, state);
     advance(flow, (double)settled, 0);
     saltus_flow_state(flow, 0, early);
@@ -230,7 +231,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(rows_under_watch), cmocka_unit_test(sum_rule),
         cmocka_unit_test(mirror_images),    cmocka_unit_test(independence),
-        cmocka_unit_test(elastic_million),  cmocka_unit_test(section_does_not_drift),
+        cmocka_unit_test(energy_is_kept),   cmocka_unit_test(section_does_not_drift),
         cmocka_unit_test(long_chatter),     cmocka_unit_test(no_rebound_sticks_at_once),
         cmocka_unit_test(starts_on_a_stop),
     };

@@ -59,8 +59,9 @@ typedef struct saltus_sweep_options {
     unsigned passes; /* bits 1 << saltus_pass */
     int seeds;       /* initial states per point; the first is the scene's own, the others are random */
     unsigned long seed;
-    /* Adaptive: a trajectory is recorded as soon as its least period is certain, over one orbit, or where it
-     * is not after `transient` periods, over `record` of them. Otherwise `transient` periods are run and
+    /* Adaptive: a trajectory is recorded as soon as its least period is certain and the orbit is no farther
+     * away than the larger of 1e-10 and 10 flow.rtol, relative to the system's scales; over one orbit, or
+     * where none is certain after `transient` periods, over `record` of them. Otherwise `transient` periods are run and
      * `record` recorded whatever the motion. */
     bool adaptive;
     long long transient, record;

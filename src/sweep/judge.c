@@ -203,11 +203,12 @@ static int period_reached(const saltus_trajectory *t, bool *doubt) {
 
 /* A system without forcing can only come to rest. */
 static saltus_judgement judge_rest(saltus_trajectory *t) {
-    bool doubt;
-    if (period_reached(t, &doubt) != 1 || !saltus_settling_rests(&t->settling))
-        return goes_on;
-    bool held = saltus_flow_contacts(t->flow, t->lane) != 0;
-    return prove(t, 1, held ? SALTUS_ROW_HELD : SALTUS_ROW_EQUILIBRIUM);
+    bool doubt, held = saltus_flow_contacts(t->flow, t->lane) != 0;
+    saltus_judgement judgement = goes_on;
+    if (period_reached(t, &doubt) == 1 && saltus_settling_rests(&t->settling))
+        judgement = prove(t, 1, held ? SALTUS_ROW_HELD : SALTUS_ROW_EQUILIBRIUM);
+    judgement.recurs = saltus_settling_candidate(&t->settling);
+    return judgement;
 }
 
 static void keep_orbit(saltus_trajectory *t, int periods) {

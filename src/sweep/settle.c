@@ -23,6 +23,7 @@ static const double rounding = 1e-13;   /* recurrences this small say nothing ab
 static const double slower = 10;        /* a part of a period that lags by less than this is waited for */
 static const double least_ratio = 0.01; /* no faster shrinking is relied upon, ... */
 static const double worth_a_look = 200; /* ... so that a recurrence leaves more than a 200th of itself */
+static const double least_turn = 1e-6;  /* squared sine of the angle between recurrences that turn */
 static const double at_rest = 1e-9;
 
 bool saltus_settling_open(saltus_settling *s, int dimension, const saltus_sweep_options *options) {
@@ -34,8 +35,7 @@ bool saltus_settling_open(saltus_settling *s, int dimension, const saltus_sweep_
     s->impacts = calloc((size_t)size, sizeof *s->impacts);
     s->contact = calloc((size_t)size, sizeof *s->contact);
     s->streak = calloc((size_t)options->longest + 1, sizeof *s->streak);
-    s->newest = calloc((size_t)options->longest + 1, sizeof *s->newest);
-    return s->newest && s->points && s->weight && s->impacts && s->contact && s->streak;
+    return s->points && s->weight && s->impacts && s->contact && s->streak;
 }
 
 void saltus_settling_close(saltus_settling *s) {
@@ -44,7 +44,6 @@ void saltus_settling_close(saltus_settling *s) {
     free(s->impacts);
     free(s->contact);
     free(s->streak);
-    free(s->newest);
     *s = (saltus_settling){0};
 }
 
@@ -108,6 +107,38 @@ static double turning_cosine(const saltus_settling *s, int p) {
     return now > 0 && before > 0 ? product / sqrt(now) / sqrt(before) : 1;
 }
 
+/* The i-th entry of the recurrence of a cycle, `back` periods ago. */
+static double recurred(const saltus_settling *s, int p, int back, int i) {
+    return (point_before(s, back)[i] - point_before(s, back + p)[i]) * s->weight[i];
+}
+
+/* Distance left where the recurrences turn as well: each is a times the one before it and b times the one
+ * before that, so the sum of those to come follows from the last two. 0 where they do not turn enough to tell
+ * a and b, or where these do not shrink. */
+static double spiral_left(const saltus_settling *s, int p) {
+    double g11 = 0, g12 = 0, g22 = 0, h1 = 0, h2 = 0, largest = 0;
+    for (int k = 0; k < p; k++)
+        for (int i = 0; i < s->n; i++) {
+            double now = recurred(s, p, k, i), before = recurred(s, p, k + p, i),
+                   first = recurred(s, p, k + 2 * p, i);
+            g11 += before * before;
+            g12 += before * first;
+            g22 += first * first;
+            h1 += now * before;
+            h2 += now * first;
+        }
+    double determinant = g11 * g22 - g12 * g12;
+    if (!(determinant > least_turn * g11 * g22))
+        return 0;
+    double a = (h1 * g22 - h2 * g12) / determinant, b = (h2 * g11 - h1 * g12) / determinant;
+    if (!(fabs(b) < 1 && fabs(a) < 1 - b))
+        return 0;
+    for (int k = 0; k < p; k++)
+        for (int i = 0; i < s->n; i++)
+            largest = fmax(largest, fabs((a + b) * recurred(s, p, k, i) + b * recurred(s, p, k + p, i)));
+    return largest / (1 - a - b);
+}
+
 /* Distance left to the orbit of period p; INFINITY when the recurrences do not shrink and `shrinking` is
  * asked for. */
 static double distance_left(const saltus_settling *s, int p, bool shrinking) {
@@ -121,7 +152,7 @@ static double distance_left(const saltus_settling *s, int p, bool shrinking) {
     if (shrinking && !(ratio < 1))
         return INFINITY;
     double across = 1 - 2 * ratio * turning_cosine(s, p) + ratio * ratio;
-    return now * fmax(ratio, least_ratio) / sqrt(fmax(across, 1e-30));
+    return fmax(now * fmax(ratio, least_ratio) / sqrt(fmax(across, 1e-30)), spiral_left(s, p));
 }
 
 static long long difference_over(const saltus_settling *s, const long long *counter, int p, int back) {
@@ -138,8 +169,7 @@ static bool has_part(const saltus_settling *s, int p) {
 }
 
 static bool reached(const saltus_settling *s, int p, double limit) {
-    if (s->streak[p] < p + 2 || s->count < 4 * p + 2 || s->newest[p] > worth_a_look * limit ||
-        (s->count % seldom != 0 && has_part(s, p)))
+    if (s->streak[p] < p + 2 || s->count < 4 * p + 2 || (s->count % seldom != 0 && has_part(s, p)))
         return false;
     return difference_over(s, s->impacts, p, 0) == difference_over(s, s->impacts, p, p) &&
            difference_over(s, s->contact, p, 0) == difference_over(s, s->contact, p, p) &&

@@ -46,7 +46,6 @@ typedef struct saltus_settling {
     double *weight;               /* 1 / scale */
     long long *impacts, *contact; /* per point: impacts and other contact events until then */
     int *streak;                  /* per period: points in a row that recur */
-    double *newest;               /* per period: how well the last point recurs */
 } saltus_settling;
 
 bool saltus_settling_open(saltus_settling *settling, int dimension, const saltus_sweep_options *options);
@@ -96,8 +95,9 @@ unsigned saltus_watch_mask(void);
 void saltus_watch_event(saltus_watch *watch, const saltus_event *event, const double *state, bool touching);
 /* A section point; not the last one of the recording, which would be counted twice. */
 void saltus_watch_section(saltus_watch *watch, const double *state);
-/* The measures of the recording, from its begin to `end`. */
-void saltus_watch_measure(const saltus_watch *watch, saltus_time end, saltus_sweep_row *row);
+/* The measures of the recording, from its begin to `end`, where it is at `state`. */
+void saltus_watch_measure(const saltus_watch *watch, saltus_time end, const double *state,
+                          saltus_sweep_row *row);
 void saltus_watch_close(saltus_watch *watch);
 
 /* job.c: the tasks under way in one thread, and what comes out of them. */

@@ -273,12 +273,12 @@ static void count_orbit(saltus_trajectory *t) {
 static saltus_course orbit_done(saltus_trajectory *t) {
     count_orbit(t);
     if (t->active == &t->watch)
-        saltus_watch_measure(&t->watch, saltus_flow_time(t->flow, t->lane), &t->row);
+        saltus_watch_measure(&t->watch, saltus_flow_time(t->flow, t->lane), t->state, &t->row);
     return end_place(t);
 }
 
 static saltus_course recorded(saltus_trajectory *t) {
-    saltus_watch_measure(&t->watch, saltus_flow_time(t->flow, t->lane), &t->row);
+    saltus_watch_measure(&t->watch, saltus_flow_time(t->flow, t->lane), t->state, &t->row);
     if (t->sweep->options.adaptive)
         return end_place(t);
     begin_settling(t);

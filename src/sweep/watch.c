@@ -105,13 +105,15 @@ void saltus_watch_section(saltus_watch *watch, const double *state) {
         add(watch, &watch->strobes, state, (size_t)saltus_system_dimension(watch->system));
 }
 
-void saltus_watch_measure(const saltus_watch *watch, saltus_time end, saltus_sweep_row *row) {
-    double length = periods_between(watch->begin, end), contact = watch->contact;
+void saltus_watch_measure(const saltus_watch *watch, saltus_time end, const double *state,
+                          saltus_sweep_row *row) {
+    double length = periods_between(watch->begin, end), contact = watch->contact,
+           last = observed(watch, state);
     if (watch->touching)
         contact += periods_between(watch->touched, end);
     row->recorded = end.cycle - watch->begin.cycle;
-    row->largest = watch->largest;
-    row->smallest = watch->smallest;
+    row->largest = fmax(watch->largest, last);
+    row->smallest = fmin(watch->smallest, last);
     row->largest_speed = watch->largest_speed;
     row->impact_rate = (double)watch->tally.impacts / length;
     row->contact_fraction = contact / length;

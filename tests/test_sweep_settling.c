@@ -1,0 +1,141 @@
+/* When a trajectory of a sweep has settled: the orbit is as near as the sweep promises, for multipliers that
+ * bring it there from one side, in turns or in a spiral; and not much later than that.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "closed_orbits.h"
+#include "sweep_check.h"
+
+/* Where a settled trajectory is, at most, away from its orbit: sweep.h. */
+static double promised(const saltus_sweep_options *options) {
+    return fmax(1e-10, 10 * options->flow.rtol);
+}
+
+static saltus_sweep_options settling_options(double rtol) {
+    saltus_sweep_options options = saltus_sweep_defaults();
+    options.keep = SALTUS_KEEP_STROBOSCOPIC;
+    options.flow.rtol = rtol;
+    options.flow.atol = 1e-4 * rtol;
+    options.threads = 1;
+    return options;
+}
+
+static saltus_scene scene_with(const saltus_spec *spec) {
+    saltus_scene scene = scene_of("impact-oscillator", "");
+    scene.spec = *spec;
+    return scene;
+}
+
+/* The oscillator that turns by `angle` while it decays to `modulus` from period to period: the multipliers
+ * are modulus exp(+-i angle). At angle 0 or pi both are the same real number. */
+static closed_oscillator turning_by(double modulus, double angle) {
+    closed_oscillator o = {.F = 0.5L, .omega = 0.9L, .d = 1e5, .r = 0.8L, .periods = 1};
+    long double period = closed_period(&o), natural = (angle > 0 ? angle : 2 * CLOSED_PI) / period;
+    o.c = -2 * logl(modulus) / period;
+    o.k = natural * natural + o.c * o.c / 4;
+    return o;
+}
+
+/* Free motion, whose orbit is the steady solution: how far it is when the orbit is said to be reached, in
+ * parts of what is promised. */
+static double distance_left(double modulus, double angle, double rtol) {
+    closed_oscillator o = turning_by(modulus, angle);
+    saltus_spec spec = closed_spec(&o);
+    saltus_scene scene = scene_with(&spec);
+    saltus_sweep_options options = settling_options(rtol);
+    single s = run_single(&scene, "omega", (double)o.omega, &options);
+    saltus_system *system = system_at(s.sweep, 0);
+    long double steady[2];
+    double left = 0;
+    closed_steady(&o, 0, steady);
+    for (int i = 0; i < 2; i++)
+        left = fmax(left, fabs((double)steady[i] - s.result.strobes[i]) / saltus_system_scale(system)[i]);
+    assert_string_equal(s.label, "0/1");
+    saltus_system_free(system);
+    close_single(&s);
+    return left / promised(&options);
+}
+
+/* From one side or in turns, the distance is exact where the multiplier is: nothing is waited for in vain. */
+static void an_orbit_is_reached_when_it_is_near(void **unused) {
+    (void)unused;
+    static const double moduli[] = {0.9, 0.8, 0.6, 0.3}, tolerances[] = {1e-10, 3e-11, 1e-12};
+    for (int k = 0; k < 4; k++)
+        for (int half = 0; half < 2; half++)
+            for (int j = 0; j < 3; j++) {
+                double left = distance_left(moduli[k], half * M_PI, tolerances[j]);
+                if (!(left <= 1.01 && left > 0.9 * moduli[k]))
+                    fail_msg("multiplier %g, tolerance %g: %g of what is promised",
+                             half ? -moduli[k] : moduli[k], tolerances[j], left);
+            }
+}
+
+static void a_spiral_is_not_left_early(void **unused) {
+    (void)unused;
+    static const double moduli[] = {0.9, 0.8, 0.5, 0.96};
+    const double step = getenv("SALTUS_LONG_TESTS") ? 0.01 : 0.21;
+    for (int k = 0; k < 4; k++)
+        for (double angle = 0.1; angle < 3.1; angle += step) {
+            double left = distance_left(moduli[k], angle, 1e-10);
+            if (!(left <= 1.01))
+                fail_msg("multipliers %g at +-%g: %g of what is promised", moduli[k], angle, left);
+        }
+}
+
+/* Orbits with impacts, of one period and of two: near the one that Newton's method finds. */
+static void orbits_with_impacts_are_near_too(void **unused) {
+    (void)unused;
+    static const struct {
+        closed_example example;
+        double omega;
+    } cases[] = {{closed_one_period, 1.0},        {closed_one_period, 1.3},   {closed_one_period, 1.5},
+                 {closed_one_period_loaded, 1.2}, {closed_two_periods, 0.85}, {closed_two_periods, 0.97},
+                 {closed_two_periods_light, 0.9}, {closed_mirrored, 3.6}};
+    for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
+        closed_oscillator o = closed_example_of(cases[k].example);
+        saltus_message message = {""};
+        o.omega = cases[k].omega;
+        saltus_spec spec = closed_spec(&o);
+        saltus_scene scene = scene_with(&spec);
+        saltus_sweep_options options = settling_options(1e-10);
+        saltus_orbit_options shooting = saltus_orbit_defaults();
+        saltus_orbit orbit = {0};
+        single s = run_single(&scene, "omega", cases[k].omega, &options);
+        assert_int_equal(s.result.rows->verdict, SALTUS_ROW_PERIODIC);
+        saltus_system *system = system_at(s.sweep, 0);
+        check_ok(
+            saltus_orbit_find(system, s.result.rows->periods, s.result.strobes, &shooting, &orbit, &message),
+            &message);
+        for (int i = 0; i < 2; i++)
+            check_near((orbit.state[i] - s.result.strobes[i]) / saltus_system_scale(system)[i], 0,
+                       1.5 * promised(&options));
+        assert_true(orbit.multipliers[0].log_modulus < 0);
+        saltus_orbit_clear(&orbit);
+        saltus_system_free(system);
+        close_single(&s);
+    }
+}
+
+/* A damped free motion loses c / 2 per unit of time, whatever its period. */
+static void a_free_motions_exponent_is_its_decay(void **unused) {
+    (void)unused;
+    for (double angle = 0; angle < 3.2; angle += 1.05) {
+        closed_oscillator o = turning_by(0.8, angle);
+        saltus_spec spec = closed_spec(&o);
+        saltus_scene scene = scene_with(&spec);
+        saltus_sweep_options options = settling_options(1e-10);
+        options.keep = SALTUS_KEEP_LYAPUNOV;
+        single s = run_single(&scene, "omega", (double)o.omega, &options);
+        check_near(s.result.rows->lyapunov, (double)(-o.c / 2), 1e-9);
+        assert_true(s.result.rows->lyapunov_error == 0);
+        close_single(&s);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(an_orbit_is_reached_when_it_is_near),
+        cmocka_unit_test(a_spiral_is_not_left_early),
+        cmocka_unit_test(orbits_with_impacts_are_near_too),
+        cmocka_unit_test(a_free_motions_exponent_is_its_decay),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
