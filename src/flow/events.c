@@ -95,12 +95,22 @@ static void search_forces(saltus_flow *flow, int lane, double step, double *firs
     }
 }
 
+/* Whether a lasting contact keeps the observed displacement, the first stop's coordinate, where it is. */
+static bool observer_held(const saltus_lane *self) {
+    bool held = false;
+    for (int f = 0; f < self->system->face_count; f++)
+        held |= self->contacts >> f & 1 && self->system->faces[f].stop == 0;
+    return held;
+}
+
 /* The observed displacement is the first row of the gap series; its velocity's zeros of either direction
  * count. */
 static void search_turning(saltus_flow *flow, int lane, double step, double *first) {
     saltus_lane *self = &flow->lane[lane];
     int degree = degree_of(flow) - 1, touch = 0;
     double c[SALTUS_DEGREE_MAX + 1] = {0}, size = 0, root;
+    if (observer_held(self))
+        return;
     scaled_series(flow, lane, flow->work.gap + flow->lanes, 1, degree, step, c);
     for (int k = 0; k <= degree; k++) {
         c[k] *= k + 1;
