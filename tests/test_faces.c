@@ -170,6 +170,57 @@ static void impacts_in_one_instant_are_all_told(void **unused) {
     check_near(both.state[0], both.state[1], 1e-12);
 }
 
+/* In one instant one mass rebounds and the other is caught: both are told. */
+static void a_rebound_and_a_catch_in_one_instant_are_told(void **unused) {
+    (void)unused;
+    static account both, lone[2];
+    for (int caught = 0; caught < 2; caught++) {
+        lone_mass row[2] = {{1, 0, 0, 0.1, 0.5, 1, 0.3, 0.7, SALTUS_UPPER, 0.02, 0.3},
+                            {1, 0, 0, 0.1, 0.5, 1, 0.3, 0.7, SALTUS_UPPER, 0.02, 0.3}};
+        row[caught].r = 0;
+        scene pair = pair_scene(row, 1.1);
+        record(&pair.spec, &pair, 1, SALTUS_WATCH_CONTACT, &both);
+        for (int i = 0; i < 2; i++) {
+            scene s = lone_scene(&row[i], 1.1);
+            record(&s.spec, &s, 1, SALTUS_WATCH_CONTACT, &lone[i]);
+            check_own(&both, i, &lone[i]);
+        }
+        assert_true(both.when[0] == both.when[1]);
+        /* An impact that is caught may be told as the stick's or for itself, but once. */
+        for (int i = 0; i < 3; i++) {
+            const account *a = i < 2 ? &lone[i] : &both;
+            assert_int_equal(told_of(a, SALTUS_IMPACT, 1e-300) + told_of(a, SALTUS_STICK, 1e-300),
+                             a->info.impacts);
+        }
+        assert_int_equal(told_of(&both, SALTUS_STICK, 0), both.info.sticks);
+    }
+}
+
+/* The second of two impacts in one instant waits for whoever asks for impacts next, and for nobody else; one
+ * that nobody watched is not told later. */
+static void a_waiting_impact_is_not_told_late(void **unused) {
+    (void)unused;
+    static const lone_mass row[2] = {{1, 0, 0, 0.8, 0.1, 1, 0.3, 0.7, SALTUS_BOTH, 0.02, 0.3},
+                                     {1, 0, 0, 0.8, 0.1, 1, 0.3, 0.7, SALTUS_BOTH, 0.02, 0.3}};
+    scene s = pair_scene(row, 1.1);
+    saltus_system *system = build(&s.spec);
+    saltus_flow_options options = saltus_flow_defaults();
+    for (int way = 0; way < 2; way++) {
+        saltus_flow *flow = open_flow(system, &options, s.phase, s.state);
+        double first = saltus_time_periods(advance(flow, 6, SALTUS_WATCH_IMPACT).time);
+        if (way == 1) {
+            saltus_flow_free(flow);
+            flow = open_flow(system, &options, s.phase, s.state);
+        }
+        assert_int_equal(advance(flow, first + 1e-3, SALTUS_WATCH_RELEASE).kind, SALTUS_REACHED);
+        saltus_event event = advance(flow, 6, SALTUS_WATCH_IMPACT);
+        assert_int_equal(event.kind, SALTUS_IMPACT);
+        assert_true(saltus_time_periods(event.time) > first + 1e-3);
+        saltus_flow_free(flow);
+    }
+    saltus_system_free(system);
+}
+
 /* Whether a watcher of some kinds is told of an event: where impacts are watched, the end of their sequence,
  * where the contact begins to hold, is told as well. */
 static bool told(unsigned watch, saltus_event_kind kind) {
@@ -354,10 +405,56 @@ static void a_held_state_stays_on_its_stop(void **unused) {
         }
 }
 
+/* Two faces held at once, their normals at an angle: both stay, and the forces are the reactions together. */
+static void two_held_faces_share_the_load(void **unused) {
+    (void)unused;
+    for (int k = 0; k < 2; k++) {
+        scene s = k ? scene_chain(0.1, 1, 0.5, 1) : scene_pipe(4, 20);
+        stress_model m;
+        saltus_flow_options options = saltus_flow_defaults();
+        saltus_message message = {""};
+        double x[scene_dimension_max], a[64], size[64], reaction[SALTUS_FACES_MAX], forces[SALTUS_FACES_MAX];
+        double field[scene_dimension_max];
+        scene_stop(&s, 0.01, 0.5, SALTUS_UPPER)->xi = 0.4;
+        scene_stop(&s, 0.02, 0.5, SALTUS_LOWER)->xi = 0.55;
+        s.spec.stops[0].weight[1] = 0.5;
+        s.spec.stops[1].weight[1] = -0.7;
+        stress_model_read(&m, &s.spec);
+        const int n = m.dof;
+        saltus_system *system = build(&s.spec);
+        saltus_flow *flow = NULL;
+        check_ok(saltus_flow_new((const saltus_system *[]){system}, 1, &options, &flow, &message), &message);
+        check_ok(saltus_flow_place(flow, 0, (saltus_time){0, 0.1}, s.state, 3, &message), &message);
+        for (int step = 0; step < 5; step++) {
+            if (step > 0)
+                check_ok(saltus_flow_coast(flow, 0, (saltus_time){0, 0.1 + 0.1 * step}, NULL, &message),
+                         &message);
+            saltus_flow_state(flow, 0, x);
+            saltus_flow_forces(flow, 0, forces);
+            saltus_flow_field(flow, 0, field);
+            stress_field(&m, saltus_flow_time(flow, 0).phase, x, a, size);
+            assert_true(stress_reactions(&m, 3, a, reaction));
+            stress_react(&m, reaction, a);
+            for (int f = 0; f < 2; f++) {
+                check_near(stress_gap(&m, f, x), 0, 1e-15);
+                check_near(stress_normal(&m, f, x + n), 0, 1e-13);
+                check_near(forces[f], reaction[f], 1e-9 * (1 + fabs(reaction[f])));
+            }
+            for (int i = 0; i < n; i++)
+                check_near(field[n + i], a[i], 1e-9 * (1 + size[i]));
+        }
+        saltus_flow_free(flow);
+        saltus_system_free(system);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(masses_apart_keep_their_own_events),
         cmocka_unit_test(impacts_in_one_instant_are_all_told),
+        cmocka_unit_test(a_rebound_and_a_catch_in_one_instant_are_told),
+        cmocka_unit_test(a_waiting_impact_is_not_told_late),
+        cmocka_unit_test(two_held_faces_share_the_load),
         cmocka_unit_test(a_watcher_is_told_of_what_it_watches),
         cmocka_unit_test(counts_are_those_of_the_events),
         cmocka_unit_test(every_impulse_pushes),
