@@ -283,6 +283,32 @@ static void work_is_counted(void **unused) {
     }
 }
 
+/* The order that is chosen from the tolerance costs little more than the best one would, for the pipe that it
+ * was measured on. */
+static void the_order_is_chosen_well(void **unused) {
+    (void)unused;
+    saltus_spec spec = pipe_spec(5, 20);
+    saltus_system *system = build(&spec);
+    const double state[10] = {0.02, 0.01};
+    for (int digits = 5; digits <= 14; digits += 3) {
+        double best = INFINITY, chosen = 0;
+        for (int order = 0; order <= 40; order += order ? 2 : 8) {
+            saltus_flow_options options = saltus_flow_defaults();
+            options.rtol = pow(10, -digits);
+            options.order = order;
+            saltus_flow *flow = open_flow(system, &options, 0, state);
+            advance(flow, 10, 0);
+            double cost = (double)saltus_flow_information(flow, 0).steps * saltus_flow_operations(flow);
+            best = order ? fmin(best, cost) : best;
+            chosen = order ? chosen : cost;
+            saltus_flow_free(flow);
+        }
+        if (!(chosen <= 1.35 * best))
+            fail_msg("rtol 1e-%d: %.3g times the cost of the best order", digits, chosen / best);
+    }
+    saltus_system_free(system);
+}
+
 /* Asked to stop, a run returns at its last step, aimed as it was: without the asking it goes on from there,
  * and ends as if nothing had been. */
 static void an_interrupted_run_goes_on(void **unused) {
@@ -330,9 +356,9 @@ static int tell(saltus_flow *flow, int lane, double *out) {
     saltus_flow_tangents(flow, lane, at += n);
     saltus_flow_delays(flow, lane, at += columns * n);
     saltus_flow_dense(flow, lane, 0.3 * saltus_flow_step_length(flow, lane), at += columns);
+    saltus_flow_field(flow, lane, at += n);
     saltus_flow_forces(flow, lane, at += n);
-    saltus_flow_field(flow, lane, at += SALTUS_FACES_MAX);
-    at += n;
+    at += SALTUS_FACES_MAX;
     const double more[] = {(double)info.steps,
                            (double)info.impacts,
                            (double)info.sticks,
@@ -590,6 +616,7 @@ int main(void) {
         cmocka_unit_test(dense_output_is_the_motion),
         cmocka_unit_test(fields_and_their_derivatives),
         cmocka_unit_test(work_is_counted),
+        cmocka_unit_test(the_order_is_chosen_well),
         cmocka_unit_test(an_interrupted_run_goes_on),
         cmocka_unit_test(lanes_are_flows_of_their_own),
         cmocka_unit_test(unlike_lanes_are_refused),
