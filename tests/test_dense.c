@@ -160,6 +160,23 @@ static void products_have_the_eigenvalues_of_the_whole(void **unused) {
     }
 }
 
+/* A cycle of n places looks the same to every ordinary shift: its eigenvalues are the roots of one. */
+static void cycles_have_the_roots_of_one(void **unused) {
+    (void)unused;
+    for (int n = 3; n <= 8; n++) {
+        double h[n_max * n_max] = {0}, product[n_max * n_max], real[n_max], imaginary[n_max];
+        for (int i = 0; i < n; i++)
+            h[(i + 1) % n * n + i] = 1;
+        assert_true(saltus_periodic_eigenvalues(h, NULL, n, 0, product, real, imaginary));
+        for (int k = 0; k < n; k++) {
+            bool found = false;
+            for (int i = 0; i < n; i++)
+                found |= hypot(real[i] - cos(2 * M_PI * k / n), imaginary[i] - sin(2 * M_PI * k / n)) < 1e-9;
+            assert_true(found);
+        }
+    }
+}
+
 /* Small eigenvalues of a graded product keep their digits: those of diagonal factors in a rotated frame. */
 static void small_eigenvalues_keep_their_digits(void **unused) {
     (void)unused;
@@ -245,6 +262,7 @@ int main(void) {
         cmocka_unit_test(solutions_solve),
         cmocka_unit_test(eigenvalues_have_the_traces_of_powers),
         cmocka_unit_test(products_have_the_eigenvalues_of_the_whole),
+        cmocka_unit_test(cycles_have_the_roots_of_one),
         cmocka_unit_test(small_eigenvalues_keep_their_digits),
         cmocka_unit_test(vectors_become_orthonormal),
         cmocka_unit_test(arenas_hand_out_what_they_measured),

@@ -15,6 +15,26 @@ static void defaults_are_as_stated(void **unused) {
     saltus_flow_free(NULL);
 }
 
+/* A time's phase is at least 0 and less than 1, however it was given. */
+static void phases_are_told_within_a_period(void **unused) {
+    (void)unused;
+    static const struct {
+        saltus_time given, told;
+    } rows[] = {{{3, 1}, {4, 0}}, {{3, 1.75}, {4, 0.75}}, {{3, -0.25}, {2, 0.75}}, {{-1, 0.5}, {-1, 0.5}}};
+    scene s = scene_of(scene_two_sided_mass);
+    saltus_system *system = build(&s.spec);
+    saltus_flow_options options = saltus_flow_defaults();
+    saltus_flow *flow = open_flow(system, &options, 0, s.state);
+    for (size_t k = 0; k < sizeof rows / sizeof rows[0]; k++) {
+        saltus_message message = {""};
+        check_ok(saltus_flow_start(flow, 0, rows[k].given, s.state, &message), &message);
+        saltus_time now = saltus_flow_time(flow, 0);
+        assert_true(now.cycle == rows[k].told.cycle && now.phase == rows[k].told.phase);
+    }
+    saltus_flow_free(flow);
+    saltus_system_free(system);
+}
+
 static bool accepted(const saltus_system *system, const saltus_flow_options *options, const char *word) {
     saltus_message message = {""};
     saltus_flow *flow = (saltus_flow *)1;
@@ -611,6 +631,7 @@ static void errors_follow_the_tolerance(void **unused) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(defaults_are_as_stated),
+        cmocka_unit_test(phases_are_told_within_a_period),
         cmocka_unit_test(limits_are_as_stated),
         cmocka_unit_test(widths_follow_the_instruction_set),
         cmocka_unit_test(dense_output_is_the_motion),

@@ -374,9 +374,9 @@ static void default_states_are_admissible(void **unused) {
     for (int k = 0; k < 40; k++) {
         scene s = k % 2 ? scene_pipe(1 + k % 4, 20) : scene_chain(0.1, 1, 0.5, 1);
         const double d[] = {0.03, 0, -0.01, 0.001, 1};
-        scene_stop(&s, d[k % 5], 0.5, SALTUS_UPPER)->xi = 0.2 + 0.015 * k;
+        scene_stop(&s, d[k % 5], 0.5, k % 7 < 3 ? SALTUS_LOWER : SALTUS_UPPER)->xi = 0.2 + 0.015 * k;
         if (k % 3 == 0 && k % 8 >= 4) {
-            scene_stop(&s, 0.02, 0.5, SALTUS_LOWER)->xi = 0.8;
+            scene_stop(&s, 0.02, 0.5, k % 7 < 3 ? SALTUS_UPPER : SALTUS_LOWER)->xi = 0.8;
             s.spec.stops[1].weight[0] = 0.3;
             s.spec.stops[1].weight[1] = k % 2 ? 0 : -1;
         }
