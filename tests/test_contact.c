@@ -255,7 +255,7 @@ static void chatter_ends_where_it_accumulates(void **unused) {
         saltus_system *system = build(&spec);
         saltus_flow_options options = saltus_flow_defaults();
         options.rtol = pow(10, -digits);
-        options.atol = 0;
+        options.atol = options.rtol;
         double state[2] = {height, 0};
         saltus_flow *flow = open_flow(system, &options, 0, state);
         saltus_event event = advance(flow, 10, SALTUS_WATCH_STICK);
