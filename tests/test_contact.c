@@ -243,6 +243,29 @@ static void chatter_cut_off(void **unused) {
     saltus_system_free(system);
 }
 
+/* However early the tolerance lets a ball's chatter be cut short, its end is told where the bounces
+ * accumulate: at v / g (1 + 2 r / (1 - r)), v the first speed. */
+static void chatter_ends_where_it_accumulates(void **unused) {
+    (void)unused;
+    const double r = 0.6, g = 2, height = 0.4, speed = sqrt(2 * g * height);
+    for (int digits = 3; digits <= 12; digits += 3) {
+        saltus_spec spec = oscillator_spec(0, 0, 0, 1);
+        set_parameter(&spec, "F0", -g);
+        add_stop(&spec, 0, r, SALTUS_LOWER);
+        saltus_system *system = build(&spec);
+        saltus_flow_options options = saltus_flow_defaults();
+        options.rtol = pow(10, -digits);
+        options.atol = options.rtol;
+        double state[2] = {height, 0};
+        saltus_flow *flow = open_flow(system, &options, 0, state);
+        saltus_event event = advance(flow, 10, SALTUS_WATCH_STICK);
+        assert_int_equal(event.kind, SALTUS_STICK);
+        check_near(saltus_time_periods(event.time) * 2 * M_PI, speed / g * (1 + 2 * r / (1 - r)), 1e-12);
+        saltus_flow_free(flow);
+        saltus_system_free(system);
+    }
+}
+
 /* Mirror images stay mirror images, bit for bit, in a two-sided scene. */
 static void mirror_symmetry(void **unused) {
     (void)unused;
@@ -330,6 +353,7 @@ int main(void) {
         cmocka_unit_test(starts_on_the_stop),
         cmocka_unit_test(starts_beyond_are_refused),
         cmocka_unit_test(chatter_cut_off),
+        cmocka_unit_test(chatter_ends_where_it_accumulates),
         cmocka_unit_test(mirror_symmetry),
         cmocka_unit_test(chopping_changes_nothing),
         cmocka_unit_test(no_section_drift),

@@ -1,6 +1,6 @@
 /* The three Poincare maps and their derivatives.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "check.h"
+#include "scenes.h"
 
 enum { dimension_max = 12 };
 
@@ -193,6 +193,170 @@ static void short_patience(void **unused) {
     saltus_system_free(system);
 }
 
+/* Defaults, and what is refused; patience need not be a whole number. */
+static void sections_are_checked(void **unused) {
+    (void)unused;
+    saltus_section d = saltus_section_defaults();
+    assert_true(d.kind == SALTUS_SECTION_STROBOSCOPIC && d.phase == 0 && d.iterate == 1 &&
+                d.patience == 1000);
+    static const struct {
+        int kind, iterate;
+        double phase, patience;
+        bool right;
+    } rows[] = {{0, 1, 0, 0.5, true},  {1, 1, 0, 0.5, true}, {2, 7, 0.999, 1e-3, true},
+                {-1, 1, 0, 1, false},  {3, 1, 0, 1, false},  {0, 0, 0, 1, false},
+                {0, -1, 0, 1, false},  {0, 1, 1, 1, false},  {0, 1, -1e-9, 1, false},
+                {0, 1, NAN, 1, false}, {0, 1, 0, 0, false},  {0, 1, 0, -1, false},
+                {1, 1, 0, NAN, false}};
+    scene s = scene_of(scene_two_sided_mass);
+    saltus_system *system = build(&s.spec);
+    saltus_flow_options options = saltus_flow_defaults();
+    for (size_t k = 0; k < sizeof rows / sizeof rows[0]; k++) {
+        saltus_section section = {(saltus_section_kind)rows[k].kind, rows[k].phase, rows[k].iterate,
+                                  rows[k].patience};
+        saltus_message message = {""};
+        saltus_map *map = (saltus_map *)1;
+        saltus_status status = saltus_map_new(system, &section, &options, false, &map, &message);
+        assert_int_equal(status, rows[k].right ? SALTUS_OK : SALTUS_BAD_INPUT);
+        assert_true((map != NULL) == rows[k].right);
+        if (map) {
+            assert_int_equal(saltus_map_dimension(map), 2 + (rows[k].kind > 0));
+            assert_ptr_equal(saltus_map_system(map), system);
+            assert_ptr_equal(saltus_flow_system(saltus_map_flow(map), 0), system);
+        }
+        saltus_map_free(map);
+    }
+    saltus_map_free(NULL);
+    options.rtol = 1;
+    saltus_map *map = NULL;
+    saltus_message message = {""};
+    assert_int_equal(saltus_map_new(system, &d, &options, true, &map, &message), SALTUS_BAD_INPUT);
+    assert_null(map);
+    saltus_system_free(system);
+}
+
+/* x = cos t turns after half a period, falls on a stop at -1/2 after a third: found with a little more
+ * patience than that, given up with a little less. */
+static void patience_is_counted_in_periods(void **unused) {
+    (void)unused;
+    saltus_spec spec = oscillator_spec(0, 1, 0, 1);
+    add_stop(&spec, 0.5, 0.5, SALTUS_LOWER);
+    saltus_flow_options options = saltus_flow_defaults();
+    for (int k = 0; k < 8; k++) {
+        const bool impact = k / 2 % 2, enough = k % 2;
+        double point[3] = {1, 0, k < 4 ? 0 : 5.5}, after = impact ? 1.0 / 3 : 0.5;
+        spec.stop_count = impact;
+        saltus_section section = {impact ? SALTUS_SECTION_IMPACT : SALTUS_SECTION_TURNING, 0, 1,
+                                  after + (enough ? 0.01 : -0.01)};
+        saltus_message message = {""};
+        saltus_event event;
+        saltus_system *system = build(&spec);
+        saltus_map *map = NULL;
+        check_ok(saltus_map_new(system, &section, &options, false, &map, &message), &message);
+        check_ok(saltus_map_reset(map, point, &message), &message);
+        saltus_status status = saltus_map_step(map, point, &event, &message);
+        assert_int_equal(status, enough ? SALTUS_OK : SALTUS_NO_CONVERGENCE);
+        if (enough) {
+            check_near(point[2], fmod((k < 4 ? 0 : 5.5) + after * 2 * M_PI, 2 * M_PI), 1e-12);
+            assert_int_equal(event.kind, impact ? SALTUS_IMPACT : SALTUS_TURNING);
+        }
+        saltus_map_free(map);
+        saltus_system_free(system);
+    }
+}
+
+/* An iterate passes so many section points, and the event is the last one's; without a place for the point or
+ * the event the map moves on all the same. A stick is a point of the impact section. */
+static void iterates_are_steps_in_a_row(void **unused) {
+    (void)unused;
+    int sticks = 0;
+    for (int name = 0; name < scenes; name++)
+        for (int kind = 0; kind < 3; kind++) {
+            scene s = scene_of((scene_name)name);
+            if ((kind == 1 && s.spec.stop_count == 0) || name == scene_steady_pipe)
+                continue;
+            saltus_system *system = build(&s.spec);
+            saltus_map *one = open_map(system, (saltus_section_kind)kind, 0.4, 1, false),
+                       *three = open_map(system, (saltus_section_kind)kind, 0.4, 3, false);
+            const int n = saltus_system_dimension(system), m = saltus_map_dimension(one);
+            double point[scene_dimension_max], a[scene_dimension_max], b[scene_dimension_max];
+            saltus_message message = {""};
+            saltus_event last, event;
+            memcpy(point, s.state, sizeof point);
+            if (kind > 0)
+                point[n] = 0.3 * saltus_system_period(system);
+            check_ok(saltus_map_reset(one, point, &message), &message);
+            check_ok(saltus_map_reset(three, point, &message), &message);
+            for (int k = 0; k < 2; k++) {
+                check_ok(saltus_map_step(one, NULL, NULL, &message), &message);
+                check_ok(saltus_map_step(one, a, NULL, &message), &message);
+                check_ok(saltus_map_step(one, a, &last, &message), &message);
+                check_ok(saltus_map_step(three, b, &event, &message), &message);
+                assert_memory_equal(a, b, (size_t)m * sizeof *a);
+                assert_true(last.kind == event.kind && last.face == event.face &&
+                            last.time.phase == event.time.phase);
+                saltus_time now = saltus_flow_time(saltus_map_flow(one), 0);
+                if (kind == 0)
+                    assert_true(event.kind == SALTUS_REACHED && now.phase == 0.4 && now.cycle == 3 * (k + 1));
+                else
+                    assert_true(a[n] == now.phase * saltus_system_period(system) &&
+                                event.kind != SALTUS_REACHED);
+                assert_true(kind != 1 || event.kind != SALTUS_TURNING);
+                sticks += kind == 1 && event.kind == SALTUS_STICK;
+            }
+            saltus_map_free(one);
+            saltus_map_free(three);
+            saltus_system_free(system);
+        }
+    assert_true(sticks > 0);
+}
+
+/* The derivative through whatever happens in a few periods, in all scenes: impacts, chatter, sticking,
+ * release, several faces; both integrators. */
+static void derivatives_pass_all_events(void **unused) {
+    (void)unused;
+    for (int name = 0; name < scenes; name++)
+        for (int integrator = SALTUS_TAYLOR; integrator <= SALTUS_RADAU; integrator++) {
+            scene s = scene_of((scene_name)name);
+            saltus_system *system = build(&s.spec);
+            saltus_flow_options options = saltus_flow_defaults();
+            saltus_message message = {""};
+            const int n = saltus_system_dimension(system);
+            double columns[scene_dimension_max * scene_dimension_max], image[2][scene_dimension_max];
+            options.integrator = (saltus_integrator)integrator;
+            options.columns = n;
+            for (int part = 1; part <= 4; part++) {
+                const double end = s.phase + 0.4 * part;
+                saltus_flow *flow = open_flow(system, &options, s.phase, s.state);
+                advance(flow, end, 0);
+                saltus_flow_info info = saltus_flow_information(flow, 0);
+                saltus_flow_tangents(flow, 0, columns);
+                for (int c = 0; c < n; c++) {
+                    const double h = 1e-6 * saltus_system_scale(system)[c];
+                    bool same = true;
+                    for (int side = 0; side < 2; side++) {
+                        double moved[scene_dimension_max];
+                        memcpy(moved, s.state, sizeof moved);
+                        moved[c] += side ? h : -h;
+                        check_ok(saltus_flow_start(flow, 0, (saltus_time){0, s.phase}, moved, &message),
+                                 &message);
+                        advance(flow, end, 0);
+                        saltus_flow_info other = saltus_flow_information(flow, 0);
+                        same &= other.sticks == info.sticks && other.releases == info.releases;
+                        saltus_flow_state(flow, 0, image[side]);
+                    }
+                    for (int i = 0; i < n && same; i++) {
+                        const double size = saltus_system_scale(system)[i],
+                                     entry = columns[c * n + i] * h / size;
+                        check_near(entry, (image[1][i] - image[0][i]) / 2 / size, 2e-9 + 1e-4 * fabs(entry));
+                    }
+                }
+                saltus_flow_free(flow);
+            }
+            saltus_system_free(system);
+        }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(stroboscopic_derivative),
@@ -202,6 +366,10 @@ int main(void) {
         cmocka_unit_test(any_phase),
         cmocka_unit_test(refused_sections),
         cmocka_unit_test(short_patience),
+        cmocka_unit_test(sections_are_checked),
+        cmocka_unit_test(patience_is_counted_in_periods),
+        cmocka_unit_test(iterates_are_steps_in_a_row),
+        cmocka_unit_test(derivatives_pass_all_events),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -207,17 +207,27 @@ static int first_row(const periodic *p, double size, double iteration) {
     return first;
 }
 
+static bool all_finite(const double *a, size_t count) {
+    for (size_t i = 0; i < count; i++)
+        if (!isfinite(a[i]))
+            return false;
+    return true;
+}
+
 bool saltus_periodic_eigenvalues(double *h, double *triangles, int n, int count, double *product,
                                  double *real, double *imaginary) {
     enum { sweeps_max = 100 };
     periodic p = {.h = h, .triangles = triangles, .product = product, .n = n, .count = count, .high = n};
     double size = 0;
+    size_t square = (size_t)n * (size_t)n;
+    if (!all_finite(h, square) || !all_finite(triangles, square * (size_t)count))
+        return false;
     for (int i = 0; i < n * n; i++)
         size = fmax(size, fabs(h[i]));
     reduce_to_hessenberg(&p);
     for (int iteration = 0; p.high > 0; iteration++) {
         p.low = first_row(&p, size, iteration);
-        if (p.high - p.low > 2 && (iteration == sweeps_max || !isfinite(size)))
+        if (p.high - p.low > 2 && iteration == sweeps_max)
             return false;
         multiply_out(triangles, n, count, p.low, p.high, product);
         if (p.high - p.low > 2) {

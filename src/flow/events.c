@@ -95,12 +95,22 @@ static void search_forces(saltus_flow *flow, int lane, double step, double *firs
     }
 }
 
+/* Whether a lasting contact keeps the observed displacement, the first stop's coordinate, where it is. */
+static bool observer_held(const saltus_lane *self) {
+    bool held = false;
+    for (int f = 0; f < self->system->face_count; f++)
+        held |= self->contacts >> f & 1 && self->system->faces[f].stop == 0;
+    return held;
+}
+
 /* The observed displacement is the first row of the gap series; its velocity's zeros of either direction
  * count. */
 static void search_turning(saltus_flow *flow, int lane, double step, double *first) {
     saltus_lane *self = &flow->lane[lane];
     int degree = degree_of(flow) - 1, touch = 0;
     double c[SALTUS_DEGREE_MAX + 1] = {0}, size = 0, root;
+    if (observer_held(self))
+        return;
     scaled_series(flow, lane, flow->work.gap + flow->lanes, 1, degree, step, c);
     for (int k = 0; k <= degree; k++) {
         c[k] *= k + 1;
@@ -131,26 +141,39 @@ static void restart_at_zero(double *c, int degree, double root) {
     c[0] = 0;
 }
 
-/* Raise `extreme` by the local maxima on (0, 1) of the polynomial c. */
-static void collect_maxima(const saltus_lane *self, const double *c, int degree, double step,
+static void raise_extreme(const saltus_lane *self, const double *c, int degree, double s, double step,
+                          saltus_extreme *extreme) {
+    double value = c[degree];
+    for (int k = degree - 1; k >= 0; k--)
+        value = fma(value, s, c[k]);
+    if (value > extreme->value)
+        *extreme = (saltus_extreme){value, saltus_time_after(self->now, s * step / self->system->period)};
+}
+
+/* Raise `extreme` by the local maxima on (0, 1) of the polynomial c. Where another step follows, a maximum at
+ * the end counts, too: rounding may hide it from both steps. */
+static void collect_maxima(const saltus_lane *self, const double *c, int degree, double step, bool last,
                            saltus_extreme *extreme) {
-    double slope[SALTUS_DEGREE_MAX + 1], begin = 0, root;
+    double slope[SALTUS_DEGREE_MAX + 1], begin = 0, end = 0, size = 0, root;
     int touch = 0;
-    for (int k = 0; k < degree; k++)
+    for (int k = 0; k < degree; k++) {
         slope[k] = (k + 1) * c[k + 1];
+        end += slope[k];
+        size += fabs(slope[k]);
+    }
+    const bool level = !last && fabs(end) <= 1e-13 * size;
     for (int turns = 0; turns < degree; turns++) {
         double sign = slope[touch] > 0 ? -1 : 1;
         for (int k = touch; k < degree; k++)
             slope[k] *= sign;
-        if (slope[touch] == 0 || !saltus_isolate_rise(slope + touch, degree - 1 - touch, &root))
+        if (slope[touch] == 0 || !saltus_isolate_rise(slope + touch, degree - 1 - touch, &root)) {
+            if (sign < 0 && level)
+                raise_extreme(self, c, degree, 1, step, extreme);
             return;
+        }
         begin += root * (1 - begin);
-        double value = c[degree];
-        for (int k = degree - 1; k >= 0; k--)
-            value = fma(value, begin, c[k]);
-        if (sign < 0 && value > extreme->value)
-            *extreme =
-                (saltus_extreme){value, saltus_time_after(self->now, begin * step / self->system->period)};
+        if (sign < 0)
+            raise_extreme(self, c, degree, begin, step, extreme);
         restart_at_zero(slope, degree - 1, root);
         for (int k = 0; k < degree; k++)
             slope[k] *= sign;
@@ -161,17 +184,18 @@ static void collect_maxima(const saltus_lane *self, const double *c, int degree,
 void saltus_events_extremes(saltus_flow *flow, int lane, double step) {
     saltus_lane *self = &flow->lane[lane];
     int degree = degree_of(flow);
+    const bool last = step == flow->work.left[lane];
     double c[SALTUS_DEGREE_MAX + 1];
     for (int f = 0; f < self->system->face_count; f++)
         if (!(self->contacts >> f & 1)) {
             gap_polynomial(flow, lane, f, step, c);
-            collect_maxima(self, c, degree, step, &self->extremes[f]);
+            collect_maxima(self, c, degree, step, last, &self->extremes[f]);
         }
     for (int k = 0; k < self->hold.count; k++) {
         const double *series =
             flow->work.force + (size_t)k * (size_t)(flow->work.order + 2) * (size_t)flow->lanes;
         scaled_series(flow, lane, series, -1, degree - 2, step, c);
-        collect_maxima(self, c, degree - 2, step, &self->extremes[self->hold.face[k]]);
+        collect_maxima(self, c, degree - 2, step, last, &self->extremes[self->hold.face[k]]);
     }
 }
 

@@ -330,7 +330,7 @@ saltus_status saltus_flow_run(saltus_flow *flow, int *lane, saltus_event *event,
                                                                          : expand_lanes(flow, message);
         *lane = 0;
         if (status != SALTUS_OK) {
-            flow->lane[0].aimed = false;
+            flow->lane[0].aimed &= status == SALTUS_INTERRUPTED;
             return status;
         }
         for (int l = 0; l < flow->lanes; l++)

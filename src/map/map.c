@@ -121,7 +121,10 @@ static saltus_status pass(saltus_map *map, saltus_event *event, saltus_message *
         until.cycle += now.phase >= map->section.phase;
         until.phase = map->section.phase;
     } else {
-        until.cycle += (long long)ceil(map->section.patience);
+        double whole = floor(map->section.patience);
+        until.phase += map->section.patience - whole;
+        until.cycle += (long long)whole + (until.phase >= 1);
+        until.phase -= until.phase >= 1;
         watch = SALTUS_WATCH_IMPACT | SALTUS_WATCH_STICK;
         if (map->section.kind == SALTUS_SECTION_TURNING)
             watch |= SALTUS_WATCH_TURNING;

@@ -90,6 +90,18 @@ static void build_rows(saltus_system *system) {
     }
 }
 
+/* The larger eigenvalue of M^-1 C and the Maxwell element's rate: energy is lost no faster than at twice the
+ * larger of these. */
+static double decay_bound(const saltus_system *system) {
+    double *const *row = system->coefficients.row;
+    double decay = row[oscillator_c1][0];
+    if (system->dof == 2) {
+        double mean = 0.5 * (decay + row[oscillator_c2][1]), half = 0.5 * (decay - row[oscillator_c2][1]);
+        decay = mean + sqrt(half * half + row[oscillator_c2][0] * row[oscillator_c1][1]);
+    }
+    return system->extra ? fmax(decay, system->coefficients.scalar[oscillator_rate_z]) : decay;
+}
+
 /* A length that the motion is likely to have: the smallest clearance, else the forced response. */
 static double typical_length(const saltus_system *system) {
     const double *p = system->spec.parameters;
@@ -127,6 +139,7 @@ static void build(saltus_system *system) {
         system->scale[2 * system->dof] = length * p[p_kz];
     system->rate = fmax(fmax(sqrt(stiffness + p[p_kz] / p[p_m]), damping),
                         fmax(p[p_omega], system->extra ? 1 / p[p_tz] : 0));
+    system->decay = decay_bound(system);
     system->stiff = damping > 200 * fmax(p[p_omega], sqrt(stiffness));
     system->mirror = p[p_F0] == 0 && (!two || p[p_F02] == 0);
     system->mirror_shift = system->forced;

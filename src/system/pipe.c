@@ -94,6 +94,7 @@ static void build(saltus_system *system) {
     if (system->dof > 1)
         build_couplings(system);
     double top = c->row[pipe_stiffness][system->dof - 1], drag = p[p_alpha] * top;
+    system->decay = drag;
     system->rate = fmax(sqrt(top), drag) + 2 * c->scalar[pipe_root_beta] * velocity * system->dof;
     /* Measured: with impacts, after each of which it begins anew, the stiff integrator pays from N = 11 on,
      * without from N = 8 (alpha = 0.005). */

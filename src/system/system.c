@@ -316,10 +316,7 @@ double saltus_system_trace(const saltus_system *system, const double *state) {
 }
 
 double saltus_system_fastest_decay(const saltus_system *system) {
-    double largest = 0;
-    for (int i = 0; i < system->dof; i++)
-        largest = fmax(largest, system->damping[i]);
-    return largest;
+    return system->decay;
 }
 
 double saltus_system_shape(const saltus_system *system, const double *state, double xi) {

@@ -34,7 +34,8 @@ struct saltus_system {
     bool forced;
     bool mirror, mirror_shift;
     bool stiff;
-    double rate; /* bound on the modulus of the linear part's eigenvalues */
+    double rate;  /* bound on the modulus of the linear part's eigenvalues */
+    double decay; /* bound on its decay rates */
     int face_count;
     saltus_face faces[SALTUS_FACES_MAX];
     double *stop_normal[SALTUS_STOPS_MAX];  /* n */

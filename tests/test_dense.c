@@ -1,0 +1,274 @@
+/* Small linear algebra: inverses, solutions, eigenvalues of a matrix and of a product of matrices,
+ * orthonormal vectors, arenas.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "check.h"
+
+#include "base/dense.h"
+#include "base/periodic.h"
+
+#include <gsl/gsl_rng.h>
+
+enum { n_max = 16 };
+
+static gsl_rng *rng;
+
+static void random_matrix(int count, double *a) {
+    for (int i = 0; i < count; i++)
+        a[i] = 2 * gsl_rng_uniform(rng) - 1;
+}
+
+static void multiply(const double *a, const double *b, int n, double *out) {
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++) {
+            double sum = 0;
+            for (int k = 0; k < n; k++)
+                sum += a[i * n + k] * b[k * n + j];
+            out[i * n + j] = sum;
+        }
+}
+
+static void inverses_undo(void **unused) {
+    (void)unused;
+    for (int n = 1; n <= SALTUS_DENSE_INVERSE_MAX; n++) {
+        double a[n_max * n_max], kept[n_max * n_max], inverse[n_max * n_max], product[n_max * n_max];
+        random_matrix(n * n, a);
+        if (n > 1)
+            a[0] = 0; /* a pivot must be looked for */
+        memcpy(kept, a, sizeof a);
+        assert_true(saltus_dense_inverse(a, n, inverse));
+        assert_memory_equal(a, kept, (size_t)(n * n) * sizeof *a);
+        for (int side = 0; side < 2; side++) {
+            multiply(side ? a : inverse, side ? inverse : a, n, product);
+            for (int i = 0; i < n * n; i++)
+                check_near(product[i], i % (n + 1) == 0, 1e-11);
+        }
+        if (n > 1) {
+            for (int j = 0; j < n; j++)
+                a[(n - 1) * n + j] = 2 * a[j];
+            assert_false(saltus_dense_inverse(a, n, inverse));
+        }
+    }
+    double zero = 0, one;
+    assert_false(saltus_dense_inverse(&zero, 1, &one));
+    assert_true(saltus_dense_inverse(&zero, 0, &one));
+}
+
+static void solutions_solve(void **unused) {
+    (void)unused;
+    for (int n = 1; n <= 12; n++) {
+        double a[n_max * n_max], kept[n_max * n_max], b[n_max], x[n_max];
+        int pivots[n_max];
+        random_matrix(n * n, a);
+        random_matrix(n, x);
+        if (n > 1)
+            a[0] = 0;
+        memcpy(kept, a, sizeof a);
+        for (int i = 0; i < n; i++) {
+            b[i] = 0;
+            for (int j = 0; j < n; j++)
+                b[i] += a[i * n + j] * x[j];
+        }
+        assert_true(saltus_dense_solve(a, n, b, pivots));
+        for (int i = 0; i < n; i++)
+            check_near(b[i], x[i], 1e-10);
+        memcpy(a, kept, sizeof a);
+        for (int j = 0; j < n; j++)
+            a[j] = 0;
+        assert_false(saltus_dense_solve(a, n, b, pivots));
+    }
+}
+
+/* Power sums of eigenvalues are traces of powers: of the matrix itself, and of a product. */
+static void check_traces(const double *a, int n, const double *real, const double *imaginary,
+                         double tolerance) {
+    double power[n_max * n_max], next[n_max * n_max], size = 1;
+    memcpy(power, a, (size_t)(n * n) * sizeof *a);
+    for (int k = 1; k <= n; k++) {
+        double trace = 0, sum = 0, rest = 0;
+        for (int i = 0; i < n; i++) {
+            const double modulus = pow(hypot(real[i], imaginary[i]), k),
+                         angle = k * atan2(imaginary[i], real[i]);
+            trace += power[i * n + i];
+            sum += modulus * cos(angle);
+            rest += modulus * sin(angle);
+            size = fmax(size, modulus);
+        }
+        check_near(sum, trace, tolerance * size);
+        check_near(rest, 0, tolerance * size);
+        multiply(power, a, n, next);
+        memcpy(power, next, (size_t)(n * n) * sizeof *a);
+    }
+}
+
+static void eigenvalues_have_the_traces_of_powers(void **unused) {
+    (void)unused;
+    for (int trial = 0; trial < 40; trial++) {
+        const int n = 1 + trial % 8;
+        double a[n_max * n_max], kept[n_max * n_max], real[n_max], imaginary[n_max];
+        random_matrix(n * n, a);
+        memcpy(kept, a, sizeof a);
+        assert_true(saltus_dense_eigenvalues(a, n, real, imaginary));
+        check_traces(kept, n, real, imaginary, 1e-10);
+    }
+}
+
+/* h r_count ... r_1, multiplied out or not: the same eigenvalues. */
+static void products_have_the_eigenvalues_of_the_whole(void **unused) {
+    (void)unused;
+    for (int trial = 0; trial < 150; trial++) {
+        const int n = 1 + trial % 8, count = trial / 8 % 5;
+        double h[n_max * n_max], triangles[5 * n_max * n_max], product[n_max * n_max], whole[n_max * n_max],
+            next[n_max * n_max], real[n_max], imaginary[n_max];
+        random_matrix(n * n, h);
+        random_matrix(count * n * n, triangles);
+        for (int k = 0; k < count; k++)
+            for (int i = 0; i < n; i++) {
+                double *row = triangles + (k * n + i) * n;
+                row[i] += row[i] < 0 ? -0.7 : 0.7;
+                for (int j = 0; j < i; j++)
+                    row[j] = 0;
+            }
+        if (trial % 7 == 6) /* symmetric: real eigenvalues, some of them equal without triangles */
+            for (int i = 0; i < n; i++)
+                for (int j = 0; j < n; j++)
+                    h[i * n + j] = i == j ? 1 : 0.3;
+        saltus_periodic_product(triangles, n, count, product);
+        for (int i = 0; i < n * n; i++)
+            next[i] = i % (n + 1) == 0;
+        for (int k = 0; k < count; k++) {
+            multiply(triangles + k * n * n, next, n, whole);
+            memcpy(next, whole, sizeof next);
+        }
+        for (int i = 0; i < n * n; i++)
+            check_near(product[i], next[i], 1e-12);
+        multiply(h, product, n, whole);
+        assert_true(saltus_periodic_eigenvalues(h, triangles, n, count, product, real, imaginary));
+        check_traces(whole, n, real, imaginary, 1e-9);
+        for (int i = 0; i < n; i++)
+            if (imaginary[i] != 0) {
+                bool paired = false;
+                for (int j = 0; j < n; j++)
+                    paired |= j != i && real[j] == real[i] && imaginary[j] == -imaginary[i];
+                assert_true(paired);
+            }
+    }
+    for (int k = 0; k < 18; k++) {
+        double all[18] = {1, 2, 3, 4, 5, 6, 7, 8, 9, 1, 2, 3, 0, 4, 5, 0, 0, 6}, product[9], real[3],
+               imaginary[3];
+        all[k] = k % 2 ? NAN : -INFINITY;
+        assert_false(saltus_periodic_eigenvalues(all, all + 9, 3, 1, product, real, imaginary));
+    }
+}
+
+/* A cycle of n places looks the same to every ordinary shift: its eigenvalues are the roots of one. */
+static void cycles_have_the_roots_of_one(void **unused) {
+    (void)unused;
+    for (int n = 3; n <= 8; n++) {
+        double h[n_max * n_max] = {0}, product[n_max * n_max], real[n_max], imaginary[n_max];
+        for (int i = 0; i < n; i++)
+            h[(i + 1) % n * n + i] = 1;
+        assert_true(saltus_periodic_eigenvalues(h, NULL, n, 0, product, real, imaginary));
+        for (int k = 0; k < n; k++) {
+            bool found = false;
+            for (int i = 0; i < n; i++)
+                found |= hypot(real[i] - cos(2 * M_PI * k / n), imaginary[i] - sin(2 * M_PI * k / n)) < 1e-9;
+            assert_true(found);
+        }
+    }
+}
+
+/* Small eigenvalues of a graded product keep their digits: those of diagonal factors in a rotated frame. */
+static void small_eigenvalues_keep_their_digits(void **unused) {
+    (void)unused;
+    enum { n = 3, count = 4 };
+    double h[n * n] = {0}, triangles[count * n * n] = {0}, product[n * n], real[n], imaginary[n];
+    const double grade[n] = {1, 1e-4, 1e-8};
+    for (int i = 0; i < n; i++) {
+        h[i * n + i] = grade[i];
+        for (int k = 0; k < count; k++)
+            for (int j = i; j < n; j++)
+                triangles[(k * n + i) * n + j] = i == j ? grade[i] : 0.3 * grade[i];
+    }
+    assert_true(saltus_periodic_eigenvalues(h, triangles, n, count, product, real, imaginary));
+    for (int i = 0; i < n; i++) {
+        const double expected = pow(grade[i], count + 1);
+        bool found = false;
+        for (int j = 0; j < n; j++)
+            found |= fabs(real[j] - expected) <= 1e-9 * expected && imaginary[j] == 0;
+        assert_true(found);
+    }
+}
+
+static void vectors_become_orthonormal(void **unused) {
+    (void)unused;
+    for (int n = 1; n <= 9; n++)
+        for (int count = 1; count <= n; count++) {
+            double a[n_max * n_max], q[n_max * n_max], length[n_max], work[33 * n_max];
+            assert_true(saltus_dense_orthonormal_work(n, count) <= (int)(sizeof work / sizeof *work));
+            random_matrix(n * count, a);
+            memcpy(q, a, sizeof a);
+            assert_true(saltus_dense_orthonormal(q, n, count, length, work));
+            for (int k = 0; k < count; k++) {
+                double rest[n_max], square = 0;
+                memcpy(rest, a + k * n, (size_t)n * sizeof *rest);
+                for (int j = 0; j <= k; j++) {
+                    double product = 0, part = 0;
+                    for (int i = 0; i < n; i++) {
+                        product += q[j * n + i] * q[k * n + i];
+                        part += q[j * n + i] * a[k * n + i];
+                    }
+                    check_near(product, j == k, 1e-14);
+                    for (int i = 0; i < n && j < k; i++)
+                        rest[i] -= part * q[j * n + i];
+                    if (j == k)
+                        check_near(fabs(part), length[k], 1e-13);
+                }
+                for (int i = 0; i < n; i++)
+                    square += rest[i] * rest[i];
+                check_near(sqrt(square), length[k], 1e-13);
+            }
+            a[n * count - 1] = INFINITY;
+            assert_false(saltus_dense_orthonormal(a, n, count, length, work));
+        }
+}
+
+static void arenas_hand_out_what_they_measured(void **unused) {
+    (void)unused;
+    saltus_arena arena = {0};
+    double *place[20];
+    for (int pass = 0; pass < 2; pass++) {
+        for (int k = 0; k < 20; k++) {
+            place[k] = saltus_arena_doubles(&arena, (size_t)(3 * k));
+            assert_true((place[k] != NULL) == (pass == 1));
+        }
+        if (pass == 0)
+            assert_true(saltus_arena_open(&arena));
+    }
+    for (int k = 0; k < 20; k++) {
+        assert_true((uintptr_t)place[k] % 64 == 0);
+        for (int i = 0; i < 3 * k; i++)
+            assert_true(place[k][i] == 0);
+        for (int i = 0; i < 3 * k; i++)
+            place[k][i] = k; /* a later one is not touched by it */
+    }
+    saltus_arena_close(&arena);
+    assert_null(arena.base);
+    saltus_arena_close(&arena);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(inverses_undo),
+        cmocka_unit_test(solutions_solve),
+        cmocka_unit_test(eigenvalues_have_the_traces_of_powers),
+        cmocka_unit_test(products_have_the_eigenvalues_of_the_whole),
+        cmocka_unit_test(cycles_have_the_roots_of_one),
+        cmocka_unit_test(small_eigenvalues_keep_their_digits),
+        cmocka_unit_test(vectors_become_orthonormal),
+        cmocka_unit_test(arenas_hand_out_what_they_measured),
+    };
+    rng = gsl_rng_alloc(gsl_rng_mt19937);
+    int failed = cmocka_run_group_tests(tests, NULL, NULL);
+    gsl_rng_free(rng);
+    return failed;
+}
