@@ -61,8 +61,8 @@ typedef struct saltus_sweep_options {
     unsigned long seed;
     /* Adaptive: a trajectory is recorded as soon as its least period is certain and the orbit is no farther
      * away than the larger of 1e-10 and 10 flow.rtol, relative to the system's scales; over one orbit, or
-     * where none is certain after `transient` periods, over `record` of them. Otherwise `transient` periods are run and
-     * `record` recorded whatever the motion. */
+     * where none is certain after `transient` periods, over `record` of them. Otherwise `transient` periods
+     * are run and `record` recorded whatever the motion. */
     bool adaptive;
     long long transient, record;
     long long measure; /* with SALTUS_KEEP_LYAPUNOV: periods at most over which the exponent of a motion
