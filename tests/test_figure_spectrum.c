@@ -740,7 +740,10 @@ static void gnuplot_takes_every_script(void **state) {
     snprintf(command, sizeof command, "PATH='%s' gnuplot --version >'%s/version' 2>&1", others, folder);
     if (system(command) != 0)
         skip();
+    write_scene("scene.yaml", struck);
+    run("sweep scene.yaml --over omega=1.9:2.1:5 -o s.h5 --quiet");
     run("sweep scene.yaml --over omega=1.9:2.1:4 --over d=0.2:0.3:3 -o m.h5 --quiet");
+    run("continue scene.yaml --in omega=1.95:2.05 -o b.h5 --quiet");
     for (int k = 0; k < 7; k++) {
         snprintf(command, sizeof command, "%s -o f.png", figures[k]);
         run(command);

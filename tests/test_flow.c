@@ -41,9 +41,10 @@ static bool accepted(const saltus_system *system, const saltus_flow_options *opt
     saltus_status status = saltus_flow_new((const saltus_system *[]){system}, 1, options, &flow, &message);
     assert_true(status == SALTUS_OK || status == SALTUS_BAD_INPUT);
     assert_true((status == SALTUS_OK) == (flow != NULL));
-    assert_true(saltus_flow_new((const saltus_system *[]){system}, 1, options, &(saltus_flow *){NULL},
-                                NULL) == status ||
-                status == SALTUS_OK);
+    saltus_flow *unexplained = NULL;
+    assert_int_equal(saltus_flow_new((const saltus_system *[]){system}, 1, options, &unexplained, NULL),
+                     status);
+    saltus_flow_free(unexplained);
     if (status != SALTUS_OK && !strstr(message.text, word))
         fail_msg("\"%s\" does not name %s", message.text, word);
     if (status == SALTUS_OK)
@@ -100,6 +101,8 @@ static void widths_follow_the_instruction_set(void **unused) {
     (void)unused;
 #if defined(__x86_64__)
     static const char *const names[] = {"x86-64", "x86-64-v3", "x86-64-v4"};
+    if (!SALTUS_ALL_ISAS)
+        skip();
     const char *forced = getenv("SALTUS_ISA");
     char *before = forced ? strdup(forced) : NULL;
     saltus_spec specs[] = {oscillator_spec(0.1, 1, 1, 1), pipe_spec(3, 20)}, stiff = pipe_spec(20, 20);

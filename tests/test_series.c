@@ -1069,6 +1069,64 @@ static void check_refused(const saltus_series_points *points, const saltus_serie
     assert_int_equal(saltus_series_closed_curve(points, options, &curve, NULL), SALTUS_BAD_INPUT);
 }
 
+/* Chance between -1 and 1, but for runs that repeat what was `period` points before to within `apart`. */
+static void repeat_runs(double *values, long long count, int period, double apart, const long long (*runs)[2],
+                        int run_count, gsl_rng *rng) {
+    for (long long k = 0; k < count; k++) {
+        double drawn = gsl_ran_flat(rng, -1, 1);
+        values[k] = drawn;
+        for (int j = 0; j < run_count; j++)
+            if (k >= runs[j][0] && k < runs[j][0] + runs[j][1])
+                values[k] = values[k - period] + apart * drawn;
+            else if (k == runs[j][0] - 1 || k == runs[j][0] + runs[j][1])
+                values[k] = values[k - period] + (values[k - period] > 0 ? -0.7 : 0.7);
+    }
+    values[0] = -1; /* the extent is 2 */
+    values[count / 2 + 1] = 1;
+}
+
+/* Runs count with the period before them; what is short or not near enough does not. */
+static void laminar_phases_are_counted(void **unused) {
+    (void)unused;
+    enum { count = 4000 };
+    static const struct {
+        int period;
+        long long runs[3][2], laminar, longest;
+    } rows[] = {{1, {{100, 30}, {300, 20}, {500, 19}}, 31 + 21, 31},
+                {3, {{100, 90}, {300, 20}, {900, 300}}, 93 + 23 + 303, 303},
+                {7, {{100, 34}, {300, 35}, {3900, 100}}, 42 + 107, 107},
+                {16, {{100, 79}, {300, 80}, {900, 200}}, 96 + 216, 216}};
+    gsl_rng *rng = gsl_rng_alloc(gsl_rng_taus2);
+    double *values = malloc(2 * count * sizeof *values), *series = malloc(count * sizeof *series);
+    for (size_t r = 0; r < sizeof rows / sizeof rows[0]; r++) {
+        repeat_runs(series, count, rows[r].period, 0.01, rows[r].runs, 3, rng);
+        saltus_series_phases phases =
+            saltus_series_laminar_phases(&(saltus_series_points){series, NULL, count, 1}, 16);
+        assert_int_equal(phases.period, rows[r].period);
+        assert_int_equal(phases.longest, rows[r].longest);
+        check_near(phases.laminar, (double)rows[r].laminar / count, 1e-12);
+        /* The same as the second component, in a unit that its weight takes away, beside one of no weight. */
+        for (long long k = 0; k < count; k++) {
+            values[2 * k] = gsl_ran_flat(rng, -1, 1);
+            values[2 * k + 1] = 1024 * series[k];
+        }
+        saltus_series_points weighted = {values, (double[]){0, 1.0 / 1024}, count, 2};
+        saltus_series_phases again = saltus_series_laminar_phases(&weighted, 16);
+        assert_true(again.laminar == phases.laminar && again.period == phases.period &&
+                    again.longest == phases.longest);
+        weighted.weights = NULL;
+        weighted.dimension = 1;
+        assert_int_equal(saltus_series_laminar_phases(&weighted, rows[r].period - 1).period, 0);
+        repeat_runs(series, count, rows[r].period, 0.1, rows[r].runs, 3, rng);
+        phases = saltus_series_laminar_phases(&(saltus_series_points){series, NULL, count, 1}, 16);
+        assert_int_equal(phases.period, 0);
+        assert_true(phases.laminar == 0 && phases.longest == 0);
+    }
+    free(series);
+    free(values);
+    gsl_rng_free(rng);
+}
+
 static void unsuitable_points(void **unused) {
     (void)unused;
     static const double negative[2] = {1, -1}, infinite[2] = {1, INFINITY};
@@ -1210,6 +1268,7 @@ int main(void) {
         cmocka_unit_test(curves_by_definition),
         cmocka_unit_test(curves_are_counted),
         cmocka_unit_test(neighbours_that_part),
+        cmocka_unit_test(laminar_phases_are_counted),
         cmocka_unit_test(unsuitable_points),
         cmocka_unit_test(unsuitable_options),
         cmocka_unit_test(unsuitable_series),

@@ -2,6 +2,7 @@
  * bring it there from one side, in turns or in a spiral; and not much later than that.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "closed_orbits.h"
+#include "sweep/sweep.h"
 #include "sweep_check.h"
 
 /* Where a settled trajectory is, at most, away from its orbit: sweep.h. */
@@ -130,12 +131,49 @@ static void a_free_motions_exponent_is_its_decay(void **unused) {
     }
 }
 
+/* Points that close in on one, told with so many impacts and contacts in every other period: the period that
+ * they are said to have settled on. */
+static int period_of_points(const saltus_system *system, long long impacts, long long contacts, bool *doubt) {
+    saltus_settling settling;
+    const saltus_sweep_options options = saltus_sweep_defaults();
+    long long impacts_so_far = 0, contacts_so_far = 0;
+    assert_true(saltus_settling_open(&settling, 2, &options));
+    saltus_settling_reset(&settling, system);
+    for (int k = 0; k < 200; k++) {
+        double away = 1e-3 * pow(0.5, k);
+        impacts_so_far += k % 2 ? impacts : 2;
+        contacts_so_far += k % 2 ? contacts : 1;
+        saltus_settling_add(&settling, (double[]){0.3 + away, 0.1 - away}, impacts_so_far, contacts_so_far);
+    }
+    int period = saltus_settling_period(&settling, 1e-9, doubt);
+    for (int p = 1; p <= 2; p++) {
+        assert_int_equal(saltus_settling_impacts(&settling, 2 * p), p * (2 + impacts));
+        assert_int_equal(saltus_settling_contacts(&settling, 2 * p), p * (1 + contacts));
+    }
+    saltus_settling_close(&settling);
+    return period;
+}
+
+/* What differs from period to period is no orbit of one period, however well the points recur. */
+static void counts_must_recur_as_points_do(void **unused) {
+    (void)unused;
+    saltus_spec spec = oscillator_spec(0.1, 1, 1, 1);
+    saltus_system *system = build(&spec);
+    bool doubt;
+    assert_int_equal(period_of_points(system, 2, 1, &doubt), 1);
+    assert_false(doubt);
+    assert_int_not_equal(period_of_points(system, 2, 3, &doubt), 1);
+    assert_int_not_equal(period_of_points(system, 3, 1, &doubt), 1);
+    saltus_system_free(system);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(an_orbit_is_reached_when_it_is_near),
         cmocka_unit_test(a_spiral_is_not_left_early),
         cmocka_unit_test(orbits_with_impacts_are_near_too),
         cmocka_unit_test(a_free_motions_exponent_is_its_decay),
+        cmocka_unit_test(counts_must_recur_as_points_do),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -129,6 +129,19 @@ saltus_status saltus_series_closed_curve(const saltus_series_points *points,
                                          const saltus_series_options *options, saltus_series_curve *curve,
                                          saltus_message *message);
 
+/* Phases in which points nearly recur: intermittency, a motion that is nearly periodic for a while. */
+typedef struct saltus_series_phases {
+    double laminar;    /* part of the points that belong to such phases */
+    int period;        /* in points; 0: there are no phases */
+    long long longest; /* points of the longest phase */
+} saltus_series_phases;
+
+/* The period up to `longest` with which most points lie in laminar phases (the shortest of equals). A phase
+ * of period p is a run of points that are within 1/50 of the series' extent of those p before them, at least
+ * 20 of them and 5 p, together with the p before; the extent is the largest distance from the first point,
+ * and distances are here the largest weighted difference of a component. */
+saltus_series_phases saltus_series_laminar_phases(const saltus_series_points *points, int longest);
+
 #ifdef __cplusplus
 }
 #endif

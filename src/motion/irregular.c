@@ -190,43 +190,21 @@ static saltus_status run_trial(judge *j, saltus_outcome *result, saltus_message 
     return status;
 }
 
-/* Phases in which the section points recur after p periods, within a fraction of their extent. */
-static void find_phases(const judge *j, int p, double near, saltus_evidence *evidence) {
-    long long phase = 0, laminar = 0, longest = 0, count = points_there(j);
-    for (long long k = p; k <= count; k++) {
-        bool recurs = k < count && saltus_section_distance(j->system, j->points + k * j->n,
-                                                           j->points + (k - p) * j->n) < near;
-        if (recurs)
-            phase++;
-        else {
-            bool counts = phase >= 5 * p && phase >= 20;
-            laminar += counts ? phase + p : 0;
-            longest = counts && phase + p > longest ? phase + p : longest;
-            phase = 0;
-        }
-    }
-    if ((double)laminar / (double)count > evidence->laminar) {
-        evidence->laminar = (double)laminar / (double)count;
-        evidence->laminar_period = p;
-        evidence->longest_phase = longest;
-    }
-}
-
 /* Intermittent is what stays near a periodic motion for much longer than the time in which neighbours
  * separate. */
 static void find_intermittency(judge *j) {
     saltus_evidence *evidence = &j->motion->evidence;
-    double extent = 0, separation = 1 / (j->motion->lyapunov * saltus_system_period(j->system));
-    for (long long k = 0; k < points_there(j); k++)
-        extent = fmax(extent, saltus_section_distance(j->system, j->points + k * j->n, j->points));
-    evidence->laminar = 0;
-    for (int p = 1; p <= longest_laminar; p++)
-        find_phases(j, p, 0.02 * extent, evidence);
-    if (evidence->laminar < 0.05 || (double)evidence->longest_phase < 10 * separation) {
-        evidence->laminar_period = 0;
-        evidence->longest_phase = 0;
-        evidence->laminar = 0;
-    }
+    double separation = 1 / (j->motion->lyapunov * saltus_system_period(j->system)),
+           weights[SALTUS_STATE_MAX];
+    for (int i = 0; i < j->n; i++)
+        weights[i] = 1 / saltus_system_scale(j->system)[i];
+    saltus_series_points points = {j->points, weights, points_there(j), j->n};
+    saltus_series_phases phases = saltus_series_laminar_phases(&points, longest_laminar);
+    if (phases.laminar < 0.05 || (double)phases.longest < 10 * separation)
+        phases = (saltus_series_phases){0};
+    evidence->laminar = phases.laminar;
+    evidence->laminar_period = phases.period;
+    evidence->longest_phase = phases.longest;
 }
 
 static void tell_exponent(judge *j) {
