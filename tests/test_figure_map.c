@@ -804,7 +804,7 @@ static void basins_show_where_each_start_goes(void **state) {
     const figure_element *e = figure_element_of(panel, "binary", 0);
     unsigned own[8] = {0};
     for (int k = 0; k < file.attractor_count; k++) {
-        char name[16], expected[48];
+        char name[32], expected[48];
         const char *figures;
         snprintf(name, sizeof name, "$orbit_%d", k);
         const figure_element *rim = figure_element_of(panel, name, 0),
