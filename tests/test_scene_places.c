@@ -1,0 +1,399 @@
+/* A refusal of a scene names the line and the key at fault, whatever the layout: every key of several layouts
+ * is damaged in turn. All layouts of a scene give the same scene.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "check.h"
+
+/* A pair in block or in flow style; what stands between the marks is damaged. */
+#define BLOCK(pair) "\1" pair "\3"
+#define FLOW(pair) "\2" pair "\3"
+
+enum { text_size = 4096, key_size = 32 };
+
+static const char
+    *const pipes[] =
+        {
+            /* Block style with comments that look like keys. */
+            "# omega: 1 {[\n" BLOCK("model: pipe") "\n\n # r: 3\n" BLOCK(
+                "title: C#4 at a:b") " # xi: {\n" BLOCK("N: "
+                                                        "2") "\n" BLOCK("omega: 37") "   # omega: 2\n#d: "
+                                                                                     "1\nstops: # two\n  "
+                                                                                     "- " BLOCK("d: 0.03") "\n    # d: 7\n"
+                                                                                                           " "
+                                                                                                           " "
+                                                                                                           " "
+                                                                                                           " " BLOCK("r: 0.5") "\n\n    " BLOCK("xi: 0.3") "\n  - " BLOCK("xi: 0.6") "\n    " BLOCK("d: 0.04") " # r: 1\n    " BLOCK(
+                                                                                                               "r: 0.6") "\n   "
+                                                                                                                         " " BLOCK(
+                                                                                                                             "si"
+                                                                                                                             "de"
+                                                                                                                             "s:"
+                                                                                                                             " b"
+                                                                                                                             "ot"
+                                                                                                                             "h") "\ni"
+                                                                                                                                  "nit"
+                                                                                                                                  "ial"
+                                                                                                                                  ":\n"
+                                                                                                                                  " "
+                                                                                                                                  " " BLOCK("v: [0.1, 0.2]") "\n  " BLOCK(
+                                                                                                                                      "q: "
+                                                                                                                                      "[0."
+                                                                                                                                      "001"
+                                                                                                                                      "]") "\n",
+            /* The same with carriage returns, after a byte order mark, dashes in the column of their key. */
+            "\xef\xbb\xbf" BLOCK("model: pipe") "\r\n\r\n" BLOCK("title: \"r: 1 # d: [\"") "\r\n" BLOCK(
+                "N: 2") "\r"
+                        "\n" BLOCK("omega: 37") "\t# r: 1\r\nstops:\r\n- {" FLOW("d: 0.03") ", " FLOW("r: "
+                                                                                                      "0.5") ", " FLOW(
+                            "xi: 0.3") "}\r\n- " BLOCK("xi: 0.6") "\r\n  " BLOCK("d:"
+                                                                                 " 0"
+                                                                                 ".0"
+                                                                                 "4") "\r\n "
+                                                                                      " " BLOCK(
+                                                                                          "r:"
+                                                                                          " 0"
+                                                                                          "."
+                                                                                          "6") "\r"
+                                                                                               "\n "
+                                                                                               " " BLOCK("sid"
+                                                                                                         "es:"
+                                                                                                         " bo"
+                                                                                                         "th") "\r\ninitial: {" FLOW(
+                                                                                                   "v: "
+                                                                                                   "[0.1,0."
+                                                                                                   "2]") ",\r"
+                                                                                                         "\n "
+                                                                                                         " " FLOW("q: [0.001]") "}\r\n",
+            /* JSON. */
+            "{\n " FLOW("\"model\": \"pipe\"") ",\n " FLOW(
+                "\"title\": \"a \\\"d\\\": 1, {\\\\\"") ",\n " FLOW("\"N\""
+                                                                    ": 2") ",\n\n " FLOW("\"omega\": 37") ","
+                                                                                                          "\n"
+                                                                                                          " "
+                                                                                                          "\""
+                                                                                                          "st"
+                                                                                                          "op"
+                                                                                                          "s"
+                                                                                                          "\""
+                                                                                                          ": "
+                                                                                                          "["
+                                                                                                          "\n"
+                                                                                                          "  "
+                                                                                                          "{"
+                                                                                                          "\n"
+                                                                                                          "  "
+                                                                                                          " " FLOW(
+                                                                                                              "\"d\": 0.03") ",\n   " FLOW("\"r\": 0.5") ",\n"
+                                                                                                                                                         "  "
+                                                                                                                                                         " " FLOW(
+                                                                                                                                                             "\"xi\": 0.3") "\n  },\n  {\n   " FLOW("\"xi\": 0.6") ",\n   " FLOW("\"d\": 0.04") ",\n   " FLOW("\"r"
+                                                                                                                                                                                                                                                              "\":"
+                                                                                                                                                                                                                                                              " 0."
+                                                                                                                                                                                                                                                              "6") ",\n   " FLOW("\"sides\":"
+                                                                                                                                                                                                                                                                                 " \"both\"") "\n  }\n ],\n \"initial\": {\n  " FLOW("\"v\": [0.1,\n   0.2]") ",\n  " FLOW("\"q\": [0.001]") "\n }\n}\n",
+            /* JSON without a blank, in one line. */
+            "{" FLOW("\"model\":\"pipe\"") "," FLOW("\"N\":2") "," FLOW("\"omega\":37") ",\"stops\":[{" FLOW(
+                "\"d"
+                "\":"
+                "0."
+                "03") "," FLOW("\"r\":0.5") "," FLOW("\"xi\":0.3") "},{" FLOW("\"xi\":0.6") "," FLOW("\"d\":"
+                                                                                                     "0.04") "," FLOW("\"r\":0.6") "," FLOW("\"sides\":\"both\"") "}],"
+                                                                                                                                                                  "\"init"
+                                                                                                                                                                  "ial\":"
+                                                                                                                                                                  "{" FLOW("\"v\":[0.1,0.2]") "," FLOW(
+                                                                                                                                                                      "\"q\":[0.001]") "}}",
+            /* Everything is indented; a quoted title goes over lines; entries follow in lines below their
+             * dashes.
+             */
+            "---\n  " BLOCK("model: pipe") "\n  " BLOCK("title: \"two\n   omega: 1\n   lines\"") "\n  " BLOCK("N : 2") "\n  " BLOCK("\"omega\" : 37") "\n  stops:\n    -\n      " BLOCK(
+                "d: 0.03") "\n      " BLOCK("r: 0.5") "\n    "
+                                                      " "
+                                                      " " BLOCK("xi: 0.3") "\n    -\n      " BLOCK("xi: 0.6") "\n      " BLOCK("d: 0.04") "\n      " BLOCK(
+                                                          "'r': 0.6") "\n      " BLOCK("si"
+                                                                                       "de"
+                                                                                       "s:"
+                                                                                       " b"
+                                                                                       "ot"
+                                                                                       "h") "\n  initial:\n  "
+                                                                                            " "
+                                                                                            " " BLOCK(
+                                                                                                "v:\n    - "
+                                                                                                "0.1\n    "
+                                                                                                "- 0.2") "\n "
+                                                                                                         "  "
+                                                                                                         " " BLOCK(
+                                                                                                             "q"
+                                                                                                             ":"
+                                                                                                             " "
+                                                                                                             "["
+                                                                                                             " "
+                                                                                                             "0"
+                                                                                                             "."
+                                                                                                             "0"
+                                                                                                             "0"
+                                                                                                             "1"
+                                                                                                             " "
+                                                                                                             "]") "\n",
+            /* A line of a quoted text may end with a backslash, and quotes may be doubled; keys come in
+               another order. */
+            BLOCK("title: \"one \\\n  line\"") "\nstops: [{" FLOW("d: 0.03") ",\n " FLOW(
+                "r: 0.5") ",\n " FLOW("x"
+                                      "i"
+                                      ":"
+                                      " "
+                                      "0"
+                                      "."
+                                      "3") "},\n {" FLOW("xi: 0.6") ",\n " FLOW("sides: both") ", # "
+                                                                                               "{\n " FLOW("d"
+                                                                                                           ":"
+                                                                                                           " "
+                                                                                                           "0"
+                                                                                                           "."
+                                                                                                           "0"
+                                                                                                           "4") ", " FLOW("r:"
+                                                                                                                          " 0"
+                                                                                                                          "."
+                                                                                                                          "6") "}]"
+                                                                                                                               "\niniti"
+                                                                                                                               "al:"
+                                                                                                                               "\n"
+                                                                                                                               " " BLOCK("q: [0.001]") "\n " BLOCK("v: [0.1, 0.2]") "\n" BLOCK(
+                                                                                                                                   "N: 2") "\n" BLOCK("model: 'pipe'") "\n" BLOCK("omega: 37") "\n",
+};
+
+static const char *const oscillators[] = {
+    BLOCK("model: oscillator") "\n" BLOCK("N: 2") "\n" BLOCK("m: 3") "\n" BLOCK("m2: 4") "\n" BLOCK("kz: 1.5") "\n" BLOCK("tz: 2") "\nstop:\n  " BLOCK(
+        "d: 0.3") "\n  " BLOCK("weight: [1, -1]") "\n  " BLOCK("sides: lower") "\n  " BLOCK("r: 0") "\ninitia"
+                                                                                                    "l:\n "
+                                                                                                    " " BLOCK("z: [0.1]") "\n  " BLOCK(
+                                                                                                        "v: "
+                                                                                                        "[0."
+                                                                                                        "2, "
+                                                                                                        "0."
+                                                                                                        "3]") "\n",
+    "{" FLOW("model: oscillator") ",\n" FLOW("N: 2") ",\n" FLOW("m: 3") ",\n" FLOW("m2: 4") ", # r: 1\n" FLOW("kz: 1.5") ",\n" FLOW("tz: 2") ",\nstop: {\n" FLOW(
+        "d: 0.3") ",\n" FLOW("weight: [1,-1]") ",\n" FLOW("sides: lower") ",\n" FLOW("r: 0") "},\ninitial: "
+                                                                                             "{\n" FLOW(
+                                                                                                 "z: "
+                                                                                                 "[0."
+                                                                                                 "1]") ","
+                                                                                                       "\n" FLOW(
+                                                                                                           "v"
+                                                                                                           ":"
+                                                                                                           " "
+                                                                                                           "["
+                                                                                                           "0"
+                                                                                                           "."
+                                                                                                           "2"
+                                                                                                           ","
+                                                                                                           " "
+                                                                                                           "0"
+                                                                                                           "."
+                                                                                                           "3"
+                                                                                                           "]") "}\n}\n",
+    "stop: {" FLOW("weight: [1, -1]") ", " FLOW("sides: lower") ",\n  " FLOW("d: 0.3") ", " FLOW(
+        "r: 0") "}\n" BLOCK("kz: 1.5") "\n" BLOCK("m2: 4") "\n" BLOCK("N: 2") "\ninitial: {" FLOW("v: [0.2, "
+                                                                                                  "0.3]") ","
+                                                                                                          " " FLOW("z: [0.1]") "}\n" BLOCK("tz: 2") "\n" BLOCK(
+                                                                                                              "model: oscillator") "\n" BLOCK("m: 3") "\n",
+};
+
+static const char *const chains[] =
+    {
+        /* Lists of dashes below keys of stops. */
+        BLOCK("model: oscillator") "\n" BLOCK("N: 2") "\nstops:\n- " BLOCK("sides: lower") "\n  " BLOCK("weig"
+                                                                                                        "ht:"
+                                                                                                        "\n  "
+                                                                                                        "- "
+                                                                                                        "1\n "
+                                                                                                        " - "
+                                                                                                        "-1") "\n  " BLOCK("d: 0.3") "\n  " BLOCK("r: 0") "\n- " BLOCK(
+            "d: 0.5") "\n  " BLOCK("weight:\n    - 0\n    - 1") "\n  " BLOCK("r: 0.5") "\ninitial:\n  " BLOCK("q:\n  - -0.1\n  - 0") "\n  " BLOCK("v: [0.2, 0.3]") "\n" BLOCK("k: 2") "\n",
+        "{" FLOW("model: oscillator") ",\n" FLOW("N: 2") ",\n" FLOW("k: 2") ",\nstops: [{\n" FLOW(
+            "sides: lower") ",\n" FLOW("weight: [1,-1]") ",\n" FLOW("d: 0.3") ",\n" FLOW("r: 0") "\n},"
+                                                                                                 "\n{" FLOW("d: 0.5") ",\n" FLOW("weight: [0, 1]") ",\n" FLOW("r: 0.5") "}],\ninitial: {" FLOW("q: [-0.1, 0]") ",\n" FLOW("v: [0.2, 0.3]") "}}\n",
+};
+
+/* A pair between marks: which one, where it begins, its key and value. */
+typedef struct site {
+    bool flow;
+    int line, column;
+    char key[key_size], written[key_size], value[128]; /* `written`: the key with its quotes */
+} site;
+
+/* Write the layout without marks, the pair of number `which` replaced if there is one; false when there are
+ * not so many pairs. */
+static bool write_layout(const char *layout, int which, const char *instead, char *text, site *found) {
+    size_t used = 0, begin = strncmp(layout, "\xef\xbb\xbf", 3) == 0 ? 3 : 0;
+    int number = 0, line = 1;
+    bool here = false, any = false;
+    for (const char *c = layout; *c; c++) {
+        if (*c == '\1' || *c == '\2') {
+            here = number++ == which;
+            if (!here)
+                continue;
+            any = true;
+            size_t length = strcspn(c + 1, "\3"), colon = strcspn(c + 1, ":"), name = colon;
+            while (c[name] == ' ')
+                name--;
+            bool quoted = c[1] == '"' || c[1] == '\'';
+            found->flow = *c == '\2';
+            found->line = line;
+            found->column = (int)(used - begin);
+            snprintf(found->written, sizeof found->written, "%.*s", (int)name, c + 1);
+            snprintf(found->key, sizeof found->key, "%.*s", (int)name - 2 * quoted, c + 1 + quoted);
+            snprintf(found->value, sizeof found->value, "%.*s", (int)(length - colon - 1), c + 2 + colon);
+            if (instead) {
+                used += (size_t)snprintf(text + used, text_size - used, "%s", instead);
+                c += length;
+            }
+            continue;
+        }
+        if (*c == '\3')
+            continue;
+        text[used++] = *c;
+        if (*c == '\n') {
+            line++;
+            begin = used;
+        }
+    }
+    text[used] = '\0';
+    return any;
+}
+
+static saltus_scene parse(const char *text) {
+    saltus_scene scene;
+    saltus_message message = {""};
+    if (saltus_scene_parse(text, strlen(text), "my.yaml", &scene, &message) != SALTUS_OK)
+        fail_msg("%s\n%s", message.text, text);
+    return scene;
+}
+
+/* The text is refused, with this line and these words next. */
+static void check_refusal(const char *text, int line, const char *words) {
+    saltus_scene scene;
+    saltus_message message = {""};
+    char wanted[256];
+    snprintf(wanted, sizeof wanted, "my.yaml:%d: %s", line, words);
+    assert_int_equal(saltus_scene_parse(text, strlen(text), "my.yaml", &scene, &message), SALTUS_BAD_INPUT);
+    if (strncmp(message.text, wanted, strlen(wanted)) != 0)
+        fail_msg("'%s' instead of '%s' for\n%s", message.text, wanted, text);
+}
+
+static bool is_list(const site *s) {
+    return strchr("qvzw", s->key[0]) != NULL;
+}
+
+/* A value that cannot be read, and one that can but is out of the key's range. */
+static void damage_value(const char *layout, int which, const site *s) {
+    static const struct {
+        const char *key, *value;
+    } beyond[] = {{"N", "99"}, {"omega", "-1"}, {"r", "7"},   {"xi", "1.5"},
+                  {"m", "-2"}, {"m2", "-2"},    {"kz", "-3"}, {"tz", "-1"}};
+    char text[text_size], pair[256], words[128];
+    site again;
+    bool list = is_list(s);
+    if (strcmp(s->key, "title") == 0)
+        return;
+    snprintf(pair, sizeof pair, list ? "%s: [x-1]" : "%s: x-1", s->written);
+    write_layout(layout, which, pair, text, &again);
+    snprintf(words, sizeof words, "%s = \"x-1\": ", s->key);
+    check_refusal(text, s->line, words);
+    for (size_t k = 0; k < sizeof beyond / sizeof beyond[0]; k++) {
+        if (strcmp(s->key, beyond[k].key) != 0)
+            continue;
+        snprintf(pair, sizeof pair, "%s: %s", s->written, beyond[k].value);
+        write_layout(layout, which, pair, text, &again);
+        check_refusal(text, s->line, "");
+        saltus_scene scene;
+        saltus_message message = {""};
+        saltus_scene_parse(text, strlen(text), "my.yaml", &scene, &message);
+        snprintf(words, sizeof words, "%s = %s: ", s->key, beyond[k].value);
+        assert_non_null(strstr(message.text, words));
+    }
+}
+
+/* A list or a mapping where a single value belongs, and the other way round. */
+static void damage_kind(const char *layout, int which, const site *s) {
+    static const char *const wrong[2][3] = {{"[1, 2]", "{a: 1}", "[]"}, {"7", "{a: 1}", "\"\""}};
+    char text[text_size], pair[256], words[64];
+    site again;
+    bool list = is_list(s);
+    for (int k = 0; k < 3; k++) {
+        snprintf(pair, sizeof pair, "%s: %s", s->written, wrong[list][k]);
+        write_layout(layout, which, pair, text, &again);
+        snprintf(words, sizeof words, "%s: must be a %s", s->key, list ? "list of" : "single value");
+        check_refusal(text, s->line, words);
+    }
+}
+
+/* The pair twice: the second one is named. A strange key before it: that one is. */
+static void add_keys(const char *layout, int which, const site *s) {
+    char text[text_size], pair[600], words[64], between[80];
+    site again;
+    int inner = 0;
+    for (const char *c = s->value; *c; c++)
+        inner += *c == '\n';
+    snprintf(between, sizeof between, s->flow ? ",\n\n%*s" : "\n\n%*s", s->column, "");
+    snprintf(pair, sizeof pair, "%s:%s%s%s: %s", s->written, s->value, between, s->written, s->value);
+    write_layout(layout, which, pair, text, &again);
+    snprintf(words, sizeof words, "%s: given twice", s->key);
+    check_refusal(text, s->line + inner + 2, words);
+    snprintf(pair, sizeof pair, "%s:%s%sweird: 1", s->written, s->value, between);
+    write_layout(layout, which, pair, text, &again);
+    check_refusal(text, s->line + inner + 2, "\"weird\": unknown key");
+}
+
+static void check_same(const saltus_scene *a, const saltus_scene *b) {
+    assert_ptr_equal(a->spec.model, b->spec.model);
+    assert_memory_equal(a->spec.parameters, b->spec.parameters, sizeof a->spec.parameters);
+    assert_int_equal(a->spec.stop_count, b->spec.stop_count);
+    for (int s = 0; s < a->spec.stop_count; s++) {
+        const saltus_stop *p = &a->spec.stops[s], *q = &b->spec.stops[s];
+        assert_true(p->xi == q->xi && p->d == q->d && p->r == q->r && p->sides == q->sides &&
+                    p->weight[0] == q->weight[0] && p->weight[1] == q->weight[1]);
+    }
+    assert_int_equal(a->initial_count, b->initial_count);
+    assert_memory_equal(a->initial, b->initial, sizeof a->initial);
+}
+
+static void each_key_is_found(const char *const *layouts, size_t count) {
+    char text[text_size];
+    site s;
+    saltus_scene first = {.initial_count = 0};
+    for (size_t k = 0; k < count; k++) {
+        write_layout(layouts[k], -1, NULL, text, &s);
+        saltus_scene scene = parse(text);
+        if (k == 0)
+            first = scene;
+        check_same(&scene, &first);
+        for (int which = 0; write_layout(layouts[k], which, NULL, text, &s); which++) {
+            damage_value(layouts[k], which, &s);
+            damage_kind(layouts[k], which, &s);
+            add_keys(layouts[k], which, &s);
+        }
+    }
+}
+
+static void each_key_of_a_pipe_is_found(void **state) {
+    (void)state;
+    each_key_is_found(pipes, sizeof pipes / sizeof pipes[0]);
+}
+
+static void each_key_of_an_oscillator_is_found(void **state) {
+    (void)state;
+    each_key_is_found(oscillators, sizeof oscillators / sizeof oscillators[0]);
+}
+
+static void each_key_of_a_chain_is_found(void **state) {
+    (void)state;
+    each_key_is_found(chains, sizeof chains / sizeof chains[0]);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(each_key_of_a_pipe_is_found),
+        cmocka_unit_test(each_key_of_an_oscillator_is_found),
+        cmocka_unit_test(each_key_of_a_chain_is_found),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
