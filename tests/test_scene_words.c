@@ -195,6 +195,11 @@ static void origins_and_values_are_cut(void **state) {
         refusal(text, strlen(text), &message);
         assert_int_equal(strncmp(message.text, wanted, strlen(wanted)), 0);
     }
+    char long_key[256] = "";
+    memset(long_key, 'k', 200);
+    snprintf(wanted, sizeof wanted, "model: pipe\n%s: 1\n", long_key);
+    refusal(wanted, strlen(wanted), &message);
+    assert_non_null(strstr(message.text, "\"kkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkkk...\": unknown key"));
     scene = (saltus_scene){.spec = saltus_spec_defaults(saltus_model_find("pipe"))};
     assert_int_equal(saltus_scene_set(&scene, "omega=a\x1f\x7f\t ~", &message), SALTUS_BAD_INPUT);
     assert_int_equal(strncmp(message.text, "omega = \"a    ~\": ", 18), 0);

@@ -9,17 +9,7 @@
 #include <limits.h>
 #include <string.h>
 
-enum { top_size = 64, no_dashes = INT_MAX };
-
-typedef struct scanner {
-    const char *at, *end, *line_start;
-    int line;
-    int flow;                 /* depth of brackets */
-    int top_flow, top_column; /* of the top-level keys; column < 0: none was seen yet */
-    char top[top_size];       /* the last top-level key */
-    int entry;                /* list item below it; -1 before the first */
-    int dash_column; /* of its items' dashes; < 0: no dash or key came yet; no_dashes: a key came first */
-} scanner;
+enum { no_dashes = INT_MAX };
 
 /* A key or a value: its text without quotes. */
 typedef struct word {
@@ -28,6 +18,16 @@ typedef struct word {
     int line, column;
     bool key;
 } word;
+
+typedef struct scanner {
+    const char *at, *end, *line_start;
+    int line;
+    int flow;                 /* depth of brackets */
+    int top_flow, top_column; /* of the top-level keys; column < 0: none was seen yet */
+    word top;                 /* the last top-level key */
+    int entry;                /* list item below it; -1 before the first */
+    int dash_column; /* of its items' dashes; < 0: no dash or key came yet; no_dashes: a key came first */
+} scanner;
 
 static bool is_blank(char c) {
     return c == ' ' || c == '\t' || c == '\r' || c == '\n';
@@ -135,9 +135,7 @@ static bool enter_top(scanner *s, const word *w) {
     }
     if (s->flow != s->top_flow || (s->flow == 0 && w->column != s->top_column))
         return false;
-    size_t length = w->length < top_size - 1 ? w->length : top_size - 1;
-    memcpy(s->top, w->text, length);
-    s->top[length] = '\0';
+    s->top = *w;
     s->entry = s->dash_column = -1;
     return true;
 }
@@ -161,7 +159,7 @@ static int next_key_at(scanner *s, saltus_place place) {
         if (!top && s->dash_column < 0)
             s->dash_column = no_dashes;
         int entry = s->entry < 0 ? 0 : s->entry;
-        bool here = top ? !place.top : place.top && strcmp(s->top, place.top) == 0 && entry == place.entry;
+        bool here = top ? !place.top : place.top && same(&s->top, place.top) && entry == place.entry;
         if (here && same(&w, place.key))
             return w.line;
     }
