@@ -17,52 +17,58 @@ static const char
                 "title: C#4 at a:b") " # xi: {\n" BLOCK("N: "
                                                         "2") "\n" BLOCK("omega: 37") "   # omega: 2\n#d: "
                                                                                      "1\nstops: # two\n  "
-                                                                                     "- " BLOCK("d: 0.03") "\n    # d: 7\n"
-                                                                                                           " "
-                                                                                                           " "
-                                                                                                           " "
-                                                                                                           " " BLOCK("r: 0.5") "\n\n    " BLOCK("xi: 0.3") "\n  - " BLOCK("xi: 0.6") "\n    " BLOCK("d: 0.04") " # r: 1\n    " BLOCK(
-                                                                                                               "r: 0.6") "\n   "
-                                                                                                                         " " BLOCK(
-                                                                                                                             "si"
-                                                                                                                             "de"
-                                                                                                                             "s:"
-                                                                                                                             " b"
-                                                                                                                             "ot"
-                                                                                                                             "h") "\ni"
-                                                                                                                                  "nit"
-                                                                                                                                  "ial"
-                                                                                                                                  ":\n"
-                                                                                                                                  " "
-                                                                                                                                  " " BLOCK("v: [0.1, 0.2]") "\n  " BLOCK(
-                                                                                                                                      "q: "
-                                                                                                                                      "[0."
-                                                                                                                                      "001"
-                                                                                                                                      "]") "\n",
+                                                                                     "- " BLOCK(
+                                                                                         "d: 0.03") "\n    # "
+                                                                                                    "d: 7\n"
+                                                                                                    " "
+                                                                                                    " "
+                                                                                                    " "
+                                                                                                    " " BLOCK("r: 0.5") "\n\n    " BLOCK("xi: 0.3") "\n  - " BLOCK("xi: 0.6") "\n    " BLOCK("d: 0.04") " # r: 1\n    " BLOCK(
+                                                                                                        "r: "
+                                                                                                        "0.6") "\n   "
+                                                                                                               " " BLOCK(
+                                                                                                                   "si"
+                                                                                                                   "de"
+                                                                                                                   "s:"
+                                                                                                                   " b"
+                                                                                                                   "ot"
+                                                                                                                   "h") "\ni"
+                                                                                                                        "nit"
+                                                                                                                        "ial"
+                                                                                                                        ":\n"
+                                                                                                                        " "
+                                                                                                                        " " BLOCK("v: [0.1, 0.2]") "\n  " BLOCK(
+                                                                                                                            "q: "
+                                                                                                                            "[0."
+                                                                                                                            "001"
+                                                                                                                            "]") "\n",
             /* The same with carriage returns, after a byte order mark, dashes in the column of their key. */
             "\xef\xbb\xbf" BLOCK("model: pipe") "\r\n\r\n" BLOCK("title: \"r: 1 # d: [\"") "\r\n" BLOCK(
                 "N: 2") "\r"
-                        "\n" BLOCK("omega: 37") "\t# r: 1\r\nstops:\r\n- {" FLOW("d: 0.03") ", " FLOW("r: "
-                                                                                                      "0.5") ", " FLOW(
-                            "xi: 0.3") "}\r\n- " BLOCK("xi: 0.6") "\r\n  " BLOCK("d:"
-                                                                                 " 0"
-                                                                                 ".0"
-                                                                                 "4") "\r\n "
-                                                                                      " " BLOCK(
-                                                                                          "r:"
-                                                                                          " 0"
-                                                                                          "."
-                                                                                          "6") "\r"
-                                                                                               "\n "
-                                                                                               " " BLOCK("sid"
-                                                                                                         "es:"
-                                                                                                         " bo"
-                                                                                                         "th") "\r\ninitial: {" FLOW(
-                                                                                                   "v: "
-                                                                                                   "[0.1,0."
-                                                                                                   "2]") ",\r"
-                                                                                                         "\n "
-                                                                                                         " " FLOW("q: [0.001]") "}\r\n",
+                        "\n" BLOCK("omega: 37") "\t# r: 1\r\nstops:\r\n- {" FLOW("d: 0.03") ", " FLOW(
+                            "r: "
+                            "0.5") ", " FLOW("xi: 0.3") "}\r\n- " BLOCK("xi: 0.6") "\r\n  " BLOCK("d:"
+                                                                                                  " 0"
+                                                                                                  ".0"
+                                                                                                  "4") "\r\n "
+                                                                                                       " " BLOCK(
+                                                                                                           "r"
+                                                                                                           ":"
+                                                                                                           " "
+                                                                                                           "0"
+                                                                                                           "."
+                                                                                                           "6") "\r"
+                                                                                                                "\n "
+                                                                                                                " " BLOCK(
+                                                                                                                    "sid"
+                                                                                                                    "es:"
+                                                                                                                    " bo"
+                                                                                                                    "th") "\r\ninitial: {" FLOW("v: "
+                                                                                                                                                "[0.1,0."
+                                                                                                                                                "2]") ",\r"
+                                                                                                                                                      "\n "
+                                                                                                                                                      " " FLOW(
+                                                                                                                                                          "q: [0.001]") "}\r\n",
             /* JSON. */
             "{\n " FLOW("\"model\": \"pipe\"") ",\n " FLOW(
                 "\"title\": \"a \\\"d\\\": 1, {\\\\\"") ",\n " FLOW("\"N\""
@@ -81,15 +87,14 @@ static const char
                                                                                                           "{"
                                                                                                           "\n"
                                                                                                           "  "
-                                                                                                          " " FLOW(
-                                                                                                              "\"d\": 0.03") ",\n   " FLOW("\"r\": 0.5") ",\n"
-                                                                                                                                                         "  "
-                                                                                                                                                         " " FLOW(
-                                                                                                                                                             "\"xi\": 0.3") "\n  },\n  {\n   " FLOW("\"xi\": 0.6") ",\n   " FLOW("\"d\": 0.04") ",\n   " FLOW("\"r"
-                                                                                                                                                                                                                                                              "\":"
-                                                                                                                                                                                                                                                              " 0."
-                                                                                                                                                                                                                                                              "6") ",\n   " FLOW("\"sides\":"
-                                                                                                                                                                                                                                                                                 " \"both\"") "\n  }\n ],\n \"initial\": {\n  " FLOW("\"v\": [0.1,\n   0.2]") ",\n  " FLOW("\"q\": [0.001]") "\n }\n}\n",
+                                                                                                          " " FLOW("\"d\": 0.03") ",\n   " FLOW("\"r\": 0.5") ",\n"
+                                                                                                                                                              "  "
+                                                                                                                                                              " " FLOW(
+                                                                                                                                                                  "\"xi\": 0.3") "\n  },\n  {\n   " FLOW("\"xi\": 0.6") ",\n   " FLOW("\"d\": 0.04") ",\n   " FLOW("\"r"
+                                                                                                                                                                                                                                                                   "\":"
+                                                                                                                                                                                                                                                                   " 0."
+                                                                                                                                                                                                                                                                   "6") ",\n   " FLOW("\"sides\":"
+                                                                                                                                                                                                                                                                                      " \"both\"") "\n  }\n ],\n \"initial\": {\n  " FLOW("\"v\": [0.1,\n   0.2]") ",\n  " FLOW("\"q\": [0.001]") "\n }\n}\n",
             /* JSON without a blank, in one line. */
             "{" FLOW("\"model\":\"pipe\"") "," FLOW("\"N\":2") "," FLOW("\"omega\":37") ",\"stops\":[{" FLOW(
                 "\"d"
@@ -135,29 +140,32 @@ static const char
                                                                                                              "]") "\n",
             /* A line of a quoted text may end with a backslash, and quotes may be doubled; keys come in
                another order. */
-            BLOCK("title: \"one \\\n  line\"") "\nstops: [{" FLOW("d: 0.03") ",\n " FLOW(
-                "r: 0.5") ",\n " FLOW("x"
-                                      "i"
-                                      ":"
-                                      " "
-                                      "0"
-                                      "."
-                                      "3") "},\n {" FLOW("xi: 0.6") ",\n " FLOW("sides: both") ", # "
-                                                                                               "{\n " FLOW("d"
-                                                                                                           ":"
-                                                                                                           " "
-                                                                                                           "0"
-                                                                                                           "."
-                                                                                                           "0"
-                                                                                                           "4") ", " FLOW("r:"
-                                                                                                                          " 0"
-                                                                                                                          "."
-                                                                                                                          "6") "}]"
-                                                                                                                               "\niniti"
-                                                                                                                               "al:"
-                                                                                                                               "\n"
-                                                                                                                               " " BLOCK("q: [0.001]") "\n " BLOCK("v: [0.1, 0.2]") "\n" BLOCK(
-                                                                                                                                   "N: 2") "\n" BLOCK("model: 'pipe'") "\n" BLOCK("omega: 37") "\n",
+            BLOCK("title: \"one \\\n  line\"") "\nstops: [{" FLOW(
+                "d: 0.03") ",\n " FLOW("r: 0.5") ",\n " FLOW("x"
+                                                             "i"
+                                                             ":"
+                                                             " "
+                                                             "0"
+                                                             "."
+                                                             "3") "},\n {" FLOW("xi: 0.6") ",\n " FLOW("sides"
+                                                                                                       ": "
+                                                                                                       "both") ", # "
+                                                                                                               "{\n " FLOW(
+                                                                                                                   "d"
+                                                                                                                   ":"
+                                                                                                                   " "
+                                                                                                                   "0"
+                                                                                                                   "."
+                                                                                                                   "0"
+                                                                                                                   "4") ", " FLOW("r:"
+                                                                                                                                  " 0"
+                                                                                                                                  "."
+                                                                                                                                  "6") "}]"
+                                                                                                                                       "\niniti"
+                                                                                                                                       "al:"
+                                                                                                                                       "\n"
+                                                                                                                                       " " BLOCK("q: [0.001]") "\n " BLOCK("v: [0.1, 0.2]") "\n" BLOCK("N: 2") "\n" BLOCK(
+                                                                                                                                           "model: 'pipe'") "\n" BLOCK("omega: 37") "\n",
 };
 
 static const char *const oscillators[] = {
@@ -197,20 +205,25 @@ static const char *const oscillators[] = {
                                                                                                               "model: oscillator") "\n" BLOCK("m: 3") "\n",
 };
 
-static const char *const chains[] =
-    {
-        /* Lists of dashes below keys of stops. */
-        BLOCK("model: oscillator") "\n" BLOCK("N: 2") "\nstops:\n- " BLOCK("sides: lower") "\n  " BLOCK("weig"
-                                                                                                        "ht:"
-                                                                                                        "\n  "
-                                                                                                        "- "
-                                                                                                        "1\n "
-                                                                                                        " - "
-                                                                                                        "-1") "\n  " BLOCK("d: 0.3") "\n  " BLOCK("r: 0") "\n- " BLOCK(
-            "d: 0.5") "\n  " BLOCK("weight:\n    - 0\n    - 1") "\n  " BLOCK("r: 0.5") "\ninitial:\n  " BLOCK("q:\n  - -0.1\n  - 0") "\n  " BLOCK("v: [0.2, 0.3]") "\n" BLOCK("k: 2") "\n",
-        "{" FLOW("model: oscillator") ",\n" FLOW("N: 2") ",\n" FLOW("k: 2") ",\nstops: [{\n" FLOW(
-            "sides: lower") ",\n" FLOW("weight: [1,-1]") ",\n" FLOW("d: 0.3") ",\n" FLOW("r: 0") "\n},"
-                                                                                                 "\n{" FLOW("d: 0.5") ",\n" FLOW("weight: [0, 1]") ",\n" FLOW("r: 0.5") "}],\ninitial: {" FLOW("q: [-0.1, 0]") ",\n" FLOW("v: [0.2, 0.3]") "}}\n",
+static const char *const chains[] = {
+    /* Lists of dashes below keys of stops. */
+    BLOCK("model: oscillator") "\n" BLOCK("N: 2") "\nstops:\n- " BLOCK("sides: lower") "\n  " BLOCK(
+        "weig"
+        "ht:"
+        "\n  "
+        "- "
+        "1\n "
+        " - "
+        "-1") "\n  " BLOCK("d: 0.3") "\n  " BLOCK("r: 0") "\n- " BLOCK("d: 0.5") "\n  " BLOCK("weight:\n    "
+                                                                                              "- 0\n    - 1") "\n  " BLOCK("r: 0.5") "\ninitial:\n  " BLOCK("q:\n  - -0.1\n  - 0") "\n  " BLOCK("v: [0.2, 0.3]") "\n" BLOCK("k: 2") "\n",
+    "{" FLOW("model: oscillator") ",\n" FLOW("N: 2") ",\n" FLOW("k: 2") ",\nstops: [{\n" FLOW("sides: lower") ",\n" FLOW(
+        "weight: [1,-1]") ",\n" FLOW("d: 0.3") ",\n" FLOW("r: 0") "\n},"
+                                                                  "\n{" FLOW("d: 0.5") ",\n" FLOW("weight: "
+                                                                                                  "[0, 1]") ",\n" FLOW(
+                                                                      "r: 0.5") "}],\ninitial: {" FLOW("q: "
+                                                                                                       "[-0."
+                                                                                                       "1, "
+                                                                                                       "0]") ",\n" FLOW("v: [0.2, 0.3]") "}}\n",
 };
 
 /* A pair between marks: which one, where it begins, its key and value. */
@@ -340,7 +353,7 @@ static void add_keys(const char *layout, int which, const site *s) {
     check_refusal(text, s->line + inner + 2, words);
     snprintf(pair, sizeof pair, "%s:%s%sweird: 1", s->written, s->value, between);
     write_layout(layout, which, pair, text, &again);
-    check_refusal(text, s->line + inner + 2, "\"weird\": unknown key");
+    check_refusal(text, s->line + inner + 2, "\"weird\": unknown key; the keys here are ");
 }
 
 static void check_same(const saltus_scene *a, const saltus_scene *b) {
@@ -389,11 +402,100 @@ static void each_key_of_a_chain_is_found(void **state) {
     each_key_is_found(chains, sizeof chains / sizeof chains[0]);
 }
 
+/* Keys of a stop at the top, keys of the top below a stop: each is told where it belongs. */
+static void keys_in_the_wrong_place_are_sent_home(void **state) {
+    static const char *const stop_keys[] = {"xi", "d", "r", "sides", "weight"}, *const tops[] = {"stop",
+                                                                                                 "initial"};
+    (void)state;
+    char text[256], words[128];
+    for (int m = 0; m < 2; m++) {
+        const char *model = m ? "oscillator" : "pipe";
+        int count;
+        const saltus_parameter *p = saltus_model_parameters(saltus_model_find(model), &count);
+        for (int k = 0; k < 5; k++) {
+            snprintf(text, sizeof text, "model: %s\n\n%s: 1\n", model, stop_keys[k]);
+            snprintf(words, sizeof words, "\"%s\": belongs to a stop; write stop: {%s: ...}", stop_keys[k],
+                     stop_keys[k]);
+            check_refusal(text, 3, words);
+        }
+        for (int k = 0; k < count; k++) {
+            for (int t = 0; t < 2; t++) {
+                snprintf(text, sizeof text, "model: %s\n%s:\n\n  %s: 1\n", model, tops[t], p[k].name);
+                snprintf(words, sizeof words, "\"%s\": belongs to the top level, not below %s", p[k].name,
+                         tops[t]);
+                check_refusal(text, 4, words);
+            }
+            if (saltus_model_parameter_index(saltus_model_find(m ? "pipe" : "oscillator"), p[k].name) >= 0)
+                continue;
+            snprintf(text, sizeof text, "%s: 1\nmodel: %s\n", p[k].name, m ? "pipe" : "oscillator");
+            snprintf(words, sizeof words, "\"%s\": not a key of the model %s; its keys are model, title, N, ",
+                     p[k].name, m ? "pipe" : "oscillator");
+            check_refusal(text, 1, words);
+        }
+    }
+    /* Without a model, or with one that is not known, its keys cannot be listed. */
+    static const char *const models[] = {"", "model: beam\n",
+                                         "model: pipes-of-a-very-long-name-indeed-it-is\n", "model:\n"};
+    for (int k = 0; k < 4; k++) {
+        snprintf(text, sizeof text, "weird: 1\n%s", models[k]);
+        check_refusal(text, 1, "\"weird\": unknown key; a scene names its model");
+    }
+}
+
+static void stops_without_clearance_are_placed(void **state) {
+    static const char *const keys[] = {"xi: 0.5", "r: 0.5", "sides: both"};
+    (void)state;
+    char text[256];
+    for (int k = 0; k < 3; k++) {
+        snprintf(text, sizeof text, "model: pipe\nstop:\n\n  %s\n", keys[k]);
+        check_refusal(text, 4, "stop: d is missing");
+        snprintf(text, sizeof text, "model: pipe\nstops:\n- {d: 1, %s}\n-\n  %s\n", keys[k], keys[k]);
+        check_refusal(text, 5, "stop 2: d is missing");
+    }
+    check_refusal("model: oscillator\nstop:\n\n  weight: [1]\n", 4, "stop: d is missing");
+    check_refusal("model: pipe\n\nstop: {}\n", 3, "stop: d is missing");
+    check_refusal("model: pipe\n\nstops:\n- d: 1\n- {}\n", 3, "stop 2: d is missing");
+    /* A default that cannot be, of a key that is not there: the stop is named. */
+    check_refusal("model: pipe\nN: 2\n\nstops:\n- d: 0.1\n- d: 0.1\n", 4, "stops 1 and 2 limit the same");
+}
+
+static void lists_have_their_lengths(void **state) {
+    (void)state;
+    char text[1024], words[128];
+    for (int k = 0; k < 3; k++) {
+        const int room = k < 2 ? 2 : 1,
+                  lengths[] = {room + 1, SALTUS_SCENE_STATE_MAX, SALTUS_SCENE_STATE_MAX + 1};
+        for (int l = 0; l < 3; l++) {
+            snprintf(text, sizeof text, "model: oscillator\nN: 2\nkz: 1\ninitial:\n\n  %c: [0", "qvz"[k]);
+            for (int i = 1; i < lengths[l]; i++)
+                strcat(text, ", 0");
+            strcat(text, "]\n");
+            snprintf(words, sizeof words,
+                     l < 2 ? "%c: too many entries (%d); the system has %d"
+                           : "%c: too many entries; at most %d are possible",
+                     "qvz"[k], l < 2 ? lengths[l] : SALTUS_SCENE_STATE_MAX, room);
+            check_refusal(text, 6, words);
+        }
+    }
+    for (int stops = 4; stops < 6; stops++) {
+        strcpy(text, "model: pipe\nN: 3\nstops:\n");
+        for (int s = 0; s < stops; s++)
+            snprintf(text + strlen(text), 64, "- {d: 0.1, xi: 0.%d}\n", s + 1);
+        if (stops > 4)
+            check_refusal(text, 3, "stops: too many; at most 4 are possible");
+        else
+            assert_int_equal(parse(text).spec.stop_count, 4);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(each_key_of_a_pipe_is_found),
         cmocka_unit_test(each_key_of_an_oscillator_is_found),
         cmocka_unit_test(each_key_of_a_chain_is_found),
+        cmocka_unit_test(keys_in_the_wrong_place_are_sent_home),
+        cmocka_unit_test(stops_without_clearance_are_placed),
+        cmocka_unit_test(lists_have_their_lengths),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

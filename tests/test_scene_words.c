@@ -150,6 +150,52 @@ static void names_of_scenes_are_offered(void **state) {
     }
 }
 
+/* A name that is none of a file: with a sign of a path it is said to be no file, otherwise names are offered.
+ */
+static void names_that_cannot_be_files(void **state) {
+    (void)state;
+    saltus_scene scene;
+    saltus_message message;
+    char name[5000];
+    memset(name, 'x', sizeof name);
+    name[4999] = '\0';
+    assert_int_equal(saltus_scene_load(name, &scene, &message), SALTUS_BAD_INPUT);
+    assert_int_equal(
+        strncmp(message.text, "\"xxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxx...\": neither a file", 57), 0);
+    name[4000] = '/';
+    assert_int_equal(saltus_scene_load(name, &scene, &message), SALTUS_IO);
+    assert_non_null(strstr(message.text, "x: no such file"));
+    assert_int_equal(saltus_scene_load("/dev/null/x", &scene, &message), SALTUS_IO);
+    assert_string_equal(message.text, "/dev/null/x: cannot be opened (Not a directory)");
+    assert_int_equal(saltus_scene_load("x.yaml", &scene, &message), SALTUS_IO);
+    assert_string_equal(message.text, "x.yaml: no such file");
+    assert_int_equal(saltus_scene_load("/", &scene, &message), SALTUS_IO);
+    assert_string_equal(message.text, "/: is a directory, not a scene file");
+    static const char *const none[] = {NULL, ""};
+    for (int k = 0; k < 2; k++) {
+        assert_int_equal(saltus_scene_load(none[k], &scene, &message), SALTUS_BAD_INPUT);
+        assert_int_equal(strncmp(message.text, "no scene given", 14), 0);
+    }
+    /* What a file is called without folder and ending. */
+    static const char *const origins[][2] = {
+        {"a/b.c/d.e.yaml", "d.e"}, {"a.b/c", "c"}, {".hidden", ".hidden"},
+        {"a/.x.yaml", ".x"},       {"a.", "a"},    {"", ""}};
+    for (int k = 0; k < 6; k++) {
+        check_ok(saltus_scene_parse("model: pipe", 11, origins[k][0], &scene, &message), &message);
+        assert_string_equal(scene.name, origins[k][1]);
+    }
+    check_ok(saltus_scene_parse("model: pipe", 11, NULL, &scene, &message), &message);
+    assert_string_equal(scene.name, "scene");
+    for (int length = 126; length < 130; length++) {
+        name[length] = '\0';
+        check_ok(saltus_scene_parse("model: pipe", 11, name, &scene, &message), &message);
+        assert_int_equal(strlen(scene.name), length < 127 ? length : 127);
+        name[length] = 'x';
+    }
+    assert_int_equal(saltus_scene_parse(NULL, 50, NULL, &scene, &message), SALTUS_BAD_INPUT);
+    assert_int_equal(strncmp(message.text, "scene: is empty", 15), 0);
+}
+
 static void origins_and_values_are_cut(void **state) {
     (void)state;
     saltus_scene scene;
@@ -569,12 +615,12 @@ static void settings_have_their_length(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(near_misses_are_named),      cmocka_unit_test(names_of_scenes_are_offered),
-        cmocka_unit_test(origins_and_values_are_cut), cmocka_unit_test(characters_are_those_of_utf8),
-        cmocka_unit_test(a_mebibyte_is_the_most),     cmocka_unit_test(damaged_yaml_has_its_line),
-        cmocka_unit_test(numbers_are_decimal),        cmocka_unit_test(settings_change_what_they_name),
-        cmocka_unit_test(settings_change_their_stop), cmocka_unit_test(settings_change_their_entry),
-        cmocka_unit_test(settings_have_their_length),
+        cmocka_unit_test(near_misses_are_named),          cmocka_unit_test(names_of_scenes_are_offered),
+        cmocka_unit_test(names_that_cannot_be_files),     cmocka_unit_test(origins_and_values_are_cut),
+        cmocka_unit_test(characters_are_those_of_utf8),   cmocka_unit_test(a_mebibyte_is_the_most),
+        cmocka_unit_test(damaged_yaml_has_its_line),      cmocka_unit_test(numbers_are_decimal),
+        cmocka_unit_test(settings_change_what_they_name), cmocka_unit_test(settings_change_their_stop),
+        cmocka_unit_test(settings_change_their_entry),    cmocka_unit_test(settings_have_their_length),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

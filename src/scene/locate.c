@@ -26,7 +26,7 @@ typedef struct scanner {
     int top_flow, top_column; /* of the top-level keys; column < 0: none was seen yet */
     word top;                 /* the last top-level key */
     int entry;                /* list item below it; -1 before the first */
-    int dash_column; /* of its items' dashes; < 0: no dash or key came yet; no_dashes: a key came first */
+    int dash_column;          /* of its dashes; < 0: none yet; no_dashes: a key came before any */
 } scanner;
 
 static bool is_blank(char c) {
