@@ -140,32 +140,34 @@ static const char
                                                                                                              "]") "\n",
             /* A line of a quoted text may end with a backslash, and quotes may be doubled; keys come in
                another order. */
-            BLOCK("title: \"one \\\n  line\"") "\nstops: [{" FLOW(
-                "d: 0.03") ",\n " FLOW("r: 0.5") ",\n " FLOW("x"
-                                                             "i"
-                                                             ":"
-                                                             " "
-                                                             "0"
-                                                             "."
-                                                             "3") "},\n {" FLOW("xi: 0.6") ",\n " FLOW("sides"
-                                                                                                       ": "
-                                                                                                       "both") ", # "
-                                                                                                               "{\n " FLOW(
-                                                                                                                   "d"
-                                                                                                                   ":"
-                                                                                                                   " "
-                                                                                                                   "0"
-                                                                                                                   "."
-                                                                                                                   "0"
-                                                                                                                   "4") ", " FLOW("r:"
-                                                                                                                                  " 0"
-                                                                                                                                  "."
-                                                                                                                                  "6") "}]"
-                                                                                                                                       "\niniti"
-                                                                                                                                       "al:"
-                                                                                                                                       "\n"
-                                                                                                                                       " " BLOCK("q: [0.001]") "\n " BLOCK("v: [0.1, 0.2]") "\n" BLOCK("N: 2") "\n" BLOCK(
-                                                                                                                                           "model: 'pipe'") "\n" BLOCK("omega: 37") "\n",
+            BLOCK("title: \"one \\\n  line\"") "\nstops: [{" FLOW("d: 0.03") ",\n " FLOW(
+                "r: 0.5") ",\n " FLOW("x"
+                                      "i"
+                                      ":"
+                                      " "
+                                      "0"
+                                      "."
+                                      "3") "},\n {" FLOW("xi: 0.6") ",\n " FLOW("sides"
+                                                                                ": "
+                                                                                "both") ", # "
+                                                                                        "{\n " FLOW(
+                                                                                            "d"
+                                                                                            ":"
+                                                                                            " "
+                                                                                            "0"
+                                                                                            "."
+                                                                                            "0"
+                                                                                            "4") ", " FLOW("r"
+                                                                                                           ":"
+                                                                                                           " "
+                                                                                                           "0"
+                                                                                                           "."
+                                                                                                           "6") "}]"
+                                                                                                                "\niniti"
+                                                                                                                "al:"
+                                                                                                                "\n"
+                                                                                                                " " BLOCK("q: [0.001]") "\n " BLOCK("v: [0.1, 0.2]") "\n" BLOCK(
+                                                                                                                    "N: 2") "\n" BLOCK("model: 'pipe'") "\n" BLOCK("omega: 37") "\n",
 };
 
 static const char *const oscillators[] = {
@@ -178,7 +180,7 @@ static const char *const oscillators[] = {
                                                                                                         "2, "
                                                                                                         "0."
                                                                                                         "3]") "\n",
-    "{" FLOW("model: oscillator") ",\n" FLOW("N: 2") ",\n" FLOW("m: 3") ",\n" FLOW("m2: 4") ", # r: 1\n" FLOW("kz: 1.5") ",\n" FLOW("tz: 2") ",\nstop: {\n" FLOW(
+    "{" FLOW("model: oscillator") ",\n" FLOW("N: 2") ",\n" FLOW("m: 3") ",\n" FLOW("m2: 4") ", # r: 1\n" FLOW("title: kz:1") ",\n" FLOW("kz: 1.5") ",\n" FLOW("tz: 2") ",\nstop: {\n" FLOW(
         "d: 0.3") ",\n" FLOW("weight: [1,-1]") ",\n" FLOW("sides: lower") ",\n" FLOW("r: 0") "},\ninitial: "
                                                                                              "{\n" FLOW(
                                                                                                  "z: "
@@ -207,23 +209,30 @@ static const char *const oscillators[] = {
 
 static const char *const chains[] = {
     /* Lists of dashes below keys of stops. */
-    BLOCK("model: oscillator") "\n" BLOCK("N: 2") "\nstops:\n- " BLOCK("sides: lower") "\n  " BLOCK(
-        "weig"
-        "ht:"
-        "\n  "
-        "- "
-        "1\n "
-        " - "
-        "-1") "\n  " BLOCK("d: 0.3") "\n  " BLOCK("r: 0") "\n- " BLOCK("d: 0.5") "\n  " BLOCK("weight:\n    "
-                                                                                              "- 0\n    - 1") "\n  " BLOCK("r: 0.5") "\ninitial:\n  " BLOCK("q:\n  - -0.1\n  - 0") "\n  " BLOCK("v: [0.2, 0.3]") "\n" BLOCK("k: 2") "\n",
+    BLOCK("model: oscillator") "\n" BLOCK("title: 'x: \\'") "\n" BLOCK("N: 2") "\nstops:\n- " BLOCK(
+        "sides: "
+        "lower") "\n  " BLOCK("weig"
+                              "ht:"
+                              "\n  "
+                              "- "
+                              "1\n "
+                              " - "
+                              "-1") "\n  " BLOCK("d: 0.3") "\n  " BLOCK("r: 0") "\n- " BLOCK("d: 0.5") "\n "
+                                                                                                       " " BLOCK("weight:\n    "
+                                                                                                                 "- 0\n    - 1") "\n  " BLOCK("r: 0.5") "\ninitial:\n  " BLOCK("q:\n  - -0.1\n  - 0") "\n  " BLOCK("v: [0.2, 0.3]") "\n" BLOCK("k: 2") "\n",
     "{" FLOW("model: oscillator") ",\n" FLOW("N: 2") ",\n" FLOW("k: 2") ",\nstops: [{\n" FLOW("sides: lower") ",\n" FLOW(
         "weight: [1,-1]") ",\n" FLOW("d: 0.3") ",\n" FLOW("r: 0") "\n},"
-                                                                  "\n{" FLOW("d: 0.5") ",\n" FLOW("weight: "
-                                                                                                  "[0, 1]") ",\n" FLOW(
-                                                                      "r: 0.5") "}],\ninitial: {" FLOW("q: "
-                                                                                                       "[-0."
-                                                                                                       "1, "
-                                                                                                       "0]") ",\n" FLOW("v: [0.2, 0.3]") "}}\n",
+                                                                  "\n{" FLOW("d: 0.5") ",\n" FLOW(
+                                                                      "weight: "
+                                                                      "[0, 1]") ",\n" FLOW("r: 0.5") "}],"
+                                                                                                     "\niniti"
+                                                                                                     "al: "
+                                                                                                     "{" FLOW(
+                                                                                                         "q: "
+                                                                                                         "[-"
+                                                                                                         "0."
+                                                                                                         "1, "
+                                                                                                         "0]") ",\n" FLOW("v: [0.2, 0.3]") "}}\n",
 };
 
 /* A pair between marks: which one, where it begins, its key and value. */

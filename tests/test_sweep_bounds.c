@@ -192,13 +192,18 @@ static void results_before_the_damage_are_kept(void **state) {
             fail_msg("byte %zu: %s", at, message.text);
         assert_true(!padding || at >= length[0] - 8);
     }
-    /* Twice the same result counts once; results behind one another in any order are all there. */
-    size_t one = length[1] - length[0];
-    unsigned char *twice = malloc(length[done] + one);
+    /* Twice the same result counts once, so the sweep is not done; in any order all are there. */
+    size_t one = length[1] - length[0], two = length[2] - length[0];
+    unsigned char *twice = malloc(length[done] + two);
     memcpy(twice, bytes, length[done]);
-    memcpy(twice + length[done], bytes + length[0], one);
-    save(journal, twice, length[done] + one);
+    memcpy(twice + length[done], bytes + length[0], two);
+    save(journal, twice, length[done] + two);
     assert_int_equal(places_there(path, &status, &message), (1u << done) - 1);
+    saltus_sweep_file file;
+    check_ok(saltus_sweep_file_read(path, &file, &message), &message);
+    assert_false(file.complete);
+    saltus_sweep_file_clear(&file);
+    assert_int_equal(access(journal, F_OK), 0);
     memcpy(twice + length[0], bytes + length[1], length[done] - length[1]);
     save(journal, twice, length[done] - one);
     assert_int_equal(places_there(path, &status, &message), (1u << done) - 2);
@@ -208,10 +213,59 @@ static void results_before_the_damage_are_kept(void **state) {
     rmdir(folder);
 }
 
+/* The attractor of a plane of initial states is kept with its orbit's points: of a linear oscillator the
+ * steady response. */
+static void attractors_are_kept_with_their_points(void **state) {
+    (void)state;
+    char folder[] = "/tmp/saltus-test-XXXXXX", path[64];
+    const double c = 0.5, k = 2, force = 1.5, omega = 1.25, gap = k - omega * omega;
+    const double scale = force / (gap * gap + c * c * omega * omega);
+    const double orbit[2] = {scale * gap, scale * c * omega * omega};
+    saltus_scene scene = {.name = "made", .spec = oscillator_spec(c, k, force, omega)};
+    saltus_axis axes[2] = {{.key = "q1", .count = 2, .low = -0.5, .high = 0.5},
+                           {.key = "v1", .count = 2, .low = -1, .high = 1}};
+    saltus_sweep_options options = saltus_sweep_defaults();
+    saltus_sweep *sweep = NULL;
+    saltus_sweep_output *output = NULL;
+    saltus_sweep_file file;
+    saltus_message message;
+    assert_non_null(mkdtemp(folder));
+    snprintf(path, sizeof path, "%s/b.h5", folder);
+    check_ok(saltus_sweep_new(&scene, axes, 2, &options, &sweep, &message), &message);
+    check_ok(saltus_sweep_output_open(path, sweep, true, false, &output, &message), &message);
+    for (int place = 0; place < 4; place++) {
+        saltus_sweep_row row = {.verdict = SALTUS_ROW_PERIODIC, .periods = 1, .lyapunov = NAN};
+        const long long none = 0;
+        const saltus_sweep_result result = {.place = place,
+                                            .rows = &row,
+                                            .states = (double[]){orbit[0], orbit[1]},
+                                            .turning_counts = &none,
+                                            .impact_counts = &none,
+                                            .strobe_counts = &none};
+        check_ok(saltus_sweep_output_take(output, &result, &message), &message);
+    }
+    check_ok(saltus_sweep_output_close(output, &message), &message);
+    check_ok(saltus_sweep_file_read(path, &file, &message), &message);
+    assert_true(file.basins && file.complete);
+    assert_int_equal(file.attractor_count, 1);
+    assert_string_equal(file.attractor_label[0], "0/1");
+    assert_true(file.attractor_first[0] == 0 && file.attractor_points[0] == 1);
+    check_near(file.attractor_states[0], orbit[0], 1e-9);
+    check_near(file.attractor_states[1], orbit[1], 1e-9);
+    check_near(file.attractor_multiplier[0], exp(-0.5 * c * 2 * acos(-1) / omega), 1e-8);
+    for (int row = 0; row < 4; row++)
+        assert_int_equal(file.rows[row].attractor, 0);
+    saltus_sweep_file_clear(&file);
+    saltus_sweep_free(sweep);
+    folder_files(folder, true);
+    rmdir(folder);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(numbers_of_rows_have_their_bounds),
         cmocka_unit_test(results_before_the_damage_are_kept),
+        cmocka_unit_test(attractors_are_kept_with_their_points),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
