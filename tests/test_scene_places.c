@@ -3,236 +3,198 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "check.h"
 
-/* A pair in block or in flow style; what stands between the marks is damaged. */
-#define BLOCK(pair) "\1" pair "\3"
-#define FLOW(pair) "\2" pair "\3"
-
+/* In the layouts below a pair in block style stands between < and >, one in flow style between ^ and >; it is
+ * what gets damaged. */
 enum { text_size = 4096, key_size = 32 };
 
-static const char
-    *const pipes[] =
-        {
-            /* Block style with comments that look like keys. */
-            "# omega: 1 {[\n" BLOCK("model: pipe") "\n\n # r: 3\n" BLOCK(
-                "title: C#4 at a:b") " # xi: {\n" BLOCK("N: "
-                                                        "2") "\n" BLOCK("omega: 37") "   # omega: 2\n#d: "
-                                                                                     "1\nstops: # two\n  "
-                                                                                     "- " BLOCK(
-                                                                                         "d: 0.03") "\n    # "
-                                                                                                    "d: 7\n"
-                                                                                                    " "
-                                                                                                    " "
-                                                                                                    " "
-                                                                                                    " " BLOCK("r: 0.5") "\n\n    " BLOCK("xi: 0.3") "\n  - " BLOCK("xi: 0.6") "\n    " BLOCK("d: 0.04") " # r: 1\n    " BLOCK(
-                                                                                                        "r: "
-                                                                                                        "0.6") "\n   "
-                                                                                                               " " BLOCK(
-                                                                                                                   "si"
-                                                                                                                   "de"
-                                                                                                                   "s:"
-                                                                                                                   " b"
-                                                                                                                   "ot"
-                                                                                                                   "h") "\ni"
-                                                                                                                        "nit"
-                                                                                                                        "ial"
-                                                                                                                        ":\n"
-                                                                                                                        " "
-                                                                                                                        " " BLOCK("v: [0.1, 0.2]") "\n  " BLOCK(
-                                                                                                                            "q: "
-                                                                                                                            "[0."
-                                                                                                                            "001"
-                                                                                                                            "]") "\n",
-            /* The same with carriage returns, after a byte order mark, dashes in the column of their key. */
-            "\xef\xbb\xbf" BLOCK("model: pipe") "\r\n\r\n" BLOCK("title: \"r: 1 # d: [\"") "\r\n" BLOCK(
-                "N: 2") "\r"
-                        "\n" BLOCK("omega: 37") "\t# r: 1\r\nstops:\r\n- {" FLOW("d: 0.03") ", " FLOW(
-                            "r: "
-                            "0.5") ", " FLOW("xi: 0.3") "}\r\n- " BLOCK("xi: 0.6") "\r\n  " BLOCK("d:"
-                                                                                                  " 0"
-                                                                                                  ".0"
-                                                                                                  "4") "\r\n "
-                                                                                                       " " BLOCK(
-                                                                                                           "r"
-                                                                                                           ":"
-                                                                                                           " "
-                                                                                                           "0"
-                                                                                                           "."
-                                                                                                           "6") "\r"
-                                                                                                                "\n "
-                                                                                                                " " BLOCK(
-                                                                                                                    "sid"
-                                                                                                                    "es:"
-                                                                                                                    " bo"
-                                                                                                                    "th") "\r\ninitial: {" FLOW("v: "
-                                                                                                                                                "[0.1,0."
-                                                                                                                                                "2]") ",\r"
-                                                                                                                                                      "\n "
-                                                                                                                                                      " " FLOW(
-                                                                                                                                                          "q: [0.001]") "}\r\n",
-            /* JSON. */
-            "{\n " FLOW("\"model\": \"pipe\"") ",\n " FLOW(
-                "\"title\": \"a \\\"d\\\": 1, {\\\\\"") ",\n " FLOW("\"N\""
-                                                                    ": 2") ",\n\n " FLOW("\"omega\": 37") ","
-                                                                                                          "\n"
-                                                                                                          " "
-                                                                                                          "\""
-                                                                                                          "st"
-                                                                                                          "op"
-                                                                                                          "s"
-                                                                                                          "\""
-                                                                                                          ": "
-                                                                                                          "["
-                                                                                                          "\n"
-                                                                                                          "  "
-                                                                                                          "{"
-                                                                                                          "\n"
-                                                                                                          "  "
-                                                                                                          " " FLOW("\"d\": 0.03") ",\n   " FLOW("\"r\": 0.5") ",\n"
-                                                                                                                                                              "  "
-                                                                                                                                                              " " FLOW(
-                                                                                                                                                                  "\"xi\": 0.3") "\n  },\n  {\n   " FLOW("\"xi\": 0.6") ",\n   " FLOW("\"d\": 0.04") ",\n   " FLOW("\"r"
-                                                                                                                                                                                                                                                                   "\":"
-                                                                                                                                                                                                                                                                   " 0."
-                                                                                                                                                                                                                                                                   "6") ",\n   " FLOW("\"sides\":"
-                                                                                                                                                                                                                                                                                      " \"both\"") "\n  }\n ],\n \"initial\": {\n  " FLOW("\"v\": [0.1,\n   0.2]") ",\n  " FLOW("\"q\": [0.001]") "\n }\n}\n",
-            /* JSON without a blank, in one line. */
-            "{" FLOW("\"model\":\"pipe\"") "," FLOW("\"N\":2") "," FLOW("\"omega\":37") ",\"stops\":[{" FLOW(
-                "\"d"
-                "\":"
-                "0."
-                "03") "," FLOW("\"r\":0.5") "," FLOW("\"xi\":0.3") "},{" FLOW("\"xi\":0.6") "," FLOW("\"d\":"
-                                                                                                     "0.04") "," FLOW("\"r\":0.6") "," FLOW("\"sides\":\"both\"") "}],"
-                                                                                                                                                                  "\"init"
-                                                                                                                                                                  "ial\":"
-                                                                                                                                                                  "{" FLOW("\"v\":[0.1,0.2]") "," FLOW(
-                                                                                                                                                                      "\"q\":[0.001]") "}}",
-            /* Everything is indented; a quoted title goes over lines; entries follow in lines below their
-             * dashes.
-             */
-            "---\n  " BLOCK("model: pipe") "\n  " BLOCK("title: \"two\n   omega: 1\n   lines\"") "\n  " BLOCK("N : 2") "\n  " BLOCK("\"omega\" : 37") "\n  stops:\n    -\n      " BLOCK(
-                "d: 0.03") "\n      " BLOCK("r: 0.5") "\n    "
-                                                      " "
-                                                      " " BLOCK("xi: 0.3") "\n    -\n      " BLOCK("xi: 0.6") "\n      " BLOCK("d: 0.04") "\n      " BLOCK(
-                                                          "'r': 0.6") "\n      " BLOCK("si"
-                                                                                       "de"
-                                                                                       "s:"
-                                                                                       " b"
-                                                                                       "ot"
-                                                                                       "h") "\n  initial:\n  "
-                                                                                            " "
-                                                                                            " " BLOCK(
-                                                                                                "v:\n    - "
-                                                                                                "0.1\n    "
-                                                                                                "- 0.2") "\n "
-                                                                                                         "  "
-                                                                                                         " " BLOCK(
-                                                                                                             "q"
-                                                                                                             ":"
-                                                                                                             " "
-                                                                                                             "["
-                                                                                                             " "
-                                                                                                             "0"
-                                                                                                             "."
-                                                                                                             "0"
-                                                                                                             "0"
-                                                                                                             "1"
-                                                                                                             " "
-                                                                                                             "]") "\n",
-            /* A line of a quoted text may end with a backslash, and quotes may be doubled; keys come in
-               another order. */
-            BLOCK("title: \"one \\\n  line\"") "\nstops: [{" FLOW("d: 0.03") ",\n " FLOW(
-                "r: 0.5") ",\n " FLOW("x"
-                                      "i"
-                                      ":"
-                                      " "
-                                      "0"
-                                      "."
-                                      "3") "},\n {" FLOW("xi: 0.6") ",\n " FLOW("sides"
-                                                                                ": "
-                                                                                "both") ", # "
-                                                                                        "{\n " FLOW(
-                                                                                            "d"
-                                                                                            ":"
-                                                                                            " "
-                                                                                            "0"
-                                                                                            "."
-                                                                                            "0"
-                                                                                            "4") ", " FLOW("r"
-                                                                                                           ":"
-                                                                                                           " "
-                                                                                                           "0"
-                                                                                                           "."
-                                                                                                           "6") "}]"
-                                                                                                                "\niniti"
-                                                                                                                "al:"
-                                                                                                                "\n"
-                                                                                                                " " BLOCK("q: [0.001]") "\n " BLOCK("v: [0.1, 0.2]") "\n" BLOCK(
-                                                                                                                    "N: 2") "\n" BLOCK("model: 'pipe'") "\n" BLOCK("omega: 37") "\n",
+static const char *const pipes[] = {
+    /* Block style with comments that look like keys. */
+    "# omega: 1 {[\n"
+    "<model: pipe>\n"
+    "\n"
+    " # r: 3\n"
+    "<title: C#4 at a:b> # xi: {\n"
+    "<N: 2>\n"
+    "<omega: 37>   # omega: 2\n"
+    "#d: 1\n"
+    "stops: # two\n"
+    "  - <d: 0.03>\n"
+    "    # d: 7\n"
+    "    <r: 0.5>\n"
+    "\n"
+    "    <xi: 0.3>\n"
+    "  - <xi: 0.6>\n"
+    "    <d: 0.04> # r: 1\n"
+    "    <r: 0.6>\n"
+    "    <sides: both>\n"
+    "initial:\n"
+    "  <v: [0.1, 0.2]>\n"
+    "  <q: [0.001]>\n",
+    /* The same with carriage returns, after a byte order mark, dashes in the column of their key. */
+    "\xef\xbb\xbf<model: pipe>\r\n"
+    "\r\n"
+    "<title: \"r: 1 # d: [\">\r\n"
+    "<N: 2>\r\n"
+    "<omega: 37>\t# r: 1\r\n"
+    "stops:\r\n"
+    "- {^d: 0.03>, ^r: 0.5>, ^xi: 0.3>}\r\n"
+    "- <xi: 0.6>\r\n"
+    "  <d: 0.04>\r\n"
+    "  <r: 0.6>\r\n"
+    "  <sides: both>\r\n"
+    "initial: {^v: [0.1,0.2]>,\r\n"
+    "  ^q: [0.001]>}\r\n",
+    /* JSON. */
+    "{\n"
+    " ^\"model\": \"pipe\">,\n"
+    " ^\"title\": \"a \\\"d\\\": 1, {\\\\\">,\n"
+    " ^\"N\": 2>,\n"
+    "\n"
+    " ^\"omega\": 37>,\n"
+    " \"stops\": [\n"
+    "  {\n"
+    "   ^\"d\": 0.03>,\n"
+    "   ^\"r\": 0.5>,\n"
+    "   ^\"xi\": 0.3>\n"
+    "  },\n"
+    "  {\n"
+    "   ^\"xi\": 0.6>,\n"
+    "   ^\"d\": 0.04>,\n"
+    "   ^\"r\": 0.6>,\n"
+    "   ^\"sides\": \"both\">\n"
+    "  }\n"
+    " ],\n"
+    " \"initial\": {\n"
+    "  ^\"v\": [0.1,\n"
+    "   0.2]>,\n"
+    "  ^\"q\": [0.001]>\n"
+    " }\n"
+    "}\n",
+    /* JSON without a blank, in one line. */
+    "{^\"model\":\"pipe\">,^\"N\":2>,^\"omega\":37>,\"stops\":[{^\"d\":0.03>,^\"r\":0.5>,^\"xi\":0.3>},{^"
+    "\"xi\":0.6>,^\"d\":0.04>,^\"r\":0.6>,^\"sides\":\"both\">}],\"initial\":{^\"v\":[0.1,0.2]>,^\"q\":[0."
+    "001]>}}",
+    /* Everything is indented; a quoted title goes over lines; entries follow in lines below their * dashes.
+     */
+    "---\n"
+    "  <model: pipe>\n"
+    "  <title: \"two\n"
+    "   omega: 1\n"
+    "   lines\">\n"
+    "  <N : 2>\n"
+    "  <\"omega\" : 37>\n"
+    "  stops:\n"
+    "    -\n"
+    "      <d: 0.03>\n"
+    "      <r: 0.5>\n"
+    "      <xi: 0.3>\n"
+    "    -\n"
+    "      <xi: 0.6>\n"
+    "      <d: 0.04>\n"
+    "      <'r': 0.6>\n"
+    "      <sides: both>\n"
+    "  initial:\n"
+    "    <v:\n"
+    "    - 0.1\n"
+    "    - 0.2>\n"
+    "    <q: [ 0.001 ]>\n",
+    /* A line of a quoted text may end with a backslash, and quotes may be doubled; keys come in another
+       order. */
+    "<title: \"one \\\n"
+    "  line\">\n"
+    "stops: [{^d: 0.03>,\n"
+    " ^r: 0.5>,\n"
+    " ^xi: 0.3>},\n"
+    " {^xi: 0.6>,\n"
+    " ^sides: both>, # {\n"
+    " ^d: 0.04>, ^r: 0.6>}]\n"
+    "initial:\n"
+    " <q: [0.001]>\n"
+    " <v: [0.1, 0.2]>\n"
+    "<N: 2>\n"
+    "<model: 'pipe'>\n"
+    "<omega: 37>\n",
 };
 
 static const char *const oscillators[] = {
-    BLOCK("model: oscillator") "\n" BLOCK("N: 2") "\n" BLOCK("m: 3") "\n" BLOCK("m2: 4") "\n" BLOCK("kz: 1.5") "\n" BLOCK("tz: 2") "\nstop:\n  " BLOCK(
-        "d: 0.3") "\n  " BLOCK("weight: [1, -1]") "\n  " BLOCK("sides: lower") "\n  " BLOCK("r: 0") "\ninitia"
-                                                                                                    "l:\n "
-                                                                                                    " " BLOCK("z: [0.1]") "\n  " BLOCK(
-                                                                                                        "v: "
-                                                                                                        "[0."
-                                                                                                        "2, "
-                                                                                                        "0."
-                                                                                                        "3]") "\n",
-    "{" FLOW("model: oscillator") ",\n" FLOW("N: 2") ",\n" FLOW("m: 3") ",\n" FLOW("m2: 4") ", # r: 1\n" FLOW("title: kz:1") ",\n" FLOW("kz: 1.5") ",\n" FLOW("tz: 2") ",\nstop: {\n" FLOW(
-        "d: 0.3") ",\n" FLOW("weight: [1,-1]") ",\n" FLOW("sides: lower") ",\n" FLOW("r: 0") "},\ninitial: "
-                                                                                             "{\n" FLOW(
-                                                                                                 "z: "
-                                                                                                 "[0."
-                                                                                                 "1]") ","
-                                                                                                       "\n" FLOW(
-                                                                                                           "v"
-                                                                                                           ":"
-                                                                                                           " "
-                                                                                                           "["
-                                                                                                           "0"
-                                                                                                           "."
-                                                                                                           "2"
-                                                                                                           ","
-                                                                                                           " "
-                                                                                                           "0"
-                                                                                                           "."
-                                                                                                           "3"
-                                                                                                           "]") "}\n}\n",
-    "stop: {" FLOW("weight: [1, -1]") ", " FLOW("sides: lower") ",\n  " FLOW("d: 0.3") ", " FLOW(
-        "r: 0") "}\n" BLOCK("kz: 1.5") "\n" BLOCK("m2: 4") "\n" BLOCK("N: 2") "\ninitial: {" FLOW("v: [0.2, "
-                                                                                                  "0.3]") ","
-                                                                                                          " " FLOW("z: [0.1]") "}\n" BLOCK("tz: 2") "\n" BLOCK(
-                                                                                                              "model: oscillator") "\n" BLOCK("m: 3") "\n",
+    "<model: oscillator>\n"
+    "<N: 2>\n"
+    "<m: 3>\n"
+    "<m2: 4>\n"
+    "<kz: 1.5>\n"
+    "<tz: 2>\n"
+    "stop:\n"
+    "  <d: 0.3>\n"
+    "  <weight: [1, -1]>\n"
+    "  <sides: lower>\n"
+    "  <r: 0>\n"
+    "initial:\n"
+    "  <z: [0.1]>\n"
+    "  <v: [0.2, 0.3]>\n",
+    "{^model: oscillator>,\n"
+    "^N: 2>,\n"
+    "^m: 3>,\n"
+    "^m2: 4>, # r: 1\n"
+    "^title: kz:1>,\n"
+    "^kz: 1.5>,\n"
+    "^tz: 2>,\n"
+    "stop: {\n"
+    "^d: 0.3>,\n"
+    "^weight: [1,-1]>,\n"
+    "^sides: lower>,\n"
+    "^r: 0>},\n"
+    "initial: {\n"
+    "^z: [0.1]>,\n"
+    "^v: [0.2, 0.3]>}\n"
+    "}\n",
+    "stop: {^weight: [1, -1]>, ^sides: lower>,\n"
+    "  ^d: 0.3>, ^r: 0>}\n"
+    "<kz: 1.5>\n"
+    "<m2: 4>\n"
+    "<N: 2>\n"
+    "initial: {^v: [0.2, 0.3]>, ^z: [0.1]>}\n"
+    "<tz: 2>\n"
+    "<model: oscillator>\n"
+    "<m: 3>\n",
 };
 
 static const char *const chains[] = {
     /* Lists of dashes below keys of stops. */
-    BLOCK("model: oscillator") "\n" BLOCK("title: 'x: \\'") "\n" BLOCK("N: 2") "\nstops:\n- " BLOCK(
-        "sides: "
-        "lower") "\n  " BLOCK("weig"
-                              "ht:"
-                              "\n  "
-                              "- "
-                              "1\n "
-                              " - "
-                              "-1") "\n  " BLOCK("d: 0.3") "\n  " BLOCK("r: 0") "\n- " BLOCK("d: 0.5") "\n "
-                                                                                                       " " BLOCK("weight:\n    "
-                                                                                                                 "- 0\n    - 1") "\n  " BLOCK("r: 0.5") "\ninitial:\n  " BLOCK("q:\n  - -0.1\n  - 0") "\n  " BLOCK("v: [0.2, 0.3]") "\n" BLOCK("k: 2") "\n",
-    "{" FLOW("model: oscillator") ",\n" FLOW("N: 2") ",\n" FLOW("k: 2") ",\nstops: [{\n" FLOW("sides: lower") ",\n" FLOW(
-        "weight: [1,-1]") ",\n" FLOW("d: 0.3") ",\n" FLOW("r: 0") "\n},"
-                                                                  "\n{" FLOW("d: 0.5") ",\n" FLOW(
-                                                                      "weight: "
-                                                                      "[0, 1]") ",\n" FLOW("r: 0.5") "}],"
-                                                                                                     "\niniti"
-                                                                                                     "al: "
-                                                                                                     "{" FLOW(
-                                                                                                         "q: "
-                                                                                                         "[-"
-                                                                                                         "0."
-                                                                                                         "1, "
-                                                                                                         "0]") ",\n" FLOW("v: [0.2, 0.3]") "}}\n",
+    "<model: oscillator>\n"
+    "<title: 'x: \\'>\n"
+    "<N: 2>\n"
+    "stops:\n"
+    "- <sides: lower>\n"
+    "  <weight:\n"
+    "  - 1\n"
+    "  - -1>\n"
+    "  <d: 0.3>\n"
+    "  <r: 0>\n"
+    "- <d: 0.5>\n"
+    "  <weight:\n"
+    "    - 0\n"
+    "    - 1>\n"
+    "  <r: 0.5>\n"
+    "initial:\n"
+    "  <q:\n"
+    "  - -0.1\n"
+    "  - 0>\n"
+    "  <v: [0.2, 0.3]>\n"
+    "<k: 2>\n",
+    "{^model: oscillator>,\n"
+    "^N: 2>,\n"
+    "^k: 2>,\n"
+    "stops: [{\n"
+    "^sides: lower>,\n"
+    "^weight: [1,-1]>,\n"
+    "^d: 0.3>,\n"
+    "^r: 0>\n"
+    "},\n"
+    "{^d: 0.5>,\n"
+    "^weight: [0, 1]>,\n"
+    "^r: 0.5>}],\n"
+    "initial: {^q: [-0.1, 0]>,\n"
+    "^v: [0.2, 0.3]>}}\n",
 };
 
 /* A pair between marks: which one, where it begins, its key and value. */
@@ -249,16 +211,16 @@ static bool write_layout(const char *layout, int which, const char *instead, cha
     int number = 0, line = 1;
     bool here = false, any = false;
     for (const char *c = layout; *c; c++) {
-        if (*c == '\1' || *c == '\2') {
+        if (*c == '<' || *c == '^') {
             here = number++ == which;
             if (!here)
                 continue;
             any = true;
-            size_t length = strcspn(c + 1, "\3"), colon = strcspn(c + 1, ":"), name = colon;
+            size_t length = strcspn(c + 1, ">"), colon = strcspn(c + 1, ":"), name = colon;
             while (c[name] == ' ')
                 name--;
             bool quoted = c[1] == '"' || c[1] == '\'';
-            found->flow = *c == '\2';
+            found->flow = *c == '^';
             found->line = line;
             found->column = (int)(used - begin);
             snprintf(found->written, sizeof found->written, "%.*s", (int)name, c + 1);
@@ -270,7 +232,7 @@ static bool write_layout(const char *layout, int which, const char *instead, cha
             }
             continue;
         }
-        if (*c == '\3')
+        if (*c == '>')
             continue;
         text[used++] = *c;
         if (*c == '\n') {
