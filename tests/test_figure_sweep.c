@@ -368,6 +368,63 @@ static void stops_are_where_the_clearance_says(void **state) {
     }
 }
 
+/* A stop less than a tenth of the points' width beyond them is shown too; all has a twentieth of room around
+ * it. */
+static void fill_a_tenth(made_place *m) {
+    m->row[0] = made_periodic(1, 1);
+    m->turning_count[0] = 2;
+    m->turning[0] = -0.1;
+    m->turning[1] = 0.1;
+}
+
+static void stops_near_the_points_widen_the_range(void **state) {
+    static const double stop[] = {0.119, 0.121, -0.119, -0.121, 0.05};
+    (void)state;
+    saltus_sweep_options options = saltus_sweep_defaults();
+    const saltus_sweep_view how = {.view = SALTUS_VIEW_TURNING};
+    const saltus_axis axis = {.key = "omega", .count = 3, .low = 0.5, .high = 1.5};
+    char path[path_size];
+    options.keep = SALTUS_KEEP_TURNING;
+    for (int k = 0; k < 10; k++) {
+        bool lower = k % 2;
+        double place = stop[k / 2], low = -0.1, high = 0.1;
+        saltus_scene scene = scene_of(lower ? -place : place, lower ? SALTUS_LOWER : SALTUS_UPPER);
+        made_write(path_in("s.h5", path), &scene, &axis, 1, &options, fill_a_tenth, 100);
+        figure f = draw("s.h5", &how, "s.png");
+        high = place == 0.119 ? place : high;
+        low = place == -0.119 ? place : low;
+        check_near(f.panel[0].range[1][0], low - 0.05 * (high - low), 1e-7);
+        check_near(f.panel[0].range[1][1], high + 0.05 * (high - low), 1e-7);
+        figure_free(&f);
+    }
+}
+
+/* Wishes that belong to branches are refused for a sweep, and a sweep is the only one of its kind. */
+static void wishes_for_branches_are_refused(void **state) {
+    (void)state;
+    saltus_scene scene = scene_of(1, SALTUS_UPPER);
+    saltus_sweep_options options = saltus_sweep_defaults();
+    const saltus_axis axis = {.key = "omega", .count = 3, .low = 0.5, .high = 1.5};
+    char path[path_size], picture[path_size], words[400];
+    options.keep = SALTUS_KEEP_TURNING;
+    made_write(path_in("s.h5", path), &scene, &axis, 1, &options, fill_a_tenth, 100);
+    path_in("s.png", picture);
+    const char *const paths[] = {path, path};
+    for (int k = 0; k < 5; k++) {
+        static const char *const said[] = {"is a sweep; what is shown of it is chosen as a view",
+                                           "is a sweep; what is shown of it is chosen as a view",
+                                           "is a sweep, which is drawn alone or with branches"};
+        saltus_plot_options how = {.show = k == 0 ? SALTUS_SHOW_PERIOD : SALTUS_SHOW_AUTOMATIC,
+                                   .label_count = k == 1};
+        saltus_message message = {""};
+        saltus_status status = saltus_plot(paths, k == 4 ? 0 : 1 + (k == 2), &how, picture, &message);
+        snprintf(words, sizeof words, "%s: %s", path, k < 3 ? said[k] : "");
+        assert_int_equal(status, k == 3 ? SALTUS_OK : SALTUS_BAD_INPUT);
+        if (k < 3)
+            assert_string_equal(message.text, words);
+    }
+}
+
 /* Numbers */
 
 enum { kinds_made = 24 };
@@ -908,6 +965,8 @@ int main(void) {
         cmocka_unit_test(impacts_on_two_sides_keep_their_signs),
         cmocka_unit_test(sections_of_a_moving_stop_are_observed_at_it),
         cmocka_unit_test(stops_are_where_the_clearance_says),
+        cmocka_unit_test(stops_near_the_points_widen_the_range),
+        cmocka_unit_test(wishes_for_branches_are_refused),
         cmocka_unit_test(numbers_are_those_of_the_rows),
         cmocka_unit_test(attractors_are_counted_by_point),
         cmocka_unit_test(exponents_stand_on_zero),

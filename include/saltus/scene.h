@@ -21,9 +21,9 @@ typedef struct saltus_scene {
     double initial[SALTUS_SCENE_STATE_MAX]; /* q then q' then extra states, at section phase 0 */
 } saltus_scene;
 
-/* Read a YAML scene file, or a built-in scene when `source` is the name of one (a file that exists wins when
- * the name contains a '/' or a '.'). Errors: SALTUS_BAD_INPUT (message: file, line or key, value, what would
- * be right), SALTUS_IO (cannot be read). */
+/* Read a YAML scene file, or a built-in scene when `source` is the name of one (no such name contains a '/'
+ * or a '.'). Errors: SALTUS_BAD_INPUT (message: file, line or key, value, what would be right), SALTUS_IO
+ * (cannot be read). */
 saltus_status saltus_scene_load(const char *source, saltus_scene *scene, saltus_message *message);
 /* Read a scene from text; `origin` names it in messages. */
 saltus_status saltus_scene_parse(const char *text, size_t length, const char *origin, saltus_scene *scene,

@@ -6,19 +6,10 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "scene/scene.h"
 
+#include <limits.h>
 #include <string.h>
 
-enum { top_size = 64 };
-
-typedef struct scanner {
-    const char *at, *end, *line_start;
-    int line;
-    int flow;                 /* depth of brackets */
-    int top_flow, top_column; /* of the top-level keys; column < 0: none was seen yet */
-    char top[top_size];       /* the last top-level key */
-    int entry;                /* list item below it; -1 before the first */
-    bool fresh;               /* a dash opened the entry, and nothing followed yet */
-} scanner;
+enum { no_dashes = INT_MAX };
 
 /* A key or a value: its text without quotes. */
 typedef struct word {
@@ -27,6 +18,16 @@ typedef struct word {
     int line, column;
     bool key;
 } word;
+
+typedef struct scanner {
+    const char *at, *end, *line_start;
+    int line;
+    int flow;                 /* depth of brackets */
+    int top_flow, top_column; /* of the top-level keys; column < 0: none was seen yet */
+    word top;                 /* the last top-level key */
+    int entry;                /* list item below it; -1 before the first */
+    int dash_column;          /* of its dashes; < 0: none yet; no_dashes: a key came before any */
+} scanner;
 
 static bool is_blank(char c) {
     return c == ' ' || c == '\t' || c == '\r' || c == '\n';
@@ -47,9 +48,11 @@ static bool ends_plain(const scanner *s, const char *p) {
 static const char *skip_quoted(scanner *s) {
     char quote = *s->at++;
     while (s->at < s->end && *s->at != quote) {
+        if (*s->at == '\\' && quote == '"' && s->at + 1 < s->end)
+            s->at++;
         if (*s->at == '\n')
             s->line++;
-        s->at += *s->at == '\\' && quote == '"' && s->at + 1 < s->end ? 2 : 1;
+        s->at++;
     }
     const char *close = s->at;
     if (s->at < s->end)
@@ -81,10 +84,13 @@ static word read_word(scanner *s) {
     return w;
 }
 
-static void open_entry(scanner *s, char c) {
-    if (c == '-' || (s->flow > s->top_flow && !s->fresh))
-        s->entry++;
-    s->fresh = c == '-';
+/* A dash opens an entry if it belongs to the list below the top-level key, not to one deeper down. */
+static void pass_dash(scanner *s) {
+    int column = (int)(s->at - s->line_start);
+    if (s->dash_column < 0)
+        s->dash_column = column;
+    s->entry += column == s->dash_column;
+    s->at++;
 }
 
 /* Pass blanks, comments and indicators up to the next word; false at the end. */
@@ -99,16 +105,14 @@ static bool next_word(scanner *s, word *w) {
             s->line++;
             s->line_start = ++s->at;
         } else if (c == '{' || c == '[') {
-            if (c == '{' && s->top_column >= 0)
-                open_entry(s, c);
+            s->entry += c == '{' && s->flow > s->top_flow;
             s->flow++;
             s->at++;
         } else if (c == '}' || c == ']') {
             s->flow--;
             s->at++;
         } else if (c == '-' && blank_at(s, s->at + 1)) {
-            open_entry(s, c);
-            s->at++;
+            pass_dash(s);
         } else if (is_blank(c) || c == ',' || c == ':' || c == '?') {
             s->at++;
         } else {
@@ -131,16 +135,14 @@ static bool enter_top(scanner *s, const word *w) {
     }
     if (s->flow != s->top_flow || (s->flow == 0 && w->column != s->top_column))
         return false;
-    size_t length = w->length < top_size - 1 ? w->length : top_size - 1;
-    memcpy(s->top, w->text, length);
-    s->top[length] = '\0';
-    s->entry = -1;
+    s->top = *w;
+    s->entry = s->dash_column = -1;
     return true;
 }
 
 static scanner begin(const saltus_source *source) {
     scanner s = {.at = source->text, .end = source->text + source->length, .line = 1};
-    s.top_column = s.entry = -1;
+    s.top_column = s.entry = s.dash_column = -1;
     if (source->length >= 3 && memcmp(s.at, "\xef\xbb\xbf", 3) == 0)
         s.at += 3;
     s.line_start = s.at;
@@ -151,12 +153,13 @@ static scanner begin(const saltus_source *source) {
 static int next_key_at(scanner *s, saltus_place place) {
     word w;
     while (next_word(s, &w)) {
-        s->fresh = false;
         if (!w.key)
             continue;
         bool top = enter_top(s, &w);
+        if (!top && s->dash_column < 0)
+            s->dash_column = no_dashes;
         int entry = s->entry < 0 ? 0 : s->entry;
-        bool here = top ? !place.top : place.top && strcmp(s->top, place.top) == 0 && entry == place.entry;
+        bool here = top ? !place.top : place.top && same(&s->top, place.top) && entry == place.entry;
         if (here && same(&w, place.key))
             return w.line;
     }

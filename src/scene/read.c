@@ -173,7 +173,6 @@ static void unload(saltus_reading *reading) {
     const schema *made = reading->schema;
     if (reading->raw)
         cyaml_free(&config, &made->scene, reading->raw, 0);
-    reading->raw = NULL;
 }
 
 static bool is_stop(const char *top) {

@@ -51,10 +51,7 @@ static saltus_status check_text(const saltus_source *source) {
 static void set_name(saltus_scene *scene, const char *origin) {
     const char *slash = strrchr(origin, '/'), *base = slash ? slash + 1 : origin, *dot = strrchr(base, '.');
     size_t length = dot && dot != base ? (size_t)(dot - base) : strlen(base);
-    if (length >= sizeof scene->name)
-        length = sizeof scene->name - 1;
-    memcpy(scene->name, base, length);
-    scene->name[length] = '\0';
+    snprintf(scene->name, sizeof scene->name, "%.*s", (int)length, base);
 }
 
 saltus_status saltus_scene_parse(const char *text, size_t length, const char *origin, saltus_scene *scene,
@@ -138,8 +135,7 @@ saltus_status saltus_scene_load(const char *source, saltus_scene *scene, saltus_
         return saltus_fail(message, SALTUS_BAD_INPUT,
                            "no scene given: name a scene file or a built-in scene");
     const saltus_builtin *builtin = find_builtin(source);
-    bool path = strpbrk(source, "/.") != NULL;
-    if (builtin && (!path || stat(source, &info) != 0))
+    if (builtin)
         return saltus_scene_parse(builtin->text, builtin->length, builtin->name, scene, message);
     if (stat(source, &info) != 0)
         return fail_to_open(source, errno, message);

@@ -58,7 +58,6 @@ saltus_status saltus_source_fail(const saltus_source *source, int line, saltus_s
 const char *saltus_read_number(const char *text, double *value) {
     /* Only decimal numbers: this keeps out nan, inf and hexadecimal, which strtod would take. */
     char *end = NULL;
-    *value = NAN;
     if (!*text || text[strspn(text, "0123456789+-.eE")] != '\0')
         return strpbrk(text, "nN") || strchr(text, 'f') ? "must be a finite number" : "must be a number";
     double read = strtod(text, &end);
