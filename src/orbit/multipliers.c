@@ -39,13 +39,13 @@ static saltus_status advance_watching(saltus_flow *flow, saltus_time until, salt
                                       double *state, const gsl_integration_glfixed_table *table,
                                       saltus_message *message) {
     saltus_event event;
+    long long steps = saltus_flow_information(flow, 0).steps;
     do {
         saltus_status status =
             saltus_flow_advance(flow, until, SALTUS_WATCH_STEP | SALTUS_WATCH_CONTACT, &event, message);
         if (status != SALTUS_OK)
             return status;
-        if (saltus_flow_step_length(flow, 0) > 0)
-            cocycle->sum_rule += saltus_trace_over_step(flow, 0, table, state);
+        cocycle->sum_rule += saltus_trace_over_step(flow, 0, table, state, &steps);
         int lost = saltus_lost_directions(flow, 0, &event);
         cocycle->zeros = lost > cocycle->zeros ? lost : cocycle->zeros;
     } while (event.kind != SALTUS_REACHED);
