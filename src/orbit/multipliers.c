@@ -52,8 +52,8 @@ static saltus_status advance_watching(saltus_flow *flow, saltus_time until, salt
     return SALTUS_OK;
 }
 
+/* Of zeros. */
 static void identity(double *a, int n) {
-    memset(a, 0, (size_t)(n * n) * sizeof *a);
     for (int i = 0; i < n; i++)
         a[i * n + i] = 1;
 }
