@@ -302,13 +302,61 @@ static void nothing_to_rest_on(void **unused) {
     saltus_system_free(system);
 }
 
+/* The straight pipe whose flow pulsates buckles to either side, though a stop far away on one side makes the
+ * scene no mirror image of itself: both ways lead off, to orbits that are each other's image. */
+static void straight_pipe_buckles_both_ways(void **unused) {
+    (void)unused;
+    saltus_spec spec = pipe_spec(1, 20);
+    const double values[] = {3.3, 3.4};
+    double state[2][2][2];
+    int seen[2][2] = {{0}};
+    set_parameter(&spec, "u0", 3);
+    add_stop(&spec, 1, 0.5, SALTUS_UPPER);
+    saltus_branch_options options = branch_along("u0", 2.9, 3.45);
+    options.direction = 1;
+    options.switches = 1;
+    options.values = values;
+    options.value_count = 2;
+    for (int segments = 1; segments <= 3; segments += 2) {
+        options.orbit.segments = segments;
+        branch_record record = branch_run(&spec, 1, rest, &options);
+        int from = 0;
+        const saltus_branch_point *crossing = branch_next_special(&record, 0, &from);
+        assert_true(crossing && crossing->kind == SALTUS_POINT_BP);
+        check_near(crossing->multipliers[0].re, 1, 1e-7);
+        memset(seen, 0, sizeof seen);
+        for (int k = 0; k < record.count; k++) {
+            const saltus_branch_point *p = &record.point[k];
+            assert_in_range(p->branch, 0, 2);
+            assert_int_equal(p->parent, p->branch ? 0 : -1);
+            if (p->branch && p->step == 0)
+                check_near(p->value[0], crossing->value[0], 1e-9);
+            if (p->branch == 0)
+                assert_true(p->state[0] == 0 && p->stable == (p->value[0] < crossing->value[0]));
+            for (int v = 0; v < 2 && p->kind == SALTUS_POINT_UZ && p->branch; v++)
+                if (fabs(p->value[0] - values[v]) < 1e-12) {
+                    memcpy(state[p->branch - 1][v], p->state, 2 * sizeof(double));
+                    seen[p->branch - 1][v]++;
+                    assert_true(p->stable && p->admissible);
+                }
+        }
+        for (int v = 0; v < 2; v++) {
+            assert_true(seen[0][v] == 1 && seen[1][v] == 1);
+            for (int i = 0; i < 2; i++)
+                check_near(state[0][v][i], -state[1][v][i], 1e-10);
+            assert_true(fabs(state[0][v][0]) > 1e-3);
+        }
+        branch_forget(&record);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(refusals_name_their_numbers),  cmocka_unit_test(interrupted_and_gone_on),
         cmocka_unit_test(options_that_do_not_matter),   cmocka_unit_test(unsound_points_are_not_resumed_from),
         cmocka_unit_test(values_met_exactly),           cmocka_unit_test(long_steps_follow_the_curve),
         cmocka_unit_test(a_dead_mass_leaves_its_table), cmocka_unit_test(periods_that_are_not_found),
-        cmocka_unit_test(nothing_to_rest_on),
+        cmocka_unit_test(nothing_to_rest_on),           cmocka_unit_test(straight_pipe_buckles_both_ways),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
