@@ -245,22 +245,80 @@ static void long_steps_follow_the_curve(void **unused) {
 }
 
 /* A mass without rebound rests on its table until the table falls faster than it; then it flies once a period
- * and comes to rest again: a contact begins that is not complete chatter. */
+ * and comes to rest again, until it lands when the table throws it off; that orbit flips. */
 static void a_dead_mass_leaves_its_table(void **unused) {
     (void)unused;
+    static const saltus_point_kind kinds[] = {SALTUS_POINT_ST, SALTUS_POINT_ST, SALTUS_POINT_PD};
+    const double values[] = {1, hypot(1, M_PI), (double)closed_table_flip(1, 0)};
+    static const char *const before[] = {"held", "1/1", "1/1"};
+    static const int sticks[] = {0, 1, 0};
     saltus_spec spec = oscillator_spec(0, 0, 0.8, 1);
     set_parameter(&spec, "F0", -1);
     add_stop(&spec, 0, 0, SALTUS_LOWER);
-    saltus_branch_options options = branch_along("F", 0.5, 1.3);
+    saltus_branch_options options = branch_along("F", 0.5, 4);
     options.direction = 1;
     branch_record record = branch_run(&spec, 1, rest, &options);
-    int from = 0;
+    for (int k = 0, from = 0; k < 3; k++) {
+        const saltus_branch_point *point = branch_next_special(&record, 0, &from);
+        assert_true(point && point->kind == kinds[k]);
+        check_near(point->value[0], values[k], 1e-9);
+        assert_string_equal(point->label, before[k]);
+        assert_string_equal(point->label_after, k < 2 ? "1/1" : "");
+        assert_int_equal(point->sticking_intervals, sticks[k]);
+    }
+    int part = 0;
+    for (int k = 0; k < record.count; k++) {
+        const saltus_branch_point *p = &record.point[k];
+        part += p->kind == SALTUS_POINT_ST;
+        if (p->kind == SALTUS_POINT_REGULAR) {
+            assert_true(p->admissible);
+            assert_int_equal(p->sticking_intervals, part == 1);
+            assert_int_equal(p->event_count, part == 0 ? 0 : part == 1 ? 2 : 1);
+        }
+    }
+    assert_string_equal(record.point[record.count - 1].reason, "end of the parameter's range");
+    branch_forget(&record);
+}
+
+/* With rebound it comes to rest by complete chatter; where that is complete no longer the impacts die one by
+ * one, and the last one's orbits have the fold and the flip of the closed form. */
+static void the_impacts_of_a_table_die_one_by_one(void **unused) {
+    (void)unused;
+    const long double r = 0.3L;
+    saltus_spec spec = oscillator_spec(0, 0, 0.8, 1);
+    set_parameter(&spec, "F0", -1);
+    add_stop(&spec, 0, (double)r, SALTUS_LOWER);
+    saltus_branch_options options = branch_along("F", 0.7, 3);
+    options.direction = 1;
+    branch_record record = branch_run(&spec, 1, rest, &options);
+    int from = 0, impacts;
     const saltus_branch_point *point = branch_next_special(&record, 0, &from);
-    assert_true(point && point->kind == SALTUS_POINT_ST);
+    assert_true(point && point->kind == SALTUS_POINT_CH);
     check_near(point->value[0], 1, 1e-9);
     assert_string_equal(point->label, "held");
-    assert_string_equal(point->label_after, "1/1");
-    assert_null(branch_next_special(&record, 0, &from));
+    point = branch_next_special(&record, 0, &from);
+    assert_true(point && point->kind == SALTUS_POINT_CH);
+    assert_string_equal(point->label, "chatter/1");
+    assert_int_equal(sscanf(point->label_after, "%d/1", &impacts), 1);
+    assert_true(impacts > 5);
+    const saltus_branch_point *fold = NULL, *flip = NULL;
+    while ((point = branch_next_special(&record, 0, &from))) {
+        char label[SALTUS_LABEL_MAX];
+        snprintf(label, sizeof label, "%d/1", impacts);
+        assert_string_equal(point->label, label);
+        assert_int_equal(point->impacts, impacts);
+        if (point->kind == SALTUS_POINT_GR) {
+            assert_non_null(strstr(point->reason, "an impact dies"));
+            snprintf(label, sizeof label, "%d/1", --impacts);
+            assert_string_equal(point->label_after, label);
+        }
+        fold = point->kind == SALTUS_POINT_LP ? point : fold;
+        flip = point->kind == SALTUS_POINT_PD ? point : flip;
+    }
+    assert_int_equal(impacts, 1);
+    assert_true(fold && flip);
+    check_near(fold->value[0], (double)closed_table_fold(1, r), 1e-9);
+    check_near(flip->value[0], (double)closed_table_flip(1, r), 1e-9);
     branch_forget(&record);
 }
 
@@ -329,8 +387,10 @@ static void straight_pipe_buckles_both_ways(void **unused) {
             const saltus_branch_point *p = &record.point[k];
             assert_in_range(p->branch, 0, 2);
             assert_int_equal(p->parent, p->branch ? 0 : -1);
-            if (p->branch && p->step == 0)
+            if (p->branch && p->step == 0) {
                 check_near(p->value[0], crossing->value[0], 1e-9);
+                assert_int_equal(p->iterations, 0); /* it is taken as it is */
+            }
             if (p->branch == 0)
                 assert_true(p->state[0] == 0 && p->stable == (p->value[0] < crossing->value[0]));
             for (int v = 0; v < 2 && p->kind == SALTUS_POINT_UZ && p->branch; v++)
@@ -352,11 +412,17 @@ static void straight_pipe_buckles_both_ways(void **unused) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(refusals_name_their_numbers),  cmocka_unit_test(interrupted_and_gone_on),
-        cmocka_unit_test(options_that_do_not_matter),   cmocka_unit_test(unsound_points_are_not_resumed_from),
-        cmocka_unit_test(values_met_exactly),           cmocka_unit_test(long_steps_follow_the_curve),
-        cmocka_unit_test(a_dead_mass_leaves_its_table), cmocka_unit_test(periods_that_are_not_found),
-        cmocka_unit_test(nothing_to_rest_on),           cmocka_unit_test(straight_pipe_buckles_both_ways),
+        cmocka_unit_test(refusals_name_their_numbers),
+        cmocka_unit_test(interrupted_and_gone_on),
+        cmocka_unit_test(options_that_do_not_matter),
+        cmocka_unit_test(unsound_points_are_not_resumed_from),
+        cmocka_unit_test(values_met_exactly),
+        cmocka_unit_test(long_steps_follow_the_curve),
+        cmocka_unit_test(a_dead_mass_leaves_its_table),
+        cmocka_unit_test(the_impacts_of_a_table_die_one_by_one),
+        cmocka_unit_test(periods_that_are_not_found),
+        cmocka_unit_test(nothing_to_rest_on),
+        cmocka_unit_test(straight_pipe_buckles_both_ways),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
