@@ -181,6 +181,9 @@ static inline void recount_volume(const saltus_branch_point *p) {
         double log_modulus = p->multipliers[i].log_modulus;
         if (isnan(log_modulus))
             return;
+        /* Of a pair the one with the positive imaginary part comes first. */
+        assert_true(i == 0 || p->multipliers[i - 1].log_modulus != log_modulus ||
+                    p->multipliers[i - 1].im >= p->multipliers[i].im);
         zeros |= isinf(log_modulus);
         unstable += log_modulus > 1e-9;
         stable = stable && log_modulus < 0;

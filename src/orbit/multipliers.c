@@ -134,7 +134,8 @@ typedef struct iteration {
     double *turn;           /* T = Q_0^T Q_m */
     double *triangles;      /* R_1 ... R_m */
     double *balance;        /* powers of two that the coordinates are divided by */
-    double *joins;  /* per k the largest entry of T that joins the first k directions with the others */
+    double *joins;  /* per k the largest entry of T that joins the first k directions with the others; 0 for
+                       none, all */
     double *before; /* the same a cycle earlier */
     double *block;  /* a block of T, and that of each R after it */
     double *product, *real, *imaginary, *work;
@@ -258,7 +259,7 @@ static bool iterate(iteration *it) {
 }
 
 static bool splits(const iteration *it, int k) {
-    return k == 0 || k == it->n || it->joins[k] <= 10 * separate;
+    return it->joins[k] <= 10 * separate;
 }
 
 /* The leading directions that all segments resolve, up to a split. */

@@ -11,7 +11,6 @@ static void reserve(saltus_pursuit *p) {
     p->state = saltus_arena_doubles(&p->arena, n);
     p->state_scale = saltus_arena_doubles(&p->arena, n);
     p->end = saltus_arena_doubles(&p->arena, n);
-    p->field = saltus_arena_doubles(&p->arena, n);
     p->shift = saltus_arena_doubles(&p->arena, n);
     p->tangents = saltus_arena_doubles(&p->arena, n * (size_t)p->columns);
     p->gradient = saltus_arena_doubles(&p->arena, (size_t)p->columns);
