@@ -26,7 +26,6 @@ typedef struct saltus_solution {
     double residual;
     double test[SALTUS_TESTS];
     saltus_breach worst;
-    double speed; /* loci of grazing: minus the tracked impact's speed */
     bool follows; /* the event-driven flow follows the sequence */
     saltus_multiplier *multipliers;
     double log_volume, sum_rule;

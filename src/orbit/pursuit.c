@@ -8,7 +8,6 @@
 
 static void reserve(saltus_pursuit *p) {
     size_t n = (size_t)p->n;
-    p->state = saltus_arena_doubles(&p->arena, n);
     p->state_scale = saltus_arena_doubles(&p->arena, n);
     p->end = saltus_arena_doubles(&p->arena, n);
     p->shift = saltus_arena_doubles(&p->arena, n);
