@@ -169,6 +169,46 @@ static inline void recount_special(const saltus_branch_point *p) {
     saltus_system_free(system);
 }
 
+/* What is counted of the multipliers, and the volume that they leave, at special points too: those of grazing
+ * are the orbit's just before, with the impacts that the label counts. The rule is tried where all stops have
+ * the same restitution.
+ */
+static inline void recount_volume(const saltus_branch_point *p) {
+    int unstable = 0;
+    bool stable = true, zeros = false;
+    double sum = 0;
+    for (int i = 0; i < p->dimension; i++) {
+        double log_modulus = p->multipliers[i].log_modulus;
+        if (isnan(log_modulus))
+            return;
+        /* Of a pair the one with the positive imaginary part comes first. */
+        assert_true(i == 0 || p->multipliers[i - 1].log_modulus != log_modulus ||
+                    p->multipliers[i - 1].im >= p->multipliers[i].im);
+        zeros |= isinf(log_modulus);
+        unstable += log_modulus > 1e-9;
+        stable = stable && log_modulus < 0;
+        sum += isinf(log_modulus) ? 0 : log_modulus;
+    }
+    assert_int_equal(p->unstable, unstable);
+    assert_int_equal(p->stable, stable);
+    check_near(p->log_volume, sum, 1e-9 * (1 + fabs(sum)));
+    if (zeros || p->impacts < 0 || p->kind == SALTUS_POINT_EP || strncmp(p->reason, "joins", 5) == 0)
+        return;
+    for (int k = 0; k < p->spec.stop_count; k++)
+        if (p->spec.stops[k].r != p->spec.stops[0].r)
+            return;
+    saltus_system *system = build(&p->spec);
+    double rule = saltus_system_trace(system, p->state) * p->periods * saltus_system_period(system);
+    if (p->impacts)
+        rule += (double)p->impacts * 2 * log(p->spec.stops[0].r);
+    /* Beside a grazing the flow may meet the impact or not. */
+    if (p->kind == SALTUS_POINT_GR && fabs(p->sum_rule - rule) > 1e-3)
+        rule -= (p->sum_rule < rule ? -1 : 1) * 2 * log(p->spec.stops[0].r);
+    check_near(p->sum_rule, rule, 1e-6 * (1 + fabs(rule)));
+    check_near(p->log_volume, rule, 1e-5 * (1 + fabs(rule)));
+    saltus_system_free(system);
+}
+
 /* What holds of every point, whatever its kind. */
 static inline void recount_place(const branch_record *record, const saltus_branch_options *options, int k) {
     const saltus_branch_point *p = &record->point[k];
@@ -182,6 +222,7 @@ static inline void recount_place(const branch_record *record, const saltus_branc
     assert_true(p->value[0] >= options->low[0] - 1e-9 * unit &&
                 p->value[0] <= options->high[0] + 1e-9 * unit);
     assert_true(isnan(p->value[1]));
+    recount_volume(p);
     assert_true(fabs(p->heading) <= unit * (1 + 1e-9));
     bool bracketed = p->kind != SALTUS_POINT_REGULAR && p->kind != SALTUS_POINT_EP;
     if (bracketed)

@@ -92,6 +92,12 @@ static void rests_of_a_loaded_chain(void **unused) {
             saltus_equilibrium first = rest(system, guesses[0]);
             check_rest(&spec, system, &first);
             seen |= 1u << first.contacts;
+            /* Each solution leads to the next set of contacts: two Newton steps for each, none tried in vain.
+             */
+            int held = 0;
+            for (int f = 0; f < SALTUS_FACES_MAX; f++)
+                held += first.contacts >> f & 1;
+            assert_in_range(first.iterations, 1, 2 * (held + 1));
             for (size_t g = 1; g < sizeof guesses / sizeof guesses[0]; g++) {
                 saltus_equilibrium other = rest(system, guesses[g]);
                 assert_int_equal(other.contacts, first.contacts);
@@ -145,6 +151,40 @@ static void eigenvalues_of_a_loaded_chain(void **unused) {
         }
         if (row == 0)
             check_near(sum, saltus_system_trace(system, e.state), 1e-13);
+        saltus_equilibrium_clear(&e);
+        saltus_system_free(system);
+    }
+}
+
+/* The same with a Maxwell element beside the first spring: its force is a state of the first order, whichever
+ * mass is held. */
+static void eigenvalues_with_a_maxwell_element(void **unused) {
+    (void)unused;
+    static const struct {
+        double load, second;
+        unsigned contacts;
+        int count;
+    } rows[] = {{0, 0, 0, 5}, {2, 0.3, 1, 3}, {-0.23, 3, 2, 3}, {-1.3, 1.5, 8, 3}};
+    const double guess[5] = {0}, kz = 0.8, tz = 0.7;
+    for (int row = 0; row < 4; row++) {
+        saltus_spec spec = loaded(rows[row].load, rows[row].second);
+        set_parameter(&spec, "kz", kz);
+        set_parameter(&spec, "tz", tz);
+        saltus_system *system = build(&spec);
+        saltus_equilibrium e = rest(system, guess);
+        assert_int_equal(e.contacts, rows[row].contacts);
+        assert_int_equal(e.eigenvalue_count, rows[row].count);
+        assert_true(e.stable);
+        for (int i = 0; i < e.eigenvalue_count; i++) {
+            double complex s = e.eigenvalues[i].re + e.eigenvalues[i].im * I, relax = s + 1 / tz,
+                           one = (3 * s * s + 0.5 * s + 3.5) * relax + kz * s,
+                           two = 0.4 * s * s + 0.2 * s + 1.5, join = 0.2 * s + 1.5;
+            double complex value = row == 0   ? one * two - join * join * relax
+                                   : row == 1 ? two * relax
+                                   : row == 2 ? one
+                                              : (3.4 * s * s + 0.3 * s + 2) * relax + kz * s;
+            check_near(cabs(value), 0, 1e-11);
+        }
         saltus_equilibrium_clear(&e);
         saltus_system_free(system);
     }
@@ -261,6 +301,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(rests_of_a_loaded_chain),
         cmocka_unit_test(eigenvalues_of_a_loaded_chain),
+        cmocka_unit_test(eigenvalues_with_a_maxwell_element),
         cmocka_unit_test(contact_begins_where_the_load_reaches_the_stop),
         cmocka_unit_test(undamped_rest_is_not_stable),
         cmocka_unit_test(straight_and_buckled),

@@ -489,6 +489,56 @@ static void options_out_of_range_are_refused(void **unused) {
     saltus_system_free(system);
 }
 
+/* A mass that nothing holds is pulled away for ever: the harvest says after how many periods it gave up, when
+ * it was 1e8 of the system's scales away. */
+static void what_flies_away_is_given_up(void **unused) {
+    (void)unused;
+    saltus_spec spec = oscillator_spec(0, 0, 1e-3, 1);
+    set_parameter(&spec, "F0", 100);
+    saltus_system *system = build(&spec);
+    const double *scale = saltus_system_scale(system), start[2] = {0};
+    saltus_harvest_options options = saltus_harvest_defaults();
+    saltus_message message = {""};
+    saltus_harvest harvest;
+    long long given_up = 0;
+    double x, period = saltus_system_period(system);
+    options.state = start;
+    options.longest = 1;
+    options.periods = 100000;
+    assert_int_equal(saltus_harvest_run(system, &options, &harvest, &message), SALTUS_STALLED);
+    assert_int_equal(
+        sscanf(message.text, "the motion grows without bound: %lf after %lld periods", &x, &given_up), 2);
+    for (int before = 0; before < 2; before++) {
+        double t = period * (double)(given_up - before), far = 50 * t * t / scale[0],
+               fast = 100 * t / scale[1];
+        assert_int_equal(fmax(far, fast) >= 1e8, !before);
+        if (!before)
+            assert_true(fabs(x / (50 * t * t) - 1) < 0.01 || fabs(x / (100 * t) - 1) < 0.01);
+    }
+    assert_null(harvest.orbits);
+    saltus_system_free(system);
+}
+
+/* Between stops so near to each other that no random place is admissible it is the velocities that are
+ * random. */
+static void a_narrow_gap_has_random_starts(void **unused) {
+    (void)unused;
+    saltus_spec spec = oscillator_spec(0.1, 1, 1, 1);
+    saltus_harvest_options options = saltus_harvest_defaults();
+    saltus_message message = {""};
+    saltus_harvest harvest;
+    add_stop(&spec, 5, 0.5, SALTUS_UPPER);
+    add_stop(&spec, -5 + 1e-6, 0.5, SALTUS_LOWER);
+    saltus_system *system = build(&spec);
+    options.transient = 0;
+    options.periods = 3;
+    options.longest = 1;
+    check_ok(saltus_harvest_run(system, &options, &harvest, &message), &message);
+    assert_int_equal(harvest.periods, 3);
+    saltus_harvest_clear(&harvest);
+    saltus_system_free(system);
+}
+
 static bool stop_soon(void *context, double done) {
     *(double *)context = done;
     return done < 0.1;
@@ -533,6 +583,8 @@ int main(void) {
         cmocka_unit_test(images_half_a_period_later),
         cmocka_unit_test(settled_motion),
         cmocka_unit_test(progress_is_told),
+        cmocka_unit_test(what_flies_away_is_given_up),
+        cmocka_unit_test(a_narrow_gap_has_random_starts),
         cmocka_unit_test(options_out_of_range_are_refused),
         cmocka_unit_test(limits_are_kept),
     };

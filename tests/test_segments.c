@@ -113,6 +113,32 @@ static void pitchforks(void **unused) {
     check_example(closed_mirrored, 3.6L, 2.65, 3.8, -1, 1, "BP PD ");
 }
 
+/* A mass that a shaken table throws off comes to rest on it again, by one dead impact or by complete chatter:
+ * no orbit can be cut while it rests, and what is cut elsewhere is the same. */
+static void orbits_that_rest(void **unused) {
+    (void)unused;
+    for (int rebounds = 0; rebounds < 2; rebounds++) {
+        saltus_spec spec = oscillator_spec(0, 0, rebounds ? 1.1 : 1.3, 1);
+        set_parameter(&spec, "F0", -1);
+        add_stop(&spec, 0, rebounds ? 0.3 : 0, SALTUS_LOWER);
+        saltus_system *system = build(&spec);
+        saltus_classify_options how = saltus_classify_defaults();
+        saltus_message message = {""};
+        saltus_motion motion;
+        double state[2] = {0};
+        check_ok(saltus_classify(system, state, &how, &motion, &message), &message);
+        assert_string_equal(motion.label, rebounds ? "chatter/1" : "1/1");
+        saltus_branch_options options = branch_along("F", rebounds ? 1.02 : 1.01, rebounds ? 1.3 : 3);
+        const double values[] = {1.05, 1.2};
+        options.values = values;
+        options.value_count = 2;
+        options.step_max = 0.05;
+        check_segments(&spec, 1, motion.state, options, "");
+        saltus_motion_clear(&motion);
+        saltus_system_free(system);
+    }
+}
+
 static void tori(void **unused) {
     (void)unused;
     saltus_spec spec = oscillator_spec(0.035, 1, 1.1, 1.63);
@@ -136,10 +162,9 @@ static void tori(void **unused) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(folds_and_grazing),
-        cmocka_unit_test(flips_and_doubled_orbits),
-        cmocka_unit_test(pitchforks),
-        cmocka_unit_test(tori),
+        cmocka_unit_test(folds_and_grazing), cmocka_unit_test(flips_and_doubled_orbits),
+        cmocka_unit_test(pitchforks),        cmocka_unit_test(tori),
+        cmocka_unit_test(orbits_that_rest),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

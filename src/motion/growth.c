@@ -75,6 +75,7 @@ void saltus_growth_begin(saltus_growth *g, saltus_flow *flow, int lane, gsl_rng 
     saltus_dense_orthonormal(g->vectors, g->n, g->columns, g->length, g->work);
     give(g, flow, lane);
     g->calm = 0;
+    g->steps = saltus_flow_information(flow, lane).steps;
     g->lost = 2 * saltus_count_bits(saltus_flow_contacts(flow, lane));
     open_sample(g, saltus_flow_time(flow, lane).cycle);
 }
@@ -146,8 +147,8 @@ static void close_sample(saltus_growth *g, long long cycle) {
 saltus_status saltus_growth_follow(saltus_growth *g, saltus_flow *flow, int lane, const saltus_event *event,
                                    bool *complete, saltus_message *message) {
     *complete = false;
-    if (g->table && saltus_flow_step_length(flow, lane) > 0)
-        g->trace_pending += saltus_trace_over_step(flow, lane, g->table, g->state);
+    if (g->table)
+        g->trace_pending += saltus_trace_over_step(flow, lane, g->table, g->state, &g->steps);
     if (event->kind == SALTUS_STICK || event->kind == SALTUS_IMPACT) {
         int lost = saltus_lost_directions(flow, lane, event);
         g->lost = lost > g->lost ? lost : g->lost;

@@ -25,6 +25,7 @@ typedef struct saltus_growth {
     double *sample;              /* logarithms of the growths over the last whole sample */
     double *pending;             /* of the sample under way */
     double trace, trace_pending; /* integral of the trace likewise, where all directions are followed */
+    long long steps;             /* of the lane, when the trace was last added up */
     int lost;                    /* most directions seen to be lost at once */
     const gsl_integration_glfixed_table *table;
     double *state;

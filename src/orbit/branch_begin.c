@@ -423,15 +423,10 @@ saltus_status saltus_branch_switch_grazing(saltus_branch *b, const saltus_sequen
     return saltus_branch_add_start(b, &start, message);
 }
 
-/* The old tangent, of a sequence with `cuts` cuts, among the unknowns of the sequence doubled (or the same
- * one) without them. */
-static void spread_tangent(const saltus_sequence *s, int cuts, const double *old, int copies, int n,
-                           double *tangent) {
-    const double *times = old + cuts * n;
+/* The old tangent, of a sequence with `cuts` cuts, among the unknowns without them. */
+static void join_tangent(const saltus_sequence *s, int cuts, const double *old, int n, double *tangent) {
     memcpy(tangent, old, (size_t)n * sizeof *old);
-    for (int c = 0; c < copies; c++)
-        memcpy(tangent + n + c * s->count, times, (size_t)s->count * sizeof *old);
-    tangent[n + copies * s->count] = times[s->count];
+    memcpy(tangent + n, old + cuts * n, (size_t)(s->count + 1) * sizeof *old);
 }
 
 /* In the null plane, the unit vector that leaves the old branch: at flips and pitchforks the one along which
@@ -450,8 +445,9 @@ static void leaving(const double *plane, const double *old, int m, bool pitchfor
         out[j] /= size;
 }
 
-static saltus_status leave(saltus_branch *b, const saltus_sequence *sequence, const saltus_sequence *here,
-                           int cuts, int copies, bool pitchfork, saltus_message *message) {
+/* `cuts` is how many the old branch has where this is not a flip or pitchfork. */
+static saltus_status leave(saltus_branch *b, const saltus_sequence *sequence, int cuts, bool pitchfork,
+                           saltus_message *message) {
     saltus_pursuit *pursuit = NULL;
     int m = b->n + sequence->count + 1;
     double values[2], *work = calloc(5 * (size_t)m, sizeof *work);
@@ -471,7 +467,8 @@ static saltus_status leave(saltus_branch *b, const saltus_sequence *sequence, co
     if (status == SALTUS_OK)
         status = saltus_pursuit_null_plane(pursuit, plane, values, message);
     if (status == SALTUS_OK) {
-        spread_tangent(here, cuts, b->trial.tangent, copies, b->n, old);
+        if (!pitchfork)
+            join_tangent(sequence, cuts, b->trial.tangent, b->n, old);
         leaving(plane, old, m, pitchfork, tangent);
         saltus_branch_start start = {.sequence = *sequence,
                                      .value = value,
@@ -500,7 +497,7 @@ saltus_status saltus_branch_switch(saltus_branch *b, saltus_point_kind kind, sal
     if (b->depth >= b->options.switches || 2 * here.count > SALTUS_MARKS_MAX)
         return SALTUS_OK;
     if (kind == SALTUS_POINT_BP)
-        return leave(b, &here, &here, cuts, 1, mirror, message);
+        return leave(b, &here, cuts, mirror, message);
     double_sequence(&here, &twice);
-    return leave(b, &twice, &here, cuts, 2, true, message);
+    return leave(b, &twice, cuts, true, message);
 }

@@ -154,15 +154,15 @@ static bool keep_vector(double **place, const double *values, int count) {
 static saltus_status give_point(saltus_branch *b, saltus_point_kind kind, const char *reason,
                                 saltus_message *message) {
     saltus_locus *l = &b->locus;
-    for (int k = 0; k < 2; k++)
-        l->value[k] = fma(l->plane[k], l->unit[k], b->options.low[k]);
-    b->outer = l->value;
     saltus_status status = saltus_branch_emit(b, &b->here, kind, NAN, NULL, reason, message);
-    b->outer = NULL;
-    if (status == SALTUS_OK)
-        b->queue[b->queue_count - 1].heading = l->tangent[0] * l->unit[0];
-    if (status == SALTUS_OK && b->options.locus == SALTUS_POINT_GR)
-        b->queue[b->queue_count - 1].admissible = other_breach(b, &b->here) < 1e-9;
+    if (status != SALTUS_OK)
+        return status;
+    saltus_branch_point *point = &b->queue[b->queue_count - 1];
+    for (int k = 0; k < 2; k++)
+        point->value[k] = fma(l->plane[k], l->unit[k], b->options.low[k]);
+    point->heading = l->tangent[0] * l->unit[0];
+    if (b->options.locus == SALTUS_POINT_GR)
+        point->admissible = other_breach(b, &b->here) < 1e-9;
     b->points++;
     if (kind == SALTUS_POINT_EP)
         b->running = false;
@@ -198,7 +198,6 @@ saltus_status saltus_locus_begin(saltus_branch *b, const saltus_branch_start *st
     b->here.residual = saltus_pursuit_residual(b->pursuit);
     if (!keep_vector(&l->inner, start->tangent, start->unknowns))
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a locus");
-    memcpy(b->here.tangent, start->tangent, (size_t)start->unknowns * sizeof *start->tangent);
     status = saltus_branch_survey(b, &b->here, message);
     return status == SALTUS_OK ? give_point(b, b->options.locus, NULL, message) : status;
 }

@@ -142,8 +142,6 @@ saltus_status saltus_branch_emit(saltus_branch *b, const saltus_solution *s, sal
         point->impacts = b->last_impacts;
         point->sticking_intervals = b->last_sticks;
     }
-    if (b->outer)
-        memcpy(point->value, b->outer, sizeof point->value);
     snprintf(point->label_after, sizeof point->label_after, "%s", after ? after : "");
     snprintf(point->reason, sizeof point->reason, "%s", reason ? reason : "");
     b->queue_count++;

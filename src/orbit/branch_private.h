@@ -26,7 +26,6 @@ typedef struct saltus_solution {
     double residual;
     double test[SALTUS_TESTS];
     saltus_breach worst;
-    double speed; /* loci of grazing: minus the tracked impact's speed */
     bool follows; /* the event-driven flow follows the sequence */
     saltus_multiplier *multipliers;
     double log_volume, sum_rule;
@@ -55,7 +54,6 @@ typedef struct saltus_locus {
     double origin[2], unit[2];
     double plane[2], tangent[2], normal[2];
     double first[2], first_way[2]; /* the first point, and the way taken from it */
-    double value[2];               /* the same point in the parameters' own units */
     double *before; /* unknowns of the last point but one, `stride` from the last; NULL: none */
     double *inner;  /* tangent of the inner branch */
     double stride;
@@ -95,7 +93,6 @@ struct saltus_branch {
     saltus_branch_point *queue; /* points made but not yet given out */
     int queue_count, queue_next, queue_room;
     saltus_branch_point given;
-    const double *outer; /* loci: both parameters now */
     saltus_locus locus;
 };
 

@@ -266,7 +266,7 @@ static int by_real_part(const void *a, const void *b) {
 }
 
 /* An orthonormal basis of the displacements and velocities that keep the contacts, and the extra states: rows
- * of `basis`, their number to *rows. False if there is no memory. */
+ * of `basis`, which is zero, their number to *rows. False if there is no memory. */
 static bool contact_basis(const rest *r, double *basis, int *rows) {
     int n = r->n, dof = r->system->dof, held = saltus_count_bits(r->contacts), width = dof - held;
     double *normals = r->matrix, *free_rows = normals + held * dof, *values = free_rows + width * dof;
@@ -277,7 +277,6 @@ static bool contact_basis(const rest *r, double *basis, int *rows) {
     if (held > 0 && width > 0 && !saltus_dense_null_vectors(normals, held, dof, width, free_rows, values))
         return false;
     *rows = 2 * width + r->system->extra;
-    memset(basis, 0, (size_t)(*rows * n) * sizeof *basis);
     for (int i = 0; i < width; i++)
         for (int j = 0; j < dof; j++)
             basis[i * n + j] = basis[(width + i) * n + dof + j] = held ? free_rows[i * dof + j] : i == j;
@@ -293,7 +292,6 @@ static saltus_status linearise(rest *r, saltus_equilibrium *out, saltus_message 
     saltus_status status = evaluate(r, r->state, r->contacts, message);
     if (status == SALTUS_OK && !contact_basis(r, r->basis, &rows))
         status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the equilibrium");
-    memset(r->product, 0, (size_t)(n * n) * sizeof *r->product);
     memset(r->matrix, 0, (size_t)(n * n) * sizeof *r->matrix);
     for (int i = 0; i < rows; i++)
         for (int j = 0; j < n; j++)

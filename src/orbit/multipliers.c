@@ -39,21 +39,21 @@ static saltus_status advance_watching(saltus_flow *flow, saltus_time until, salt
                                       double *state, const gsl_integration_glfixed_table *table,
                                       saltus_message *message) {
     saltus_event event;
+    long long steps = saltus_flow_information(flow, 0).steps;
     do {
         saltus_status status =
             saltus_flow_advance(flow, until, SALTUS_WATCH_STEP | SALTUS_WATCH_CONTACT, &event, message);
         if (status != SALTUS_OK)
             return status;
-        if (saltus_flow_step_length(flow, 0) > 0)
-            cocycle->sum_rule += saltus_trace_over_step(flow, 0, table, state);
+        cocycle->sum_rule += saltus_trace_over_step(flow, 0, table, state, &steps);
         int lost = saltus_lost_directions(flow, 0, &event);
         cocycle->zeros = lost > cocycle->zeros ? lost : cocycle->zeros;
     } while (event.kind != SALTUS_REACHED);
     return SALTUS_OK;
 }
 
+/* Of zeros. */
 static void identity(double *a, int n) {
-    memset(a, 0, (size_t)(n * n) * sizeof *a);
     for (int i = 0; i < n; i++)
         a[i * n + i] = 1;
 }
@@ -134,7 +134,8 @@ typedef struct iteration {
     double *turn;           /* T = Q_0^T Q_m */
     double *triangles;      /* R_1 ... R_m */
     double *balance;        /* powers of two that the coordinates are divided by */
-    double *joins;  /* per k the largest entry of T that joins the first k directions with the others */
+    double *joins;  /* per k the largest entry of T that joins the first k directions with the others; 0 for
+                       none, all */
     double *before; /* the same a cycle earlier */
     double *block;  /* a block of T, and that of each R after it */
     double *product, *real, *imaginary, *work;
@@ -258,7 +259,7 @@ static bool iterate(iteration *it) {
 }
 
 static bool splits(const iteration *it, int k) {
-    return k == 0 || k == it->n || it->joins[k] <= 10 * separate;
+    return it->joins[k] <= 10 * separate;
 }
 
 /* The leading directions that all segments resolve, up to a split. */

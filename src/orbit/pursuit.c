@@ -8,10 +8,8 @@
 
 static void reserve(saltus_pursuit *p) {
     size_t n = (size_t)p->n;
-    p->state = saltus_arena_doubles(&p->arena, n);
     p->state_scale = saltus_arena_doubles(&p->arena, n);
     p->end = saltus_arena_doubles(&p->arena, n);
-    p->field = saltus_arena_doubles(&p->arena, n);
     p->shift = saltus_arena_doubles(&p->arena, n);
     p->tangents = saltus_arena_doubles(&p->arena, n * (size_t)p->columns);
     p->gradient = saltus_arena_doubles(&p->arena, (size_t)p->columns);

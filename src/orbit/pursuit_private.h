@@ -23,7 +23,7 @@ struct saltus_pursuit {
     int unknowns, equations;
     double length, speed, force; /* scales of gaps, normal speeds, normal accelerations */
     /* n-sized */
-    double *state_scale, *state, *end, *field, *tangents, *gradient, *shift;
+    double *state_scale, *end, *tangents, *gradient, *shift;
     /* sequence-sized */
     double *scale;                        /* unknowns */
     double *plain;                        /* unknowns unscaled */

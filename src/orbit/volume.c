@@ -4,10 +4,13 @@
 #include "base/bits.h"
 
 double saltus_trace_over_step(const saltus_flow *flow, int lane, const gsl_integration_glfixed_table *table,
-                              double *state) {
+                              double *state, long long *steps) {
     const saltus_system *system = saltus_flow_system(flow, lane);
     double sum = 0, length = saltus_flow_step_length(flow, lane);
-    for (size_t k = 0; k < SALTUS_TRACE_POINTS; k++) {
+    long long made = saltus_flow_information(flow, lane).steps;
+    bool fresh = made != *steps;
+    *steps = made;
+    for (size_t k = 0; k < SALTUS_TRACE_POINTS && fresh; k++) {
         double at, weight;
         gsl_integration_glfixed_point(0, length, k, &at, &weight, table);
         saltus_flow_dense(flow, lane, at, state);

@@ -10,9 +10,11 @@
 enum { SALTUS_TRACE_POINTS = 6 };
 
 /* The integral of the Jacobian's trace over a lane's last step, by Gauss quadrature on its dense output with
- * a table of SALTUS_TRACE_POINTS points. `state` is scratch of length dimension. */
+ * a table of SALTUS_TRACE_POINTS points. `state` is scratch of length dimension. `steps` is the lane's number
+ * of steps when it was last asked for: without a step since, as between impacts in one instant or where an
+ * event falls on the target, there is nothing to add. */
 double saltus_trace_over_step(const saltus_flow *flow, int lane, const gsl_integration_glfixed_table *table,
-                              double *state);
+                              double *state, long long *steps);
 /* Directions in which perturbations die altogether at an event: two for each lasting contact; an impact
  * without rebound takes one. */
 int saltus_lost_directions(const saltus_flow *flow, int lane, const saltus_event *event);

@@ -1,0 +1,431 @@
+/* Where branches and searches stop: refusals of each single thing that is wrong, limits on either side, what
+ * an interruption leaves, and places where nothing goes on.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "branch_check.h"
+
+/* Two masses without stops. */
+static saltus_spec free_masses(void) {
+    saltus_spec spec = oscillator_spec(0.1, 1, 0.5, 1.3);
+    set_parameter(&spec, "N", 2);
+    set_parameter(&spec, "c2", 0.15);
+    set_parameter(&spec, "F2", 0.2);
+    return spec;
+}
+
+static const double rest[4] = {0};
+
+static saltus_branch *open_branch(const saltus_spec *spec, const saltus_branch_options *options) {
+    saltus_message message = {""};
+    saltus_branch *branch = NULL;
+    check_ok(saltus_branch_new(spec, 1, rest, options, &branch, &message), &message);
+    return branch;
+}
+
+static void check_refused(const saltus_branch_options *options, const char *sentence) {
+    saltus_spec spec = free_masses();
+    saltus_message message = {""};
+    saltus_branch *branch = NULL;
+    assert_int_equal(saltus_branch_new(&spec, 1, rest, options, &branch, &message), SALTUS_BAD_INPUT);
+    assert_null(branch);
+    assert_string_equal(message.text, sentence);
+}
+
+/* A refusal names the numbers that it was given, each in its place; what is just within the limits is taken.
+ */
+static void refusals_name_their_numbers(void **unused) {
+    (void)unused;
+    static double values[1001];
+    saltus_spec spec = free_masses();
+    saltus_branch_options fine = branch_along("omega", 1, 1.5), bad = fine;
+    bad.low[0] = 1.4;
+    check_refused(&bad, "omega=1.4:1.5: the range must hold the start, omega = 1.3");
+    bad.high[0] = 1.25;
+    check_refused(&bad, "omega=1.4:1.25: the range must go from low to high");
+    bad = fine;
+    bad.step = 0.03;
+    check_refused(&bad, "step = 0.03, step_max = 0.02: must be greater than 0, at most 1, and in this order");
+    bad.step_max = 1.01;
+    check_refused(&bad, "step = 0.03, step_max = 1.01: must be greater than 0, at most 1, and in this order");
+    bad = fine;
+    bad.points = 0;
+    check_refused(&bad, "points = 0: must be at least 1");
+    bad = fine;
+    bad.values = values;
+    bad.value_count = -1;
+    check_refused(&bad, "-1 values asked for: at most 1000 are possible");
+    bad.value_count = 1001;
+    check_refused(&bad, "1001 values asked for: at most 1000 are possible");
+    bad = fine;
+    bad.locus = SALTUS_POINT_LP;
+    snprintf(bad.key[1], sizeof bad.key[1], "k");
+    bad.low[1] = 1.1;
+    bad.high[1] = 1.2;
+    check_refused(&bad, "k=1.1:1.2: the range must hold the start, k = 1");
+    bad.low[1] = 1.3;
+    check_refused(&bad, "k=1.3:1.2: the range must go from low to high");
+    bad.locus = SALTUS_POINT_CH;
+    check_refused(&bad, "locus CH: must be LP, PD, NS, BP or GR");
+    fine.values = values; /* none of them in the range */
+    fine.value_count = 1000;
+    fine.points = 1;
+    fine.step = fine.step_max = 1;
+    branch_record record = branch_run(&spec, 1, rest, &fine);
+    assert_int_equal(record.count, 4); /* each way its point and its end */
+    branch_forget(&record);
+    /* A border of the range may be the start. */
+    for (int up = 0; up < 2; up++) {
+        saltus_branch_options border = branch_along("omega", up ? 1.2 : 1.3, up ? 1.3 : 1.4);
+        saltus_branch_free(open_branch(&spec, &border));
+    }
+    assert_string_equal(saltus_point_word(SALTUS_POINT_KINDS), "");
+    assert_string_equal(saltus_point_word((saltus_point_kind)-1), "");
+    assert_string_equal(saltus_point_word(SALTUS_POINT_EP), "EP");
+}
+
+/* A request to stop is heard between points; when it is taken back the branch goes on as if nothing had
+ * happened. It may also come before there is an orbit. */
+static void interrupted_and_gone_on(void **unused) {
+    (void)unused;
+    volatile sig_atomic_t stop = 0;
+    saltus_spec spec = free_masses();
+    saltus_message message = {""};
+    saltus_branch_options options = branch_along("omega", 1, 1.5);
+    branch_record whole = branch_run(&spec, 1, rest, &options);
+    options.orbit.flow.stop = &stop;
+    saltus_branch *branch = open_branch(&spec, &options);
+    int refused = 0;
+    for (int k = 0; k < whole.count; k++) {
+        const saltus_branch_point *point = &whole.point[0];
+        stop = k % 3 == 1;
+        saltus_status status = saltus_branch_step(branch, &point, &message);
+        if (stop && status != SALTUS_OK) {
+            assert_int_equal(status, SALTUS_INTERRUPTED);
+            assert_string_equal(message.text, "interrupted");
+            assert_null(point);
+            refused++;
+            stop = 0;
+            status = saltus_branch_step(branch, &point, &message);
+        }
+        check_ok(status, &message);
+        assert_non_null(point);
+        assert_int_equal(point->kind, whole.point[k].kind);
+        assert_true(point->value[0] == whole.point[k].value[0]);
+        assert_memory_equal(point->state, whole.point[k].state, 4 * sizeof *point->state);
+    }
+    assert_true(refused > 5);
+    saltus_branch_free(branch);
+    stop = 1;
+    assert_int_equal(saltus_branch_new(&spec, 1, rest, &options, &branch, &message), SALTUS_INTERRUPTED);
+    assert_null(branch);
+    branch_forget(&whole);
+}
+
+/* The section phase of a search and tangent columns of a flow are not a branch's business. */
+static void options_that_do_not_matter(void **unused) {
+    (void)unused;
+    saltus_spec spec = free_masses();
+    saltus_branch_options options = branch_along("omega", 1, 1.5);
+    branch_record one = branch_run(&spec, 1, rest, &options);
+    options.orbit.phase = 0.37;
+    options.orbit.flow.columns = 3;
+    branch_record other = branch_run(&spec, 1, rest, &options);
+    assert_int_equal(one.count, other.count);
+    for (int k = 0; k < one.count; k++) {
+        assert_true(one.point[k].value[0] == other.point[k].value[0]);
+        assert_memory_equal(one.point[k].state, other.point[k].state, 4 * sizeof(double));
+    }
+    branch_forget(&one);
+    branch_forget(&other);
+}
+
+/* A point of which one thing is wrong is refused, wherever it stands among the others. */
+static void unsound_points_are_not_resumed_from(void **unused) {
+    (void)unused;
+    enum { wrongs = 14 };
+    saltus_spec spec = free_masses();
+    saltus_message message = {""};
+    saltus_branch_options options = branch_along("omega", 1, 1.5);
+    branch_record record = branch_run(&spec, 1, rest, &options);
+    for (int place = 0; place < 6; place += 5)
+        for (int wrong = 0; wrong < wrongs; wrong++) {
+            saltus_branch *branch = open_branch(&spec, &options);
+            saltus_branch_point *p = &record.point[place], was = *p;
+            double last = p->state[3];
+            int kept = -1;
+            p->dimension = wrong == 0 ? 3 : p->dimension;
+            p->spec.model = wrong == 1 ? saltus_model_find("pipe") : p->spec.model;
+            p->state = wrong == 2 ? NULL : p->state;
+            p->kind = wrong == 3 ? SALTUS_POINT_KINDS : wrong == 4 ? (saltus_point_kind)-1 : p->kind;
+            p->branch = wrong == 5 ? -1 : wrong == 6 ? 2 + 6 : p->branch;
+            p->step = wrong == 7 ? -1 : p->step;
+            p->periods = wrong == 8 ? 0 : wrong == 9 ? 100001 : p->periods;
+            p->value[0] = wrong == 10 ? NAN : p->value[0];
+            p->arclength = wrong == 11 ? INFINITY : p->arclength;
+            p->heading = wrong == 12 ? NAN : p->heading;
+            if (p->state)
+                p->state[3] = wrong == 13 ? NAN : last;
+            assert_int_equal(saltus_branch_resume(branch, record.point, 6, &kept, &message),
+                             SALTUS_BAD_INPUT);
+            assert_non_null(strstr(message.text, "another run"));
+            assert_int_equal(kept, 0);
+            saltus_branch_free(branch);
+            *p = was;
+            p->state[3] = last;
+        }
+    /* The run's branches are two; a third would have been switched to. */
+    saltus_branch *branch = open_branch(&spec, &options);
+    int kept;
+    record.point[5].branch = 2;
+    assert_int_equal(saltus_branch_resume(branch, record.point, 6, &kept, &message), SALTUS_BAD_INPUT);
+    record.point[5].branch = 1;
+    check_ok(saltus_branch_resume(branch, record.point, 6, &kept, &message), &message);
+    assert_int_equal(kept, 6);
+    saltus_branch_free(branch);
+    branch_forget(&record);
+}
+
+/* A value that a step meets exactly is given there, and the rest of the run is as it was. */
+static void values_met_exactly(void **unused) {
+    (void)unused;
+    saltus_spec spec = free_masses();
+    saltus_branch_options options = branch_along("omega", 1, 1.5);
+    branch_record plain = branch_run(&spec, 1, rest, &options);
+    double values[2] = {plain.point[4].value[0], plain.point[7].value[0]};
+    options.values = values;
+    options.value_count = 2;
+    branch_record record = branch_run(&spec, 1, rest, &options);
+    int found = 0;
+    for (int k = 0, i = 0; k < record.count; k++) {
+        const saltus_branch_point *p = &record.point[k];
+        if (p->kind == SALTUS_POINT_UZ) {
+            assert_true(fabs(p->value[0] - values[found]) < 1e-13);
+            assert_true(p->accuracy >= 0 && p->accuracy < 1e-12);
+            found++;
+            continue;
+        }
+        check_near(p->value[0], plain.point[i].value[0], 1e-12);
+        assert_int_equal(p->kind, plain.point[i++].kind);
+    }
+    assert_int_equal(found, 2);
+    branch_forget(&plain);
+    branch_forget(&record);
+}
+
+/* However long the steps may be, they follow the curve: they are cut where it turns, and grow where Newton's
+ * method is at its ease. */
+static void long_steps_follow_the_curve(void **unused) {
+    (void)unused;
+    saltus_spec spec = oscillator_spec(0.1, 1, 0.5, 0.5);
+    saltus_system *system = build(&spec);
+    const double *scale = saltus_system_scale(system);
+    saltus_branch_options options = branch_along("omega", 0.2, 2);
+    options.direction = 1;
+    options.step = 0.01;
+    options.step_max = 0.3;
+    branch_record record = branch_run(&spec, 1, rest, &options);
+    assert_true(record.count > 20);
+    for (int k = 1; k + 1 < record.count; k++) {
+        const saltus_branch_point *a = &record.point[k - 1], *b = a + 1, *c = a + 2;
+        double square = pow((b->value[0] - a->value[0]) / 1.8, 2), ahead = b->arclength - a->arclength,
+               next = c->arclength - b->arclength;
+        for (int i = 0; i < 2; i++)
+            square += pow((b->state[i] - a->state[i]) / scale[i], 2);
+        assert_true(ahead <= sqrt(square) * (1 + 1e-9));
+        assert_true(ahead >= 0.96 * sqrt(square));
+        if (c->kind != SALTUS_POINT_REGULAR)
+            continue;
+        /* But for halvings. */
+        double ratio = log2(next / ahead / (b->iterations <= 3 ? 1.5 : b->iterations > 5 ? 0.6 : 1));
+        assert_true(ratio < 1e-9);
+        double capped = log2(next / options.step_max);
+        check_near(fmin(fabs(ratio - round(ratio)), fabs(capped - round(capped))), 0, 1e-9);
+    }
+    branch_forget(&record);
+    saltus_system_free(system);
+}
+
+/* A mass without rebound rests on its table until the table falls faster than it; then it flies once a period
+ * and comes to rest again, until it lands when the table throws it off; that orbit flips. */
+static void a_dead_mass_leaves_its_table(void **unused) {
+    (void)unused;
+    static const saltus_point_kind kinds[] = {SALTUS_POINT_ST, SALTUS_POINT_ST, SALTUS_POINT_PD};
+    const double values[] = {1, hypot(1, M_PI), (double)closed_table_flip(1, 0)};
+    static const char *const before[] = {"held", "1/1", "1/1"};
+    static const int sticks[] = {0, 1, 0};
+    saltus_spec spec = oscillator_spec(0, 0, 0.8, 1);
+    set_parameter(&spec, "F0", -1);
+    add_stop(&spec, 0, 0, SALTUS_LOWER);
+    saltus_branch_options options = branch_along("F", 0.5, 4);
+    options.direction = 1;
+    branch_record record = branch_run(&spec, 1, rest, &options);
+    for (int k = 0, from = 0; k < 3; k++) {
+        const saltus_branch_point *point = branch_next_special(&record, 0, &from);
+        assert_true(point && point->kind == kinds[k]);
+        check_near(point->value[0], values[k], 1e-9);
+        assert_string_equal(point->label, before[k]);
+        assert_string_equal(point->label_after, k < 2 ? "1/1" : "");
+        assert_int_equal(point->sticking_intervals, sticks[k]);
+        /* The bracket is halved in arclength, to 1e-12; the accuracy is what that is in the parameter. */
+        double width = point->accuracy / fabs(point->heading);
+        assert_true(k == 2 || (width > 1e-13 && width < 1.001e-12));
+    }
+    int part = 0;
+    for (int k = 0; k < record.count; k++) {
+        const saltus_branch_point *p = &record.point[k];
+        part += p->kind == SALTUS_POINT_ST;
+        if (p->kind == SALTUS_POINT_REGULAR) {
+            assert_true(p->admissible);
+            assert_int_equal(p->sticking_intervals, part == 1);
+            assert_int_equal(p->event_count, part == 0 ? 0 : part == 1 ? 2 : 1);
+        }
+    }
+    assert_string_equal(record.point[record.count - 1].reason, "end of the parameter's range");
+    branch_forget(&record);
+}
+
+/* With rebound it comes to rest by complete chatter; where that is complete no longer the impacts die one by
+ * one, and the last one's orbits have the fold and the flip of the closed form. */
+static void the_impacts_of_a_table_die_one_by_one(void **unused) {
+    (void)unused;
+    const long double r = 0.3L;
+    saltus_spec spec = oscillator_spec(0, 0, 0.8, 1);
+    set_parameter(&spec, "F0", -1);
+    add_stop(&spec, 0, (double)r, SALTUS_LOWER);
+    saltus_branch_options options = branch_along("F", 0.7, 3);
+    options.direction = 1;
+    branch_record record = branch_run(&spec, 1, rest, &options);
+    int from = 0, impacts;
+    const saltus_branch_point *point = branch_next_special(&record, 0, &from);
+    assert_true(point && point->kind == SALTUS_POINT_CH);
+    check_near(point->value[0], 1, 1e-9);
+    assert_string_equal(point->label, "held");
+    point = branch_next_special(&record, 0, &from);
+    assert_true(point && point->kind == SALTUS_POINT_CH);
+    assert_string_equal(point->label, "chatter/1");
+    assert_int_equal(sscanf(point->label_after, "%d/1", &impacts), 1);
+    assert_true(impacts > 5);
+    const saltus_branch_point *fold = NULL, *flip = NULL;
+    while ((point = branch_next_special(&record, 0, &from))) {
+        char label[SALTUS_LABEL_MAX];
+        snprintf(label, sizeof label, "%d/1", impacts);
+        assert_string_equal(point->label, label);
+        assert_int_equal(point->impacts, impacts);
+        if (point->kind == SALTUS_POINT_GR) {
+            assert_non_null(strstr(point->reason, "an impact dies"));
+            snprintf(label, sizeof label, "%d/1", --impacts);
+            assert_string_equal(point->label_after, label);
+        }
+        fold = point->kind == SALTUS_POINT_LP ? point : fold;
+        flip = point->kind == SALTUS_POINT_PD ? point : flip;
+    }
+    assert_int_equal(impacts, 1);
+    assert_true(fold && flip);
+    check_near(fold->value[0], (double)closed_table_fold(1, r), 1e-9);
+    check_near(flip->value[0], (double)closed_table_flip(1, r), 1e-9);
+    branch_forget(&record);
+}
+
+/* A search for a period that is given too few steps, and a guess from which there is none. */
+static void periods_that_are_not_found(void **unused) {
+    (void)unused;
+    saltus_spec spec = oscillator_spec(0, 0, 0, 1.6), found;
+    saltus_orbit_options options = saltus_orbit_defaults();
+    saltus_message message = {""};
+    saltus_orbit orbit;
+    const double guess[2] = {0, 2};
+    add_stop(&spec, 1, 1, SALTUS_BOTH);
+    options.iterations = 1;
+    assert_int_equal(saltus_orbit_find_period(&spec, 1, guess, &options, &orbit, &found, &message),
+                     SALTUS_NO_CONVERGENCE);
+    assert_non_null(strstr(message.text, "stops at a residual of"));
+    assert_null(orbit.state);
+    assert_null(orbit.multipliers);
+}
+
+/* A mass that is pulled away from its stop by a steady force, and by nothing held, rests nowhere: from a
+ * guess on the stop it is the force that says so, from another the freedom to stand anywhere. */
+static void nothing_to_rest_on(void **unused) {
+    (void)unused;
+    saltus_spec spec = oscillator_spec(0.1, 0, 0, 1);
+    set_parameter(&spec, "F0", -1);
+    add_stop(&spec, 0.4, 0.5, SALTUS_UPPER);
+    saltus_system *system = build(&spec);
+    saltus_equilibrium_options options = saltus_equilibrium_defaults();
+    for (int touches = 0; touches < 2; touches++) {
+        saltus_message message = {""};
+        saltus_equilibrium e;
+        const double guess[2] = {touches ? 0.4 : 0.1, 0};
+        assert_int_equal(saltus_equilibrium_find(system, guess, &options, &e, &message),
+                         touches ? SALTUS_NO_CONVERGENCE : SALTUS_SINGULAR);
+        assert_non_null(strstr(message.text, touches ? "contact forces push" : "not isolated"));
+        assert_null(e.state);
+    }
+    saltus_system_free(system);
+}
+
+/* The straight pipe whose flow pulsates buckles to either side, though a stop far away on one side makes the
+ * scene no mirror image of itself: both ways lead off, to orbits that are each other's image. */
+static void straight_pipe_buckles_both_ways(void **unused) {
+    (void)unused;
+    saltus_spec spec = pipe_spec(1, 20);
+    const double values[] = {3.3, 3.4};
+    double state[2][2][2];
+    int seen[2][2] = {{0}};
+    set_parameter(&spec, "u0", 3);
+    add_stop(&spec, 1, 0.5, SALTUS_UPPER);
+    saltus_branch_options options = branch_along("u0", 2.9, 3.45);
+    options.direction = 1;
+    options.switches = 1;
+    options.values = values;
+    options.value_count = 2;
+    for (int segments = 1; segments <= 3; segments += 2) {
+        options.orbit.segments = segments;
+        branch_record record = branch_run(&spec, 1, rest, &options);
+        int from = 0;
+        const saltus_branch_point *crossing = branch_next_special(&record, 0, &from);
+        assert_true(crossing && crossing->kind == SALTUS_POINT_BP);
+        check_near(crossing->multipliers[0].re, 1, 1e-7);
+        memset(seen, 0, sizeof seen);
+        for (int k = 0; k < record.count; k++) {
+            const saltus_branch_point *p = &record.point[k];
+            assert_in_range(p->branch, 0, 2);
+            assert_int_equal(p->parent, p->branch ? 0 : -1);
+            if (p->branch && p->step == 0) {
+                check_near(p->value[0], crossing->value[0], 1e-9);
+                assert_int_equal(p->iterations, 0); /* it is taken as it is */
+            }
+            if (p->branch == 0)
+                assert_true(p->state[0] == 0 && p->stable == (p->value[0] < crossing->value[0]));
+            for (int v = 0; v < 2 && p->kind == SALTUS_POINT_UZ && p->branch; v++)
+                if (fabs(p->value[0] - values[v]) < 1e-12) {
+                    memcpy(state[p->branch - 1][v], p->state, 2 * sizeof(double));
+                    seen[p->branch - 1][v]++;
+                    assert_true(p->stable && p->admissible);
+                }
+        }
+        for (int v = 0; v < 2; v++) {
+            assert_true(seen[0][v] == 1 && seen[1][v] == 1);
+            for (int i = 0; i < 2; i++)
+                check_near(state[0][v][i], -state[1][v][i], 1e-10);
+            assert_true(fabs(state[0][v][0]) > 1e-3);
+        }
+        branch_forget(&record);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(refusals_name_their_numbers),
+        cmocka_unit_test(interrupted_and_gone_on),
+        cmocka_unit_test(options_that_do_not_matter),
+        cmocka_unit_test(unsound_points_are_not_resumed_from),
+        cmocka_unit_test(values_met_exactly),
+        cmocka_unit_test(long_steps_follow_the_curve),
+        cmocka_unit_test(a_dead_mass_leaves_its_table),
+        cmocka_unit_test(the_impacts_of_a_table_die_one_by_one),
+        cmocka_unit_test(periods_that_are_not_found),
+        cmocka_unit_test(nothing_to_rest_on),
+        cmocka_unit_test(straight_pipe_buckles_both_ways),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
