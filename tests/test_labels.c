@@ -284,6 +284,87 @@ static void orbits_that_rest_are_told(void **unused) {
     assert_true(two_impacts && two_periods);
 }
 
+/* Times of the impacts in one chatter, in periods, the accumulation point last; its orbit's state at the next
+ * section. */
+static int chatter_times(const saltus_system *system, double phase, double *times, int room, double *state) {
+    saltus_flow_options options = saltus_flow_defaults();
+    double rest[2] = {saltus_system_face(system, 0).d, 0};
+    saltus_flow *flow = open_flow(system, &options, phase, rest);
+    saltus_event event;
+    int count = 0;
+    do {
+        event = advance(flow, 2, SALTUS_WATCH_CONTACT);
+        if (event.kind == SALTUS_IMPACT || event.kind == SALTUS_STICK) {
+            assert_true(count < room);
+            times[count++] = saltus_time_periods(event.time);
+        }
+    } while (event.kind != SALTUS_STICK && event.kind != SALTUS_REACHED);
+    assert_int_equal(event.kind, SALTUS_STICK);
+    saltus_flow_free(flow);
+    flow = open_flow(system, &options, phase, rest);
+    advance(flow, 1, 0);
+    saltus_flow_state(flow, 0, state);
+    saltus_flow_free(flow);
+    return count;
+}
+
+/* A load that puts the section `part` of the way from the chatter's impact `from_end` before the last one to
+ * the next; a place beyond the last one is after the accumulation point. The impacts, one by one, are
+ * counted. */
+static saltus_system *chatter_at_section(double omega, double r, double load, int from_end, double part,
+                                         double *state, int *impacts) {
+    double loads[2] = {load, load + 1e-3}, late[2] = {NAN, NAN}, times[64];
+    saltus_system *system = NULL;
+    for (int step = 0; step < 8; step++) {
+        int now = step > 0;
+        closed_oscillator o = closed_sticking_example(omega, loads[now], r);
+        saltus_spec spec = closed_spec(&o);
+        saltus_system_free(system);
+        system = build(&spec);
+        double release = acos((double)((o.k * o.d - o.F0) / o.F)) / (2 * M_PI);
+        *impacts = chatter_times(system, release - 0.01, times, 64, state);
+        const double *from = &times[*impacts - 1 - from_end];
+        late[now] = *from + part * (from_end ? from[1] - from[0] : 1e-6) - 1;
+        if (step == 0 || fabs(late[1]) < 1e-13)
+            continue;
+        double next = loads[1] - late[1] * (loads[1] - loads[0]) / (late[1] - late[0]);
+        if (step < 7) {
+            loads[0] = loads[1];
+            late[0] = late[1];
+            loads[1] = next;
+        }
+    }
+    check_near(late[1], 0, 1e-10);
+    return system;
+}
+
+/* A load moves the chatter through the section: wherever that cuts it, it is the same motion. The section may
+ * lie after the last impact that is made, too, and before the place where all the others would be. */
+static void chatter_is_told_wherever_the_section_lies(void **unused) {
+    (void)unused;
+    static const double table[][3] = {{0.4, 0.1, -0.55}, {0.4, 0.5, -0.23}, {1, 0.1, 0.47}},
+                        parts[] = {0.02, 0.3, 0.6, 0.98};
+    int first_sticks = 0;
+    for (int k = 0; k < 3; k++)
+        for (int from_end = 0; from_end < 3; from_end++)
+            for (int part = 0; part < 4; part++) {
+                double state[2];
+                int impacts;
+                saltus_system *system = chatter_at_section(table[k][0], table[k][1], table[k][2], from_end,
+                                                           parts[part], state, &impacts);
+                saltus_motion motion = describe_from(system, 1, state);
+                check_label(&motion, "chatter/1");
+                assert_int_equal(motion.impacts, -1);
+                assert_int_equal(motion.sticking_intervals, 1);
+                assert_true(abs((int)motion.impacts_by_face[0] - impacts) <= 1);
+                assert_true(motion.stable);
+                first_sticks += motion.events[0].kind == SALTUS_STICK;
+                saltus_motion_clear(&motion);
+                saltus_system_free(system);
+            }
+    assert_true(first_sticks > 0);
+}
+
 /* Two masses of which stops hold off one or both; the observed displacement is the first stop's, its extremes
  * may be corners where another stop is hit. Between two stops with and without rebound. */
 static void assorted_orbits_are_recounted(void **unused) {
@@ -539,6 +620,7 @@ int main(void) {
         cmocka_unit_test(pairs_are_each_others_images),
         cmocka_unit_test(a_pulsation_swings_in_two_periods),
         cmocka_unit_test(orbits_that_rest_are_told),
+        cmocka_unit_test(chatter_is_told_wherever_the_section_lies),
         cmocka_unit_test(assorted_orbits_are_recounted),
         cmocka_unit_test(least_periods_are_told),
         cmocka_unit_test(branches_say_it_as_classification_does),
