@@ -3,6 +3,8 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "check.h"
 
+#include <signal.h>
+
 static saltus_system *struck_oscillator(double c, double omega, double d) {
     saltus_spec spec = oscillator_spec(c, 1, 1, omega);
     add_stop(&spec, d, 0.8, SALTUS_UPPER);
@@ -579,6 +581,104 @@ static void listeners_hear_of_it(void **unused) {
     saltus_system_free(system);
 }
 
+/* A caller who asks flows to stop, by the flag that they watch, at the n-th report. */
+typedef struct interrupter {
+    volatile sig_atomic_t stop;
+    int calls, stop_at, motions;
+    long long last;
+} interrupter;
+
+static bool interrupt(void *context, long long periods, long long at_most) {
+    interrupter *i = context;
+    (void)at_most;
+    i->motions += periods <= i->last;
+    i->last = periods;
+    if (++i->calls == i->stop_at)
+        i->stop = 1;
+    return true;
+}
+
+static saltus_motion classify_interrupted(const saltus_system *system, const double *state, interrupter *i) {
+    saltus_classify_options options = saltus_classify_defaults();
+    saltus_message message = {""};
+    saltus_motion m;
+    options.transient = 2000;
+    options.measure = 16000;
+    options.progress = interrupt;
+    options.context = i;
+    options.flow.stop = &i->stop;
+    check_ok(saltus_classify(system, state, &options, &m, &message), &message);
+    return m;
+}
+
+/* What is concluded while flows are being stopped is no evidence: neither in the transient nor while an
+ * exponent is measured, up to the last report before the verdict. */
+static void what_is_stopped_is_no_evidence(void **unused) {
+    (void)unused;
+    saltus_system *system = struck_oscillator(0.1, 0.8, 0);
+    const double start[2] = {-0.3, 0.1};
+    interrupter whole = {.stop_at = -1};
+    saltus_motion m = classify_interrupted(system, start, &whole);
+    assert_int_equal(m.kind, SALTUS_CHAOTIC);
+    int settling = whole.calls - m.evidence.history_count;
+    assert_true(settling >= 2);
+    saltus_motion_clear(&m);
+    const int places[] = {1, settling, settling + 1, whole.calls - 1, whole.calls};
+    for (int k = 0; k < 5; k++) {
+        interrupter i = {.stop_at = places[k]};
+        m = classify_interrupted(system, start, &i);
+        assert_int_equal(m.kind, SALTUS_UNDECIDED);
+        assert_string_equal(m.label, "undecided");
+        assert_non_null(strstr(m.reason, "(stopped)"));
+        assert_true(isnan(m.lyapunov) && isnan(m.lyapunov_error));
+        assert_true(m.evidence.periods == 0 && m.evidence.history_count == 0 && !m.evidence.history);
+        assert_true(m.transient > 0 && m.transient <= 200);
+        assert_true(i.calls <= places[k] + 1);
+        saltus_motion_clear(&m);
+    }
+    saltus_system_free(system);
+}
+
+/* Of several motions those count that were complete when it was stopped. */
+static void attractors_until_it_is_stopped(void **unused) {
+    (void)unused;
+    saltus_system *system = struck_oscillator(0.1, 1, 1);
+    for (int motions = 0; motions < 3; motions++) {
+        saltus_classify_options options = saltus_classify_defaults();
+        saltus_message message = {""};
+        saltus_attractors found;
+        interrupter i = {.stop_at = -1};
+        int complete = 0;
+        options.progress = interrupt;
+        options.context = &i;
+        options.flow.stop = &i.stop;
+        options.measure = 0;
+        check_ok(saltus_attractors_find(system, motions + 1, 7, &options, &found, &message), &message);
+        int calls = i.calls;
+        assert_int_equal(found.seeds, motions + 1);
+        saltus_attractors_clear(&found);
+        if (motions == 0)
+            continue;
+        /* The same seeds once more, up to the first report of the last. */
+        interrupter fewer = {.stop_at = -1};
+        options.context = &fewer;
+        options.flow.stop = &fewer.stop;
+        check_ok(saltus_attractors_find(system, motions, 7, &options, &found, &message), &message);
+        saltus_attractors_clear(&found);
+        assert_true(fewer.calls < calls);
+        interrupter cut = {.stop_at = fewer.calls + 1};
+        options.context = &cut;
+        options.flow.stop = &cut.stop;
+        check_ok(saltus_attractors_find(system, motions + 5, 7, &options, &found, &message), &message);
+        for (int k = 0; k < found.count; k++)
+            complete += found.shares[k];
+        assert_int_equal(complete, found.seeds);
+        assert_true(found.seeds == motions || (found.seeds == motions + 1 && cut.calls == calls));
+        saltus_attractors_clear(&found);
+    }
+    saltus_system_free(system);
+}
+
 static void defaults_are_those_told(void **unused) {
     (void)unused;
     saltus_lyapunov_options l = saltus_lyapunov_defaults();
@@ -606,6 +706,8 @@ int main(void) {
         cmocka_unit_test(those_who_left_are_named),
         cmocka_unit_test(extremes_are_found_again),
         cmocka_unit_test(listeners_hear_of_it),
+        cmocka_unit_test(what_is_stopped_is_no_evidence),
+        cmocka_unit_test(attractors_until_it_is_stopped),
         cmocka_unit_test(defaults_are_those_told),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
