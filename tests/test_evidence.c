@@ -142,6 +142,42 @@ static void members_make_the_whole(void **unused) {
         saltus_system_free(systems[k]);
 }
 
+/* Of several trajectories on a chaotic transient some have left for an orbit, whose exponent is negative:
+ * they do not measure the same thing, and no mean of theirs is precise, unless so much is asked for that
+ * their distance does not matter. */
+static void members_that_part_do_not_agree(void **unused) {
+    (void)unused;
+    static const double asked[] = {0.01, 0.5, 1.2, 3, 6, 20};
+    saltus_spec spec = oscillator_spec(0, 1, 1, 2.544);
+    add_stop(&spec, 0, 0.91, SALTUS_UPPER);
+    saltus_system *system = build(&spec);
+    double start[2] = {-0.3, 0.1};
+    int agreed = 0, apart = 0;
+    for (int members = 4; members <= 8; members += 4)
+        for (int k = 0; k < 6; k++) {
+            saltus_lyapunov_options options = saltus_lyapunov_defaults();
+            double least = INFINITY, largest = -INFINITY, spread = 0;
+            options.members = members;
+            options.transient = 100;
+            options.periods = 600 * members;
+            options.precision = asked[k];
+            saltus_lyapunov l = measure(system, start, &options);
+            for (int m = 0; m < members; m++) {
+                least = fmin(least, l.member_exponents[m]);
+                largest = fmax(largest, l.member_exponents[m]);
+                spread = fmax(spread, fabs(l.member_exponents[m] - l.exponents[0]));
+            }
+            assert_true(least < -0.02 && largest > 0.02);
+            assert_int_equal(l.agree, spread <= asked[k] * fabs(l.exponents[0]));
+            assert_true(l.agree || !l.precise);
+            agreed += l.agree;
+            apart += !l.agree;
+            saltus_lyapunov_clear(&l);
+        }
+    assert_true(agreed >= 2 && apart >= 4);
+    saltus_system_free(system);
+}
+
 /* What a caller sees on the way. */
 typedef struct witness {
     const saltus_lyapunov *result;
@@ -695,6 +731,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(events_of_a_run_are_recounted),
         cmocka_unit_test(members_make_the_whole),
+        cmocka_unit_test(members_that_part_do_not_agree),
         cmocka_unit_test(progress_is_told),
         cmocka_unit_test(seeds_disturb),
         cmocka_unit_test(dimension_of_tori),

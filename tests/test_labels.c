@@ -172,6 +172,43 @@ static void closed_orbits_are_told(void **unused) {
     assert_true(stable >= 6);
 }
 
+/* With loose tolerances of the flow Newton's method asks for no more than these give: the same motion, as
+ * accurate as they are. */
+static void loose_tolerances_find_the_same(void **unused) {
+    (void)unused;
+    static const double tolerances[] = {1e-11, 1e-9, 1e-7, 1e-6};
+    for (size_t k = 0; k < sizeof rows / sizeof rows[0]; k++) {
+        closed_oscillator o = closed_example_of(rows[k].example);
+        closed_orbit orbit;
+        o.omega = rows[k].omega;
+        assert_true(closed_orbit_at(&o, rows[k].branch, &orbit));
+        if (hypotl(orbit.multiplier[0][0], orbit.multiplier[0][1]) > 0.95L)
+            continue;
+        saltus_spec spec = closed_spec(&o);
+        saltus_system *system = build(&spec);
+        double beside[2] = {(double)orbit.state[0] - 1e-4, (double)orbit.state[1] + 1e-4};
+        for (int t = 0; t < 4; t++) {
+            saltus_classify_options options = saltus_classify_defaults();
+            saltus_message message = {""};
+            saltus_motion motion;
+            double far = INFINITY;
+            options.measure = 0;
+            options.transient = 2000;
+            options.flow.rtol = tolerances[t];
+            options.flow.atol = 1e-3 * tolerances[t];
+            check_ok(saltus_classify(system, beside, &options, &motion, &message), &message);
+            check_label(&motion, "%d/%d", orbit.impacts, o.periods);
+            assert_true(motion.stable && motion.residual <= fmax(1e-12, 100 * tolerances[t]));
+            for (int p = 0; p < o.periods; p++)
+                far = fmin(far, hypot(motion.section_states[2 * p] - (double)orbit.state[0],
+                                      motion.section_states[2 * p + 1] - (double)orbit.state[1]));
+            check_near(far, 0, 1e-10 + 1e4 * tolerances[t]);
+            saltus_motion_clear(&motion);
+        }
+        saltus_system_free(system);
+    }
+}
+
 /* Beyond the pitchfork: one of a pair, and the mirror function leads to the other one. */
 static void pairs_are_each_others_images(void **unused) {
     (void)unused;
@@ -617,6 +654,7 @@ static void settling_is_the_flow(void **unused) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(closed_orbits_are_told),
+        cmocka_unit_test(loose_tolerances_find_the_same),
         cmocka_unit_test(pairs_are_each_others_images),
         cmocka_unit_test(a_pulsation_swings_in_two_periods),
         cmocka_unit_test(orbits_that_rest_are_told),
