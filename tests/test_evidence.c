@@ -91,6 +91,10 @@ static void events_of_a_run_are_recounted(void **unused) {
                        1e-6);
             check_near(l.sticks_per_period * (double)l.periods, (double)(after.sticks - before.sticks), 1e-6);
             assert_true((l.sticks_per_period > 0) == (k == 4) && l.impacts_per_period > 0);
+            /* No exponent is known better than the flow's steps are accurate. */
+            if (l.lost == 0)
+                assert_true(l.standard_errors[0] >=
+                            0.5 * (double)(after.steps - before.steps) * options.flow.rtol / l.time);
             for (int i = 0; i < l.dimension; i++)
                 check_near(l.state[i], end[i], 1e-6);
             saltus_flow_free(flow);
@@ -130,6 +134,13 @@ static void members_make_the_whole(void **unused) {
                 for (int i = 1; i < l.members; i++)
                     assert_true(l.member_exponents[i] != l.member_exponents[0]);
             }
+            double square = 0;
+            for (int i = 0; i < l.members; i++)
+                square += (l.member_exponents[i] - mean) * (l.member_exponents[i] - mean);
+            /* Of an orbit all members measure the same: where they do not, by chance, it is no smaller error.
+             */
+            if (k == 0 && l.members > 1)
+                assert_true(l.standard_errors[0] >= 0.999 * sqrt(square / (l.members - 1) / l.members));
             check_near(l.impacts_per_period, k ? 2.336 : 1, k ? 0.02 : 0.01);
             check_near(l.sum, -0.1 + l.impacts_per_period / l.period * 2 * log(0.8), 1e-6);
             const saltus_lyapunov_progress *last = &l.history[l.history_count - 1];
@@ -237,6 +248,39 @@ static void progress_is_told(void **unused) {
     saltus_lyapunov l = measure(system, start, &options);
     assert_true(calls == 1 && l.periods <= 8 * 50 && !l.precise);
     saltus_lyapunov_clear(&l);
+    saltus_system_free(system);
+}
+
+/* Where there is no room for more estimates every second one goes, from the first on, and those that stay are
+ * what they were. A mass that nothing holds, in steps so inaccurate that its exponent is never precise. */
+static void every_second_estimate_is_kept(void **unused) {
+    (void)unused;
+    saltus_spec spec = oscillator_spec(1, 0, 0, 2 * M_PI);
+    saltus_system *system = build(&spec);
+    const double rest[2] = {0, 0};
+    saltus_lyapunov_options options = saltus_lyapunov_defaults();
+    options.members = 1;
+    options.precision = 1e-14;
+    options.transient = 0;
+    options.flow.rtol = 1e-3;
+    options.flow.order = 8;
+    options.periods = 20000;
+    saltus_lyapunov few = measure(system, rest, &options);
+    options.periods = 2030000;
+    saltus_lyapunov many = measure(system, rest, &options);
+    assert_true(!few.precise && !many.precise && few.history_count > 80);
+    assert_true(many.history_count > 128 && many.history_count < 512);
+    for (int k = 0; 2 * k + 3 < few.history_count; k++) {
+        assert_true(many.history[k].time == few.history[2 * k + 1].time);
+        assert_true(many.history[k].exponent == few.history[2 * k + 1].exponent);
+        assert_true(many.history[k].standard_error == few.history[2 * k + 1].standard_error);
+    }
+    for (int k = 1; k < many.history_count; k++)
+        assert_true(many.history[k].time > many.history[k - 1].time);
+    check_near(many.history[many.history_count - 1].exponent, many.exponents[0], 1e-12);
+    check_near(many.exponents[0], 0, 3 * many.standard_errors[0]);
+    saltus_lyapunov_clear(&few);
+    saltus_lyapunov_clear(&many);
     saltus_system_free(system);
 }
 
@@ -733,6 +777,7 @@ int main(void) {
         cmocka_unit_test(members_make_the_whole),
         cmocka_unit_test(members_that_part_do_not_agree),
         cmocka_unit_test(progress_is_told),
+        cmocka_unit_test(every_second_estimate_is_kept),
         cmocka_unit_test(seeds_disturb),
         cmocka_unit_test(dimension_of_tori),
         cmocka_unit_test(volumes_of_two_masses),

@@ -402,6 +402,26 @@ static void chatter_is_told_wherever_the_section_lies(void **unused) {
     assert_true(first_sticks > 0);
 }
 
+/* However little rebound there is, what it leads to is chatter, even if but one impact is made before. */
+static void little_rebound_is_chatter(void **unused) {
+    (void)unused;
+    bool three = false;
+    for (int digits = 2; digits <= 10; digits += 4) {
+        closed_oscillator o = closed_sticking_example(0.4L, 0.4L, powl(0.1L, digits));
+        saltus_spec spec = closed_spec(&o);
+        saltus_system *system = build(&spec);
+        double start[2] = {(double)o.d, 0};
+        saltus_motion motion = settle_from(system, start);
+        check_label(&motion, "chatter/1");
+        assert_int_equal(motion.impacts, -1);
+        check_recount(system, &motion);
+        three |= motion.event_count == 3;
+        saltus_motion_clear(&motion);
+        saltus_system_free(system);
+    }
+    assert_true(three);
+}
+
 /* Two masses of which stops hold off one or both; the observed displacement is the first stop's, its extremes
  * may be corners where another stop is hit. Between two stops with and without rebound. */
 static void assorted_orbits_are_recounted(void **unused) {
@@ -659,6 +679,7 @@ int main(void) {
         cmocka_unit_test(a_pulsation_swings_in_two_periods),
         cmocka_unit_test(orbits_that_rest_are_told),
         cmocka_unit_test(chatter_is_told_wherever_the_section_lies),
+        cmocka_unit_test(little_rebound_is_chatter),
         cmocka_unit_test(assorted_orbits_are_recounted),
         cmocka_unit_test(least_periods_are_told),
         cmocka_unit_test(branches_say_it_as_classification_does),
