@@ -476,6 +476,63 @@ static void opinions_are_repeated(void **unused) {
         saltus_system_free(systems[k]);
 }
 
+static void check_told(const saltus_motion *m, const char *format, ...) {
+    char text[256];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    if (!strstr(m->reason, text))
+        fail_msg("\"%s\" is not in \"%s\"", text, m->reason);
+}
+
+/* The numbers in the sentence that gives the reason are those of the evidence: of chaos, of a torus, of one
+ * for which the time does not suffice, and of a decay so slow that no period shows. */
+static void reasons_tell_the_evidence(void **unused) {
+    (void)unused;
+    saltus_spec undamped = oscillator_spec(0, 1, 1, 0.6180339887498949),
+                slow = oscillator_spec(2e-5, 1, 1, 0.6180339887498949);
+    saltus_system *systems[] = {struck_oscillator(0.1, 0.8, 0), build(&undamped), build(&undamped),
+                                build(&slow)};
+    static const saltus_motion_kind kinds[] = {SALTUS_CHAOTIC, SALTUS_QUASIPERIODIC, SALTUS_UNDECIDED,
+                                               SALTUS_UNSETTLED};
+    static const long long measures[] = {16000, 16000, 4000, 16000};
+    for (int k = 0; k < 4; k++) {
+        saltus_classify_options options = saltus_classify_defaults();
+        saltus_message message = {""};
+        saltus_motion m;
+        const double start[2] = {-0.3, 0.1}, period = saltus_system_period(systems[k]);
+        options.transient = 100;
+        options.measure = measures[k];
+        options.longest = 37;
+        check_ok(saltus_classify(systems[k], start, &options, &m, &message), &message);
+        const saltus_evidence *e = &m.evidence;
+        assert_int_equal(m.kind, kinds[k]);
+        if (k == 0) {
+            check_told(&m, "largest exponent %.4g +- %.1g per unit of time over %lld periods", m.lyapunov,
+                       m.lyapunov_error, e->periods);
+            check_told(&m, "none of %d trajectories", e->members);
+        } else if (k == 1) {
+            check_told(&m, "largest exponent %.1e +- %.0e per unit of time", m.lyapunov, m.lyapunov_error);
+            check_told(&m, "fill %d closed curve, all but %.1e", e->curves, e->broadband);
+        } else if (k == 2) {
+            double short_by = 3 * m.lyapunov_error / fmax(fabs(m.lyapunov), 1e-3 / period);
+            check_told(&m, "largest exponent %.3g +- %.1g per unit of time over %lld periods", m.lyapunov,
+                       m.lyapunov_error, e->periods);
+            check_told(&m, "halves %.3g and %.3g)", e->half[0], e->half[1]);
+            check_told(&m, e->curves ? "points fill closed curves" : "points fill no closed curve");
+            check_told(&m, "some %.1e periods", 1.2 * (double)e->periods * fmax(short_by * short_by, 2));
+        } else {
+            assert_string_equal(m.label, "long-period");
+            check_near(m.lyapunov, -1e-5, 4 * m.lyapunov_error);
+            check_told(&m, "largest exponent %.4g +- %.1g per unit of time", m.lyapunov, m.lyapunov_error);
+            check_told(&m, "longer than %d T", options.longest);
+        }
+        saltus_motion_clear(&m);
+        saltus_system_free(systems[k]);
+    }
+}
+
 /* The exponent of a verdict is that of a measurement by itself. */
 static void exponents_are_repeated(void **unused) {
     (void)unused;
@@ -783,6 +840,7 @@ int main(void) {
         cmocka_unit_test(volumes_of_two_masses),
         cmocka_unit_test(drift_is_left_out),
         cmocka_unit_test(opinions_are_repeated),
+        cmocka_unit_test(reasons_tell_the_evidence),
         cmocka_unit_test(exponents_are_repeated),
         cmocka_unit_test(laminar_phases_are_recounted),
         cmocka_unit_test(those_who_left_are_named),
