@@ -492,7 +492,7 @@ static void reasons_tell_the_evidence(void **unused) {
     (void)unused;
     saltus_spec undamped = oscillator_spec(0, 1, 1, 0.6180339887498949),
                 slow = oscillator_spec(2e-5, 1, 1, 0.6180339887498949);
-    saltus_system *systems[] = {struck_oscillator(0.1, 0.8, 0), build(&undamped), build(&undamped),
+    saltus_system *systems[] = {struck_oscillator(0.1, 0.8, 0), build(&undamped), two_masses(torus, true),
                                 build(&slow)};
     static const saltus_motion_kind kinds[] = {SALTUS_CHAOTIC, SALTUS_QUASIPERIODIC, SALTUS_UNDECIDED,
                                                SALTUS_UNSETTLED};
@@ -501,7 +501,9 @@ static void reasons_tell_the_evidence(void **unused) {
         saltus_classify_options options = saltus_classify_defaults();
         saltus_message message = {""};
         saltus_motion m;
-        const double start[2] = {-0.3, 0.1}, period = saltus_system_period(systems[k]);
+        double start[4] = {-0.3, 0.1}, period = saltus_system_period(systems[k]);
+        if (k == 2)
+            check_ok(saltus_system_default_state(systems[k], start, &message), &message);
         options.transient = 100;
         options.measure = measures[k];
         options.longest = 37;
