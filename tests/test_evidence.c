@@ -3,6 +3,8 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "check.h"
 
+#include <signal.h>
+
 static saltus_system *struck_oscillator(double c, double omega, double d) {
     saltus_spec spec = oscillator_spec(c, 1, 1, omega);
     add_stop(&spec, d, 0.8, SALTUS_UPPER);
@@ -89,6 +91,10 @@ static void events_of_a_run_are_recounted(void **unused) {
                        1e-6);
             check_near(l.sticks_per_period * (double)l.periods, (double)(after.sticks - before.sticks), 1e-6);
             assert_true((l.sticks_per_period > 0) == (k == 4) && l.impacts_per_period > 0);
+            /* No exponent is known better than the flow's steps are accurate. */
+            if (l.lost == 0)
+                assert_true(l.standard_errors[0] >=
+                            0.5 * (double)(after.steps - before.steps) * options.flow.rtol / l.time);
             for (int i = 0; i < l.dimension; i++)
                 check_near(l.state[i], end[i], 1e-6);
             saltus_flow_free(flow);
@@ -128,6 +134,13 @@ static void members_make_the_whole(void **unused) {
                 for (int i = 1; i < l.members; i++)
                     assert_true(l.member_exponents[i] != l.member_exponents[0]);
             }
+            double square = 0;
+            for (int i = 0; i < l.members; i++)
+                square += (l.member_exponents[i] - mean) * (l.member_exponents[i] - mean);
+            /* Of an orbit all members measure the same: where they do not, by chance, it is no smaller error.
+             */
+            if (k == 0 && l.members > 1)
+                assert_true(l.standard_errors[0] >= 0.999 * sqrt(square / (l.members - 1) / l.members));
             check_near(l.impacts_per_period, k ? 2.336 : 1, k ? 0.02 : 0.01);
             check_near(l.sum, -0.1 + l.impacts_per_period / l.period * 2 * log(0.8), 1e-6);
             const saltus_lyapunov_progress *last = &l.history[l.history_count - 1];
@@ -138,6 +151,42 @@ static void members_make_the_whole(void **unused) {
         }
     for (int k = 0; k < 2; k++)
         saltus_system_free(systems[k]);
+}
+
+/* Of several trajectories on a chaotic transient some have left for an orbit, whose exponent is negative:
+ * they do not measure the same thing, and no mean of theirs is precise, unless so much is asked for that
+ * their distance does not matter. */
+static void members_that_part_do_not_agree(void **unused) {
+    (void)unused;
+    static const double asked[] = {0.01, 0.5, 1.2, 3, 6, 20};
+    saltus_spec spec = oscillator_spec(0, 1, 1, 2.544);
+    add_stop(&spec, 0, 0.91, SALTUS_UPPER);
+    saltus_system *system = build(&spec);
+    double start[2] = {-0.3, 0.1};
+    int agreed = 0, apart = 0;
+    for (int members = 4; members <= 8; members += 4)
+        for (int k = 0; k < 6; k++) {
+            saltus_lyapunov_options options = saltus_lyapunov_defaults();
+            double least = INFINITY, largest = -INFINITY, spread = 0;
+            options.members = members;
+            options.transient = 100;
+            options.periods = 600 * members;
+            options.precision = asked[k];
+            saltus_lyapunov l = measure(system, start, &options);
+            for (int m = 0; m < members; m++) {
+                least = fmin(least, l.member_exponents[m]);
+                largest = fmax(largest, l.member_exponents[m]);
+                spread = fmax(spread, fabs(l.member_exponents[m] - l.exponents[0]));
+            }
+            assert_true(least < -0.02 && largest > 0.02);
+            assert_int_equal(l.agree, spread <= asked[k] * fabs(l.exponents[0]));
+            assert_true(l.agree || !l.precise);
+            agreed += l.agree;
+            apart += !l.agree;
+            saltus_lyapunov_clear(&l);
+        }
+    assert_true(agreed >= 2 && apart >= 4);
+    saltus_system_free(system);
 }
 
 /* What a caller sees on the way. */
@@ -199,6 +248,39 @@ static void progress_is_told(void **unused) {
     saltus_lyapunov l = measure(system, start, &options);
     assert_true(calls == 1 && l.periods <= 8 * 50 && !l.precise);
     saltus_lyapunov_clear(&l);
+    saltus_system_free(system);
+}
+
+/* Where there is no room for more estimates every second one goes, from the first on, and those that stay are
+ * what they were. A mass that nothing holds, in steps so inaccurate that its exponent is never precise. */
+static void every_second_estimate_is_kept(void **unused) {
+    (void)unused;
+    saltus_spec spec = oscillator_spec(1, 0, 0, 2 * M_PI);
+    saltus_system *system = build(&spec);
+    const double rest[2] = {0, 0};
+    saltus_lyapunov_options options = saltus_lyapunov_defaults();
+    options.members = 1;
+    options.precision = 1e-14;
+    options.transient = 0;
+    options.flow.rtol = 1e-3;
+    options.flow.order = 8;
+    options.periods = 20000;
+    saltus_lyapunov few = measure(system, rest, &options);
+    options.periods = 2030000;
+    saltus_lyapunov many = measure(system, rest, &options);
+    assert_true(!few.precise && !many.precise && few.history_count > 80);
+    assert_true(many.history_count > 128 && many.history_count < 512);
+    for (int k = 0; 2 * k + 3 < few.history_count; k++) {
+        assert_true(many.history[k].time == few.history[2 * k + 1].time);
+        assert_true(many.history[k].exponent == few.history[2 * k + 1].exponent);
+        assert_true(many.history[k].standard_error == few.history[2 * k + 1].standard_error);
+    }
+    for (int k = 1; k < many.history_count; k++)
+        assert_true(many.history[k].time > many.history[k - 1].time);
+    check_near(many.history[many.history_count - 1].exponent, many.exponents[0], 1e-12);
+    check_near(many.exponents[0], 0, 3 * many.standard_errors[0]);
+    saltus_lyapunov_clear(&few);
+    saltus_lyapunov_clear(&many);
     saltus_system_free(system);
 }
 
@@ -394,6 +476,65 @@ static void opinions_are_repeated(void **unused) {
         saltus_system_free(systems[k]);
 }
 
+static void check_told(const saltus_motion *m, const char *format, ...) {
+    char text[256];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    if (!strstr(m->reason, text))
+        fail_msg("\"%s\" is not in \"%s\"", text, m->reason);
+}
+
+/* The numbers in the sentence that gives the reason are those of the evidence: of chaos, of a torus, of one
+ * for which the time does not suffice, and of a decay so slow that no period shows. */
+static void reasons_tell_the_evidence(void **unused) {
+    (void)unused;
+    saltus_spec undamped = oscillator_spec(0, 1, 1, 0.6180339887498949),
+                slow = oscillator_spec(2e-5, 1, 1, 0.6180339887498949);
+    saltus_system *systems[] = {struck_oscillator(0.1, 0.8, 0), build(&undamped), two_masses(torus, true),
+                                build(&slow)};
+    static const saltus_motion_kind kinds[] = {SALTUS_CHAOTIC, SALTUS_QUASIPERIODIC, SALTUS_UNDECIDED,
+                                               SALTUS_UNSETTLED};
+    static const long long measures[] = {16000, 16000, 4000, 16000};
+    for (int k = 0; k < 4; k++) {
+        saltus_classify_options options = saltus_classify_defaults();
+        saltus_message message = {""};
+        saltus_motion m;
+        double start[4] = {-0.3, 0.1}, period = saltus_system_period(systems[k]);
+        if (k == 2)
+            check_ok(saltus_system_default_state(systems[k], start, &message), &message);
+        options.transient = 100;
+        options.measure = measures[k];
+        options.longest = 37;
+        check_ok(saltus_classify(systems[k], start, &options, &m, &message), &message);
+        const saltus_evidence *e = &m.evidence;
+        assert_int_equal(m.kind, kinds[k]);
+        if (k == 0) {
+            check_told(&m, "largest exponent %.4g +- %.1g per unit of time over %lld periods", m.lyapunov,
+                       m.lyapunov_error, e->periods);
+            check_told(&m, "none of %d trajectories", e->members);
+        } else if (k == 1) {
+            check_told(&m, "largest exponent %.1e +- %.0e per unit of time", m.lyapunov, m.lyapunov_error);
+            check_told(&m, "fill %d closed curve, all but %.1e", e->curves, e->broadband);
+        } else if (k == 2) {
+            double short_by = 3 * m.lyapunov_error / fmax(fabs(m.lyapunov), 1e-3 / period);
+            check_told(&m, "largest exponent %.3g +- %.1g per unit of time over %lld periods", m.lyapunov,
+                       m.lyapunov_error, e->periods);
+            check_told(&m, "halves %.3g and %.3g)", e->half[0], e->half[1]);
+            check_told(&m, e->curves ? "points fill closed curves" : "points fill no closed curve");
+            check_told(&m, "some %.1e periods", 1.2 * (double)e->periods * fmax(short_by * short_by, 2));
+        } else {
+            assert_string_equal(m.label, "long-period");
+            check_near(m.lyapunov, -1e-5, 4 * m.lyapunov_error);
+            check_told(&m, "largest exponent %.4g +- %.1g per unit of time", m.lyapunov, m.lyapunov_error);
+            check_told(&m, "longer than %d T", options.longest);
+        }
+        saltus_motion_clear(&m);
+        saltus_system_free(systems[k]);
+    }
+}
+
 /* The exponent of a verdict is that of a measurement by itself. */
 static void exponents_are_repeated(void **unused) {
     (void)unused;
@@ -579,6 +720,104 @@ static void listeners_hear_of_it(void **unused) {
     saltus_system_free(system);
 }
 
+/* A caller who asks flows to stop, by the flag that they watch, at the n-th report. */
+typedef struct interrupter {
+    volatile sig_atomic_t stop;
+    int calls, stop_at, motions;
+    long long last;
+} interrupter;
+
+static bool interrupt(void *context, long long periods, long long at_most) {
+    interrupter *i = context;
+    (void)at_most;
+    i->motions += periods <= i->last;
+    i->last = periods;
+    if (++i->calls == i->stop_at)
+        i->stop = 1;
+    return true;
+}
+
+static saltus_motion classify_interrupted(const saltus_system *system, const double *state, interrupter *i) {
+    saltus_classify_options options = saltus_classify_defaults();
+    saltus_message message = {""};
+    saltus_motion m;
+    options.transient = 2000;
+    options.measure = 16000;
+    options.progress = interrupt;
+    options.context = i;
+    options.flow.stop = &i->stop;
+    check_ok(saltus_classify(system, state, &options, &m, &message), &message);
+    return m;
+}
+
+/* What is concluded while flows are being stopped is no evidence: neither in the transient nor while an
+ * exponent is measured, up to the last report before the verdict. */
+static void what_is_stopped_is_no_evidence(void **unused) {
+    (void)unused;
+    saltus_system *system = struck_oscillator(0.1, 0.8, 0);
+    const double start[2] = {-0.3, 0.1};
+    interrupter whole = {.stop_at = -1};
+    saltus_motion m = classify_interrupted(system, start, &whole);
+    assert_int_equal(m.kind, SALTUS_CHAOTIC);
+    int settling = whole.calls - m.evidence.history_count;
+    assert_true(settling >= 2);
+    saltus_motion_clear(&m);
+    const int places[] = {1, settling, settling + 1, whole.calls - 1, whole.calls};
+    for (int k = 0; k < 5; k++) {
+        interrupter i = {.stop_at = places[k]};
+        m = classify_interrupted(system, start, &i);
+        assert_int_equal(m.kind, SALTUS_UNDECIDED);
+        assert_string_equal(m.label, "undecided");
+        assert_non_null(strstr(m.reason, "(stopped)"));
+        assert_true(isnan(m.lyapunov) && isnan(m.lyapunov_error));
+        assert_true(m.evidence.periods == 0 && m.evidence.history_count == 0 && !m.evidence.history);
+        assert_true(m.transient > 0 && m.transient <= 200);
+        assert_true(i.calls <= places[k] + 1);
+        saltus_motion_clear(&m);
+    }
+    saltus_system_free(system);
+}
+
+/* Of several motions those count that were complete when it was stopped. */
+static void attractors_until_it_is_stopped(void **unused) {
+    (void)unused;
+    saltus_system *system = struck_oscillator(0.1, 1, 1);
+    for (int motions = 0; motions < 3; motions++) {
+        saltus_classify_options options = saltus_classify_defaults();
+        saltus_message message = {""};
+        saltus_attractors found;
+        interrupter i = {.stop_at = -1};
+        int complete = 0;
+        options.progress = interrupt;
+        options.context = &i;
+        options.flow.stop = &i.stop;
+        options.measure = 0;
+        check_ok(saltus_attractors_find(system, motions + 1, 7, &options, &found, &message), &message);
+        int calls = i.calls;
+        assert_int_equal(found.seeds, motions + 1);
+        saltus_attractors_clear(&found);
+        if (motions == 0)
+            continue;
+        /* The same seeds once more, up to the first report of the last. */
+        interrupter fewer = {.stop_at = -1};
+        options.context = &fewer;
+        options.flow.stop = &fewer.stop;
+        check_ok(saltus_attractors_find(system, motions, 7, &options, &found, &message), &message);
+        saltus_attractors_clear(&found);
+        assert_true(fewer.calls < calls);
+        interrupter cut = {.stop_at = fewer.calls + 1};
+        options.context = &cut;
+        options.flow.stop = &cut.stop;
+        check_ok(saltus_attractors_find(system, motions + 5, 7, &options, &found, &message), &message);
+        for (int k = 0; k < found.count; k++)
+            complete += found.shares[k];
+        assert_int_equal(complete, found.seeds);
+        assert_true(found.seeds == motions || (found.seeds == motions + 1 && cut.calls == calls));
+        saltus_attractors_clear(&found);
+    }
+    saltus_system_free(system);
+}
+
 static void defaults_are_those_told(void **unused) {
     (void)unused;
     saltus_lyapunov_options l = saltus_lyapunov_defaults();
@@ -595,17 +834,22 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(events_of_a_run_are_recounted),
         cmocka_unit_test(members_make_the_whole),
+        cmocka_unit_test(members_that_part_do_not_agree),
         cmocka_unit_test(progress_is_told),
+        cmocka_unit_test(every_second_estimate_is_kept),
         cmocka_unit_test(seeds_disturb),
         cmocka_unit_test(dimension_of_tori),
         cmocka_unit_test(volumes_of_two_masses),
         cmocka_unit_test(drift_is_left_out),
         cmocka_unit_test(opinions_are_repeated),
+        cmocka_unit_test(reasons_tell_the_evidence),
         cmocka_unit_test(exponents_are_repeated),
         cmocka_unit_test(laminar_phases_are_recounted),
         cmocka_unit_test(those_who_left_are_named),
         cmocka_unit_test(extremes_are_found_again),
         cmocka_unit_test(listeners_hear_of_it),
+        cmocka_unit_test(what_is_stopped_is_no_evidence),
+        cmocka_unit_test(attractors_until_it_is_stopped),
         cmocka_unit_test(defaults_are_those_told),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -172,6 +172,43 @@ static void closed_orbits_are_told(void **unused) {
     assert_true(stable >= 6);
 }
 
+/* With loose tolerances of the flow Newton's method asks for no more than these give: the same motion, as
+ * accurate as they are. */
+static void loose_tolerances_find_the_same(void **unused) {
+    (void)unused;
+    static const double tolerances[] = {1e-11, 1e-9, 1e-7, 1e-6};
+    for (size_t k = 0; k < sizeof rows / sizeof rows[0]; k++) {
+        closed_oscillator o = closed_example_of(rows[k].example);
+        closed_orbit orbit;
+        o.omega = rows[k].omega;
+        assert_true(closed_orbit_at(&o, rows[k].branch, &orbit));
+        if (hypotl(orbit.multiplier[0][0], orbit.multiplier[0][1]) > 0.95L)
+            continue;
+        saltus_spec spec = closed_spec(&o);
+        saltus_system *system = build(&spec);
+        double beside[2] = {(double)orbit.state[0] - 1e-4, (double)orbit.state[1] + 1e-4};
+        for (int t = 0; t < 4; t++) {
+            saltus_classify_options options = saltus_classify_defaults();
+            saltus_message message = {""};
+            saltus_motion motion;
+            double far = INFINITY;
+            options.measure = 0;
+            options.transient = 2000;
+            options.flow.rtol = tolerances[t];
+            options.flow.atol = 1e-3 * tolerances[t];
+            check_ok(saltus_classify(system, beside, &options, &motion, &message), &message);
+            check_label(&motion, "%d/%d", orbit.impacts, o.periods);
+            assert_true(motion.stable && motion.residual <= fmax(1e-12, 100 * tolerances[t]));
+            for (int p = 0; p < o.periods; p++)
+                far = fmin(far, hypot(motion.section_states[2 * p] - (double)orbit.state[0],
+                                      motion.section_states[2 * p + 1] - (double)orbit.state[1]));
+            check_near(far, 0, 1e-10 + 1e4 * tolerances[t]);
+            saltus_motion_clear(&motion);
+        }
+        saltus_system_free(system);
+    }
+}
+
 /* Beyond the pitchfork: one of a pair, and the mirror function leads to the other one. */
 static void pairs_are_each_others_images(void **unused) {
     (void)unused;
@@ -282,6 +319,107 @@ static void orbits_that_rest_are_told(void **unused) {
         saltus_system_free(system);
     }
     assert_true(two_impacts && two_periods);
+}
+
+/* Times of the impacts in one chatter, in periods, the accumulation point last; its orbit's state at the next
+ * section. */
+static int chatter_times(const saltus_system *system, double phase, double *times, int room, double *state) {
+    saltus_flow_options options = saltus_flow_defaults();
+    double rest[2] = {saltus_system_face(system, 0).d, 0};
+    saltus_flow *flow = open_flow(system, &options, phase, rest);
+    saltus_event event;
+    int count = 0;
+    do {
+        event = advance(flow, 2, SALTUS_WATCH_CONTACT);
+        if (event.kind == SALTUS_IMPACT || event.kind == SALTUS_STICK) {
+            assert_true(count < room);
+            times[count++] = saltus_time_periods(event.time);
+        }
+    } while (event.kind != SALTUS_STICK && event.kind != SALTUS_REACHED);
+    assert_int_equal(event.kind, SALTUS_STICK);
+    saltus_flow_free(flow);
+    flow = open_flow(system, &options, phase, rest);
+    advance(flow, 1, 0);
+    saltus_flow_state(flow, 0, state);
+    saltus_flow_free(flow);
+    return count;
+}
+
+/* A load that puts the section `part` of the way from the chatter's impact `from_end` before the last one to
+ * the next; a place beyond the last one is after the accumulation point. The impacts, one by one, are
+ * counted. */
+static saltus_system *chatter_at_section(double omega, double r, double load, int from_end, double part,
+                                         double *state, int *impacts) {
+    double loads[2] = {load, load + 1e-3}, late[2] = {NAN, NAN}, times[64];
+    saltus_system *system = NULL;
+    for (int step = 0; step < 8; step++) {
+        int now = step > 0;
+        closed_oscillator o = closed_sticking_example(omega, loads[now], r);
+        saltus_spec spec = closed_spec(&o);
+        saltus_system_free(system);
+        system = build(&spec);
+        double release = acos((double)((o.k * o.d - o.F0) / o.F)) / (2 * M_PI);
+        *impacts = chatter_times(system, release - 0.01, times, 64, state);
+        const double *from = &times[*impacts - 1 - from_end];
+        late[now] = *from + part * (from_end ? from[1] - from[0] : 1e-6) - 1;
+        if (step == 0 || fabs(late[1]) < 1e-13)
+            continue;
+        double next = loads[1] - late[1] * (loads[1] - loads[0]) / (late[1] - late[0]);
+        if (step < 7) {
+            loads[0] = loads[1];
+            late[0] = late[1];
+            loads[1] = next;
+        }
+    }
+    check_near(late[1], 0, 1e-10);
+    return system;
+}
+
+/* A load moves the chatter through the section: wherever that cuts it, it is the same motion. The section may
+ * lie after the last impact that is made, too, and before the place where all the others would be. */
+static void chatter_is_told_wherever_the_section_lies(void **unused) {
+    (void)unused;
+    static const double table[][3] = {{0.4, 0.1, -0.55}, {0.4, 0.5, -0.23}, {1, 0.1, 0.47}},
+                        parts[] = {0.02, 0.3, 0.6, 0.98};
+    int first_sticks = 0;
+    for (int k = 0; k < 3; k++)
+        for (int from_end = 0; from_end < 3; from_end++)
+            for (int part = 0; part < 4; part++) {
+                double state[2];
+                int impacts;
+                saltus_system *system = chatter_at_section(table[k][0], table[k][1], table[k][2], from_end,
+                                                           parts[part], state, &impacts);
+                saltus_motion motion = describe_from(system, 1, state);
+                check_label(&motion, "chatter/1");
+                assert_int_equal(motion.impacts, -1);
+                assert_int_equal(motion.sticking_intervals, 1);
+                assert_true(abs((int)motion.impacts_by_face[0] - impacts) <= 1);
+                assert_true(motion.stable);
+                first_sticks += motion.events[0].kind == SALTUS_STICK;
+                saltus_motion_clear(&motion);
+                saltus_system_free(system);
+            }
+    assert_true(first_sticks > 0);
+}
+
+/* However little rebound there is, what it leads to is chatter, even if but one impact is made before. */
+static void little_rebound_is_chatter(void **unused) {
+    (void)unused;
+    bool three = false;
+    for (int digits = 2; digits <= 10; digits += 4) {
+        closed_oscillator o = closed_sticking_example(0.4L, 0.4L, powl(0.1L, digits));
+        saltus_spec spec = closed_spec(&o);
+        saltus_system *system = build(&spec);
+        double start[2] = {(double)o.d, 0};
+        saltus_motion motion = settle_from(system, start);
+        check_label(&motion, "chatter/1");
+        assert_int_equal(motion.impacts, -1);
+        check_recount(system, &motion);
+        three |= motion.event_count == 3;
+        saltus_motion_clear(&motion);
+        saltus_system_free(system);
+    }
+    assert_true(three);
 }
 
 /* Two masses of which stops hold off one or both; the observed displacement is the first stop's, its extremes
@@ -536,9 +674,12 @@ static void settling_is_the_flow(void **unused) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(closed_orbits_are_told),
+        cmocka_unit_test(loose_tolerances_find_the_same),
         cmocka_unit_test(pairs_are_each_others_images),
         cmocka_unit_test(a_pulsation_swings_in_two_periods),
         cmocka_unit_test(orbits_that_rest_are_told),
+        cmocka_unit_test(chatter_is_told_wherever_the_section_lies),
+        cmocka_unit_test(little_rebound_is_chatter),
         cmocka_unit_test(assorted_orbits_are_recounted),
         cmocka_unit_test(least_periods_are_told),
         cmocka_unit_test(branches_say_it_as_classification_does),

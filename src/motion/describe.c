@@ -54,10 +54,12 @@ void saltus_tally_event(saltus_tally *tally, const saltus_system *system, const 
     if (event->kind != SALTUS_IMPACT && event->kind != SALTUS_STICK && event->kind != SALTUS_RELEASE)
         return;
     tally->events++;
-    if (event->kind == SALTUS_STICK) {
-        tally->sticks++;
-        tally->chatter |= saltus_system_face(system, event->face).r > 0 && tally->events > 1;
-    }
+    tally->sticks += event->kind == SALTUS_STICK;
+    tally->releases += event->kind == SALTUS_RELEASE;
+    if (event->kind != SALTUS_IMPACT)
+        tally->rebounds |= saltus_system_face(system, event->face).r > 0;
+    /* More than a stick and its release: the impacts before it may lie at the end, before the section. */
+    tally->chatter = tally->rebounds && tally->events > 2;
     if (saltus_event_strikes(event)) {
         tally->impacts++;
         tally->by_face[event->face]++;
@@ -232,7 +234,8 @@ saltus_status saltus_motion_take(const saltus_system *system, saltus_flow *flow,
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the orbit");
     saltus_status status = walk_orbit(system, flow, motion, &tally, message);
     motion->impacts = tally.impacts;
-    motion->sticking_intervals = tally.sticks;
+    /* A start on the section may come to rest at once, without an event; what is released has been held. */
+    motion->sticking_intervals = tally.sticks > tally.releases ? tally.sticks : tally.releases;
     memcpy(motion->impacts_by_face, tally.by_face, sizeof tally.by_face);
     if (status == SALTUS_OK && motion->event_count == 0 && saltus_flow_contacts(flow, 0)) {
         motion->kind = SALTUS_HELD;

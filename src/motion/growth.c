@@ -44,8 +44,8 @@ void saltus_growth_choose(saltus_growth *g, const saltus_system *system, double 
         g->whole = (int)interval;
     else if (interval > 0)
         g->parts = (int)(1 / interval + 0.5);
-    else if (g->columns == g->n)
-        g->parts = (int)fmin(fmax(1, ceil(decay / too_wide)), most_parts);
+    else /* no vector may fade beyond numbers before its growth has been seen */
+        g->parts = (int)fmin(fmax(1, ceil(decay / (g->columns == g->n ? too_wide : too_long))), most_parts);
     g->watch = g->table ? SALTUS_WATCH_STEP | SALTUS_WATCH_CONTACT : SALTUS_WATCH_STICK;
     for (int f = 0; f < saltus_system_face_count(system); f++)
         if (saltus_system_face(system, f).r == 0)

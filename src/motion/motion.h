@@ -35,8 +35,9 @@ saltus_status saltus_motion_bounded(const saltus_system *system, const double *s
 typedef struct saltus_tally {
     long long impacts, events;
     long long by_face[SALTUS_FACES_MAX];
-    int sticks;
-    bool chatter; /* infinitely many impacts ended in a sticking interval */
+    int sticks, releases;
+    bool rebounds; /* a stop that throws back holds for a while */
+    bool chatter;  /* infinitely many impacts ended in a sticking interval */
 } saltus_tally;
 
 /* Count an impact, a stick or a release; other events do not count. */

@@ -1,0 +1,139 @@
+/* Stable orbits amid motions that look chaotic: one that may be their end forbids to assert chaos, one that
+ * lies beside them does not. Oscillators x'' + c x' + x = cos(omega t) below a stop at d.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "closed_orbits.h"
+
+typedef struct struck {
+    double c, omega, d, r;
+    const char *orbit;
+} struck;
+
+static saltus_system *build_struck(const struck *s) {
+    saltus_spec spec = oscillator_spec(s->c, 1, 1, s->omega);
+    add_stop(&spec, s->d, s->r, SALTUS_UPPER);
+    return build(&spec);
+}
+
+static saltus_motion classify_struck(const saltus_system *system, double x, long long transient,
+                                     long long measure) {
+    saltus_classify_options options = saltus_classify_defaults();
+    saltus_message message = {""};
+    saltus_motion motion;
+    double start[2] = {x, 0.1};
+    options.transient = transient;
+    options.measure = measure;
+    check_ok(saltus_classify(system, start, &options, &motion, &message), &message);
+    return motion;
+}
+
+/* Whether some trajectory settles on a stable orbit of that name. */
+static bool is_attractor(const saltus_system *system, const char *label) {
+    saltus_classify_options options = saltus_classify_defaults();
+    saltus_message message = {""};
+    saltus_attractors found;
+    bool seen = false;
+    options.transient = 500;
+    options.measure = 0;
+    check_ok(saltus_attractors_find(system, 12, 5, &options, &found, &message), &message);
+    for (int k = 0; k < found.count; k++)
+        seen |= found.motions[k].stable && strcmp(found.motions[k].label, label) == 0;
+    saltus_attractors_clear(&found);
+    return seen;
+}
+
+/* One impact in one period, in closed form. */
+static bool is_stable_in_closed_form(const struck *s) {
+    closed_oscillator o = {.c = s->c, .k = 1, .F = 1, .omega = s->omega, .d = s->d, .r = s->r, .periods = 1};
+    closed_orbit orbit;
+    return closed_orbit_at(&o, 1, &orbit) && orbit.admissible &&
+           hypotl(orbit.multiplier[0][0], orbit.multiplier[0][1]) < 1;
+}
+
+/* Largest exponents are positive, in some 1e4 periods and in both halves, and yet chaos is not asserted. */
+static void a_stable_orbit_amid_chaos_counts(void **unused) {
+    (void)unused;
+    static const struct struck scenes[] = {{0, 2.432, 0.07, 0.89, "1/1"}, {0.044, 2.702, 0, 0.84, "2/2"},
+                                           {0, 3.087, 0, 0.84, "2/2"},    {0, 1.692, 0, 0.98, "1/1"},
+                                           {0, 3.101, 0, 0.95, "2/2"},    {0, 2.738, 0.04, 0.98, "5/6"}};
+    for (int k = 0; k < 6; k++) {
+        saltus_system *system = build_struck(&scenes[k]);
+        saltus_motion m = classify_struck(system, scenes[k].d - 0.3, 700, 8000);
+        const saltus_evidence *e = &m.evidence;
+        char periods[32], told[128];
+        assert_int_equal(m.kind, SALTUS_UNDECIDED);
+        assert_string_equal(m.label, "undecided");
+        assert_string_equal(e->stable_orbit, scenes[k].orbit);
+        assert_true(m.lyapunov > 3 * m.lyapunov_error && e->left == 0 && e->left_for[0] == 0);
+        for (int half = 0; half < 2; half++)
+            assert_true(e->half[half] > 2 * e->half_errors[half]);
+        /* What is said of it are the numbers that are given. */
+        snprintf(told, sizeof told, "exponent %.4g +- %.1g per unit of time over %lld periods", m.lyapunov,
+                 m.lyapunov_error, e->periods);
+        snprintf(periods, sizeof periods, "%.1e periods", 10.0 * (double)e->periods);
+        assert_non_null(strstr(m.reason, told));
+        assert_non_null(strstr(m.reason, e->stable_orbit));
+        assert_non_null(strstr(m.reason, periods));
+        if (k == 0)
+            assert_true(is_stable_in_closed_form(&scenes[k]));
+        else
+            assert_true(is_attractor(system, e->stable_orbit));
+        saltus_motion_clear(&m);
+        saltus_system_free(system);
+    }
+}
+
+/* The stable orbit is there, in reach of Newton's method, but its basin stays away from the motion. */
+static void a_stable_orbit_beside_chaos_does_not_count(void **unused) {
+    (void)unused;
+    static const struct struck scenes[] = {
+        {0, 2.591, 0.01, 0.83, "1/1"}, {0, 3.007, 0, 0.92, "2/2"}, {0, 3.043, 0, 0.84, "2/2"}};
+    for (int k = 0; k < 3; k++) {
+        saltus_system *system = build_struck(&scenes[k]);
+        saltus_motion m = classify_struck(system, scenes[k].d - 0.3, 700, 8000);
+        assert_int_equal(m.kind, SALTUS_CHAOTIC);
+        assert_true(m.evidence.stable_orbit[0] == 0 && m.evidence.left == 0);
+        if (k == 0)
+            assert_true(is_stable_in_closed_form(&scenes[k]));
+        assert_true(is_attractor(system, scenes[k].orbit));
+        saltus_motion_clear(&m);
+        saltus_system_free(system);
+    }
+}
+
+/* Chaos that ends soon: a trajectory that has left it is told, with the orbit that all come to. */
+static void those_who_leave_name_their_end(void **unused) {
+    (void)unused;
+    static const struct struck scenes[] = {{0, 2.693, 0, 0.98, "2/2"}, {0, 3.143, 0, 0.95, "2/2"}};
+    for (int k = 0; k < 2; k++) {
+        saltus_system *system = build_struck(&scenes[k]);
+        saltus_motion m = classify_struck(system, -0.3, 700, 8000);
+        const saltus_evidence *e = &m.evidence;
+        char told[64], within[64];
+        assert_int_equal(m.kind, SALTUS_UNSETTLED);
+        assert_string_equal(m.label, "transient");
+        assert_string_equal(e->left_for, scenes[k].orbit);
+        assert_true(e->left == 1 && e->members == 8 && m.lyapunov > 0);
+        snprintf(told, sizeof told, "exponent %.3g while it lasts", m.lyapunov);
+        snprintf(within, sizeof within, "within %lld periods", e->periods / e->members);
+        assert_non_null(strstr(m.reason, told));
+        assert_non_null(strstr(m.reason, within));
+        assert_non_null(strstr(m.reason, scenes[k].orbit));
+        /* Nothing of it is left out of the time that is told. */
+        assert_int_equal(m.transient, 700);
+        saltus_motion_clear(&m);
+        m = classify_struck(system, -0.3, 40000, 0);
+        assert_true(m.stable && m.transient > 700);
+        assert_string_equal(m.label, scenes[k].orbit);
+        saltus_motion_clear(&m);
+        saltus_system_free(system);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_stable_orbit_amid_chaos_counts),
+        cmocka_unit_test(a_stable_orbit_beside_chaos_does_not_count),
+        cmocka_unit_test(those_who_leave_name_their_end),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

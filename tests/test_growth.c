@@ -1,0 +1,92 @@
+/* However fast perturbations fade, and however far apart their rates are: exponents of linear systems are the
+ * real parts of their eigenvalues, in any unit of time and at any interval.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "check.h"
+
+static saltus_lyapunov measure(const saltus_system *system, int exponents, double interval, int members) {
+    saltus_lyapunov_options options = saltus_lyapunov_defaults();
+    saltus_message message = {""};
+    saltus_lyapunov l;
+    double rest[4] = {0};
+    options.members = members;
+    options.exponents = exponents;
+    options.interval = interval;
+    options.transient = 0;
+    options.periods = (long long)(250 * fmax(1, interval)) * members;
+    check_ok(saltus_lyapunov_run(system, rest, &options, &l, &message), &message);
+    return l;
+}
+
+/* A second mass that hangs from a wall, all but: the first mass is 1e6 times as heavy. The wall swings
+ * with the rate -0.01 twice; the mass fades with both rates of s^2 + c s + 1. */
+static saltus_system *mass_on_a_wall(double c, double period) {
+    saltus_spec spec = oscillator_spec(0.02e6, 1e6, 0, 2 * M_PI / period);
+    set_parameter(&spec, "N", 2);
+    set_parameter(&spec, "m", 1e6);
+    set_parameter(&spec, "m2", 1);
+    set_parameter(&spec, "c2", c);
+    set_parameter(&spec, "k2", 1);
+    return build(&spec);
+}
+
+/* Within one forcing period a perturbation shrinks by e^-300 to e^-1500. */
+static void what_fades_beyond_numbers_is_measured(void **unused) {
+    (void)unused;
+    static const double periods[] = {320, 480, 1600};
+    for (int k = 0; k < 3; k++) {
+        saltus_spec spec = oscillator_spec(1.9, 1, 0.5, 2 * M_PI / periods[k]);
+        saltus_system *system = build(&spec);
+        saltus_lyapunov l = measure(system, 1, 0, 1);
+        check_near(l.exponents[0], -0.95, 4 * l.standard_errors[0] + 1e-7);
+        assert_true(l.standard_errors[0] < 1e-4 && l.precise && l.lost == 0);
+        saltus_lyapunov_clear(&l);
+        saltus_system_free(system);
+    }
+}
+
+/* The last direction asked for fades e^100 times as fast as the first one: none is swamped. */
+static void rates_far_apart_are_told_apart(void **unused) {
+    (void)unused;
+    double c = 2.2, root = sqrt(c * c / 4 - 1);
+    const double expected[] = {-0.01, -0.01, root - c / 2, -root - c / 2};
+    saltus_system *system = mass_on_a_wall(c, 180);
+    for (int count = 1; count <= 4; count++) {
+        saltus_lyapunov l = measure(system, count, 0, 1);
+        for (int i = 0; i < count; i++)
+            check_near(l.exponents[i], expected[i], 4 * l.standard_errors[i] + 2e-6);
+        assert_true(l.standard_errors[count - 1] < 1e-4 && l.precise);
+        saltus_lyapunov_clear(&l);
+    }
+    saltus_system_free(system);
+}
+
+/* Samples of several periods, one or parts of one: the time is told in periods, the growth per time. */
+static void intervals_do_not_matter(void **unused) {
+    (void)unused;
+    static const double intervals[] = {1, 2, 3, 7, 0.5, 0.25};
+    double c = 0.6;
+    saltus_system *system = mass_on_a_wall(c, 2);
+    for (int k = 0; k < 6; k++) {
+        int whole = (int)fmax(1, intervals[k]);
+        saltus_lyapunov l = measure(system, 0, intervals[k], 3);
+        for (int i = 0; i < 4; i++)
+            check_near(l.exponents[i], i < 2 ? -0.01 : -c / 2, 4 * l.standard_errors[i] + 2e-6);
+        assert_int_equal(l.periods % (3 * whole), 0);
+        assert_true(l.periods <= 250 * 3 * whole && l.periods >= 200 * 3 * whole);
+        assert_int_equal(l.transient % whole, 0);
+        check_near(l.time, (double)l.periods * 2, 1e-9 * l.time);
+        check_near(l.sum, -0.02 - c - c / 1e6, 1e-9);
+        check_near(l.sum_rule, l.sum, 1e-9);
+        saltus_lyapunov_clear(&l);
+    }
+    saltus_system_free(system);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(what_fades_beyond_numbers_is_measured),
+        cmocka_unit_test(rates_far_apart_are_told_apart),
+        cmocka_unit_test(intervals_do_not_matter),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
