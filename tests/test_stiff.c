@@ -169,6 +169,32 @@ static void steps_follow_the_tolerance(void **unused) {
     }
 }
 
+/* A step that begins inside the last one is guessed from its polynomial: cut short at targets that lie close
+ * together, steps take fewer sweeps. */
+static void the_last_step_guesses_the_next(void **unused) {
+    (void)unused;
+    for (int kind = 0; kind < 3; kind++) {
+        double state[dimension_max], sweeps[4];
+        saltus_system *system = free_scene(kind, state);
+        for (int part = 0; part < 4; part++) {
+            saltus_flow_options options = saltus_flow_defaults();
+            options.integrator = SALTUS_RADAU;
+            options.rtol = 1e-9;
+            saltus_flow *flow = open_flow(system, &options, 0.3, state);
+            for (int k = 1; k <= (part ? 40 : 1); k++)
+                advance(flow, 0.3 + (part ? k / 16.0 / (1 << 2 * part) : 6), 0);
+            const saltus_flow_info info = saltus_flow_information(flow, 0);
+            sweeps[part] = (double)info.field_evaluations / 16 / (double)info.steps;
+            saltus_flow_free(flow);
+        }
+        assert_true(sweeps[0] > 4);
+        for (int part = 1; part < 4; part++)
+            if (!(sweeps[part] <= (part == 1 ? 1.6 : 1.2)))
+                fail_msg("scene %d: %.3g sweeps where the last step goes on", kind, sweeps[part]);
+        saltus_system_free(system);
+    }
+}
+
 /* What is linear and steady is solved at once: two sweeps a step, the second of which changes nothing.
  * Contacts and tangent vectors do not change that, nor the number of modes. */
 static void the_linear_part_takes_one_sweep(void **unused) {
@@ -224,8 +250,11 @@ static void the_linear_part_takes_one_sweep(void **unused) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(agrees_at_five_modes),       cmocka_unit_test(agrees_when_stiff),
-        cmocka_unit_test(steps_follow_the_tolerance), cmocka_unit_test(the_linear_part_takes_one_sweep),
+        cmocka_unit_test(agrees_at_five_modes),
+        cmocka_unit_test(agrees_when_stiff),
+        cmocka_unit_test(steps_follow_the_tolerance),
+        cmocka_unit_test(the_last_step_guesses_the_next),
+        cmocka_unit_test(the_linear_part_takes_one_sweep),
         cmocka_unit_test(tolerance_at_many_modes),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
