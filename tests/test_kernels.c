@@ -371,6 +371,16 @@ static void operations_of_a_pipe_add_up(void **unused) {
                            0);
                 check_near(count[2][k] - count[1][k], column[0], 0);
             }
+            /* The forcing's series take eight operations for each order, and two for a mode and a product. */
+            saltus_spec still = spec;
+            set_parameter(&still, "sigma", 0);
+            for (int last = 18; last <= 22 && forced && modes == 1; last += 2) {
+                double products = 0;
+                for (int k = 2; k < last; k += 2)
+                    products += 2 * k + 2 * (k - 2);
+                check_near(operations_of(&spec, last, 0, false) - operations_of(&still, last, 0, false),
+                           8 * last + 2 * modes * products, 0);
+            }
             apart = spec;
             set_parameter(&apart, "beta", 0);
             const int order = 40, entries = 2 * (modes / 2) * ((modes + 1) / 2);

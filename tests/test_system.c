@@ -208,6 +208,36 @@ static void scales_are_typical(void **unused) {
     saltus_system_free(system);
 }
 
+/* From a stop that is in the way the state that scenes begin at keeps the same distance wherever the stop
+ * stands, beside how far the modes move there; so it does whatever the unit of length. */
+static void default_states_keep_their_distance(void **unused) {
+    (void)unused;
+    double first = 0;
+    for (int k = 0; k < 12; k++) {
+        saltus_spec spec = k < 6 ? pipe_spec(1, 20) : oscillator_spec(0.1, 1, 1, 1);
+        saltus_message message = {""};
+        double state[2];
+        add_stop(&spec, k % 2 ? -0.004 : 0, 0.5, k % 3 ? SALTUS_UPPER : SALTUS_LOWER);
+        spec.stops[0].xi = 0.02 + 0.09 * k;
+        spec.stops[0].weight[0] = 0.1 * (k - 5);
+        if (k == 9)
+            spec.stops[0].d = -1000;
+        saltus_system *system = build(&spec);
+        check_ok(saltus_system_default_state(system, state, &message), &message);
+        const double reach = fabs(saltus_system_stop_normal(system, 0)[0]),
+                     scale = saltus_system_scale(system)[0],
+                     kept = -saltus_system_gap(system, 0, state) / (reach * scale);
+        const bool moved = fabs(state[0]) != 0.2 * scale;
+        if (moved) {
+            first = first ? first : kept;
+            check_near(kept / first, 1, 1e-10);
+        }
+        assert_true(moved || kept > 0.04);
+        saltus_system_free(system);
+    }
+    assert_true(first > 0);
+}
+
 /* The stiff integrator is chosen where it was measured to pay: for a pipe of the paper's damping from eleven
  * modes on, or eight that strike nothing; for masses where damping outruns all else by some two hundred, in
  * any unit of time. */
@@ -390,6 +420,7 @@ int main(void) {
         cmocka_unit_test(refusals_tell_the_numbers),
         cmocka_unit_test(limits_of_stops),
         cmocka_unit_test(scales_are_typical),
+        cmocka_unit_test(default_states_keep_their_distance),
         cmocka_unit_test(the_integrator_follows_the_stiffness),
         cmocka_unit_test(geometry),
         cmocka_unit_test(vector_field),
