@@ -3,6 +3,9 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "scenes.h"
 
+#include <gsl/gsl_complex_math.h>
+#include <gsl/gsl_eigen.h>
+
 enum { order_max = 12, modes_max = 17, columns_max = 4 };
 
 /* Coefficients c_k h^k of a polynomial of a degree on [0, h], from its values at equal distances. */
@@ -142,6 +145,55 @@ static void tangent_vectors_ask_for_steps_of_their_own(void **unused) {
                 options.columns = 1;
                 check_near(first_step(&specs[k], &options, state, tangent, NULL) / fmin(own, its), 1, 1e-9);
             }
+}
+
+/* The largest modulus of the eigenvalues of the field's linear part at rest. */
+static double fastest_rate(const saltus_spec *spec) {
+    saltus_system *system = build(spec);
+    saltus_flow_options options = saltus_flow_defaults();
+    const int n = saltus_system_dimension(system);
+    double zero[scene_dimension_max] = {0}, columns[scene_dimension_max * scene_dimension_max], fastest = 0;
+    options.columns = n;
+    saltus_flow *flow = open_flow(system, &options, 0, zero);
+    saltus_flow_tangent_field(flow, 0, columns);
+    gsl_matrix_view matrix = gsl_matrix_view_array(columns, (size_t)n, (size_t)n);
+    gsl_vector_complex *values = gsl_vector_complex_alloc((size_t)n);
+    gsl_eigen_nonsymm_workspace *work = gsl_eigen_nonsymm_alloc((size_t)n);
+    assert_int_equal(gsl_eigen_nonsymm(&matrix.matrix, values, work), 0);
+    for (int i = 0; i < n; i++)
+        fastest = fmax(fastest, gsl_complex_abs(gsl_vector_complex_get(values, (size_t)i)));
+    gsl_eigen_nonsymm_free(work);
+    gsl_vector_complex_free(values);
+    saltus_flow_free(flow);
+    saltus_system_free(system);
+    return fastest;
+}
+
+/* Where nothing moves the step is the largest there is: no more than six times the shortest time that the
+ * field or the forcing knows, and not much less. */
+static void the_largest_step_follows_the_fastest_rate(void **unused) {
+    (void)unused;
+    const double rest[scene_dimension_max] = {0};
+    for (int k = 0; k < 32; k++) {
+        saltus_spec spec =
+            k < 24 ? oscillator_spec(k % 3 * 4, k % 4 * 2, 0, k % 5 ? 0.3 : 9) : pipe_spec(1 + k % 5, 5);
+        if (k < 24) {
+            set_parameter(&spec, "m", k % 2 ? 1 : 2.5);
+            set_parameter(&spec, "N", 1 + k / 12);
+            set_parameter(&spec, "k2", k % 7);
+            set_parameter(&spec, "m2", 0.4);
+            set_parameter(&spec, "c2", k % 2);
+            set_parameter(&spec, "kz", k / 6 % 2 ? 3 : 0);
+            set_parameter(&spec, "tz", k % 2 ? 0.05 : 20);
+        } else
+            set_parameter(&spec, "sigma", 0);
+        saltus_flow_options options = saltus_flow_defaults();
+        options.integrator = SALTUS_TAYLOR;
+        const double rate = fmax(fastest_rate(&spec), saltus_spec_get(&spec, "omega")),
+                     turns = rate * first_step(&spec, &options, rest, NULL, NULL);
+        if (!(turns <= 6 * (1 + 1e-12) && turns > 1.5))
+            fail_msg("case %d: %.3g times the shortest time", k, turns);
+    }
 }
 
 /* The derivative with respect to the force begins at zero and obeys the equation of a mass at rest under a
@@ -395,6 +447,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(steps_are_as_long_as_the_tolerance_allows),
         cmocka_unit_test(tangent_vectors_ask_for_steps_of_their_own),
+        cmocka_unit_test(the_largest_step_follows_the_fastest_rate),
         cmocka_unit_test(parameter_columns_are_judged_by_their_growth),
         cmocka_unit_test(operations_of_a_mass_add_up),
         cmocka_unit_test(operations_of_a_pipe_add_up),
