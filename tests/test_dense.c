@@ -256,6 +256,189 @@ static void arenas_hand_out_what_they_measured(void **unused) {
     saltus_arena_close(&arena);
 }
 
+/* A product of factors, each a normal matrix times a triangle in a rotated frame, with the eigenvalues given:
+ * one real number or a pair for each block, `grade` times smaller in each factor from block to block. They
+ * are found to the digits that the single factors keep. */
+static void given_eigenvalues_are_found(void **unused) {
+    (void)unused;
+    enum { count_max = 5 };
+    static const double grades[] = {1, 1, 0.3, 0.1};
+    for (int trial = 0; trial < 160; trial++) {
+        const int n = 2 + trial % 7, count = trial / 7 % (count_max + 1);
+        const double grade = grades[trial % 4], turn = trial % 3 ? 0.4 + 0.1 * (trial % 20) : 0;
+        double h[n_max * n_max] = {0}, triangles[count_max * n_max * n_max] = {0}, q[n_max * n_max],
+                         next[n_max * n_max], product[n_max * n_max], whole[n_max * n_max], work[2 * n_max];
+        double real[n_max], imaginary[n_max], modulus[n_max], angle[n_max], frame[n_max * n_max];
+        bool taken[n_max] = {false};
+        for (int i = 0; i < n; i++) {
+            const int block = turn != 0 ? i / 2 : i;
+            const bool paired = turn != 0 && (i % 2 == 1 || i + 1 < n);
+            const double size = pow(grade, block), own = 1 + 0.3 * block;
+            modulus[i] = own * size;
+            angle[i] = paired ? (i % 2 ? -turn : turn) : block % 2 ? M_PI : 0;
+            h[i * n + i] = modulus[i] * cos(angle[i]);
+            if (paired)
+                h[i * n + (i ^ 1)] = -modulus[i] * sin(angle[i]);
+            for (int k = 0; k < count; k++) {
+                modulus[i] *= size * (1 + 0.1 * k);
+                for (int j = i; j < n; j++)
+                    triangles[(k * n + i) * n + j] = i == j                             ? size * (1 + 0.1 * k)
+                                                     : (turn != 0 ? j / 2 : j) == block ? 0
+                                                                                        : 0.2 * size;
+            }
+        }
+        /* M = h r_count ... r_1 becomes Q M Q^T: r_1 Q^T = q_1 s_1, r_2 q_1 = q_2 s_2, ..., Q h q_count. */
+        random_matrix(n * n, next);
+        saltus_dense_qr(next, n, q, work);
+        multiply(q, h, n, whole);
+        for (int i = 0; i < n; i++)
+            for (int j = 0; j < n; j++)
+                frame[i * n + j] = q[j * n + i];
+        for (int k = 0; k < count; k++) {
+            multiply(triangles + k * n * n, frame, n, next);
+            memcpy(triangles + k * n * n, next, (size_t)(n * n) * sizeof *next);
+            saltus_dense_qr(triangles + k * n * n, n, frame, work);
+        }
+        multiply(whole, frame, n, h);
+        assert_true(saltus_periodic_eigenvalues(h, triangles, n, count, product, real, imaginary));
+        const double lost = pow(grade, turn != 0 ? (n - 1) / 2 : n - 1);
+        for (int i = 0; i < n; i++) {
+            double nearest = INFINITY;
+            int which = 0;
+            for (int j = 0; j < n; j++) {
+                double away =
+                    hypot(real[j] - modulus[i] * cos(angle[i]), imaginary[j] - modulus[i] * sin(angle[i]));
+                if (!taken[j] && away < nearest) {
+                    nearest = away;
+                    which = j;
+                }
+            }
+            taken[which] = true;
+            if (!(nearest <= 2e-13 / lost * modulus[i]))
+                fail_msg("trial %d: %.3g of the eigenvalue %.3g, %.3g lost", trial, nearest / modulus[i],
+                         modulus[i], lost);
+        }
+    }
+}
+
+/* Of a matrix that needs no scaling, 1 / (|a| |1 / a|) in the norm of columns; nothing where there is nothing
+ * to solve with. */
+static void conditions_are_told(void **unused) {
+    (void)unused;
+    saltus_dense_lu lu;
+    assert_true(saltus_dense_lu_open(&lu, 2));
+    for (int k = 0; k < 10; k++) {
+        const double near = 1 - pow(10, -k), scale[2] = {ldexp(1, 3 * k), ldexp(1, -7 * k)};
+        double a[4] = {1, near, near, 1};
+        assert_true(saltus_dense_factor(&lu, a));
+        check_near(lu.reciprocal / ((1 - near) / (1 + near)), 1, 1e-6);
+        check_near(lu.log_modulus, log1p(-near * near), 1e-6);
+        for (int i = 0; i < 4; i++)
+            a[i] *= scale[i / 2];
+        assert_true(saltus_dense_factor(&lu, a));
+        const double factor = lu.reciprocal / ((1 - near) / (1 + near));
+        assert_true(factor > 0.24 && factor < 4.1); /* powers of two, one off at the worst */
+        check_near(lu.log_modulus, log1p(-near * near) - 4 * k * log(2), 1e-6);
+    }
+    for (int k = 0; k < 10; k++) {
+        double a[4] = {2, 1, 1, 3};
+        assert_true(saltus_dense_factor(&lu, a) && lu.sign == 1 && lu.reciprocal > 0.1);
+        if (k < 8)
+            a[k / 2] = k % 2 ? NAN : -INFINITY;
+        else
+            a[0] = k == 8 ? 1.0 / 3 : 0, a[1] = k == 8 ? 1 : 0;
+        assert_false(saltus_dense_factor(&lu, a));
+        assert_true(lu.sign == 0 && lu.log_modulus == -INFINITY && lu.reciprocal == 0);
+    }
+    saltus_dense_lu_close(&lu);
+    assert_true(lu.n == 0 && lu.arena.base == NULL);
+    saltus_dense_lu_close(&lu);
+}
+
+/* An inverse is refused where a pivot falls to 1e-13 of the largest entry, whatever the unit. */
+static void inverses_know_their_limits(void **unused) {
+    (void)unused;
+    double inverse[4];
+    for (int k = 0; k < 3; k++) {
+        const double unit = pow(10, 8 * (k - 1));
+        for (int side = 0; side < 2; side++) {
+            const double pivot = (side ? 2e-13 : 0.5e-13) * unit, turned[4] = {pivot, unit, 0, unit},
+                         straight[4] = {unit, unit, unit, unit + pivot}, negative = -unit;
+            assert_true(saltus_dense_inverse(turned, 2, inverse) == side);
+            assert_true(saltus_dense_inverse(straight, 2, inverse) == side);
+            assert_true(saltus_dense_inverse(&negative, 1, inverse));
+            check_near(inverse[0] * unit, -1, 1e-15);
+        }
+    }
+}
+
+/* More equations than unknowns: the residual stands across the columns. Singular values below the threshold
+ * do not count. */
+static void least_squares_leave_what_stands_across(void **unused) {
+    (void)unused;
+    enum { m = 6, n = 3 };
+    for (int trial = 0; trial < 10; trial++) {
+        double a[m * n], kept[m * n], b[m], given[m];
+        int rank = -1;
+        random_matrix(m * n, a);
+        random_matrix(m, b);
+        memcpy(kept, a, sizeof a);
+        memcpy(given, b, sizeof b);
+        assert_true(saltus_dense_least_squares(a, m, n, b, 1e-12, trial % 2 ? &rank : NULL));
+        assert_int_equal(rank, trial % 2 ? n : -1);
+        for (int j = 0; j < n; j++) {
+            double across = 0;
+            for (int i = 0; i < m; i++) {
+                double residual = given[i];
+                for (int l = 0; l < n; l++)
+                    residual -= kept[i * n + l] * b[l];
+                across += kept[i * n + j] * residual;
+            }
+            check_near(across, 0, 1e-13);
+        }
+    }
+    for (int side = 0; side < 2; side++) {
+        double a[4] = {2, 0, 0, 2e-5}, b[2] = {4, 6e-5};
+        int rank;
+        assert_true(saltus_dense_least_squares(a, 2, 2, b, side ? 0.9e-5 : 1.1e-5, &rank));
+        assert_int_equal(rank, 1 + side);
+        check_near(b[0], 2, 1e-14);
+        check_near(b[1], side ? 3 : 0, 1e-9);
+    }
+}
+
+/* Zero columns and vectors stay what they are. */
+static void nothing_stays_nothing(void **unused) {
+    (void)unused;
+    enum { n = 4 };
+    for (int gone = 0; gone <= n; gone++) {
+        double a[n * n], q[n * n], kept[n * n], back[n * n], work[2 * n];
+        random_matrix(n * n, a);
+        for (int i = 0; i < n * n; i++)
+            if (gone == n || i % n == gone)
+                a[i] = 0;
+        memcpy(kept, a, sizeof a);
+        saltus_dense_qr(a, n, q, work);
+        multiply(q, a, n, back);
+        for (int i = 0; i < n * n; i++)
+            check_near(back[i], kept[i], 1e-15);
+        if (gone == n)
+            for (int i = 0; i < n * n; i++)
+                assert_true(a[i] == 0 && q[i] == (i % (n + 1) == 0));
+    }
+    double vector[n] = {0}, length = 1, work[1 + 32];
+    assert_true(saltus_dense_orthonormal(vector, n, 1, &length, work));
+    for (int i = 0; i < n; i++)
+        assert_true(length == 0 && vector[i] == 0);
+    for (int i = 0; i < 2 * n; i++) {
+        double two[2 * n] = {1, 2, 3, 4, -1, 1, 5, 1}, lengths[2], room[2 + 64];
+        two[i] = i % 2 ? NAN : INFINITY;
+        assert_false(saltus_dense_orthonormal(two, n, 2, lengths, room));
+        if (i < n)
+            assert_false(saltus_dense_orthonormal(two, n, 1, lengths, room));
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(inverses_undo),
@@ -264,6 +447,11 @@ int main(void) {
         cmocka_unit_test(products_have_the_eigenvalues_of_the_whole),
         cmocka_unit_test(cycles_have_the_roots_of_one),
         cmocka_unit_test(small_eigenvalues_keep_their_digits),
+        cmocka_unit_test(given_eigenvalues_are_found),
+        cmocka_unit_test(conditions_are_told),
+        cmocka_unit_test(inverses_know_their_limits),
+        cmocka_unit_test(least_squares_leave_what_stands_across),
+        cmocka_unit_test(nothing_stays_nothing),
         cmocka_unit_test(vectors_become_orthonormal),
         cmocka_unit_test(arenas_hand_out_what_they_measured),
     };

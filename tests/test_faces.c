@@ -448,6 +448,64 @@ static void two_held_faces_share_the_load(void **unused) {
     }
 }
 
+/* Two balls that nothing joins, hit in the same instant or soon after each other: to each its own impact is
+ * what it is without the other. */
+static void tangents_of_balls_apart_stay_apart(void **unused) {
+    (void)unused;
+    for (int kind = 0; kind < 4; kind++) {
+        const double r[2] = {0.45, kind % 2 ? 0.8 : 0.45}, phase = 0.1;
+        double whole[16], delays[4];
+        saltus_spec both = oscillator_spec(0, 0, 1.3, 1);
+        set_parameter(&both, "N", 2);
+        set_parameter(&both, "k2", 0);
+        set_parameter(&both, "F0", -1);
+        set_parameter(&both, "F2", 1.3);
+        set_parameter(&both, "F02", -1);
+        set_parameter(&both, "m2", kind / 2 ? 2 : 1);
+        if (kind / 2) {
+            set_parameter(&both, "F2", 2.6);
+            set_parameter(&both, "F02", -2);
+        }
+        for (int b = 0; b < 2; b++) {
+            add_stop(&both, 0, r[b], SALTUS_LOWER);
+            both.stops[b].weight[0] = !b;
+            both.stops[b].weight[1] = b;
+        }
+        saltus_system *system = build(&both);
+        saltus_flow_options options = saltus_flow_defaults();
+        options.columns = 4;
+        saltus_flow *flow = open_flow(system, &options, phase, (double[]){0.2, 0.2, -0.3, -0.3});
+        saltus_event event = advance(flow, phase + 1, SALTUS_WATCH_IMPACT);
+        assert_int_equal(event.kind, SALTUS_IMPACT);
+        assert_int_equal(saltus_flow_information(flow, 0).impacts, 2);
+        saltus_flow_delays(flow, 0, delays);
+        saltus_flow_tangents(flow, 0, whole);
+        saltus_flow_free(flow);
+        saltus_system_free(system);
+        for (int b = 0; b < 2; b++) {
+            saltus_spec alone = oscillator_spec(0, 0, 1.3, 1);
+            double own[4], delay[2];
+            set_parameter(&alone, "F0", -1);
+            add_stop(&alone, 0, r[b], SALTUS_LOWER);
+            system = build(&alone);
+            options.columns = 2;
+            flow = open_flow(system, &options, phase, (double[]){0.2, -0.3});
+            advance(flow, phase + 1, SALTUS_WATCH_IMPACT);
+            saltus_flow_tangents(flow, 0, own);
+            saltus_flow_delays(flow, 0, delay);
+            saltus_flow_free(flow);
+            saltus_system_free(system);
+            for (int c = 0; c < 2; c++) {
+                check_near(delays[b + 2 * c], b == event.face ? delay[c] : 0, 1e-11);
+                for (int i = 0; i < 2; i++) {
+                    check_near(whole[(b + 2 * c) * 4 + b + 2 * i], own[2 * c + i], 1e-11);
+                    check_near(whole[(b + 2 * c) * 4 + !b + 2 * i], 0, 1e-11);
+                }
+            }
+        }
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(masses_apart_keep_their_own_events),
@@ -458,6 +516,7 @@ int main(void) {
         cmocka_unit_test(a_watcher_is_told_of_what_it_watches),
         cmocka_unit_test(counts_are_those_of_the_events),
         cmocka_unit_test(every_impulse_pushes),
+        cmocka_unit_test(tangents_of_balls_apart_stay_apart),
         cmocka_unit_test(a_held_state_stays_on_its_stop),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -311,6 +311,84 @@ static void iterates_are_steps_in_a_row(void **unused) {
     assert_true(sticks > 0);
 }
 
+/* Starts and patience whose phases add up to a whole period: x = cos t from one period's quarter on falls on
+ * its stop a third of a period after its top, and patience ends at the period's end, this one's or the next
+ * one's. */
+static void patience_may_end_with_a_period(void **unused) {
+    (void)unused;
+    saltus_spec spec = oscillator_spec(0, 1, 0, 1);
+    add_stop(&spec, 0.5, 0.5, SALTUS_LOWER);
+    for (int k = 0; k < 4; k++)
+        for (int wait = 0; wait < 2; wait++) {
+            /* The impact comes after 1/3 of a period; from the phase 3/4 on patience of 1/4 is not enough. */
+            const double phase = 0.25 * k, patience = 1 - phase + wait;
+            saltus_section section = {SALTUS_SECTION_IMPACT, 0, 1, patience};
+            saltus_flow_options options = saltus_flow_defaults();
+            saltus_message message = {""};
+            saltus_event event;
+            saltus_system *system = build(&spec);
+            saltus_map *map = NULL;
+            double point[3] = {1, 0, phase * saltus_system_period(system)};
+            check_ok(saltus_map_new(system, &section, &options, false, &map, &message), &message);
+            check_ok(saltus_map_reset(map, point, &message), &message);
+            saltus_status status = saltus_map_step(map, point, &event, &message);
+            assert_int_equal(status, patience > 1.0 / 3 ? SALTUS_OK : SALTUS_NO_CONVERGENCE);
+            saltus_time now = saltus_flow_time(saltus_map_flow(map), 0);
+            if (status == SALTUS_OK)
+                check_near(saltus_time_periods(now), phase + 1.0 / 3, 1e-13);
+            else
+                assert_true(now.cycle == 1 && now.phase == 0);
+            saltus_map_free(map);
+            saltus_system_free(system);
+        }
+}
+
+/* Where a step fails, what it was given stays as it was, and the message says how long it waited; asked
+ * twice, the derivative is the same. */
+static void failed_steps_leave_the_point(void **unused) {
+    (void)unused;
+    saltus_spec spec = oscillator_spec(0, 1, 0, 1);
+    add_stop(&spec, 0.5, 0.5, SALTUS_LOWER);
+    saltus_system *system = build(&spec);
+    saltus_section section = {SALTUS_SECTION_IMPACT, 0, 2, 0.375};
+    saltus_flow_options options = saltus_flow_defaults();
+    saltus_message message = {""};
+    saltus_map *map = NULL;
+    double point[3] = {1, 0, 0.125}, twice[2][9];
+    const double kept[3] = {1, 0, 0.125};
+    check_ok(saltus_map_new(system, &section, &options, true, &map, &message), &message);
+    check_ok(saltus_map_reset(map, point, &message), &message);
+    assert_int_equal(saltus_map_step(map, point, NULL, &message), SALTUS_NO_CONVERGENCE);
+    assert_memory_equal(point, kept, sizeof point);
+    assert_non_null(strstr(message.text, "0.375 periods"));
+    saltus_map_free(map);
+    section.patience = 10;
+    check_ok(saltus_map_new(system, &section, &options, true, &map, &message), &message);
+    for (int run = 0; run < 2; run++) {
+        check_ok(saltus_map_reset(map, kept, &message), &message);
+        check_ok(saltus_map_step(map, point, NULL, &message), &message);
+        saltus_map_derivative(map, twice[0]);
+        saltus_map_derivative(map, twice[1]);
+        assert_memory_equal(twice[0], twice[1], sizeof twice[0]);
+    }
+    saltus_map_free(map);
+    static const struct {
+        saltus_section section;
+        const char *text;
+    } rows[] = {{{SALTUS_SECTION_STROBOSCOPIC, -0.25, 1, 7}, "phase = -0.25:"},
+                {{SALTUS_SECTION_STROBOSCOPIC, 1.5, 1, 7}, "phase = 1.5:"},
+                {{SALTUS_SECTION_TURNING, 0.5, -3, 7}, "iterate = -3:"},
+                {{SALTUS_SECTION_IMPACT, 0.5, 2, -1.25}, "patience = -1.25:"},
+                {{(saltus_section_kind)3, 0.5, 2, 7}, "stroboscopic, impact or turning"}};
+    for (size_t k = 0; k < sizeof rows / sizeof rows[0]; k++) {
+        assert_int_equal(saltus_map_new(system, &rows[k].section, &options, true, &map, &message),
+                         SALTUS_BAD_INPUT);
+        assert_null(map);
+        assert_non_null(strstr(message.text, rows[k].text));
+    }
+    saltus_system_free(system);
+}
+
 /* The derivative through whatever happens in a few periods, in all scenes: impacts, chatter, sticking,
  * release, several faces; both integrators. */
 static void derivatives_pass_all_events(void **unused) {
@@ -368,6 +446,8 @@ int main(void) {
         cmocka_unit_test(short_patience),
         cmocka_unit_test(sections_are_checked),
         cmocka_unit_test(patience_is_counted_in_periods),
+        cmocka_unit_test(patience_may_end_with_a_period),
+        cmocka_unit_test(failed_steps_leave_the_point),
         cmocka_unit_test(iterates_are_steps_in_a_row),
         cmocka_unit_test(derivatives_pass_all_events),
     };

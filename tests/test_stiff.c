@@ -1,8 +1,8 @@
 /* The stiff integrator against the explicit one: the same trajectory, contacts and tangent vectors included.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "check.h"
+#include "scenes.h"
 
-enum { dimension_max = 72 };
+enum { dimension_max = 72, samples_max = 400 };
 
 /* Run both from the same settled state; largest scaled difference of states. */
 static double compare(int modes, double omega, double d, double r, double settle, double periods, int columns,
@@ -90,10 +90,171 @@ static void tolerance_at_many_modes(void **unused) {
     saltus_system_free(system);
 }
 
+/* A pipe without a stop, or another scene without its stops, on its way for some time. */
+static saltus_system *free_scene(int kind, double *state) {
+    scene s = kind < 2 ? scene_pipe(kind ? 3 : 5, kind ? 20 : 42)
+                       : scene_of(kind == 2 ? scene_free_chain : scene_two_sided_mass);
+    double start[dimension_max] = {0};
+    const int shape = kind < 2 ? (kind ? 3 : 5) : 0;
+    memcpy(start, s.state, sizeof s.state);
+    s.spec.stop_count = 0;
+    if (kind == 0) { /* more modes than scenes have */
+        set_parameter(&s.spec, "N", 12);
+        memset(start + 2, 0, sizeof start - 2 * sizeof *start);
+        start[12] = s.state[shape];
+    }
+    saltus_system *system = build(&s.spec);
+    saltus_flow_options options = saltus_flow_defaults();
+    options.integrator = SALTUS_RADAU;
+    saltus_flow *flow = open_flow(system, &options, 0.3, start);
+    advance(flow, 1.3, 0);
+    saltus_flow_state(flow, 0, state);
+    saltus_flow_free(flow);
+    return system;
+}
+
+/* Steps lie on a grid of quarters of powers of two of the period; inside them, too, the solution is as exact
+ * as was asked for, and not much more so, for then they would be shorter than need be. They grow with the
+ * tolerance as sixteen nodes let expect. */
+static void steps_follow_the_tolerance(void **unused) {
+    (void)unused;
+    for (int kind = 0; kind < 4; kind++) {
+        double state[dimension_max], exact[dimension_max], inside[dimension_max], mean = 0, count[2] = {0};
+        saltus_system *system = free_scene(kind, state);
+        const int n = saltus_system_dimension(system);
+        const double *scale = saltus_system_scale(system), period = saltus_system_period(system);
+        int tolerances = 0;
+        for (int digits = 6; digits <= 12; digits += 2) {
+            saltus_flow_options options = saltus_flow_defaults();
+            double worst = 0;
+            options.rtol = 1e-14;
+            saltus_flow *fine = open_flow(system, &options, 0.3, state);
+            options.integrator = SALTUS_RADAU;
+            options.rtol = pow(10, -digits);
+            options.atol = 0;
+            saltus_flow *flow = open_flow(system, &options, 0.3, state);
+            for (int k = 0; k < 16; k++) {
+                advance(flow, 1e6, SALTUS_WATCH_STEP);
+                const double step = saltus_flow_step_length(flow, 0), place = -4 * log2(step / period),
+                             begin = saltus_time_periods(saltus_flow_step_begin(flow, 0));
+                check_near(place, round(place), 1e-9);
+                for (int j = 1; j <= 4; j++) {
+                    const double since = step * (0.27 * j - 0.14);
+                    advance(fine, begin + since / period, 0);
+                    saltus_flow_state(fine, 0, exact);
+                    saltus_flow_dense(flow, 0, since, inside);
+                    for (int i = 0; i < n; i++)
+                        worst = fmax(worst, fabs(inside[i] - exact[i]) / scale[i]);
+                }
+            }
+            const double passed = saltus_time_periods(saltus_flow_time(flow, 0)) - 0.3;
+            if (digits == 6 || digits == 12)
+                count[digits == 12] = 1 / passed;
+            const saltus_flow_info info = saltus_flow_information(flow, 0);
+            if (!(worst <= 30 * options.rtol))
+                fail_msg("scene %d: %.3g inside a step at rtol %g", kind, worst, options.rtol);
+            /* A guess that is right in all but the last digits, and a rest that falls like (h L)^k / k!. */
+            assert_true((double)info.field_evaluations <= 16 * 16 * (kind == 0 ? 10 : kind == 1 ? 15 : 27));
+            mean += log10(worst / options.rtol);
+            tolerances++;
+            saltus_flow_free(fine);
+            saltus_flow_free(flow);
+        }
+        /* In powers of ten, on the mean; steps of one mass end with the period rather than with the
+         * tolerance. */
+        mean /= tolerances;
+        assert_true(mean < 1 && (mean > 0 || kind == 3));
+        assert_true(count[1] > 1.4 * count[0] && count[1] < 1.2 * pow(10, 6.0 / 16) * count[0]);
+        saltus_system_free(system);
+    }
+}
+
+/* A step that begins inside the last one is guessed from its polynomial: cut short at targets that lie close
+ * together, steps take fewer sweeps. */
+static void the_last_step_guesses_the_next(void **unused) {
+    (void)unused;
+    for (int kind = 0; kind < 3; kind++) {
+        double state[dimension_max], sweeps[4];
+        saltus_system *system = free_scene(kind, state);
+        for (int part = 0; part < 4; part++) {
+            saltus_flow_options options = saltus_flow_defaults();
+            options.integrator = SALTUS_RADAU;
+            options.rtol = 1e-9;
+            saltus_flow *flow = open_flow(system, &options, 0.3, state);
+            for (int k = 1; k <= (part ? 40 : 1); k++)
+                advance(flow, 0.3 + (part ? k / 16.0 / (1 << 2 * part) : 6), 0);
+            const saltus_flow_info info = saltus_flow_information(flow, 0);
+            sweeps[part] = (double)info.field_evaluations / 16 / (double)info.steps;
+            saltus_flow_free(flow);
+        }
+        assert_true(sweeps[0] > 4);
+        for (int part = 1; part < 4; part++)
+            if (!(sweeps[part] <= (part == 1 ? 1.6 : 1.2)))
+                fail_msg("scene %d: %.3g sweeps where the last step goes on", kind, sweeps[part]);
+        saltus_system_free(system);
+    }
+}
+
+/* What is linear and steady is solved at once: two sweeps a step, the second of which changes nothing.
+ * Contacts and tangent vectors do not change that, nor the number of modes. */
+static void the_linear_part_takes_one_sweep(void **unused) {
+    (void)unused;
+    for (int kind = 0; kind < 20; kind++)
+        for (int held = 0; held < 3; held++) {
+            const int modes = 1 + kind % 10, columns = kind % 3;
+            saltus_spec spec = pipe_spec(modes, 12);
+            set_parameter(&spec, "sigma", 0);
+            set_parameter(&spec, "kappa", 0);
+            set_parameter(&spec, "u0", 2);
+            if (kind >= 10)
+                set_parameter(&spec, "beta", 0.1);
+            if (held >= modes)
+                continue;
+            for (int s = 0; s < held; s++) {
+                add_stop(&spec, 0, 0.5, s ? SALTUS_LOWER : SALTUS_UPPER);
+                spec.stops[s].xi = 0.37 + 0.2 * s;
+            }
+            saltus_system *system = build(&spec);
+            saltus_flow_options options = saltus_flow_defaults();
+            saltus_message message = {""};
+            saltus_flow *flow = NULL;
+            double state[dimension_max] = {0}, projected[dimension_max] = {0}, tangents[2 * dimension_max];
+            options.integrator = SALTUS_RADAU;
+            options.columns = columns;
+            for (int i = 0; i < 2 * modes; i++)
+                state[i] = i < modes ? 0.01 / (1 + i) : 0.03 * (i % 3 - 1);
+            check_ok(saltus_flow_new((const saltus_system *[]){system}, 1, &options, &flow, &message),
+                     &message);
+            for (int pass = 0; pass < 2; pass++) { /* the first one brings the state onto the stops */
+                check_ok(saltus_flow_place(flow, 0, (saltus_time){0, 0}, pass ? projected : state,
+                                           (1u << held) - 1, &message),
+                         &message);
+                saltus_flow_state(flow, 0, projected);
+            }
+            for (int c = 0; c < columns; c++)
+                for (int i = 0; i < 2 * modes; i++)
+                    tangents[c * 2 * modes + i] = (1 + 0.5 * c) * projected[i];
+            if (columns)
+                saltus_flow_set_tangents(flow, 0, tangents);
+            check_ok(saltus_flow_coast(flow, 0, (saltus_time){1, 0}, NULL, &message), &message);
+            const saltus_flow_info info = saltus_flow_information(flow, 0);
+            const long long begin = info.field_evaluations - 2 * 16 * info.steps;
+            if (!(begin > 0 &&
+                  begin <= 8)) /* the first step asks once for the field, in all lanes of a pack */
+                fail_msg("%d modes, %d held, %d columns: %lld evaluations too many", modes, held, columns,
+                         begin);
+            saltus_flow_free(flow);
+            saltus_system_free(system);
+        }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(agrees_at_five_modes),
         cmocka_unit_test(agrees_when_stiff),
+        cmocka_unit_test(steps_follow_the_tolerance),
+        cmocka_unit_test(the_last_step_guesses_the_next),
+        cmocka_unit_test(the_linear_part_takes_one_sweep),
         cmocka_unit_test(tolerance_at_many_modes),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

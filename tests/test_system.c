@@ -65,6 +65,213 @@ static void refused_oscillators(void **unused) {
     expect_refusal(&spec, "m = 0");
 }
 
+/* The numbers stand in a refusal in their order, those of the stop that is wrong. */
+static void refusals_tell_the_numbers(void **unused) {
+    (void)unused;
+    static const struct {
+        const char *name;
+        double value;
+        const char *text;
+    } parameters[] = {{"alpha", 11, "alpha = 11: must be at least 0 and at most 10 ("},
+                      {"beta", 1, "beta = 1: must be at least 0 and less than 1 ("},
+                      {"omega", -2, "omega = -2: must be greater than 0 and at most 100000 ("},
+                      {"N", 2.5, "N = 2.5: must be a whole number ("},
+                      {"N", 65, "N = 65: must be at least 1 and at most 64 ("}};
+    for (size_t k = 0; k < sizeof parameters / sizeof parameters[0]; k++) {
+        saltus_spec spec = pipe_spec(3, 20);
+        set_parameter(&spec, parameters[k].name, parameters[k].value);
+        expect_refusal(&spec, parameters[k].text);
+    }
+    static const struct {
+        saltus_stop stops[3];
+        const char *text;
+    } rows[] = {{{{0.5, {1, 0}, 0.1, 0.5, 1}, {0.3, {0, 1}, 0.1, 1.5, 1}, {0.2, {1, 1}, 0.1, 0.5, 1}},
+                 "stop 2: r = 1.5: must be at least 0 and at most 1 ("},
+                {{{0.5, {1, 0}, 0.1, 0.5, 1}, {0.3, {0, 1}, 0.1, 0.5, 1}, {0.2, {1, 1}, -0.25, 0.5, 3}},
+                 "stop 3: d = -0.25: must be greater than 0"},
+                {{{0.5, {1, 0}, 0.1, 0.5, 1}, {0.3, {0, 1}, 0.1, 0.5, 4}, {0.2, {1, 1}, 0.25, 0.5, 3}},
+                 "stop 2: sides: must be"},
+                {{{0.5, {1, 0}, 0.1, 0.5, 1}, {0.3, {0, 1}, -0.3, 0.5, 1}, {0.3, {0, 1}, 0.2, 0.5, 2}},
+                 "stops 2 and 3: d = -0.3 and d = 0.2 leave"},
+                {{{0.5, {1, 0}, 0.1, 0.5, 1}, {0.3, {0, 1}, 0.2, 0.5, 3}, {0.3, {0, 1}, 0.2, 0.5, 2}},
+                 "stops 2 and 3 limit"}};
+    for (size_t k = 0; k < sizeof rows / sizeof rows[0]; k++)
+        for (int pipe = 0; pipe < 2; pipe++) {
+            saltus_spec spec = pipe ? pipe_spec(3, 20) : oscillator_spec(0.1, 1, 1, 1);
+            set_parameter(&spec, "N", pipe ? 3 : 2);
+            memcpy(spec.stops, rows[k].stops, sizeof rows[k].stops);
+            spec.stop_count = 3;
+            expect_refusal(&spec, rows[k].text);
+        }
+    saltus_spec spec = oscillator_spec(0.1, 1, 1, 1);
+    memcpy(spec.stops, rows[0].stops, sizeof rows[0].stops);
+    spec.stops[1].r = 0.5;
+    spec.stop_count = 3;
+    expect_refusal(&spec, "stop 2: weight names mass 2");
+    set_parameter(&spec, "N", 2);
+    spec.stops[2].weight[1] = spec.stops[2].weight[0] = 0;
+    expect_refusal(&spec, "stop 3: weight = [0, 0]");
+    spec.stops[2].weight[1] = INFINITY;
+    expect_refusal(&spec, "stop 3: weight: must be finite");
+    spec.stops[2].weight[1] = 2;
+    spec.stop_count = 5;
+    expect_refusal(&spec, "stops: 5 given, at most 4");
+    /* One stop alone has no number. */
+    spec.stop_count = 1;
+    spec.stops[0].r = 1.5;
+    saltus_message message = {""};
+    saltus_system *system = NULL;
+    assert_int_equal(saltus_system_new(&spec, &system, &message), SALTUS_BAD_INPUT);
+    assert_int_equal(strncmp(message.text, "r = 1.5: ", 9), 0);
+    spec.stop_count = 3;
+    spec.stops[0].r = 0.5;
+    spec.stops[0].d = 10;
+    spec.stops[1].sides = SALTUS_LOWER;
+    spec.stops[1].d = 0.5;
+    system = build(&spec);
+    assert_int_equal(saltus_system_check_state(system, (double[]){0, -0.75, 0, 0}, &message),
+                     SALTUS_BAD_INPUT);
+    assert_non_null(
+        strstr(message.text, "the displacement -0.75 at stop 2 is beyond its lower side (d = 0.5)"));
+    saltus_system_free(system);
+}
+
+/* A place where no mode moves by a millionth is none for a stop; two stops a thousandth of a millionth apart
+ * are one. */
+static void limits_of_stops(void **unused) {
+    (void)unused;
+    for (int side = 0; side < 2; side++) {
+        saltus_spec spec = pipe_spec(1, 20);
+        add_stop(&spec, 0.1, 0.5, SALTUS_UPPER);
+        add_stop(&spec, 0.2, 0.5, SALTUS_UPPER);
+        spec.stops[1].xi = asin((side ? 1.01e-6 : 0.99e-6)) / M_PI;
+        if (side)
+            saltus_system_free(build(&spec));
+        else
+            expect_refusal(&spec, "stop 2: xi = 3.1");
+        for (int sign = -1; sign <= 1; sign += 2) {
+            spec.stops[1].xi = 0.5;
+            spec.stops[1].d = 0.1 * (1 + sign * (side ? 1.1e-9 : 0.9e-9));
+            if (side)
+                saltus_system_free(build(&spec));
+            else
+                expect_refusal(&spec, "stops 1 and 2 limit");
+        }
+    }
+}
+
+/* What magnitudes are typical: the smallest clearance that is one, without any the response to the forces,
+ * with neither the unit; velocities by the faster of forcing and spring; modes of a pipe fall with their
+ * number. */
+static void scales_are_typical(void **unused) {
+    (void)unused;
+    static const double clearances[][3] = {{0.5, -0.2, 0.3}, {0, 0.7, 2}, {0.3, 0, 0.4}, {0, 0, 0}};
+    for (int k = 0; k < 8; k++)
+        for (int two = 0; two < 2; two++) {
+            saltus_spec spec = oscillator_spec(0.1, k % 2 ? 40 : 1.5, k == 7 ? 0 : -0.6, 2);
+            set_parameter(&spec, "m", 1.4);
+            set_parameter(&spec, "F0", k == 7 ? 0 : -0.2);
+            set_parameter(&spec, "N", 1 + two);
+            set_parameter(&spec, "m2", 0.3);
+            set_parameter(&spec, "k2", k % 3 ? 11 : 0.01);
+            set_parameter(&spec, "kz", 0.7);
+            for (int s = 0; s < (k % 4 == 3 ? 1 : 3) && k < 6; s++) {
+                add_stop(&spec, clearances[k % 4][s], 0.5, SALTUS_UPPER);
+                spec.stops[s].weight[0] = 1 + s;
+            }
+            double length = 0;
+            for (int s = 0; s < spec.stop_count; s++)
+                if (spec.stops[s].d != 0 && (length == 0 || fabs(spec.stops[s].d) < length))
+                    length = fabs(spec.stops[s].d);
+            const double stiffness = k % 2 ? 40 : 1.5, joint = two ? saltus_spec_get(&spec, "k2") : 0;
+            if (length == 0)
+                length = k == 7 ? 1 : 0.8 / (stiffness + 1.4 * 4);
+            saltus_system *system = build(&spec);
+            const double *scale = saltus_system_scale(system);
+            check_near(scale[0], length, 1e-15);
+            check_near(scale[1 + two], length * fmax(2, sqrt((stiffness + joint) / 1.4)), 1e-13);
+            if (two) {
+                check_near(scale[1], length, 1e-15);
+                check_near(scale[3], length * fmax(2, sqrt(joint / 0.3)), 1e-13);
+            }
+            check_near(scale[2 + 2 * two], length * 0.7, 1e-15);
+            saltus_system_free(system);
+        }
+    saltus_spec spec = pipe_spec(9, 20);
+    saltus_system *system = build(&spec);
+    const double *scale = saltus_system_scale(system);
+    for (int i = 0; i < 9; i++) {
+        check_near(scale[i] * (i + 1) * (i + 1), scale[0], 1e-15);
+        check_near(scale[9 + i] * (i + 1), scale[9], 1e-15);
+        check_near(scale[9 + i], 10 * (i + 1) * scale[i], 1e-15);
+    }
+    saltus_system_free(system);
+}
+
+/* From a stop that is in the way the state that scenes begin at keeps the same distance wherever the stop
+ * stands, beside how far the modes move there; so it does whatever the unit of length. */
+static void default_states_keep_their_distance(void **unused) {
+    (void)unused;
+    double first = 0;
+    for (int k = 0; k < 12; k++) {
+        saltus_spec spec = k < 6 ? pipe_spec(1, 20) : oscillator_spec(0.1, 1, 1, 1);
+        saltus_message message = {""};
+        double state[2];
+        add_stop(&spec, k % 2 ? -0.004 : 0, 0.5, k % 3 ? SALTUS_UPPER : SALTUS_LOWER);
+        spec.stops[0].xi = 0.02 + 0.09 * k;
+        spec.stops[0].weight[0] = 0.1 * (k - 5);
+        if (k == 9)
+            spec.stops[0].d = -1000;
+        saltus_system *system = build(&spec);
+        check_ok(saltus_system_default_state(system, state, &message), &message);
+        const double reach = fabs(saltus_system_stop_normal(system, 0)[0]),
+                     scale = saltus_system_scale(system)[0],
+                     kept = -saltus_system_gap(system, 0, state) / (reach * scale);
+        const bool moved = fabs(state[0]) != 0.2 * scale;
+        if (moved) {
+            first = first ? first : kept;
+            check_near(kept / first, 1, 1e-10);
+        }
+        assert_true(moved || kept > 0.04);
+        saltus_system_free(system);
+    }
+    assert_true(first > 0);
+}
+
+/* The stiff integrator is chosen where it was measured to pay: for a pipe of the paper's damping from eleven
+ * modes on, or eight that strike nothing; for masses where damping outruns all else by some two hundred, in
+ * any unit of time. */
+static void the_integrator_follows_the_stiffness(void **unused) {
+    (void)unused;
+    for (int modes = 6; modes <= 13; modes++)
+        for (int stop = 0; stop < 2; stop++)
+            for (int damping = 1; damping <= 2; damping++) {
+                saltus_spec spec = pipe_spec(modes, 20);
+                if (stop)
+                    add_stop(&spec, 0.1, 0.5, SALTUS_UPPER);
+                /* The damping of mode i goes with i^4. */
+                set_parameter(&spec, "alpha", damping == 1 ? 0.005 : 0.005 * 16);
+                const int first = (stop ? 11 : 8) * (damping == 1 ? 1 : 0.5) + 0.5;
+                saltus_system *system = build(&spec);
+                assert_string_equal(saltus_system_integrator(system), modes >= first ? "radau" : "taylor");
+                assert_int_equal(saltus_flow_width(system) == 1, modes >= first);
+                saltus_system_free(system);
+            }
+    for (int k = 0; k < 24; k++) {
+        const double unit = pow(7, k % 4 - 1), mass = k / 4 % 2 ? 3 : 1, over = k / 8 % 2 ? 1.1 : 0.9;
+        const bool fast = k < 8;
+        saltus_spec spec = oscillator_spec(0, 0, 0, 1 / unit);
+        const double stiffness = fast ? 0.25 * mass / (unit * unit) : 8 * mass / (unit * unit);
+        const double rate = fmax(1, sqrt(2 * stiffness / mass) * unit) / unit;
+        set_parameter(&spec, "m", mass);
+        set_parameter(&spec, "k", stiffness);
+        set_parameter(&spec, "c", 100 * over * mass * rate);
+        saltus_system *system = build(&spec);
+        assert_string_equal(saltus_system_integrator(system), over > 1 ? "radau" : "taylor");
+        saltus_system_free(system);
+    }
+}
+
 /* The gap is a linear function; normals vanish exactly at the nodes of a mode. */
 static void geometry(void **unused) {
     (void)unused;
@@ -210,6 +417,11 @@ int main(void) {
         cmocka_unit_test(refused_parameters),
         cmocka_unit_test(refused_stops),
         cmocka_unit_test(refused_oscillators),
+        cmocka_unit_test(refusals_tell_the_numbers),
+        cmocka_unit_test(limits_of_stops),
+        cmocka_unit_test(scales_are_typical),
+        cmocka_unit_test(default_states_keep_their_distance),
+        cmocka_unit_test(the_integrator_follows_the_stiffness),
         cmocka_unit_test(geometry),
         cmocka_unit_test(vector_field),
         cmocka_unit_test(flow_options_are_checked),

@@ -44,8 +44,8 @@ const saltus_flow *saltus_map_flow(const saltus_map *map);
 /* Place the map at a point (coordinates as above). For a stroboscopic map the time is the section's phase. */
 saltus_status saltus_map_reset(saltus_map *map, const double *point, saltus_message *message);
 /* One step of the map; the new point goes to `point` (may be NULL), the event that marks it to `event` (may
- * be NULL). Errors: those of the flow; SALTUS_NO_CONVERGENCE when no section point came within the patience.
- */
+ * be NULL). Errors: those of the flow; SALTUS_NO_CONVERGENCE when no section point came within the patience;
+ * the point stays as it was then. */
 saltus_status saltus_map_step(saltus_map *map, double *point, saltus_event *event, saltus_message *message);
 /* Derivative of the last step: dimension x dimension, row-major, d new_i / d old_j. */
 void saltus_map_derivative(const saltus_map *map, double *derivative);

@@ -234,6 +234,43 @@ static void saltate(saltus_flow *flow, int lane, int face, double speed, const s
     }
 }
 
+/* Whether impulses at the faces of a map do not meet: none changes the velocity at another. */
+static bool apart(const saltus_contact_map *map) {
+    for (int k = 0; k < map->count; k++)
+        for (int j = 0; j < map->count; j++)
+            if (j != k && fabs(map->inverse[k * map->count + j]) > 1e-14)
+                return false;
+    return true;
+}
+
+/* Impacts in one instant that do not meet: each has a delay of its own, and a tangent vector passes one after
+ * the other, the hit face's last, whose delay is the event's. `map` is their common map, all of them rebound.
+ */
+static void saltate_apart(saltus_flow *flow, int lane, int hit, const saltus_contact_map *map,
+                          const double *velocity) {
+    saltus_lane *self = &flow->lane[lane];
+    int n = flow->dof;
+    double before[64];
+    memcpy(self->trial, self->state, (size_t)flow->dimension * sizeof(double));
+    memcpy(self->trial + n, velocity, (size_t)n * sizeof(double));
+    for (int turn = 0; turn < 2; turn++)
+        for (int k = 0; k < map->count; k++) {
+            if ((map->face[k] == hit) != turn)
+                continue;
+            saltus_contact_map one = {.count = 1,
+                                      .face = {map->face[k]},
+                                      .push = map->push + k * n,
+                                      .pull = map->pull + k * n,
+                                      .inverse = {1}};
+            double speed = saltus_face_normal(self->system, map->face[k], self->trial + n);
+            memcpy(before, self->trial + n, (size_t)n * sizeof *before);
+            saltus_contact_map_apply(&one, n, self->trial + n);
+            saltus_field_at(flow, lane, self->trial, self->now.phase, NULL, self->after);
+            saltate(flow, lane, map->face[k], speed, &one, 1u << map->face[k], before);
+            memcpy(self->before, self->after, (size_t)flow->dimension * sizeof(double));
+        }
+}
+
 /* The displacement at a face that counts as nothing beside the state. At a stop near a support the modes move
  * by much more than the coordinate that it limits. */
 static double displacement_tolerance(const saltus_flow *flow, int lane, int face, double *size) {
@@ -408,8 +445,12 @@ saltus_status saltus_contacts_impact(saltus_flow *flow, int lane, int face, salt
         unsigned kept = remainder >= 0 ? held_before & ~leaving : 0;
         if (!saltus_contact_map_build(system, impulses | kept, elastic, map))
             return SALTUS_STALLED;
-        saltus_field_at(flow, lane, self->state, self->now.phase, &self->hold, self->after);
-        saltate(flow, lane, face, speed, map, elastic, velocity_before);
+        if (map->count > 1 && !(held_before | self->contacts) && elastic == (impulses | kept) && apart(map)) {
+            saltate_apart(flow, lane, face, map, velocity_before);
+        } else {
+            saltus_field_at(flow, lane, self->state, self->now.phase, &self->hold, self->after);
+            saltate(flow, lane, face, speed, map, elastic, velocity_before);
+        }
     }
     unsigned caught = self->contacts & ~held_before;
     if (caught) {
