@@ -25,7 +25,7 @@ LOGICAL = {"&&": ["||"], "||": ["&&"]}
 COMPOUND = {"+=": ["-="], "-=": ["+="], "*=": ["/="], "/=": ["*="], "|=": ["&="], "&=": ["|="]}
 NUMBER = re.compile(r"^(\d[\d.eE+-]*|\.\d[\deE+-]*|0[xX][0-9a-fA-F]+)([uUlLfF]*)$")
 
-SYMMETRIC = re.compile(r"(^calloc|^strcmp|^strncmp|^memcmp|fma|min|max|hypot|_add|_mul)$")
+SYMMETRIC = re.compile(r"(^calloc|^strcmp|distance|^strncmp|^memcmp|fma|fnma|smaller|larger|min|max|hypot|_add|_mul)$")
 
 
 @dataclass(frozen=True)
