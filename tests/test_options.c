@@ -779,8 +779,10 @@ static void of_a_repeated_option_the_last_value_holds(void **state) {
     ((fixture *)*state)->last[0] = ((fixture *)*state)->with[0] = '\0';
 }
 
-/* Bytes that a command writes to stderr where that is a terminal. */
-static size_t words_on_terminal(const fixture *f, const char *line, const char *more) {
+/* Bytes that a command writes to stderr where that is a terminal; as much of them as there is room for in
+ * `said`, which may be NULL. */
+static size_t words_on_terminal(const fixture *f, const char *line, const char *more, char *said,
+                                size_t room) {
     int master = posix_openpt(O_RDWR | O_NOCTTY);
     char text[1024], block[4096];
     size_t heard = 0;
@@ -798,8 +800,13 @@ static size_t words_on_terminal(const fixture *f, const char *line, const char *
         _exit(99);
     }
     close(slave);
-    for (ssize_t got; (got = read(master, block, sizeof block)) > 0;)
+    for (ssize_t got; (got = read(master, block, sizeof block)) > 0;) {
+        if (said && heard + (size_t)got < room) {
+            memcpy(said + heard, block, (size_t)got);
+            said[heard + (size_t)got] = '\0';
+        }
         heard += (size_t)got;
+    }
     int outcome = 0;
     waitpid(child, &outcome, 0);
     close(master);
@@ -828,9 +835,9 @@ static void quiet_commands_are_silent(void **state) {
     assert_int_equal(quiet, sizeof lines / sizeof lines[0]);
     for (size_t k = 0; k < sizeof lines / sizeof lines[0]; k++) {
         clear(f, "with");
-        if (words_on_terminal(f, lines[k][1], "") == 0)
+        if (words_on_terminal(f, lines[k][1], "", NULL, 0) == 0)
             fail_msg("%s shows no progress on a terminal", lines[k][0]);
-        if (words_on_terminal(f, lines[k][1], "--quiet") != 0)
+        if (words_on_terminal(f, lines[k][1], "--quiet", NULL, 0) != 0)
             fail_msg("%s --quiet is not silent", lines[k][0]);
         size_t length;
         assert_int_equal(run_in(f, "with", lines[k][1], ""), 0);
@@ -838,6 +845,40 @@ static void quiet_commands_are_silent(void **state) {
         if (length)
             fail_msg("%s writes to stderr where that is no terminal", lines[k][0]);
     }
+}
+
+/* The bar of a sweep is as long as the part that is done, the part grows, the time left is what is left at
+ * the speed told; at the end the line is wiped. */
+static void a_progress_bar_tells_the_part_done(void **state) {
+    static char said[65536];
+    int seen = 0;
+    /* The first picture comes after a quarter of a second. */
+    for (int points = 3000; points < 1000000 && seen == 0; points *= 4) {
+        char line[160];
+        double last = 0;
+        snprintf(line, sizeof line,
+                 "sweep " CHAOS " --over F=0.9:1.1:%d --transient 40 --record 10 --threads 1 --lanes 1 "
+                 "--what class -o x.h5",
+                 points);
+        clear(*state, "with");
+        assert_true(words_on_terminal(*state, line, "", said, sizeof said) > 0);
+        for (const char *at = said; (at = strstr(at, "\r[")); at++) {
+            double part, speed, left;
+            int cells = (int)strspn(at + 2, "#"), dots = (int)strspn(at + 2 + cells, ".");
+            assert_int_equal(cells + dots, 30);
+            assert_int_equal(sscanf(at + 32, "] %lf %%  %lf points/s  %lf s left", &part, &speed, &left), 3);
+            assert_true(part >= last && part <= 100 && speed > 0);
+            assert_true(fabs(0.3 * part - cells - 0.5) <= 0.5 + 0.3 * 0.06);
+            /* The part is told to 0.1 %, the speed to four digits, the time in whole seconds. */
+            double wanted = points * (1 - part / 100) / speed,
+                   slack = points * 5.1e-4 / speed + 1e-3 * wanted;
+            assert_true(left >= wanted - slack && left < wanted + 1 + slack);
+            last = part;
+            seen++;
+        }
+        assert_true(strcmp(said + strlen(said) - 4, "\r\033[K") == 0);
+    }
+    assert_true(seen >= 1);
 }
 
 /* Begin the paper's second figure, end it when its sweep has begun, and read what it was told to do. */
@@ -959,6 +1000,7 @@ int main(void) {
         cmocka_unit_test(unknown_options_are_refused_by_every_command),
         cmocka_unit_test(of_a_repeated_option_the_last_value_holds),
         cmocka_unit_test(quiet_commands_are_silent),
+        cmocka_unit_test(a_progress_bar_tells_the_part_done),
         cmocka_unit_test(paper_is_quick_and_resumes),
         cmocka_unit_test(each_key_of_a_scene_changes_the_motion),
     };
