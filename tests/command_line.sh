@@ -134,7 +134,7 @@ left=$(find . -type f ! -name '*.yaml')
 
 accept "pipe" scenes
 accept "omega" scenes fig7d
-accept "ok" check fig7d
+accept "model: pipe (" check fig7d
 accept "4/4" classify fig7d
 accept '"label": "4/4"' classify fig7d --json
 accept "3/5" classify fig7b --json

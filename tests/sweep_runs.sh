@@ -81,11 +81,37 @@ same whole.h5 threads.h5 "three threads"
 OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
 export OMPI_ALLOW_RUN_AS_ROOT OMPI_ALLOW_RUN_AS_ROOT_CONFIRM
 if [ -z "${SALTUS_SANITIZED:-}" ] && command -v mpirun >/dev/null && ldd "$saltus" | grep -q libmpi; then
-    for ranks in 2 3; do
-        # shellcheck disable=SC2086
-        mpirun --oversubscribe -n "$ranks" "$saltus" $sweep -o ranks.h5 >/dev/null || fail "$ranks ranks do not run"
-        same whole.h5 ranks.h5 "$ranks ranks"
+    # What the MPI library leaves behind is not looked at.
+    together="env LSAN_OPTIONS=detect_leaks=0 mpirun --oversubscribe"
+    # shellcheck disable=SC2086
+    $together -n 3 "$saltus" $sweep -o ranks.h5 --json >summary || fail "three ranks do not run"
+    [ "$(number rows) $(number computed) $(number ranks)" = '120 120 3' ] && classes | cmp -s - told_whole ||
+        fail "the summary of three ranks is $(cat summary)"
+    same whole.h5 ranks.h5 "three ranks"
+    # A signal that only the last of them gets ends all; the run goes on later.
+    # shellcheck disable=SC2086
+    $together -n 2 "$saltus" $sweep --record 800 -o ended.h5 >/dev/null 2>err &
+    child=$!
+    tries=0
+    while [ ! -s ended.h5.journal ] && [ "$tries" -lt 1000 ] && kill -0 "$child"; do
+        sleep 0.01
+        tries=$((tries + 1))
     done
+    if kill -TERM "$(pgrep -P "$child" | tail -1)" 2>/dev/null; then
+        wait "$child" && fail "ranks do not end by a signal to one of them"
+        [ "$(grep -c '^saltus: ' err)" -eq 1 ] && grep -q '^saltus: interrupted; .*--resume' err ||
+            fail "ranks that are ended say $(cat err)"
+        # shellcheck disable=SC2086
+        $together -n 2 "$saltus" $sweep --record 800 -o ended.h5 --resume >/dev/null 2>err || fail "resumed ranks: $(cat err)"
+        run whole_long.h5 --record 800 >/dev/null || fail "the longer sweep does not run"
+        same whole_long.h5 ended.h5 "resumed ranks"
+    else
+        wait "$child" || fail "ranks fail: $(cat err)"
+    fi
+    # Where the file cannot be made all of them end, and one speaks.
+    # shellcheck disable=SC2086
+    $together -n 2 "$saltus" $sweep -o absent/ranks.h5 >/dev/null 2>err && fail "ranks accept an absent folder"
+    [ "$(grep -c '^saltus: ' err)" -eq 1 ] && grep -q '^saltus: .*absent' err || fail "ranks without a folder say $(cat err)"
 else
     echo "no mpirun, built without MPI or with sanitizers: ranks are not tested"
 fi
