@@ -88,6 +88,42 @@ static void axes_are_read_up_to_their_limits(void **unused) {
     }
 }
 
+/* A refusal tells the numbers that were given, each by its own name. */
+static void refusals_tell_what_was_given(void **unused) {
+    (void)unused;
+    const saltus_scene scene = scene_of("impact-oscillator", "");
+    const saltus_axis axes[2] = {{.key = "omega", .count = 10000, .low = 1, .high = 2},
+                                 {.key = "d", .count = 11, .low = 1, .high = 2}};
+    const saltus_sweep_options good = saltus_sweep_defaults();
+    static const char *const told[] = {"passes = 8:",
+                                       "seeds = 10001: must be from 1 to 10000",
+                                       "seeds = 0: must be from 1 to 10000",
+                                       "transient = -7, record = 5:",
+                                       "transient = 9, record = -3:",
+                                       "measure = -11:",
+                                       "longest = 257: must be from 1 to 256",
+                                       "lanes = -2, threads = 5:",
+                                       "lanes = 4, threads = -6:",
+                                       "110000 points with 2 passes and 9000 seeds: more than 1000000000"};
+    for (int k = 0; k < 10; k++) {
+        saltus_sweep_options o = good;
+        saltus_message message = {""};
+        saltus_sweep *sweep = NULL;
+        o.passes = k == 0 ? 8 : k == 9 ? 3 : 1;
+        o.seeds = k == 1 ? 10001 : k == 2 ? 0 : k == 9 ? 9000 : 1;
+        o.transient = k == 3 ? -7 : 9;
+        o.record = k == 4 ? -3 : 5;
+        o.measure = k == 5 ? -11 : 7;
+        o.longest = k == 6 ? 257 : 3;
+        o.lanes = k == 7 ? -2 : 4;
+        o.threads = k == 8 ? -6 : 5;
+        assert_int_equal(saltus_sweep_new(&scene, axes, 2, &o, &sweep, &message), SALTUS_BAD_INPUT);
+        assert_null(sweep);
+        if (!strstr(message.text, told[k]))
+            fail_msg("'%s' does not say '%s'", message.text, told[k]);
+    }
+}
+
 static void options_are_taken_up_to_their_limits(void **unused) {
     (void)unused;
     const saltus_scene scene = scene_of("impact-oscillator", "");
@@ -877,6 +913,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(axes_are_even_in_values_or_in_their_logarithms),
         cmocka_unit_test(axes_are_read_up_to_their_limits),
+        cmocka_unit_test(refusals_tell_what_was_given),
         cmocka_unit_test(options_are_taken_up_to_their_limits),
         cmocka_unit_test(defaults_are_those_promised),
         cmocka_unit_test(a_sweep_keeps_what_it_was_given),
