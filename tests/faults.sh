@@ -15,9 +15,9 @@ export TMPDIR
 failures=0
 count=0
 # Signals come after this many seconds; a program that has not ended 30 s after one is killed.
-wait_for=0.25
+wait_for=0.12
 signals=
-delays='0.02 0.1 0.3'
+delays='0.02 0.06'
 if [ -n "${SALTUS_LONG_TESTS:-}" ]; then
     wait_for=0.8
     signals='INT TERM'

@@ -60,6 +60,17 @@ sort -s -k2,2nr told | cmp -s - told || fail "the summary's classes are not in o
 run whole.h5 --resume --json >again || fail "a finished sweep is not taken up"
 mv again summary
 [ "$(number rows) $(number computed)" = '120 0' ] && classes | cmp -s - told || fail "a finished sweep's summary is $(cat summary)"
+# For people: the same numbers, the twelve most frequent motions each on a line, the others together.
+# table FILE ROWS: "name trajectories share" of each line, from lines "name count" and the number of all.
+table() {
+    awk -v rows="$2" '{n++; rest += $2} n <= 12 {printf "%s %d %.2f %%\n", $1, $2, 100 * $2 / rows; rest -= $2}
+                      END {if (n > 12) printf "%d others %d %.2f %%\n", n - 12, rest, 100 * rest / rows}' "$1"
+}
+run whole.h5 --resume >text || fail "a finished sweep is not taken up"
+sed -n '/^motion/,$p' text | grep ' %$' | tr -s ' ' >shown
+table told 120 | cmp -s - shown || fail "the table says $(cat shown), the summary $(cat told)"
+grep -q '20 points, 120 trajectories in whole.h5$' text && grep -qx 'all were there' text || fail "a finished sweep says $(cat text)"
+[ "$(grep -c '^undecided: ' text)" -eq "$(grep -c '^undecided ' told)" ] || fail "what could be decided: $(cat text)"
 for lanes in 1 4; do
     run lanes.h5 --threads 1 --lanes "$lanes" >/dev/null || fail "$lanes lanes do not run"
     same whole.h5 lanes.h5 "$lanes lanes"
@@ -70,11 +81,37 @@ same whole.h5 threads.h5 "three threads"
 OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
 export OMPI_ALLOW_RUN_AS_ROOT OMPI_ALLOW_RUN_AS_ROOT_CONFIRM
 if [ -z "${SALTUS_SANITIZED:-}" ] && command -v mpirun >/dev/null && ldd "$saltus" | grep -q libmpi; then
-    for ranks in 2 3; do
-        # shellcheck disable=SC2086
-        mpirun --oversubscribe -n "$ranks" "$saltus" $sweep -o ranks.h5 >/dev/null || fail "$ranks ranks do not run"
-        same whole.h5 ranks.h5 "$ranks ranks"
+    # What the MPI library leaves behind is not looked at.
+    together="env LSAN_OPTIONS=detect_leaks=0 mpirun --oversubscribe"
+    # shellcheck disable=SC2086
+    $together -n 3 "$saltus" $sweep -o ranks.h5 --json >summary || fail "three ranks do not run"
+    [ "$(number rows) $(number computed) $(number ranks)" = '120 120 3' ] && classes | cmp -s - told_whole ||
+        fail "the summary of three ranks is $(cat summary)"
+    same whole.h5 ranks.h5 "three ranks"
+    # A signal that only the last of them gets ends all; the run goes on later.
+    # shellcheck disable=SC2086
+    $together -n 2 "$saltus" $sweep --record 800 -o ended.h5 >/dev/null 2>err &
+    child=$!
+    tries=0
+    while [ ! -s ended.h5.journal ] && [ "$tries" -lt 1000 ] && kill -0 "$child"; do
+        sleep 0.01
+        tries=$((tries + 1))
     done
+    if kill -TERM "$(pgrep -P "$child" | tail -1)" 2>/dev/null; then
+        wait "$child" && fail "ranks do not end by a signal to one of them"
+        [ "$(grep -c '^saltus: ' err)" -eq 1 ] && grep -q '^saltus: interrupted; .*--resume' err ||
+            fail "ranks that are ended say $(cat err)"
+        # shellcheck disable=SC2086
+        $together -n 2 "$saltus" $sweep --record 800 -o ended.h5 --resume >/dev/null 2>err || fail "resumed ranks: $(cat err)"
+        run whole_long.h5 --record 800 >/dev/null || fail "the longer sweep does not run"
+        same whole_long.h5 ended.h5 "resumed ranks"
+    else
+        wait "$child" || fail "ranks fail: $(cat err)"
+    fi
+    # Where the file cannot be made all of them end, and one speaks.
+    # shellcheck disable=SC2086
+    $together -n 2 "$saltus" $sweep -o absent/ranks.h5 >/dev/null 2>err && fail "ranks accept an absent folder"
+    [ "$(grep -c '^saltus: ' err)" -eq 1 ] && grep -q '^saltus: .*absent' err || fail "ranks without a folder say $(cat err)"
 else
     echo "no mpirun, built without MPI or with sanitizers: ranks are not tested"
 fi
@@ -89,6 +126,13 @@ plane="basins fig3 --over q1=-0.03:0.03:8 --over v1=-1:1:5 --at-most 75 --quiet 
 sed 's/.*"attractors": //' summary | grep -o '"count": [0-9]*' | grep -o '[0-9]*' | sort -n | tr '\n' ' ' >told
 awk -F, '!/^#/ && $3 != "pass" && $9 >= 0 {n[$9]++} END {for (k in n) print n[k]}' basins.csv | sort -n | tr '\n' ' ' >counted
 cmp -s told counted || fail "the summary's attractors have $(cat told) rows, the table $(cat counted)"
+# shellcheck disable=SC2086
+"$saltus" ${plane% --json} -o basins.h5 --resume >text || fail "finished basins are not taken up"
+sed 's/.*"attractors": //' summary | tr '{' '\n' |
+    sed -n 's/"label": "\([^"]*\)", "largest_multiplier": \([^,]*\), "count": \([0-9]*\),.*/\1 \3 \2/p' >told
+awk '{printf "%s %d %.2f %% %.4g\n", $1, $2, 100 * $2 / 40, $3; rest += $2}
+     END {if (rest < 40) printf "none found %d %.2f %%\n", 40 - rest, 100 * (40 - rest) / 40}' told >counted
+sed -n '/^attractor/,$p' text | sed 1d | grep ' %' | tr -s ' ' | cmp -s - counted || fail "the basins' table says $(cat text), the summary $(cat told)"
 [ "$(awk -F, '!/^#/ && $9 == -1 && $5 != "undecided"' basins.csv)" = '' ] || fail "a settled row has no attractor"
 [ "$(awk -F, '!/^#/ && $9 >= 0 && $5 == "undecided"' basins.csv)" = '' ] || fail "a row that has not settled has an attractor"
 [ "$(awk -F, '$5 == "undecided"' basins.csv | wc -l)" -gt 0 ] || fail "all rows of the basins have settled"

@@ -17,8 +17,9 @@ enum { commands_max = 32, options_max = 256 };
 
 /* Inputs lie in `in`; each command is run without the option in `base` and with it in `with`. */
 typedef struct fixture {
-    char folder[64], last[512];
-    int status; /* of the last run in `base` */
+    char folder[64], last[512], with[1024]; /* the last runs in the two */
+    int status, changed;                    /* how these ended */
+    int listed_count;
 } fixture;
 
 /* What shows that an option has been heeded, of the run with it as against the one without:
@@ -41,6 +42,27 @@ typedef struct option_case {
 #define DIAGNOSE "diagnose impact-oscillator -o s.png --data d.h5"
 #define SIMULATE "simulate impact-oscillator --periods 2 -o r.h5"
 
+/* Options that can be told apart in one run, each with a value of its own. */
+#define FLOW "--rtol 1e-6 --atol 1e-7 --integrator radau"
+#define SWEEP_SETS                                                                                           \
+    "--set F=0.6 --seeds 3 --seed 7 --what impacts,lyapunov --at-most 300 --longest 9 --record 12 "          \
+    "--measure 4321 " FLOW
+#define SWEEP_OVER "--over c=0.1:0.2:3:log --start both --what stroboscopic"
+#define SWEEP_LIST "--over c=0.1,0.2,0.4 --start carry --what turning,class"
+#define BASINS_SETS "--set F=0.6 --at-most 300 --longest 9 " FLOW
+#define CONTINUE_SETS                                                                                        \
+    "--set F=0.6 --in omega=0.98:1.03 --periods 2 --step 0.007 --step-max 0.2 --points 4 --direction up "    \
+    "--switch 1 --at 0.995,1.005 --rtol 1e-11 --atol 1e-13 --integrator radau"
+#define CONTINUE_DOWN "--in c=0.05:0.2 --direction down"
+#define LYAPUNOV_SETS                                                                                        \
+    "--set F=1.1 --precision 0.5 --transient 31 --periods 3200 --members 3 --interval 2 --seed 4 "           \
+    "--rtol 1e-7 --atol 1e-8"
+#define SIMULATE_SETS "--periods 3 " FLOW
+#define SPECTRUM "spectrum impact-oscillator --samples 64 -o s.csv"
+#define SPECTRUM_SETS "--rtol 1e-6 --atol 0.0009765625 --integrator radau"
+#define SPECTRUM_JSON "spectrum impact-oscillator --samples 64 --json"
+#define SPECTRUM_LOOKS "--of v1 --periods 4 --samples 128"
+
 static const option_case cases[] = {
     {"classify", "--set", "", "classify impact-oscillator --json", "--set F=0.6", "json:parameters.F=0.6"},
     {"classify", "--json", "", "classify impact-oscillator", "--json", "text:out:{\"version\": "},
@@ -57,7 +79,10 @@ static const option_case cases[] = {
     {"classify", "--rtol", "", "classify impact-oscillator --json", "--rtol 1e-4", "differs:out"},
     {"classify", "--atol", "", "classify impact-oscillator --json", "--atol 1e-3", "differs:out"},
     {"classify", "--integrator", "", "classify impact-oscillator --json", "--integrator radau",
+     "json:integrator=radau"},
+    {"classify", "--integrator", "", "classify impact-oscillator --json", "--integrator radau",
      "differs:out"},
+    {"classify", "--integrator", "", "classify impact-oscillator", "--integrator radau", "text:out:(radau)"},
 
     {"diagnose", "--set", "", DIAGNOSE, "--set F=0.6", "differs:script"},
     {"diagnose", "-o", "", "diagnose impact-oscillator", "-o x.png", "made:x.png"},
@@ -69,19 +94,19 @@ static const option_case cases[] = {
      "differs:out"},
     {"diagnose", "--measure", "", "diagnose " CHAOS " --transient 100 --measure 0 -o s.png", "--measure 8000",
      "differs:out"},
-    {"diagnose", "--rtol", "", DIAGNOSE, "--rtol 1e-6", "attr:d.h5:/:rtol=1e-6"},
-    {"diagnose", "--atol", "", DIAGNOSE, "--atol 1e-7", "attr:d.h5:/:atol=1e-7"},
-    {"diagnose", "--integrator", "", DIAGNOSE, "--integrator radau", "attr:d.h5:/:integrator=radau"},
+    {"diagnose", "--rtol", "", DIAGNOSE, FLOW, "attr:d.h5:/:rtol=1e-6"},
+    {"diagnose", "--atol", "", DIAGNOSE, FLOW, "attr:d.h5:/:atol=1e-7"},
+    {"diagnose", "--integrator", "", DIAGNOSE, FLOW, "attr:d.h5:/:integrator=radau"},
 
     {"simulate", "--set", "", SIMULATE, "--set F=0.6", "differs:r.h5"},
-    {"simulate", "--periods", "", SIMULATE, "--periods 3", "rows:r.h5:strobe/states=3"},
     {"simulate", "--transient", "", SIMULATE, "--transient 1", "differs:r.h5"},
     {"simulate", "--samples", "", "simulate impact-oscillator --set d=9 --periods 2 -o r.h5", "--samples 16",
      "rows:r.h5:trajectory/time=33"},
     {"simulate", "-o", "", "simulate impact-oscillator --periods 2", "-o x.csv", "made:x.csv"},
-    {"simulate", "--rtol", "", SIMULATE, "--rtol 1e-6", "attr:r.h5:/:rtol=1e-6"},
-    {"simulate", "--atol", "", SIMULATE, "--atol 1e-7", "attr:r.h5:/:atol=1e-7"},
-    {"simulate", "--integrator", "", SIMULATE, "--integrator radau", "attr:r.h5:/:integrator=radau"},
+    {"simulate", "--periods", "", SIMULATE, SIMULATE_SETS, "rows:r.h5:strobe/states=3"},
+    {"simulate", "--rtol", "", SIMULATE, SIMULATE_SETS, "attr:r.h5:/:rtol=1e-6"},
+    {"simulate", "--atol", "", SIMULATE, SIMULATE_SETS, "attr:r.h5:/:atol=1e-7"},
+    {"simulate", "--integrator", "", SIMULATE, SIMULATE_SETS, "attr:r.h5:/:integrator=radau"},
 
     {"orbit", "--set", "", "orbit impact-oscillator --periods 1 --json", "--set F=0.6",
      "json:parameters.F=0.6"},
@@ -104,117 +129,114 @@ static const option_case cases[] = {
     {"orbit", "--rtol", "", "orbit impact-oscillator --periods 1 --json", "--rtol 1e-4", "differs:out"},
     {"orbit", "--atol", "", "orbit impact-oscillator --periods 1 --json", "--atol 1e-3", "differs:out"},
     {"orbit", "--integrator", "", "orbit impact-oscillator --periods 1 --json", "--integrator radau",
-     "differs:out"},
+     "json:integrator=radau"},
 
-    {"continue", "--set", "", CONTINUE, "--set F=0.6", "attr:b.h5:/parameters:F=0.6"},
     {"continue", "--from", "", CONTINUE, "--from ../in/orbit.json", "attr:b.h5:/parameters:omega=1.01"},
-    {"continue", "--in", "", CONTINUE, "--in c=0.05:0.2", "attr:b.h5:/continuation:key1=c"},
-    {"continue", "--in", "", CONTINUE, "--in omega=0.98:1.01", "attr:b.h5:/continuation:low1=0.98"},
-    {"continue", "--in", "", CONTINUE, "--in omega=0.99:1.03", "attr:b.h5:/continuation:high1=1.03"},
+    {"continue", "--in", "", CONTINUE, CONTINUE_DOWN, "attr:b.h5:/continuation:key1=c"},
+    {"continue", "--direction", "", CONTINUE, CONTINUE_DOWN, "attr:b.h5:/continuation:direction=-1"},
+    {"continue", "--direction", "", CONTINUE, CONTINUE_SETS, "attr:b.h5:/continuation:direction=1"},
+    {"continue", "--in", "", CONTINUE, CONTINUE_SETS, "attr:b.h5:/continuation:low1=0.98"},
+    {"continue", "--in", "", CONTINUE, CONTINUE_SETS, "attr:b.h5:/continuation:high1=1.03"},
+    {"continue", "--set", "", CONTINUE, CONTINUE_SETS, "attr:b.h5:/parameters:F=0.6"},
+    {"continue", "--periods", "", CONTINUE, CONTINUE_SETS, "attr:b.h5:/start:periods=2"},
+    {"continue", "--step", "", CONTINUE, CONTINUE_SETS, "attr:b.h5:/continuation:step=0.007"},
+    {"continue", "--step-max", "", CONTINUE, CONTINUE_SETS, "attr:b.h5:/continuation:step_max=0.2"},
+    {"continue", "--points", "", CONTINUE, CONTINUE_SETS, "attr:b.h5:/continuation:points=4"},
+    {"continue", "--switch", "", CONTINUE, CONTINUE_SETS, "attr:b.h5:/continuation:switches=1"},
+    {"continue", "--at", "", CONTINUE, CONTINUE_SETS, "rows:b.h5:continuation/values=2"},
+    {"continue", "--rtol", "", CONTINUE, CONTINUE_SETS, "attr:b.h5:/continuation:rtol=1e-11"},
+    {"continue", "--atol", "", CONTINUE, CONTINUE_SETS, "attr:b.h5:/continuation:atol=1e-13"},
+    {"continue", "--integrator", "", CONTINUE, CONTINUE_SETS, "attr:b.h5:/continuation:integrator=2"},
+    {"continue", "--integrator", "", CONTINUE, CONTINUE_SETS, "attr:b.h5:/:integrator=radau"},
+    {"continue", "--json", "", CONTINUE, "--json", "text:out:\"arclength\": "},
     {"continue", "--locus", "", "continue ../in/flip.yaml --from ../in/flip.json --in omega=2.55:2.7 -o b.h5",
      "--locus PD --and r=0.79:0.81", "attr:b.h5:/continuation:locus=PD"},
     {"continue", "--and", "", "continue ../in/flip.yaml --from ../in/flip.json --in omega=2.55:2.7 -o b.h5",
      "--locus PD --and r=0.79:0.81", "attr:b.h5:/continuation:high2=0.81"},
-    {"continue", "--periods", "", CONTINUE, "--periods 2", "attr:b.h5:/start:periods=2"},
-    {"continue", "--step", "", CONTINUE, "--step 0.007", "attr:b.h5:/continuation:step=0.007"},
-    {"continue", "--step-max", "", CONTINUE, "--step-max 0.2", "attr:b.h5:/continuation:step_max=0.2"},
-    {"continue", "--points", "", CONTINUE, "--points 4", "attr:b.h5:/continuation:points=4"},
-    {"continue", "--direction", "", CONTINUE, "--direction down", "attr:b.h5:/continuation:direction=-1"},
-    {"continue", "--direction", "", CONTINUE, "--direction up", "attr:b.h5:/continuation:direction=1"},
-    {"continue", "--switch", "", CONTINUE, "--switch 1", "attr:b.h5:/continuation:switches=1"},
-    {"continue", "--at", "", CONTINUE, "--at 0.995,1.005", "rows:b.h5:continuation/values=2"},
     {"continue", "--resume", CONTINUE, "continue impact-oscillator --in omega=0.99:1.01 --points 5 -o b.h5",
      "--resume", "attr:b.h5:/continuation:points=2"},
     {"continue", "--transient", "", "continue " TWICE " --in omega=2.69:2.71 --points 2 -o b.h5",
      "--transient 3", "refused"},
     {"continue", "--longest", "",
      "continue " TWICE " --in omega=2.69:2.71 --points 2 --transient 200 -o b.h5", "--longest 1", "refused"},
-    {"continue", "--json", "", CONTINUE, "--json", "text:out:\"arclength\": "},
     {"continue", "-o", "", "continue impact-oscillator --in omega=0.99:1.01 --points 2", "-o x.h5",
      "made:x.h5"},
-    {"continue", "--rtol", "", CONTINUE, "--rtol 1e-11", "attr:b.h5:/continuation:rtol=1e-11"},
-    {"continue", "--atol", "", CONTINUE, "--atol 1e-13", "attr:b.h5:/continuation:atol=1e-13"},
-    {"continue", "--integrator", "", CONTINUE, "--integrator radau", "attr:b.h5:/continuation:integrator=2"},
 
-    {"sweep", "--set", "", SWEEP, "--set F=0.6", "attr:s.h5:/parameters:F=0.6"},
-    {"sweep", "--over", "", SWEEP, "--over c=0.1:0.2:3", "attr:s.h5:/sweep:key2=c"},
-    {"sweep", "--over", "", SWEEP, "--over c=0.1:0.2:3:log", "attr:s.h5:/sweep:spacing2=logarithmic"},
-    {"sweep", "--over", "", SWEEP, "--over c=0.1,0.2,0.4", "rows:s.h5:axes/axis2=3"},
-    {"sweep", "--start", "", SWEEP, "--start carry", "attr:s.h5:/sweep:passes=up,down"},
-    {"sweep", "--start", "", SWEEP, "--start both", "attr:s.h5:/sweep:passes=reset,up,down"},
-    {"sweep", "--seeds", "", SWEEP, "--seeds 3", "attr:s.h5:/sweep:seeds=3"},
-    {"sweep", "--seed", "", SWEEP, "--seed 7", "attr:s.h5:/sweep:seed=7"},
-    {"sweep", "--what", "", SWEEP, "--what impacts,lyapunov", "attr:s.h5:/sweep:keep=impacts,lyapunov"},
-    {"sweep", "--what", "", SWEEP, "--what stroboscopic", "attr:s.h5:/sweep:keep=stroboscopic"},
-    {"sweep", "--what", "", SWEEP, "--what turning,class", "attr:s.h5:/sweep:keep=turning"},
-    {"sweep", "--at-most", "", SWEEP, "--at-most 300", "attr:s.h5:/sweep:transient=300"},
-    {"sweep", "--longest", "", SWEEP, "--longest 9", "attr:s.h5:/sweep:longest=9"},
+    {"sweep", "--set", "", SWEEP, SWEEP_SETS, "attr:s.h5:/parameters:F=0.6"},
+    {"sweep", "--seeds", "", SWEEP, SWEEP_SETS, "attr:s.h5:/sweep:seeds=3"},
+    {"sweep", "--seed", "", SWEEP, SWEEP_SETS, "attr:s.h5:/sweep:seed=7"},
+    {"sweep", "--what", "", SWEEP, SWEEP_SETS, "attr:s.h5:/sweep:keep=impacts,lyapunov"},
+    {"sweep", "--at-most", "", SWEEP, SWEEP_SETS, "attr:s.h5:/sweep:transient=300"},
+    {"sweep", "--longest", "", SWEEP, SWEEP_SETS, "attr:s.h5:/sweep:longest=9"},
+    {"sweep", "--record", "", SWEEP, SWEEP_SETS, "attr:s.h5:/sweep:record=12"},
+    {"sweep", "--measure", "", SWEEP, SWEEP_SETS, "attr:s.h5:/sweep:measure=4321"},
+    {"sweep", "--rtol", "", SWEEP, SWEEP_SETS, "attr:s.h5:/sweep:rtol=1e-6"},
+    {"sweep", "--atol", "", SWEEP, SWEEP_SETS, "attr:s.h5:/sweep:atol=1e-7"},
+    {"sweep", "--integrator", "", SWEEP, SWEEP_SETS, "attr:s.h5:/sweep:integrator=radau"},
+    {"sweep", "--over", "", SWEEP, SWEEP_OVER, "attr:s.h5:/sweep:key2=c"},
+    {"sweep", "--over", "", SWEEP, SWEEP_OVER, "attr:s.h5:/sweep:spacing2=logarithmic"},
+    {"sweep", "--start", "", SWEEP, SWEEP_OVER, "attr:s.h5:/sweep:passes=reset,up,down"},
+    {"sweep", "--what", "", SWEEP, SWEEP_OVER, "attr:s.h5:/sweep:keep=stroboscopic"},
+    {"sweep", "--over", "", SWEEP, SWEEP_LIST, "rows:s.h5:axes/axis2=3"},
+    {"sweep", "--start", "", SWEEP, SWEEP_LIST, "attr:s.h5:/sweep:passes=up,down"},
+    {"sweep", "--what", "", SWEEP, SWEEP_LIST, "attr:s.h5:/sweep:keep=turning"},
     {"sweep", "--transient", "", SWEEP, "--transient 33", "attr:s.h5:/sweep:transient=33"},
     {"sweep", "--transient", "", SWEEP, "--transient 33", "attr:s.h5:/sweep:adaptive=0"},
-    {"sweep", "--record", "", SWEEP, "--record 12", "attr:s.h5:/sweep:record=12"},
-    {"sweep", "--measure", "", SWEEP, "--measure 4321", "attr:s.h5:/sweep:measure=4321"},
+    {"sweep", "--threads", "", SWEEP, "--threads 2", "same:s.h5"},
+    {"sweep", "--json", "", SWEEP, "--json", "text:out:{\"version\": "},
     {"sweep", "-o", "", "sweep impact-oscillator --over omega=0.9:1.1:2 --quiet", "-o x.csv", "made:x.csv"},
     {"sweep", "--resume", SWEEP, SWEEP " --json", "--resume", "json:computed=0"},
     {"sweep", "--lanes", "", SWEEP " --lanes 1", "--lanes 2", "same:s.h5"},
-    {"sweep", "--threads", "", SWEEP, "--threads 2", "same:s.h5"},
-    {"sweep", "--json", "", SWEEP, "--json", "text:out:{\"version\": "},
-    {"sweep", "--rtol", "", SWEEP, "--rtol 1e-6", "attr:s.h5:/sweep:rtol=1e-6"},
-    {"sweep", "--atol", "", SWEEP, "--atol 1e-7", "attr:s.h5:/sweep:atol=1e-7"},
-    {"sweep", "--integrator", "", SWEEP, "--integrator radau", "attr:s.h5:/sweep:integrator=radau"},
 
-    {"basins", "--set", "", BASINS, "--set F=0.6", "attr:s.h5:/parameters:F=0.6"},
+    {"basins", "--set", "", BASINS, BASINS_SETS, "attr:s.h5:/parameters:F=0.6"},
+    {"basins", "--at-most", "", BASINS, BASINS_SETS, "attr:s.h5:/sweep:transient=300"},
+    {"basins", "--longest", "", BASINS, BASINS_SETS, "attr:s.h5:/sweep:longest=9"},
+    {"basins", "--rtol", "", BASINS, BASINS_SETS, "attr:s.h5:/sweep:rtol=1e-6"},
+    {"basins", "--atol", "", BASINS, BASINS_SETS, "attr:s.h5:/sweep:atol=1e-7"},
+    {"basins", "--integrator", "", BASINS, BASINS_SETS, "attr:s.h5:/sweep:integrator=radau"},
+    {"basins", "--threads", "", BASINS, "--threads 2", "same:s.h5"},
+    {"basins", "--json", "", BASINS, "--json", "text:out:{\"version\": "},
     {"basins", "--over", "", "basins impact-oscillator --over q1=0:0.2:2 --quiet -o s.h5",
      "--over v1=0:0.2:3", "rows:s.h5:axes/axis2=3"},
-    {"basins", "--at-most", "", BASINS, "--at-most 300", "attr:s.h5:/sweep:transient=300"},
-    {"basins", "--longest", "", BASINS, "--longest 9", "attr:s.h5:/sweep:longest=9"},
     {"basins", "-o", "", "basins impact-oscillator --over q1=0:0.2:2 --over v1=0:0.2:2 --quiet", "-o x.h5",
      "made:x.h5"},
     {"basins", "--resume", BASINS, BASINS " --json", "--resume", "json:computed=0"},
     {"basins", "--lanes", "", BASINS " --lanes 1", "--lanes 2", "same:s.h5"},
-    {"basins", "--threads", "", BASINS, "--threads 2", "same:s.h5"},
-    {"basins", "--json", "", BASINS, "--json", "text:out:{\"version\": "},
-    {"basins", "--rtol", "", BASINS, "--rtol 1e-6", "attr:s.h5:/sweep:rtol=1e-6"},
-    {"basins", "--atol", "", BASINS, "--atol 1e-7", "attr:s.h5:/sweep:atol=1e-7"},
-    {"basins", "--integrator", "", BASINS, "--integrator radau", "attr:s.h5:/sweep:integrator=radau"},
 
-    {"lyapunov", "--set", "", LYAPUNOV, "--set F=1.1", "json:parameters.F=1.1"},
+    {"lyapunov", "--set", "", LYAPUNOV, LYAPUNOV_SETS, "json:parameters.F=1.1"},
+    {"lyapunov", "--precision", "", LYAPUNOV, LYAPUNOV_SETS, "json:options.precision=0.5"},
+    {"lyapunov", "--transient", "", LYAPUNOV, LYAPUNOV_SETS, "json:options.transient=31"},
+    {"lyapunov", "--periods", "", LYAPUNOV, LYAPUNOV_SETS, "json:options.periods=3200"},
+    {"lyapunov", "--members", "", LYAPUNOV, LYAPUNOV_SETS, "json:options.members=3"},
+    {"lyapunov", "--interval", "", LYAPUNOV, LYAPUNOV_SETS, "json:options.interval=2"},
+    {"lyapunov", "--seed", "", LYAPUNOV, LYAPUNOV_SETS, "json:options.seed=4"},
+    {"lyapunov", "--rtol", "", LYAPUNOV, LYAPUNOV_SETS, "json:options.rtol=1e-7"},
+    {"lyapunov", "--atol", "", LYAPUNOV, LYAPUNOV_SETS, "json:options.atol=1e-8"},
     {"lyapunov", "--all", "", LYAPUNOV, "--all", "count:exponents=2"},
     {"lyapunov", "--exponents", "", LYAPUNOV, "--exponents 2", "count:exponents=2"},
-    {"lyapunov", "--precision", "", LYAPUNOV, "--precision 0.5", "json:options.precision=0.5"},
-    {"lyapunov", "--transient", "", LYAPUNOV, "--transient 31", "json:options.transient=31"},
-    {"lyapunov", "--periods", "", LYAPUNOV, "--periods 2400", "json:options.periods=2400"},
-    {"lyapunov", "--members", "", LYAPUNOV, "--members 3", "json:options.members=3"},
-    {"lyapunov", "--interval", "", LYAPUNOV, "--interval 2 --periods 3200", "json:options.interval=2"},
-    {"lyapunov", "--seed", "", LYAPUNOV, "--seed 4", "json:options.seed=4"},
+    {"lyapunov", "--integrator", "", LYAPUNOV, "--integrator radau", "json:options.integrator=radau"},
+    {"lyapunov", "--integrator", "", LYAPUNOV, "--integrator radau", "json:integrator=radau"},
     {"lyapunov", "--json", "", "lyapunov impact-oscillator --transient 20 --periods 1800", "--json",
      "text:out:{\"version\": "},
-    {"lyapunov", "--rtol", "", LYAPUNOV, "--rtol 1e-7", "json:options.rtol=1e-7"},
-    {"lyapunov", "--atol", "", LYAPUNOV, "--atol 1e-8", "json:options.atol=1e-8"},
-    {"lyapunov", "--integrator", "", LYAPUNOV, "--integrator radau", "json:options.integrator=radau"},
     {"lyapunov", "-o", "", LYAPUNOV, "-o x.csv", "made:x.csv"},
 
-    {"spectrum", "--set", "", "spectrum impact-oscillator --samples 64 --json", "--set F=0.6", "differs:out"},
-    {"spectrum", "--of", "", "spectrum impact-oscillator --samples 64 --json", "--of v1",
-     "json:spectra.0.quantity=v1"},
-    {"spectrum", "--periods", "", "spectrum impact-oscillator --samples 64 --json", "--periods 4",
-     "json:analysed_periods=4"},
+    {"spectrum", "--set", "", SPECTRUM_JSON, "--set F=0.6", "differs:out"},
+    {"spectrum", "--of", "", SPECTRUM_JSON, SPECTRUM_LOOKS, "json:spectra.0.quantity=v1"},
+    {"spectrum", "--periods", "", SPECTRUM_JSON, SPECTRUM_LOOKS, "json:analysed_periods=4"},
+    {"spectrum", "--samples", "", SPECTRUM_JSON, SPECTRUM_LOOKS, "json:samples_per_period=128"},
+    {"spectrum", "--integrator", "", SPECTRUM_JSON, "--integrator radau", "json:integrator=radau"},
     {"spectrum", "--segment", "", "spectrum " CHAOS " --transient 60 --periods 128 --samples 32 --json",
      "--segment 16", "json:spectra.0.resolution=0.0625"},
-    {"spectrum", "--samples", "", "spectrum impact-oscillator --samples 64 --json", "--samples 128",
-     "json:samples_per_period=128"},
     {"spectrum", "--json", "", "spectrum impact-oscillator --samples 64", "--json",
      "text:out:{\"version\": "},
     {"spectrum", "-o", "", "spectrum impact-oscillator --samples 64", "-o x.csv", "made:x.csv"},
-    {"spectrum", "--rtol", "", "spectrum impact-oscillator --samples 64 -o s.csv", "--rtol 1e-6",
-     "text:s.csv:rtol = 9.99999999999999"},
-    {"spectrum", "--atol", "", "spectrum impact-oscillator --samples 64 -o s.csv", "--atol 0.5",
-     "text:s.csv:atol = 0.5,"},
+    {"spectrum", "--rtol", "", SPECTRUM, SPECTRUM_SETS, "text:s.csv:rtol = 9.99999999999999"},
+    {"spectrum", "--atol", "", SPECTRUM, SPECTRUM_SETS, "text:s.csv:atol = 0.0009765625,"},
+    {"spectrum", "--integrator", "", SPECTRUM, SPECTRUM_SETS, "text:s.csv:integrator = radau (radau)"},
     {"spectrum", "--transient", "", "spectrum " TWICE " --samples 64 --json --periods 128", "--transient 3",
      "differs:out"},
     {"spectrum", "--longest", "", "spectrum " TWICE " --samples 64 --json --periods 128 --transient 200",
      "--longest 1", "differs:out"},
-    {"spectrum", "--integrator", "", "spectrum impact-oscillator --samples 64 -o s.csv", "--integrator radau",
-     "text:s.csv:integrator = radau"},
 
     {"plot", "-o", "", "plot ../in/branch.h5", "-o x.png", "made:x.png"},
     {"plot", "--show", "", "plot ../in/branch.h5 -o x.png", "--show displacement", "differs:script"},
@@ -457,20 +479,25 @@ static bool tells(const fixture *f, const char *where, const char *witness) {
 
 /* What is wrong; NULL: nothing. */
 static const char *check_case(fixture *f, const option_case *c) {
-    char key[sizeof f->last];
+    char key[sizeof f->last], changed[sizeof f->with];
+    bool made = strncmp(c->witness, "made:", 5) == 0, rows = strncmp(c->witness, "rows:", 5) == 0;
     snprintf(key, sizeof key, "%s; %s", c->before, c->base);
-    if (strcmp(key, f->last) != 0) {
+    snprintf(changed, sizeof changed, "%s; %s", key, c->more);
+    if (!made && strcmp(key, f->last) != 0) {
         clear(f, "base");
         if (c->before[0])
             assert_int_equal(run_in(f, "base", c->before, ""), 0);
         f->status = run_in(f, "base", c->base, "");
         strcpy(f->last, key);
     }
-    clear(f, "with");
-    if (c->before[0])
-        assert_int_equal(run_in(f, "with", c->before, ""), 0);
-    int status = run_in(f, "with", c->base, c->more);
-    bool made = strncmp(c->witness, "made:", 5) == 0, rows = strncmp(c->witness, "rows:", 5) == 0;
+    if (strcmp(changed, f->with) != 0) {
+        clear(f, "with");
+        if (c->before[0])
+            assert_int_equal(run_in(f, "with", c->before, ""), 0);
+        f->changed = run_in(f, "with", c->base, c->more);
+        strcpy(f->with, changed);
+    }
+    int status = f->changed;
     if (!made && !rows && f->status != 0)
         return "fails without the option";
     if (strcmp(c->witness, "refused") == 0)
@@ -484,7 +511,7 @@ static const char *check_case(fixture *f, const option_case *c) {
         return same_files(f, name) ? NULL : "gives something else with the option";
     if (!tells(f, "with", c->witness))
         return "does not show it with the option";
-    return tells(f, "base", c->witness) ? "shows it without the option, too" : NULL;
+    return !made && tells(f, "base", c->witness) ? "shows it without the option, too" : NULL;
 }
 
 static void each_option_takes_effect(void **state) {
@@ -500,12 +527,16 @@ static void each_option_takes_effect(void **state) {
 
 /* An option as the help lists it. */
 typedef struct listed {
-    char command[16], name[24], argument[24];
+    char command[16], name[24], argument[24], line[256];
 } listed;
 
-/* All options of all commands, from their help; how many. */
-static int list_options(const fixture *f, listed options[options_max]) {
+/* All options of all commands, from their help; how many. They are listed once. */
+static int list_options(fixture *f, const listed **list) {
+    static listed options[options_max];
     char commands[commands_max][16];
+    *list = options;
+    if (f->listed_count)
+        return f->listed_count;
     size_t length;
     int count = 0, found = 0;
     assert_int_equal(run_in(f, "in", "--help", ""), 0);
@@ -524,6 +555,7 @@ static int list_options(const fixture *f, listed options[options_max]) {
             assert_true(found < options_max);
             *o = (listed){.argument = ""};
             strcpy(o->command, commands[k]);
+            snprintf(o->line, sizeof o->line, "%s", line);
             sscanf(line, "  %23s", o->name);
             const char *after = line + 2 + strlen(o->name);
             if (after[0] == ' ' && after[1] != ' ')
@@ -533,7 +565,7 @@ static int list_options(const fixture *f, listed options[options_max]) {
         free(text);
     }
     assert_true(count >= 14 && found > 100);
-    return found;
+    return f->listed_count = found;
 }
 
 static bool has_case(const listed *o) {
@@ -549,8 +581,8 @@ static bool has_case(const listed *o) {
 }
 
 static void each_listed_option_has_a_case(void **state) {
-    static listed options[options_max];
-    int count = list_options(*state, options);
+    const listed *options;
+    int count = list_options(*state, &options);
     for (int k = 0; k < count; k++)
         if (!has_case(&options[k]))
             fail_msg("nothing shows that %s %s takes effect", options[k].command, options[k].name);
@@ -615,27 +647,38 @@ static bool takes_anything(const listed *o) {
     return false;
 }
 
-/* The bounds are those that the sentence tells: both are accepted, as far as the scene, which is not there;
- * what lies beyond them is not. */
-static void check_bounds(const fixture *f, const listed *o, const char *sentence) {
+/* Numbers of a command that are all within their bounds, at the lower or at the upper ones. */
+typedef struct bounds {
+    char at[2][1024];
+} bounds;
+
+/* The line of a command, of a scene that is not there: with good options it gets as far as that. */
+static void without_scene(const char *command, char line[160]) {
+    const char *beginning = beginning_of(command), *scene = strstr(beginning, "impact-oscillator");
+    assert_non_null(scene);
+    snprintf(line, 160, "%.*snosuchscene%s", (int)(scene - beginning), beginning,
+             scene + strlen("impact-oscillator"));
+}
+
+/* The bounds are those that the sentence tells: what lies beyond them is refused. */
+static void check_beyond(const fixture *f, const listed *o, const char *sentence, bounds *known) {
     const char *at = strstr(sentence, "number from ");
-    char line[128], more[128], whole = strstr(sentence, "whole number") != NULL, value[48];
+    char line[160], more[128], whole = strstr(sentence, "whole number") != NULL, value[48];
     double bound[2];
-    if (!at || strcmp(o->command, "paper") == 0)
+    if (!at)
         return;
     assert_int_equal(sscanf(at, "number from %lf to %lf", &bound[0], &bound[1]), 2);
-    const char *beginning = beginning_of(o->command), *scene = strstr(beginning, "impact-oscillator");
-    assert_non_null(scene);
-    snprintf(line, sizeof line, "%.*snosuchscene%s", (int)(scene - beginning), beginning,
-             scene + strlen("impact-oscillator"));
+    without_scene(o->command, line);
     for (int k = 0; k < 2; k++) {
         double step = whole ? 1 : fmax(fabs(bound[k]), 1e-300) * 1e-9, beyond = bound[k] + (k ? step : -step);
-        snprintf(value, sizeof value, "%.17g", bound[k]);
-        snprintf(more, sizeof more, "%.23s %.47s", o->name, value);
-        char *text = check_refused(f, line, more, "", "");
-        if (!strstr(text, "nosuchscene"))
-            fail_msg("%s: %s", more, text);
-        free(text);
+        size_t used = strlen(known->at[k]);
+        /* A sweep's --transient does not go with the others. */
+        bool alone = strcmp(o->command, "sweep") == 0 && strcmp(o->name, "--transient") == 0;
+        snprintf(more, sizeof more, " %s %.17g", o->name, bound[k]);
+        if (alone)
+            free(check_refused(f, line, more, "nosuchscene", ""));
+        else
+            snprintf(known->at[k] + used, sizeof known->at[k] - used, "%s", more);
         snprintf(value, sizeof value, "%.17g", beyond);
         snprintf(more, sizeof more, "%.23s %.47s", o->name, value);
         free(check_refused(f, line, more, o->name, value));
@@ -646,41 +689,67 @@ static void check_bounds(const fixture *f, const listed *o, const char *sentence
     }
 }
 
+/* ... and the bounds themselves are accepted. */
+static void check_accepted(const fixture *f, const char *command, bounds *known) {
+    char line[160];
+    for (int k = 0; k < 2 && known->at[k][0]; k++) {
+        without_scene(command, line);
+        free(check_refused(f, line, known->at[k], "nosuchscene", ""));
+    }
+    *known = (bounds){{""}};
+}
+
 static void bad_values_are_refused_by_name(void **state) {
-    static listed options[options_max];
-    static char bounds[options_max][128]; /* those that have been tried: many commands share an option */
-    int tried = 0;
+    static char tried[options_max][128]; /* many commands share an option */
+    int tries = 0;
+    const listed *options;
     const fixture *f = *state;
-    int count = list_options(f, options);
+    int count = list_options(*state, &options);
+    bounds known = {{""}};
+    bool lacking = true;
     for (int k = 0; k < count; k++) {
         const listed *o = &options[k];
         const char *line = beginning_of(o->command);
         char more[64];
+        if (k && strcmp(o->command, options[k - 1].command) != 0) {
+            check_accepted(f, options[k - 1].command, &known);
+            lacking = true;
+        }
         if (strcmp(o->command, "basins") == 0 && strcmp(o->name, "--over") == 0)
             line = "basins impact-oscillator --over q1=0:1:2 -o never.h5"; /* exactly two are wanted */
-        if (!o->argument[0])
+        /* Numbers are read in one place, from the same entry for all commands that list it alike. */
+        bool shared = strcmp(o->name, "--integrator") != 0 && strcmp(o->name, "--from") != 0 &&
+                      strcmp(o->name, "--over") != 0;
+        for (int earlier = 0; earlier < k && shared; earlier++)
+            if (strcmp(options[earlier].line, o->line) == 0)
+                o = &options[earlier];
+        if (!o->argument[0] || o != &options[k])
             continue;
-        free(check_refused(f, line, o->name, o->name, ""));
+        /* That a value is lacking, too; once for each command. */
+        if (lacking)
+            free(check_refused(f, line, o->name, o->name, ""));
+        lacking = false;
         if (takes_anything(o))
             continue;
         snprintf(more, sizeof more, "%.23s not~good", o->name);
         bool file = strcmp(o->name, "--from") == 0 || (strcmp(o->name, "--over") == 0 && line[0] == 'p');
         char *sentence = check_refused(f, line, more, file ? "" : o->name, "not~good");
         int same = 0;
-        while (same < tried && strncmp(bounds[same], sentence, sizeof bounds[0] - 1) != 0)
+        while (same < tries && strncmp(tried[same], sentence, sizeof tried[0] - 1) != 0)
             same++;
-        if (same == tried) {
-            snprintf(bounds[tried++], sizeof bounds[0], "%.127s", sentence);
-            check_bounds(f, o, sentence);
+        if (same == tries) {
+            snprintf(tried[tries++], sizeof tried[0], "%.127s", sentence);
+            check_beyond(f, o, sentence, &known);
         }
         free(sentence);
     }
+    check_accepted(f, options[count - 1].command, &known);
 }
 
 static void unknown_options_are_refused_by_every_command(void **state) {
-    static listed options[options_max];
+    const listed *options;
     const fixture *f = *state;
-    int count = list_options(f, options);
+    int count = list_options(*state, &options);
     for (int k = 0; k < count; k++)
         if (k == 0 || strcmp(options[k].command, options[k - 1].command) != 0)
             free(check_refused(f, beginning_of(options[k].command), "--unheard-of", "--unheard-of",
@@ -707,11 +776,13 @@ static void of_a_repeated_option_the_last_value_holds(void **state) {
     assert_int_equal(run_in(f, "with", "check impact-oscillator", "--set F=0.6 --set c=0.2 --set F=0.7"), 0);
     assert_false(same_files(f, "out"));
     free(check_refused(f, "classify impact-oscillator", "--rtol 1 --rtol 1e-9", "--rtol", "1:"));
-    ((fixture *)*state)->last[0] = '\0';
+    ((fixture *)*state)->last[0] = ((fixture *)*state)->with[0] = '\0';
 }
 
-/* Bytes that a command writes to stderr where that is a terminal. */
-static size_t words_on_terminal(const fixture *f, const char *line, const char *more) {
+/* Bytes that a command writes to stderr where that is a terminal; as much of them as there is room for in
+ * `said`, which may be NULL. */
+static size_t words_on_terminal(const fixture *f, const char *line, const char *more, char *said,
+                                size_t room) {
     int master = posix_openpt(O_RDWR | O_NOCTTY);
     char text[1024], block[4096];
     size_t heard = 0;
@@ -729,8 +800,13 @@ static size_t words_on_terminal(const fixture *f, const char *line, const char *
         _exit(99);
     }
     close(slave);
-    for (ssize_t got; (got = read(master, block, sizeof block)) > 0;)
+    for (ssize_t got; (got = read(master, block, sizeof block)) > 0;) {
+        if (said && heard + (size_t)got < room) {
+            memcpy(said + heard, block, (size_t)got);
+            said[heard + (size_t)got] = '\0';
+        }
         heard += (size_t)got;
+    }
     int outcome = 0;
     waitpid(child, &outcome, 0);
     close(master);
@@ -751,17 +827,17 @@ static void quiet_commands_are_silent(void **state) {
         {"lyapunov", "lyapunov impact-oscillator --transient 20 --periods 1800"},
         {"spectrum", "spectrum impact-oscillator --samples 64"},
         {"paper", "paper --figure 3 -o p"}};
-    static listed options[options_max];
+    const listed *options;
     const fixture *f = *state;
-    int count = list_options(f, options), quiet = 0;
+    int count = list_options(*state, &options), quiet = 0;
     for (int k = 0; k < count; k++)
         quiet += strcmp(options[k].name, "--quiet") == 0;
     assert_int_equal(quiet, sizeof lines / sizeof lines[0]);
     for (size_t k = 0; k < sizeof lines / sizeof lines[0]; k++) {
         clear(f, "with");
-        if (words_on_terminal(f, lines[k][1], "") == 0)
+        if (words_on_terminal(f, lines[k][1], "", NULL, 0) == 0)
             fail_msg("%s shows no progress on a terminal", lines[k][0]);
-        if (words_on_terminal(f, lines[k][1], "--quiet") != 0)
+        if (words_on_terminal(f, lines[k][1], "--quiet", NULL, 0) != 0)
             fail_msg("%s --quiet is not silent", lines[k][0]);
         size_t length;
         assert_int_equal(run_in(f, "with", lines[k][1], ""), 0);
@@ -769,6 +845,40 @@ static void quiet_commands_are_silent(void **state) {
         if (length)
             fail_msg("%s writes to stderr where that is no terminal", lines[k][0]);
     }
+}
+
+/* The bar of a sweep is as long as the part that is done, the part grows, the time left is what is left at
+ * the speed told; at the end the line is wiped. */
+static void a_progress_bar_tells_the_part_done(void **state) {
+    static char said[65536];
+    int seen = 0;
+    /* The first picture comes after a quarter of a second. */
+    for (int points = 3000; points < 1000000 && seen == 0; points *= 4) {
+        char line[160];
+        double last = 0;
+        snprintf(line, sizeof line,
+                 "sweep " CHAOS " --over F=0.9:1.1:%d --transient 40 --record 10 --threads 1 --lanes 1 "
+                 "--what class -o x.h5",
+                 points);
+        clear(*state, "with");
+        assert_true(words_on_terminal(*state, line, "", said, sizeof said) > 0);
+        for (const char *at = said; (at = strstr(at, "\r[")); at++) {
+            double part, speed, left;
+            int cells = (int)strspn(at + 2, "#"), dots = (int)strspn(at + 2 + cells, ".");
+            assert_int_equal(cells + dots, 30);
+            assert_int_equal(sscanf(at + 32, "] %lf %%  %lf points/s  %lf s left", &part, &speed, &left), 3);
+            assert_true(part >= last && part <= 100 && speed > 0);
+            assert_true(fabs(0.3 * part - cells - 0.5) <= 0.5 + 0.3 * 0.06);
+            /* The part is told to 0.1 %, the speed to four digits, the time in whole seconds. */
+            double wanted = points * (1 - part / 100) / speed,
+                   slack = points * 5.1e-4 / speed + 1e-3 * wanted;
+            assert_true(left >= wanted - slack && left < wanted + 1 + slack);
+            last = part;
+            seen++;
+        }
+        assert_true(strcmp(said + strlen(said) - 4, "\r\033[K") == 0);
+    }
+    assert_true(seen >= 1);
 }
 
 /* Begin the paper's second figure, end it when its sweep has begun, and read what it was told to do. */
@@ -890,6 +1000,7 @@ int main(void) {
         cmocka_unit_test(unknown_options_are_refused_by_every_command),
         cmocka_unit_test(of_a_repeated_option_the_last_value_holds),
         cmocka_unit_test(quiet_commands_are_silent),
+        cmocka_unit_test(a_progress_bar_tells_the_part_done),
         cmocka_unit_test(paper_is_quick_and_resumes),
         cmocka_unit_test(each_key_of_a_scene_changes_the_motion),
     };

@@ -55,6 +55,13 @@ static void bad_axes_are_refused(void **unused) {
                                         "omega=1:2:x",
                                         "omega=1:2:2.5",
                                         "omega=1:2:3:lag",
+                                        "omega=:2:3",
+                                        "q1=:2:3",
+                                        "q1=1x:2:3",
+                                        "q1=1::3",
+                                        "q1=1:2x:3",
+                                        "q1=1:2:3:log1",
+                                        "q1=1:2:3log",
                                         "omega=1:1:5",
                                         "d=1,,2",
                                         "d=1,2,",
@@ -880,6 +887,40 @@ static void failed_starts(void **unused) {
     saltus_sweep_free(sweep);
 }
 
+/* A motion that grows without bound fails in one period, whatever has been asked for; what has been recorded
+ * by then stays, what has not is unknown. */
+static void what_was_recorded_before_a_failure_stays(void **unused) {
+    (void)unused;
+    saltus_scene scene = scene_of("pipe", "kappa=0 N=2 omega=5 d=100");
+    saltus_sweep_options options = saltus_sweep_defaults();
+    options.keep = 7;
+    single first = run_single(&scene, "u0", 3.2, &options);
+    long long end = first.result.rows->settled;
+    assert_int_equal(first.result.rows->verdict, SALTUS_ROW_FAILED);
+    assert_true(end > 4 && end < 20);
+    options.adaptive = false;
+    for (int transient = 0; transient <= 2; transient += 2)
+        for (int record = 1; record <= end + 1; record++) {
+            options.transient = transient;
+            options.record = record;
+            single s = run_single(&scene, "u0", 3.2, &options);
+            const saltus_sweep_row *row = s.result.rows;
+            bool recorded = transient + record < end;
+            assert_string_equal(s.label, "failed");
+            assert_int_equal(row->settled, end);
+            assert_true(row->attractor == -1 && row->periods == 0);
+            assert_int_equal(row->recorded, recorded ? record : 0);
+            assert_true(isfinite(row->largest) == recorded && isfinite(row->smallest) == recorded);
+            assert_true(isfinite(row->impact_rate) == recorded && isfinite(row->largest_speed) == recorded);
+            assert_true(isfinite(row->contact_fraction) == recorded && isnan(row->lyapunov));
+            assert_true(!recorded || s.result.strobe_counts[0] == record);
+            for (int i = 0; i < 4; i++)
+                assert_true(isfinite(s.result.states[i]) == recorded);
+            close_single(&s);
+        }
+    close_single(&first);
+}
+
 /* Motions that grow without bound fail; those beside them have the bits that they have alone. */
 static void unbounded_growth_disturbs_nobody(void **unused) {
     (void)unused;
@@ -1093,6 +1134,7 @@ int main(void) {
         cmocka_unit_test(sticking_across_the_section),
         cmocka_unit_test(release_from_rest),
         cmocka_unit_test(failed_starts),
+        cmocka_unit_test(what_was_recorded_before_a_failure_stays),
         cmocka_unit_test(unbounded_growth_disturbs_nobody),
         cmocka_unit_test(a_flow_recovers_from_overflow),
         cmocka_unit_test(a_line_goes_on_after_a_failure),

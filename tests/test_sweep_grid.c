@@ -88,6 +88,42 @@ static void axes_are_read_up_to_their_limits(void **unused) {
     }
 }
 
+/* A refusal tells the numbers that were given, each by its own name. */
+static void refusals_tell_what_was_given(void **unused) {
+    (void)unused;
+    const saltus_scene scene = scene_of("impact-oscillator", "");
+    const saltus_axis axes[2] = {{.key = "omega", .count = 10000, .low = 1, .high = 2},
+                                 {.key = "d", .count = 11, .low = 1, .high = 2}};
+    const saltus_sweep_options good = saltus_sweep_defaults();
+    static const char *const told[] = {"passes = 8:",
+                                       "seeds = 10001: must be from 1 to 10000",
+                                       "seeds = 0: must be from 1 to 10000",
+                                       "transient = -7, record = 5:",
+                                       "transient = 9, record = -3:",
+                                       "measure = -11:",
+                                       "longest = 257: must be from 1 to 256",
+                                       "lanes = -2, threads = 5:",
+                                       "lanes = 4, threads = -6:",
+                                       "110000 points with 2 passes and 9000 seeds: more than 1000000000"};
+    for (int k = 0; k < 10; k++) {
+        saltus_sweep_options o = good;
+        saltus_message message = {""};
+        saltus_sweep *sweep = NULL;
+        o.passes = k == 0 ? 8 : k == 9 ? 3 : 1;
+        o.seeds = k == 1 ? 10001 : k == 2 ? 0 : k == 9 ? 9000 : 1;
+        o.transient = k == 3 ? -7 : 9;
+        o.record = k == 4 ? -3 : 5;
+        o.measure = k == 5 ? -11 : 7;
+        o.longest = k == 6 ? 257 : 3;
+        o.lanes = k == 7 ? -2 : 4;
+        o.threads = k == 8 ? -6 : 5;
+        assert_int_equal(saltus_sweep_new(&scene, axes, 2, &o, &sweep, &message), SALTUS_BAD_INPUT);
+        assert_null(sweep);
+        if (!strstr(message.text, told[k]))
+            fail_msg("'%s' does not say '%s'", message.text, told[k]);
+    }
+}
+
 static void options_are_taken_up_to_their_limits(void **unused) {
     (void)unused;
     const saltus_scene scene = scene_of("impact-oscillator", "");
@@ -830,10 +866,54 @@ static void basins_sort_by_orbits(void **unused) {
                 100);
 }
 
+/* A state that is only near an attractor leads to it all the same; one that has come to no attractor, or
+ * cannot be looked at, belongs to none. */
+static void states_near_an_attractor_belong_to_it(void **unused) {
+    (void)unused;
+    static const double away[] = {0, 1e-9, 9e-8, 1.1e-7, 1e-5, -1e-3};
+    saltus_scene scene = scene_of("fig3", "");
+    saltus_sweep_options options = frame_options(0, 1, 1);
+    saltus_sweep *sweep = sweep_of(&scene, "q1=0.01:0.02:2", "v1=0:1:2", &options);
+    saltus_system *system = system_at(sweep, 0);
+    int n = saltus_system_dimension(system);
+    saltus_message message = {""};
+    saltus_basins *basins = NULL;
+    double state[SALTUS_SCENE_STATE_MAX] = {0.01}, near[SALTUS_SCENE_STATE_MAX] = {0};
+    const saltus_sweep_row row = {.verdict = SALTUS_ROW_PERIODIC, .periods = 2, .impacts = 2},
+                           other = {.verdict = SALTUS_ROW_CHAOTIC};
+    int attractor = -7;
+    check_ok(saltus_basins_new(sweep, &basins, &message), &message);
+    check_ok(saltus_basins_sort(basins, &other, state, &attractor, &message), &message);
+    assert_true(attractor == -1 && saltus_basins_count(basins) == 0);
+    check_ok(saltus_basins_sort(basins, &row, state, &attractor, &message), &message);
+    assert_true(attractor == 0 && saltus_basins_count(basins) == 1);
+    const saltus_motion *motion = saltus_basins_motion(basins, 0);
+    assert_int_equal(motion->periods, 2);
+    for (int phase = 0; phase < 2; phase++)
+        for (size_t k = 0; k < sizeof away / sizeof away[0]; k++) {
+            memcpy(near, saltus_basins_motion(basins, 0)->section_states + phase * n,
+                   (size_t)n * sizeof *near);
+            near[0] += away[k] * saltus_system_scale(system)[0];
+            if (saltus_system_check_state(system, near, NULL) != SALTUS_OK)
+                continue;
+            attractor = -7;
+            check_ok(saltus_basins_sort(basins, &row, near, &attractor, &message), &message);
+            assert_true(attractor == 0 && saltus_basins_count(basins) == 1);
+        }
+    memset(near, 0, sizeof near);
+    near[0] = 10;
+    check_ok(saltus_basins_sort(basins, &row, near, &attractor, &message), &message);
+    assert_true(attractor == -1 && saltus_basins_count(basins) == 1);
+    saltus_basins_free(basins);
+    saltus_system_free(system);
+    saltus_sweep_free(sweep);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(axes_are_even_in_values_or_in_their_logarithms),
         cmocka_unit_test(axes_are_read_up_to_their_limits),
+        cmocka_unit_test(refusals_tell_what_was_given),
         cmocka_unit_test(options_are_taken_up_to_their_limits),
         cmocka_unit_test(defaults_are_those_promised),
         cmocka_unit_test(a_sweep_keeps_what_it_was_given),
@@ -851,6 +931,7 @@ int main(void) {
         cmocka_unit_test(the_feed_is_asked_and_told_in_order),
         cmocka_unit_test(basins_need_a_plane_of_initial_states),
         cmocka_unit_test(basins_sort_by_orbits),
+        cmocka_unit_test(states_near_an_attractor_belong_to_it),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -167,6 +167,165 @@ static void counts_must_recur_as_points_do(void **unused) {
     saltus_system_free(system);
 }
 
+/* A made-up series of points of two numbers, in the system's scales, with an impact in each period. */
+typedef struct series {
+    saltus_settling settling;
+    const double *scale;
+    long long impacts, contacts;
+} series;
+
+static series open_series(const saltus_system *system) {
+    const saltus_sweep_options options = saltus_sweep_defaults();
+    series s = {.scale = saltus_system_scale(system)};
+    assert_true(saltus_settling_open(&s.settling, 2, &options));
+    saltus_settling_reset(&s.settling, system);
+    return s;
+}
+
+static void add(series *s, double x, double y) {
+    const double point[2] = {x * s->scale[0], y * s->scale[1]};
+    saltus_settling_add(&s->settling, point, s->impacts, s->contacts);
+}
+
+/* Where a part of the period recurs but stays away from closing, the period is in doubt; where it has nearly
+ * closed, it is waited for. Either is looked at now and then only. */
+static void a_part_that_does_not_close_leaves_doubt(void **unused) {
+    (void)unused;
+    static const struct {
+        double apart;
+        int period;
+        bool doubt;
+    } rows[] = {{2e-3, 2, false}, {1.1e-3, 2, false}, {0.9e-3, 2, true}, {1e-6, 2, true},
+                {21e-9, 2, true}, {19e-9, 0, false},  {3e-9, 0, false},  {0.5e-13, 1, false}};
+    saltus_spec spec = oscillator_spec(0.1, 1, 1, 1);
+    saltus_system *system = build(&spec);
+    for (size_t k = 0; k < sizeof rows / sizeof rows[0]; k++) {
+        series s = open_series(system);
+        for (int count = 1; count <= 128; count++) {
+            bool doubt = !rows[k].doubt, looked = rows[k].apart > 1e-3 || count % 8 == 0;
+            s.impacts++;
+            add(&s, 0, count % 2 ? rows[k].apart : 0);
+            if (count < 100)
+                continue;
+            int period = saltus_settling_period(&s.settling, 1e-9, &doubt);
+            assert_int_equal(period, looked || rows[k].period == 1 ? rows[k].period : 0);
+            assert_int_equal(doubt, looked && rows[k].doubt);
+            assert_int_equal(saltus_settling_candidate(&s.settling), rows[k].apart > 1e-3 ? 2 : 1);
+            check_near(saltus_settling_recurrence(&s.settling, 1), rows[k].apart, 1e-12 * rows[k].apart);
+            assert_true(saltus_settling_recurrence(&s.settling, 2) == 0);
+        }
+        saltus_settling_close(&s.settling);
+    }
+    saltus_system_free(system);
+}
+
+/* Four periods and two points are looked at before a period is said to be reached, a period and two points
+ * that recur before it is hoped for; what was before the last reset does not count. */
+static void a_period_is_seen_often_enough(void **unused) {
+    (void)unused;
+    saltus_spec spec = oscillator_spec(0.1, 1, 1, 1);
+    saltus_system *system = build(&spec);
+    series s = open_series(system);
+    for (int period = 1; period <= 20; period++) {
+        saltus_settling_reset(&s.settling, system);
+        for (int count = 1; count <= 4 * period + 4; count++) {
+            bool doubt;
+            s.impacts += count % period == 0;
+            add(&s, 0.1 * (count % period), -0.2);
+            assert_int_equal(saltus_settling_candidate(&s.settling), count >= 2 * period + 2 ? period : 0);
+            assert_int_equal(saltus_settling_period(&s.settling, 1e-9, &doubt),
+                             count >= 4 * period + 2 ? period : 0);
+            assert_false(doubt);
+        }
+    }
+    saltus_settling_close(&s.settling);
+    saltus_system_free(system);
+}
+
+/* At rest nothing moves and nothing happens, over three periods. */
+static void a_rest_is_still(void **unused) {
+    (void)unused;
+    saltus_spec spec = oscillator_spec(0.1, 1, 1, 1);
+    saltus_system *system = build(&spec);
+    for (int what = 0; what < 4; what++) {
+        series s = open_series(system);
+        for (int count = 1; count <= 12; count++) {
+            s.impacts += what == 1 && count == 8;
+            s.contacts += what == 2 && count == 8;
+            add(&s, 0.3, what == 3 && count < 8 ? 1.1e-9 : count < 3 ? 0.9e-9 : 0);
+            bool disturbed = what > 0 && count >= 8 && count < 11;
+            assert_int_equal(saltus_settling_rests(&s.settling), count > 4 && !disturbed);
+        }
+        saltus_settling_close(&s.settling);
+    }
+    saltus_system_free(system);
+}
+
+/* Of a geometric series the distance left is known: a period is reached when the limit is not below it. One
+ * that shrinks to less than a hundredth is believed that much only; one that does not shrink is not reached.
+ */
+static void the_distance_left_of_a_series_is_its_rest(void **unused) {
+    (void)unused;
+    static const double ratios[] = {0.95, 0.5, 0.02, 0.005, -0.005, -0.3, -0.9};
+    saltus_spec spec = oscillator_spec(0.1, 1, 1, 1);
+    saltus_system *system = build(&spec);
+    bool doubt;
+    for (int period = 1; period <= 3; period += 2)
+        for (int k = 0; k < 7; k++) {
+            series s = open_series(system);
+            double away = 0.9e-3, ratio = ratios[k], least = fmax(fabs(ratio), 0.01) / fabs(ratio);
+            int cycles = k == 0 || k == 6 ? 24 : 8;
+            for (int turn = 0; turn < cycles + 1; turn++, away *= ratio)
+                for (int phase = 0; phase < period; phase++) {
+                    s.impacts++;
+                    s.contacts += 2;
+                    /* Large numbers would drown what is small beside them. */
+                    add(&s, away, phase ? 0.1 * phase : 0);
+                }
+            away /= ratio;
+            double left = fabs(away) * least;
+            if (left * fabs(1 - ratio) / fabs(ratio) > 1e-13) {
+                assert_int_equal(saltus_settling_period(&s.settling, 1.0001 * left, &doubt), period);
+                assert_int_equal(saltus_settling_period(&s.settling, 0.9999 * left, &doubt), 0);
+            } else
+                assert_int_equal(saltus_settling_period(&s.settling, 1e-12, &doubt), period);
+            saltus_settling_close(&s.settling);
+        }
+    for (int sign = -1; sign <= 1; sign += 2) {
+        series s = open_series(system);
+        double away = 1e-5;
+        for (int count = 0; count < 30; count++, away *= 1.001 * sign)
+            add(&s, away, 0);
+        assert_int_not_equal(saltus_settling_period(&s.settling, 1, &doubt), 1);
+        saltus_settling_close(&s.settling);
+    }
+    saltus_system_free(system);
+}
+
+/* Points that close in on a spiral: never said to be nearer than they are. */
+static void a_made_up_spiral_is_not_left_early(void **unused) {
+    (void)unused;
+    saltus_spec spec = oscillator_spec(0.1, 1, 1, 1);
+    saltus_system *system = build(&spec);
+    for (int period = 1; period <= 2; period++)
+        for (double angle = 0.15; angle < 3; angle += 0.19) {
+            series s = open_series(system);
+            double modulus = 0.85, x = 0, y = 0, size = 0.9e-4;
+            for (int turn = 0; turn < 24; turn++, size *= modulus)
+                for (int phase = 0; phase < period; phase++) {
+                    x = size * cos(turn * angle);
+                    y = size * sin(turn * angle);
+                    s.impacts += phase == 0;
+                    add(&s, x + 0.25 * phase, y);
+                }
+            double left = fmax(fabs(x), fabs(y));
+            bool doubt;
+            assert_int_equal(saltus_settling_period(&s.settling, 0.999 * left, &doubt), 0);
+            saltus_settling_close(&s.settling);
+        }
+    saltus_system_free(system);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(an_orbit_is_reached_when_it_is_near),
@@ -174,6 +333,11 @@ int main(void) {
         cmocka_unit_test(orbits_with_impacts_are_near_too),
         cmocka_unit_test(a_free_motions_exponent_is_its_decay),
         cmocka_unit_test(counts_must_recur_as_points_do),
+        cmocka_unit_test(a_part_that_does_not_close_leaves_doubt),
+        cmocka_unit_test(a_period_is_seen_often_enough),
+        cmocka_unit_test(a_rest_is_still),
+        cmocka_unit_test(the_distance_left_of_a_series_is_its_rest),
+        cmocka_unit_test(a_made_up_spiral_is_not_left_early),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -93,7 +93,8 @@ typedef struct saltus_motion {
     double lyapunov;       /* largest exponent per unit of time: of an orbit ln |multiplier| / (p T), else as
                               measured; NAN where it was not */
     double lyapunov_error; /* its standard error; 0 for an orbit's */
-    saltus_evidence evidence; /* of motions without a period */
+    saltus_integrator integrator; /* that was asked for; automatic: the system's own */
+    saltus_evidence evidence;     /* of motions without a period */
 } saltus_motion;
 
 /* Whether a motion has come to an orbit or a rest, for which its state stands. */

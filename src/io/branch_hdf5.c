@@ -135,7 +135,8 @@ static void put_head(saltus_h5 *w, const saltus_branch_output *o, bool complete)
     saltus_h5_text(w, w->file, "scene", head->scene);
     saltus_h5_text(w, w->file, "title", head->title);
     saltus_h5_text(w, w->file, "model", saltus_model_name(head->spec.model));
-    saltus_h5_text(w, w->file, "integrator", saltus_system_integrator(o->system));
+    saltus_h5_text(w, w->file, "integrator",
+                   saltus_integrator_used(o->system, head->options.orbit.flow.integrator));
     saltus_h5_integer(w, w->file, "complete", complete);
     saltus_h5_parameters(w, &head->spec);
     put_options(w, &head->options);

@@ -19,7 +19,7 @@ static void put_header(const saltus_source *source, FILE *file) {
     }
     fprintf(file, "\n# options: rtol = %s, atol = %s, integrator = %s (%s), order = %d\n",
             saltus_number(o->rtol, a), saltus_number(o->atol, b), saltus_integrator_word(o->integrator),
-            saltus_system_integrator(system), o->order);
+            saltus_integrator_used(system, o->integrator), o->order);
     fprintf(file, "# time_over_T: time from the start of the recording in forcing periods T = %s\n",
             saltus_number(saltus_system_period(system), a));
     fputs("# displacement, velocity: observed coordinate and its rate (contact coordinate of the first stop; "

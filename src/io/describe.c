@@ -48,6 +48,10 @@ const char *saltus_integrator_word(saltus_integrator integrator) {
     return integrator == SALTUS_TAYLOR ? "taylor" : integrator == SALTUS_RADAU ? "radau" : "automatic";
 }
 
+const char *saltus_integrator_used(const saltus_system *system, saltus_integrator asked) {
+    return asked == SALTUS_AUTOMATIC ? saltus_system_integrator(system) : saltus_integrator_word(asked);
+}
+
 const char *saltus_kind_word(saltus_motion_kind kind) {
     switch (kind) {
     case SALTUS_PERIODIC:

@@ -239,6 +239,6 @@ void saltus_write_motion_json(FILE *file, const saltus_scene *scene, const saltu
     fprintf(file, ", \"transient\": %lld", motion->transient);
     saltus_json_text(file, "reason", motion->reason);
     saltus_json_parameters(file, saltus_system_spec(system));
-    saltus_json_text(file, "integrator", saltus_system_integrator(system));
+    saltus_json_text(file, "integrator", saltus_integrator_used(system, motion->integrator));
     fputs("}\n", file);
 }

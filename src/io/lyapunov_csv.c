@@ -27,7 +27,8 @@ static void put_options(const saltus_system *system, const saltus_lyapunov_optio
             saltus_number(o->interval, b));
     fprintf(file, ", rtol = %s, atol = %s, integrator = %s (%s), order = %d\n",
             saltus_number(o->flow.rtol, a), saltus_number(o->flow.atol, b),
-            saltus_integrator_word(o->flow.integrator), saltus_system_integrator(system), o->flow.order);
+            saltus_integrator_word(o->flow.integrator), saltus_integrator_used(system, o->flow.integrator),
+            o->flow.order);
 }
 
 static void put_result(const saltus_lyapunov *l, FILE *file) {

@@ -71,6 +71,6 @@ void saltus_write_lyapunov_json(FILE *file, const saltus_scene *scene, const sal
     put_vector(file, "state", l->state, l->dimension);
     put_options(file, options);
     saltus_json_parameters(file, saltus_system_spec(system));
-    saltus_json_text(file, "integrator", saltus_system_integrator(system));
+    saltus_json_text(file, "integrator", saltus_integrator_used(system, options->flow.integrator));
     fputs("}\n", file);
 }

@@ -132,7 +132,7 @@ static void put_measured(FILE *file, const saltus_system *system, const saltus_l
     fprintf(file, "%.6g per period; sticks: %.6g per period\n", l->impacts_per_period, l->sticks_per_period);
     put_head(file, "measured");
     fprintf(file, "%lld periods (%.6g units of time) by all trajectories together (%s)\n", l->periods,
-            l->time, saltus_system_integrator(system));
+            l->time, saltus_integrator_used(system, o->flow.integrator));
     put_head(file, "transient");
     fprintf(file, "%lld periods", l->transient);
     if (l->transient > o->transient)

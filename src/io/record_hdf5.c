@@ -123,9 +123,7 @@ static void put_attributes(saltus_h5 *w, const saltus_source *source, const char
     saltus_h5_double(w, w->file, "rtol", o->rtol);
     saltus_h5_double(w, w->file, "atol", o->atol);
     saltus_h5_integer(w, w->file, "order", o->order);
-    saltus_h5_text(w, w->file, "integrator",
-                   o->integrator == SALTUS_AUTOMATIC ? saltus_system_integrator(source->system)
-                                                     : saltus_integrator_word(o->integrator));
+    saltus_h5_text(w, w->file, "integrator", saltus_integrator_used(source->system, o->integrator));
 }
 
 static void write_file(const saltus_source *source, FILE *file, saltus_h5 *w) {

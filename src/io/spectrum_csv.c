@@ -49,8 +49,8 @@ static void put_header(const saltus_spectra_source *source, FILE *file) {
     }
     fprintf(file, "\n# options: rtol = %s, atol = %s, integrator = %s (%s)\n# analysed: %s\n",
             saltus_number(source->flow->rtol, a), saltus_number(source->flow->atol, b),
-            saltus_integrator_word(source->flow->integrator), saltus_system_integrator(source->system),
-            method);
+            saltus_integrator_word(source->flow->integrator),
+            saltus_integrator_used(source->system, source->flow->integrator), method);
     for (int k = 0; k < source->spectra->count; k++) {
         saltus_quantity_name(source->spectra->quantities[k], name);
         put_quantity(file, &source->spectra->spectra[k], name);

@@ -192,6 +192,6 @@ void saltus_write_spectra_json(FILE *file, const saltus_scene *scene, const salt
     }
     fputc(']', file);
     saltus_json_parameters(file, saltus_system_spec(system));
-    saltus_json_text(file, "integrator", saltus_system_integrator(system));
+    saltus_json_text(file, "integrator", saltus_integrator_used(system, motion->integrator));
     fputs("}\n", file);
 }

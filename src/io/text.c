@@ -218,5 +218,5 @@ void saltus_write_motion_text(FILE *file, const saltus_scene *scene, const saltu
     if (motion->kind == SALTUS_PERIODIC || !motion->transient)
         fprintf(file, "%sresidual %.1e after %d Newton step%s", motion->transient ? "; " : "",
                 motion->residual, motion->iterations, plural(motion->iterations));
-    fprintf(file, " (%s)\n", saltus_system_integrator(system));
+    fprintf(file, " (%s)\n", saltus_integrator_used(system, motion->integrator));
 }

@@ -335,7 +335,7 @@ static saltus_status find_period(const saltus_system *system, const double *stat
     search s = {.system = system, .options = options, .limited = limited};
     *motion = (saltus_motion){0};
     saltus_status status = open_search(&s, state, message);
-    if (status == SALTUS_OK && !saltus_motion_open(system, motion))
+    if (status == SALTUS_OK && !saltus_motion_open(system, &options->flow, motion))
         status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory to classify");
     if (status == SALTUS_OK)
         status = settle(&s, options->transient, motion, message);
@@ -403,7 +403,7 @@ saltus_status saltus_classify(const saltus_system *system, const double *state,
                           ? options->transient / patience
                           : options->transient;
     status = open_search(&s, state, message);
-    if (status == SALTUS_OK && !saltus_motion_open(system, motion))
+    if (status == SALTUS_OK && !saltus_motion_open(system, &options->flow, motion))
         status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory to classify");
     if (status == SALTUS_OK)
         status = settle(&s, early, motion, message);

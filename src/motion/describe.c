@@ -189,11 +189,12 @@ static saltus_status measure_forces(const saltus_system *system, const saltus_cl
     return status;
 }
 
-bool saltus_motion_open(const saltus_system *system, saltus_motion *motion) {
+bool saltus_motion_open(const saltus_system *system, const saltus_flow_options *flow, saltus_motion *motion) {
     *motion = (saltus_motion){.kind = SALTUS_UNDECIDED,
                               .dimension = saltus_system_dimension(system),
                               .lyapunov = NAN,
                               .lyapunov_error = NAN,
+                              .integrator = flow->integrator,
                               .face_count = saltus_system_face_count(system)};
     motion->state = calloc((size_t)motion->dimension, sizeof *motion->state);
     return motion->state;
@@ -268,7 +269,7 @@ static saltus_status describe(const saltus_system *system, const saltus_orbit *o
     flow_options.columns = 0;
     flow_options.directions = 0;
     saltus_status status = saltus_flow_new(&system, 1, &flow_options, &flow, message);
-    if (status == SALTUS_OK && !saltus_motion_open(system, motion))
+    if (status == SALTUS_OK && !saltus_motion_open(system, &options->flow, motion))
         status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the orbit");
     if (status == SALTUS_OK)
         status = saltus_motion_take(system, flow, orbit, options, motion, message);

@@ -61,7 +61,7 @@ saltus_status saltus_motion_find_period(const saltus_system *system, const doubl
                                         saltus_message *message);
 
 /* An undecided motion with room for a state; false if there is no memory. */
-bool saltus_motion_open(const saltus_system *system, saltus_motion *motion);
+bool saltus_motion_open(const saltus_system *system, const saltus_flow_options *flow, saltus_motion *motion);
 /* Fill an open motion with what is said of a periodic orbit. */
 saltus_status saltus_motion_take(const saltus_system *system, saltus_flow *flow, const saltus_orbit *orbit,
                                  const saltus_classify_options *options, saltus_motion *motion,
