@@ -152,6 +152,7 @@ static void variants_of_an_orbit_are_told(void **state) {
     lines_end(&lines);
 
     /* Chatter: counts without end; some multipliers are zero. More than four multipliers are cut. */
+    saltus_system_free(m.system);
     make(&m);
     motion->impacts = -1;
     strcpy(motion->label, "chatter/3");
@@ -175,6 +176,7 @@ static void variants_of_an_orbit_are_told(void **state) {
     lines_end(&lines);
 
     /* Nothing is known of the multipliers; the verdict then says nothing of stability. */
+    saltus_system_free(m.system);
     make(&m);
     motion->multiplier_count = motion->event_count = 0;
     write(&m, &lines);

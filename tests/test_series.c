@@ -113,7 +113,8 @@ static void circle_map(sample *s) {
     for (long long i = 0; i < s->count; i++) {
         x += 0.61 - 0.9 / (2 * M_PI) * sin(2 * M_PI * x);
         point(s, i)[0] = cos(2 * M_PI * x);
-        point(s, i)[1] = sin(2 * M_PI * x);
+        if (s->dimension > 1)
+            point(s, i)[1] = sin(2 * M_PI * x);
     }
 }
 
