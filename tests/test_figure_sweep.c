@@ -567,8 +567,9 @@ static void numbers_are_those_of_the_rows(void **state) {
 /* The number of attractors met from several starts is that of the distinct ones. */
 static void fill_attractors(made_place *m) {
     for (int s = 0; s < m->seeds; s++) {
+        int latest = m->seeds - 1 - s;
         m->row[s] = made_periodic(1, 1 + s);
-        m->row[s].attractor = (int)(m->point < s ? m->point : s);
+        m->row[s].attractor = (int)(m->point < latest ? m->point : latest);
     }
 }
 

@@ -30,7 +30,10 @@ static void compare_derivative(const saltus_system *system, saltus_section_kind 
     int m = saltus_map_dimension(map), n = saltus_system_dimension(system);
     double image[dimension_max], derivative[dimension_max * dimension_max], plus[dimension_max],
         minus[dimension_max];
+    assert_true(m < dimension_max);
+    image[m] = 7;
     image_of(map, point, image);
+    assert_true(image[m] == 7); /* the point has so many coordinates and no more */
     saltus_map_derivative(map, derivative);
     for (int j = first_free; j < m; j++) {
         double h = 1e-6 * (j < n ? saltus_system_scale(system)[j] : saltus_system_period(system));

@@ -131,6 +131,26 @@ static void chaotic_motions(void **unused) {
     }
 }
 
+/* Chaos next to the fold of an orbit of period 6, near which it stays for long: laminar phases are counted in
+ * periods, and what is much longer than the separation of neighbours is so in any unit. Amid it there is a
+ * stable orbit; where that is found, chaos is not asserted. */
+static void intermittent_motions(void **unused) {
+    (void)unused;
+    saltus_spec spec = impacting(0, 1, 3.04, 0, 0, 0.8);
+    saltus_classify_options options = saltus_classify_defaults();
+    options.transient = 2000;
+    options.measure = 64000;
+    for (int u = 0; u < unit_count; u++) {
+        saltus_motion m = classify(&spec, units[u], &options);
+        if (m.kind == SALTUS_CHAOTIC) {
+            assert_true(m.evidence.laminar_period > 0 && m.evidence.laminar_period % 6 == 0);
+            assert_true(m.evidence.laminar >= 0.05 && m.evidence.longest_phase > 0);
+        } else if (m.kind != SALTUS_UNDECIDED || !m.evidence.stable_orbit[0])
+            fail_msg("%g times as fast: %s: %s", units[u], m.label, m.reason);
+        saltus_motion_clear(&m);
+    }
+}
+
 /* A free motion that dies away too slowly to be waited for is on its way to something regular; of one that
  * takes twenty times as long nothing is asserted: it is what is lost in a period that counts. */
 static void slow_decays(void **unused) {
@@ -255,10 +275,10 @@ static void rest_has_no_period(void **unused) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(periodic_motions),   cmocka_unit_test(quasi_periodic_motions),
-        cmocka_unit_test(chaotic_motions),    cmocka_unit_test(slow_decays),
-        cmocka_unit_test(measured_exponents), cmocka_unit_test(spectra),
-        cmocka_unit_test(rest_has_no_period),
+        cmocka_unit_test(periodic_motions), cmocka_unit_test(quasi_periodic_motions),
+        cmocka_unit_test(chaotic_motions),  cmocka_unit_test(intermittent_motions),
+        cmocka_unit_test(slow_decays),      cmocka_unit_test(measured_exponents),
+        cmocka_unit_test(spectra),          cmocka_unit_test(rest_has_no_period),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
