@@ -807,6 +807,12 @@ static void branches_lie_over_clouds(void **state) {
     strcpy(axis.key, "k");
     made_write(path, &made.scene, &axis, 1, &options, fill_sweep, 100);
     assert_int_equal(saltus_plot_sweep(path, &how, path_in("s.png", out), &message), SALTUS_BAD_INPUT);
+    /* A sweep is no branch, and says so in its own words. */
+    saltus_branch_file file;
+    char expected[2 * path_size];
+    snprintf(expected, sizeof expected, "%s: holds a sweep, not a branch of orbits", path);
+    assert_int_equal(saltus_branch_file_read(path, &file, &message), SALTUS_BAD_INPUT);
+    assert_string_equal(message.text, expected);
 }
 
 int main(void) {
