@@ -28,8 +28,9 @@ saltus_section saltus_section_defaults(void);
 typedef struct saltus_map saltus_map;
 
 /* Create a map of a system (which must outlive it). With `derivative`, steps carry a full set of tangent
- * vectors. Coordinates: the state vector; for impact and turning maps the time in [0, T) follows as last
- * coordinate, so the dimension is that of the system, plus one. Errors: SALTUS_BAD_INPUT, SALTUS_NO_MEMORY.
+ * vectors; `columns` and `directions` of the options are ignored. Coordinates: the state vector; for impact
+ * and turning maps the time in [0, T) follows as last coordinate, so the dimension is that of the system,
+ * plus one. Errors: SALTUS_BAD_INPUT, SALTUS_NO_MEMORY.
  */
 saltus_status saltus_map_new(const saltus_system *system, const saltus_section *section,
                              const saltus_flow_options *options, bool derivative, saltus_map **map,

@@ -73,6 +73,7 @@ saltus_status saltus_map_new(const saltus_system *system, const saltus_section *
     made->dimension = made->n + (section->kind != SALTUS_SECTION_STROBOSCOPIC);
     saltus_flow_options own = *options;
     own.columns = derivative ? made->n : 0;
+    own.directions = 0;
     status = saltus_flow_new(&system, 1, &own, &made->flow, message);
     reserve(made);
     if (status == SALTUS_OK && !saltus_arena_open(&made->arena))
