@@ -731,6 +731,67 @@ static void an_impact_at_the_start_acts_on_tangents(void **unused) {
     saltus_system_free(system);
 }
 
+/* What is no time is refused, at the start and as a target, and the lane stays as it was: it goes on to a
+ * target that is one. */
+static void times_are_numbers(void **unused) {
+    (void)unused;
+    static const double wrong[] = {NAN, INFINITY, -INFINITY, 1e16};
+    scene s = scene_of(scene_two_sided_mass);
+    saltus_system *system = build(&s.spec);
+    saltus_flow_options options = saltus_flow_defaults();
+    saltus_message message = {""};
+    saltus_event event;
+    double whole[2], state[2], now[2];
+    saltus_flow *flow = open_flow(system, &options, s.phase, s.state);
+    advance(flow, 1.5, 0);
+    saltus_flow_state(flow, 0, state);
+    advance(flow, 2.5, 0);
+    saltus_flow_state(flow, 0, whole);
+    saltus_flow_free(flow);
+    flow = open_flow(system, &options, s.phase, s.state);
+    advance(flow, 1.5, 0);
+    for (int k = 0; k < 4; k++) {
+        saltus_time time = {2, wrong[k]};
+        assert_int_equal(saltus_flow_start(flow, 0, time, s.state, &message), SALTUS_BAD_INPUT);
+        assert_non_null(strstr(message.text, "phase = "));
+        message.text[0] = 0;
+        assert_int_equal(saltus_flow_advance(flow, time, 0, &event, &message), SALTUS_BAD_INPUT);
+        assert_non_null(strstr(message.text, "phase = "));
+        saltus_flow_state(flow, 0, now);
+        assert_memory_equal(now, state, sizeof now);
+        assert_true(saltus_flow_time(flow, 0).cycle == 1 && saltus_flow_time(flow, 0).phase == 0.5);
+    }
+    advance(flow, 2.5, 0);
+    saltus_flow_state(flow, 0, now);
+    assert_memory_equal(now, whole, sizeof now);
+    saltus_flow_free(flow);
+    saltus_system_free(system);
+}
+
+/* Pressed against a stop that takes nothing away, at a speed at which the bounces no longer move the clock:
+ * the flow does not go on for ever, it tells time, gap and speed, and stays there. */
+static void bounces_without_end_are_told(void **unused) {
+    (void)unused;
+    saltus_spec spec = oscillator_spec(0, 0, 0, 0.01);
+    set_parameter(&spec, "F0", 0.01);
+    add_stop(&spec, 0, 1, SALTUS_UPPER);
+    saltus_system *system = build(&spec);
+    saltus_flow_options options = saltus_flow_defaults();
+    saltus_message message = {""};
+    saltus_event event;
+    const double state[2] = {0, 1e-17};
+    options.atol = 0;
+    options.rtol = 1e-15;
+    saltus_flow *flow = open_flow(system, &options, 0.9, state);
+    assert_int_equal(saltus_flow_advance(flow, (saltus_time){1, 0}, 0, &event, &message), SALTUS_STALLED);
+    assert_non_null(strstr(message.text, "0.9 periods"));
+    assert_non_null(strstr(message.text, "gap 0, speed 1e-17"));
+    assert_true(saltus_flow_time(flow, 0).cycle == 0);
+    check_near(saltus_flow_time(flow, 0).phase, 0.9, 1e-12);
+    saltus_flow_free(flow);
+    saltus_system_free(system);
+}
+
 /* The flow's error over free flight follows the tolerance: never far above it, and not far below, for then
  * its steps would be shorter than need be. */
 static void errors_follow_the_tolerance(void **unused) {
@@ -791,6 +852,8 @@ int main(void) {
         cmocka_unit_test(a_lane_waits_until_it_is_aimed_again),
         cmocka_unit_test(a_started_lane_begins_anew),
         cmocka_unit_test(an_impact_at_the_start_acts_on_tangents),
+        cmocka_unit_test(times_are_numbers),
+        cmocka_unit_test(bounces_without_end_are_told),
         cmocka_unit_test(errors_follow_the_tolerance),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -445,6 +445,13 @@ static void impossible_strikes_are_refused(void **unused) {
     assert_int_equal(saltus_flow_place(flow, 0, (saltus_time){0, 0}, s.state, 3, &message), SALTUS_STALLED);
     check_ok(saltus_flow_place(flow, 0, (saltus_time){0, 0}, s.state, 2, &message), &message);
     assert_int_equal(saltus_flow_contacts(flow, 0), 2);
+    for (int wrong = 0; wrong < 3; wrong++) {
+        const saltus_time time = {0, wrong == 0 ? NAN : wrong == 1 ? INFINITY : 0.5};
+        assert_int_equal(saltus_flow_place(flow, 0, time, s.state, wrong < 2 ? 0 : 4, &message),
+                         SALTUS_BAD_INPUT);
+        assert_non_null(strstr(message.text, wrong < 2 ? "phase" : "contacts"));
+        assert_int_equal(saltus_flow_contacts(flow, 0), 2);
+    }
     assert_int_equal(saltus_flow_strike(flow, 0, SALTUS_STICK, 0, &strike, &message), SALTUS_STALLED);
     saltus_flow_free(flow);
     saltus_system_free(system);

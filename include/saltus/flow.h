@@ -106,8 +106,8 @@ const saltus_system *saltus_flow_system(const saltus_flow *flow, int lane);
 int saltus_flow_columns(const saltus_flow *flow);
 
 /* Place a lane at a time and state (length dimension), resting or approaching contacts resolved. The state
- * must be beyond no stop (SALTUS_BAD_INPUT). Tangent vectors become the first columns of the identity matrix,
- * parameter columns zero; an impact at the start acts on them as on the state. */
+ * must be beyond no stop and all numbers finite (SALTUS_BAD_INPUT). Tangent vectors become the first columns
+ * of the identity matrix, parameter columns zero; an impact at the start acts on them as on the state. */
 saltus_status saltus_flow_start(saltus_flow *flow, int lane, saltus_time time, const double *state,
                                 saltus_message *message);
 /* The directions of the parameter columns (`options.directions` of them), for lane 0 of a flow of one lane.
@@ -140,7 +140,8 @@ saltus_flow_info saltus_flow_information(const saltus_flow *flow, int lane);
  * multiply and add counted as two; 0 for the stiff integrator. */
 double saltus_flow_operations(const saltus_flow *flow);
 
-/* Give a lane its next target: advance to time `until` (not before now) or to the first watched event. */
+/* Give a lane its next target: advance to time `until` (not before now) or to the first watched event. Where
+ * that time is not a finite number the next run says so: SALTUS_BAD_INPUT. */
 void saltus_flow_aim(saltus_flow *flow, int lane, saltus_time until, unsigned watch);
 /* Advance all aimed lanes until one of them has reached its target; that lane must be aimed again before it
  * moves. Errors: SALTUS_STALLED with the time in the message, at a stop with gap and speed too; the lane
@@ -162,7 +163,8 @@ typedef struct saltus_extreme {
 
 /* Place a lane at a time and state with the given faces in lasting contact, wherever the stops are. Tangent
  * vectors become the first columns of the identity matrix, parameter columns zero. Errors: SALTUS_STALLED
- * where these contacts cannot hold together. */
+ * where these contacts cannot hold together, SALTUS_BAD_INPUT (a time that is not finite, a face that there
+ * is not). */
 saltus_status saltus_flow_place(saltus_flow *flow, int lane, saltus_time time, const double *state,
                                 unsigned contacts, saltus_message *message);
 /* Advance to a time through no event. For each face (SALTUS_FACES_MAX entries, may be NULL) the largest local
