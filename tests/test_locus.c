@@ -212,7 +212,8 @@ static void one_way(void **unused) {
     }
 }
 
-/* An interrupted locus is followed anew: none of its points stands, and all come again to the last bit. */
+/* An interrupted locus is followed anew, even from its end: none of its points stands, and all come again to
+ * the last bit. */
 static void an_interrupted_curve_is_made_again(void **unused) {
     (void)unused;
     closed_curve c = curves[0];
@@ -231,7 +232,7 @@ static void an_interrupted_curve_is_made_again(void **unused) {
     saltus_spec spec = closed_spec(&o);
     const double state[2] = {(double)orbit.state[0], (double)orbit.state[1]};
     check_ok(saltus_branch_new(&spec, o.periods, state, &options, &branch, &message), &message);
-    check_ok(saltus_branch_resume(branch, whole.point, 3, &kept, &message), &message);
+    check_ok(saltus_branch_resume(branch, whole.point, whole.count, &kept, &message), &message);
     assert_int_equal(kept, 0);
     branch_record again = branch_collect(branch, branch_points_max);
     saltus_branch_free(branch);
