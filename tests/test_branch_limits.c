@@ -3,6 +3,8 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "branch_check.h"
 
+#include <float.h>
+
 /* Two masses without stops. */
 static saltus_spec free_masses(void) {
     saltus_spec spec = oscillator_spec(0.1, 1, 0.5, 1.3);
@@ -63,8 +65,23 @@ static void refusals_name_their_numbers(void **unused) {
     check_refused(&bad, "k=1.1:1.2: the range must hold the start, k = 1");
     bad.low[1] = 1.3;
     check_refused(&bad, "k=1.3:1.2: the range must go from low to high");
+    bad.low[1] = 1 - DBL_MAX;
+    bad.high[1] = INFINITY;
+    check_refused(&bad, "k=-1.79769e+308:inf: the range must be finite");
+    snprintf(bad.key[1], sizeof bad.key[1], "omega");
+    check_refused(&bad, "omega and omega: a curve needs two parameters, not one twice");
     bad.locus = SALTUS_POINT_CH;
     check_refused(&bad, "locus CH: must be LP, PD, NS, BP or GR");
+    bad = fine;
+    bad.low[0] = -INFINITY;
+    check_refused(&bad, "omega=-inf:1.5: the range must be finite");
+    for (int periods = -1; periods <= 0; periods++) {
+        saltus_message message = {""};
+        saltus_branch *branch = (saltus_branch *)1;
+        assert_int_equal(saltus_branch_new(&spec, periods, rest, &fine, &branch, &message), SALTUS_BAD_INPUT);
+        assert_null(branch);
+        assert_non_null(strstr(message.text, "periods ="));
+    }
     fine.values = values; /* none of them in the range */
     fine.value_count = 1000;
     fine.points = 1;
@@ -79,7 +96,49 @@ static void refusals_name_their_numbers(void **unused) {
     }
     assert_string_equal(saltus_point_word(SALTUS_POINT_KINDS), "");
     assert_string_equal(saltus_point_word((saltus_point_kind)-1), "");
-    assert_string_equal(saltus_point_word(SALTUS_POINT_EP), "EP");
+    static const char *const words[] = {"", "LP", "PD", "NS", "BP", "GR", "CH", "ST", "UZ", "EP"};
+    for (int k = 0; k < SALTUS_POINT_KINDS; k++)
+        assert_string_equal(saltus_point_word((saltus_point_kind)k), words[k]);
+}
+
+/* What is taken where nothing is said. */
+static void branches_have_their_defaults(void **unused) {
+    (void)unused;
+    saltus_branch_options o = saltus_branch_defaults();
+    saltus_orbit_options orbit = saltus_orbit_defaults();
+    assert_true(o.step == 0.005 && o.step_max == 0.02 && o.points == 2000);
+    assert_true(o.direction == 0 && o.switches == 0 && o.value_count == 0 && !o.values);
+    assert_true(o.locus == SALTUS_POINT_REGULAR && !o.key[0][0] && !o.key[1][0]);
+    assert_true(o.orbit.iterations == orbit.iterations && o.orbit.tolerance == orbit.tolerance &&
+                o.orbit.flow.rtol == orbit.flow.rtol && o.orbit.segments == 0 && !o.orbit.history);
+}
+
+/* Where all is done it stays done; the caller's specification, state and options were only read. */
+static void what_is_done_stays_done(void **unused) {
+    (void)unused;
+    saltus_spec spec = free_masses();
+    saltus_message message = {""};
+    saltus_branch_options options = branch_along("omega", 1.2, 1.4);
+    double state[4] = {0};
+    branch_record whole = branch_run(&spec, 1, state, &options);
+    saltus_branch *branch = NULL;
+    check_ok(saltus_branch_new(&spec, 1, state, &options, &branch, &message), &message);
+    memset(&spec, 0, sizeof spec);
+    memset(&options, 0, sizeof options);
+    state[0] = NAN;
+    branch_record record = branch_collect(branch, branch_points_max);
+    assert_int_equal(record.count, whole.count);
+    for (int k = 0; k < record.count; k++)
+        assert_memory_equal(record.point[k].state, whole.point[k].state, 4 * sizeof(double));
+    for (int again = 0; again < 2; again++) {
+        const saltus_branch_point *point = &record.point[0];
+        check_ok(saltus_branch_step(branch, &point, &message), &message);
+        assert_null(point);
+    }
+    saltus_branch_free(branch);
+    saltus_branch_free(NULL);
+    branch_forget(&whole);
+    branch_forget(&record);
 }
 
 /* A request to stop is heard between points; when it is taken back the branch goes on as if nothing had
@@ -416,6 +475,8 @@ static void straight_pipe_buckles_both_ways(void **unused) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(refusals_name_their_numbers),
+        cmocka_unit_test(branches_have_their_defaults),
+        cmocka_unit_test(what_is_done_stays_done),
         cmocka_unit_test(interrupted_and_gone_on),
         cmocka_unit_test(options_that_do_not_matter),
         cmocka_unit_test(unsound_points_are_not_resumed_from),

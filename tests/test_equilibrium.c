@@ -98,6 +98,11 @@ static void rests_of_a_loaded_chain(void **unused) {
             for (int f = 0; f < SALTUS_FACES_MAX; f++)
                 held += first.contacts >> f & 1;
             assert_in_range(first.iterations, 1, 2 * (held + 1));
+            /* From itself it touches the faces that hold, and these are tried first. */
+            saltus_equilibrium same = rest(system, first.state);
+            assert_int_equal(same.contacts, first.contacts);
+            assert_in_range(same.iterations, 1, 2);
+            saltus_equilibrium_clear(&same);
             for (size_t g = 1; g < sizeof guesses / sizeof guesses[0]; g++) {
                 saltus_equilibrium other = rest(system, guesses[g]);
                 assert_int_equal(other.contacts, first.contacts);

@@ -59,15 +59,15 @@ static void limits_are_as_stated(void **unused) {
         const char *word;
         double value;
         bool right;
-    } rows[] = {{"rtol", 1e-15, true},     {"rtol", 1e-3, true},      {"rtol", 0.99e-15, false},
-                {"rtol", 1.01e-3, false},  {"rtol", NAN, false},      {"rtol", -1e-9, false},
-                {"atol", 0, true},         {"atol", -1e-30, false},   {"atol", NAN, false},
-                {"atol", 1e-3, true},      {"order", 8, true},        {"order", 40, true},
-                {"order", 7, false},       {"order", 41, false},      {"order", -8, false},
-                {"columns", 256, true},    {"columns", 0, true},      {"columns", 257, false},
-                {"columns", -1, false},    {"directions", 2, true},   {"directions", 3, false},
-                {"directions", -1, false}, {"integrator", -1, false}, {"integrator", 0, true},
-                {"integrator", 2, true},   {"integrator", 3, false}};
+    } rows[] = {{"rtol", 1e-15, true},    {"rtol", 1e-3, true},      {"rtol", 0.99e-15, false},
+                {"rtol", 1.01e-3, false}, {"rtol", NAN, false},      {"rtol", -1e-9, false},
+                {"atol", 0, true},        {"atol", -1e-30, false},   {"atol", NAN, false},
+                {"atol", 1, true},        {"atol", 1.01, false},     {"order", 8, true},
+                {"order", 40, true},      {"order", 7, false},       {"order", 41, false},
+                {"order", -8, false},     {"columns", 256, true},    {"columns", 0, true},
+                {"columns", 257, false},  {"columns", -1, false},    {"directions", 2, true},
+                {"directions", 3, false}, {"directions", -1, false}, {"integrator", -1, false},
+                {"integrator", 0, true},  {"integrator", 2, true},   {"integrator", 3, false}};
     scene s = scene_of(scene_two_sided_mass);
     saltus_system *system = build(&s.spec);
     for (size_t k = 0; k < sizeof rows / sizeof rows[0]; k++) {
@@ -539,8 +539,18 @@ static void unlike_lanes_are_refused(void **unused) {
     saltus_flow *flow = NULL;
     const int width = saltus_flow_width(system);
     assert_int_equal(saltus_flow_new(many, width + 1, &options, &flow, &message), SALTUS_BAD_INPUT);
+    static const int none[] = {0, -1};
+    char range[40];
+    snprintf(range, sizeof range, "from 1 to %d", width);
+    assert_non_null(strstr(message.text, range));
+    for (int k = 0; k < 2; k++) {
+        assert_int_equal(saltus_flow_new(many, none[k], &options, &flow, &message), SALTUS_BAD_INPUT);
+        assert_non_null(strstr(message.text, range));
+        assert_null(flow);
+    }
     options.integrator = SALTUS_RADAU;
     assert_int_equal(saltus_flow_new(many, 2, &options, &flow, &message), SALTUS_BAD_INPUT);
+    assert_non_null(strstr(message.text, "from 1 to 1"));
     saltus_system_free(system);
 }
 
@@ -583,9 +593,203 @@ static void a_failing_lane_leaves_the_others_alone(void **unused) {
         }
     }
     assert_true(failed == 1 && reached == 1);
+    /* It stays where it failed, and can be started anew. */
+    saltus_time there = saltus_flow_time(flow, 0);
+    assert_true(saltus_time_periods(there) > 0 && saltus_time_periods(there) < 3);
+    int lane = -1;
+    saltus_flow_aim(flow, 1, (saltus_time){4, 0}, 0);
+    check_ok(saltus_flow_run(flow, &lane, &event, &message), &message);
+    assert_true(lane == 1 && saltus_flow_time(flow, 0).phase == there.phase);
+    check_ok(saltus_flow_start(flow, 0, (saltus_time){0, 0}, start, &message), &message);
+    saltus_flow_aim(flow, 0, (saltus_time){0, 0.125}, 0);
+    check_ok(saltus_flow_run(flow, &lane, &event, &message), &message);
+    assert_true(lane == 0 && event.kind == SALTUS_REACHED);
     saltus_flow_free(flow);
     saltus_system_free(systems[0]);
     saltus_system_free(systems[1]);
+}
+
+/* A lane that has been told of stays where it is while others run, until it is aimed again; then it goes on
+ * as if it had not waited. */
+static void a_lane_waits_until_it_is_aimed_again(void **unused) {
+    (void)unused;
+    scene s[2] = {varied(scene_two_sided_mass, 0), varied(scene_two_sided_mass, 1)};
+    saltus_system *systems[2] = {build(&s[0].spec), build(&s[1].spec)};
+    const saltus_system *list[2] = {systems[0], systems[1]};
+    saltus_flow_options options = saltus_flow_defaults();
+    saltus_message message = {""};
+    saltus_event event;
+    saltus_flow *flow = NULL;
+    double state[2], now[2], tangents[4], later[4], alone[2];
+    int lane = -1;
+    options.columns = 2;
+    saltus_flow *single = open_flow(systems[0], &options, s[0].phase, s[0].state);
+    advance(single, 0.75, 0);
+    advance(single, 2, 0);
+    saltus_flow_state(single, 0, alone);
+    saltus_flow_free(single);
+    check_ok(saltus_flow_new(list, 2, &options, &flow, &message), &message);
+    for (int l = 0; l < 2; l++) {
+        check_ok(saltus_flow_start(flow, l, (saltus_time){0, s[l].phase}, s[l].state, &message), &message);
+        saltus_flow_aim(flow, l, (saltus_time){l ? 3 : 0, l ? 0 : 0.75}, 0);
+    }
+    check_ok(saltus_flow_run(flow, &lane, &event, &message), &message);
+    assert_int_equal(lane, 0);
+    saltus_flow_state(flow, 0, state);
+    saltus_flow_tangents(flow, 0, tangents);
+    saltus_flow_info info = saltus_flow_information(flow, 0);
+    check_ok(saltus_flow_run(flow, &lane, &event, &message), &message);
+    assert_int_equal(lane, 1);
+    saltus_flow_state(flow, 0, now);
+    saltus_flow_tangents(flow, 0, later);
+    assert_memory_equal(now, state, sizeof now);
+    assert_memory_equal(later, tangents, sizeof later);
+    assert_true(saltus_flow_time(flow, 0).cycle == 0 && saltus_flow_time(flow, 0).phase == 0.75);
+    assert_true(saltus_flow_information(flow, 0).steps == info.steps);
+    saltus_flow_aim(flow, 0, (saltus_time){2, 0}, 0);
+    check_ok(saltus_flow_run(flow, &lane, &event, &message), &message);
+    assert_int_equal(lane, 0);
+    saltus_flow_state(flow, 0, now);
+    assert_memory_equal(now, alone, sizeof now);
+    saltus_flow_free(flow);
+    saltus_system_free(systems[0]);
+    saltus_system_free(systems[1]);
+}
+
+/* A lane that is started again has done nothing yet: no counts, no contact, no force at any face, tangent
+ * vectors of the identity, parameter columns at zero. */
+static void a_started_lane_begins_anew(void **unused) {
+    (void)unused;
+    for (int name = 0; name < scenes; name++) {
+        scene s = scene_of((scene_name)name);
+        saltus_system *system = build(&s.spec);
+        const int n = saltus_system_dimension(system);
+        saltus_flow_options options = saltus_flow_defaults();
+        saltus_message message = {""};
+        saltus_direction direction;
+        double columns[scene_columns_max * scene_dimension_max], forces[SALTUS_FACES_MAX];
+        options.directions = 1;
+        options.columns = n + 1;
+        check_ok(saltus_spec_direction(&s.spec, "omega", &direction, NULL, &message), &message);
+        saltus_flow *flow = open_flow(system, &options, s.phase, s.state);
+        saltus_flow_set_directions(flow, &direction);
+        for (int again = 0; again < 2; again++) {
+            check_ok(saltus_flow_start(flow, 0, (saltus_time){0, s.phase}, s.state, &message), &message);
+            saltus_flow_info info = saltus_flow_information(flow, 0);
+            assert_true(info.steps == 0 && info.field_evaluations == 0 && info.impacts == 0 &&
+                        info.sticks == 0 && info.releases == 0 && info.log_volume == 0);
+            for (int f = 0; f < SALTUS_FACES_MAX; f++)
+                forces[f] = NAN;
+            saltus_flow_forces(flow, 0, forces);
+            assert_int_equal(saltus_flow_contacts(flow, 0), 0);
+            for (int f = 0; f < SALTUS_FACES_MAX; f++)
+                assert_true(forces[f] == 0);
+            saltus_flow_tangents(flow, 0, columns);
+            for (int i = 0; i < options.columns * n; i++)
+                assert_true(columns[i] == (i / n == i % n));
+            advance(flow, 2, 0);
+            assert_true(saltus_flow_information(flow, 0).steps > 0);
+        }
+        saltus_flow_free(flow);
+        saltus_system_free(system);
+    }
+}
+
+/* Started on a stop and moving into it, the impact at the start acts on the tangent vectors too: they are the
+ * derivatives of later states, in displacements towards the inside. */
+static void an_impact_at_the_start_acts_on_tangents(void **unused) {
+    (void)unused;
+    const double step = 1e-6, on[2] = {0.3, 0.5};
+    saltus_spec spec = oscillator_spec(0.1, 1, 0.8, 1.1);
+    add_stop(&spec, 0.3, 0.7, SALTUS_UPPER);
+    saltus_system *system = build(&spec);
+    saltus_flow_options options = saltus_flow_defaults();
+    double columns[4], end[2], beside[2];
+    options.columns = 2;
+    saltus_flow *flow = open_flow(system, &options, 0.2, on);
+    assert_true(saltus_flow_information(flow, 0).impacts == 1);
+    for (int later = 0; later < 2; later++) {
+        if (later)
+            advance(flow, 0.4, 0);
+        saltus_flow_state(flow, 0, end);
+        saltus_flow_tangents(flow, 0, columns);
+        for (int c = 0; c < 2; c++) {
+            double moved[2] = {on[0], on[1]};
+            if (c == 0 && !later)
+                continue; /* no impact yet beside it */
+            moved[c] -= step;
+            saltus_flow *other = open_flow(system, &options, 0.2, moved);
+            if (later)
+                advance(other, 0.4, 0);
+            saltus_flow_state(other, 0, beside);
+            for (int i = 0; i < 2; i++)
+                check_near(columns[2 * c + i], (end[i] - beside[i]) / step, 1e-4);
+            saltus_flow_free(other);
+        }
+    }
+    saltus_flow_free(flow);
+    saltus_system_free(system);
+}
+
+/* What is no time is refused, at the start and as a target, and the lane stays as it was: it goes on to a
+ * target that is one. */
+static void times_are_numbers(void **unused) {
+    (void)unused;
+    static const double wrong[] = {NAN, INFINITY, -INFINITY, 1e16};
+    scene s = scene_of(scene_two_sided_mass);
+    saltus_system *system = build(&s.spec);
+    saltus_flow_options options = saltus_flow_defaults();
+    saltus_message message = {""};
+    saltus_event event;
+    double whole[2], state[2], now[2];
+    saltus_flow *flow = open_flow(system, &options, s.phase, s.state);
+    advance(flow, 1.5, 0);
+    saltus_flow_state(flow, 0, state);
+    advance(flow, 2.5, 0);
+    saltus_flow_state(flow, 0, whole);
+    saltus_flow_free(flow);
+    flow = open_flow(system, &options, s.phase, s.state);
+    advance(flow, 1.5, 0);
+    for (int k = 0; k < 4; k++) {
+        saltus_time time = {2, wrong[k]};
+        assert_int_equal(saltus_flow_start(flow, 0, time, s.state, &message), SALTUS_BAD_INPUT);
+        assert_non_null(strstr(message.text, "phase = "));
+        message.text[0] = 0;
+        assert_int_equal(saltus_flow_advance(flow, time, 0, &event, &message), SALTUS_BAD_INPUT);
+        assert_non_null(strstr(message.text, "phase = "));
+        saltus_flow_state(flow, 0, now);
+        assert_memory_equal(now, state, sizeof now);
+        assert_true(saltus_flow_time(flow, 0).cycle == 1 && saltus_flow_time(flow, 0).phase == 0.5);
+    }
+    advance(flow, 2.5, 0);
+    saltus_flow_state(flow, 0, now);
+    assert_memory_equal(now, whole, sizeof now);
+    saltus_flow_free(flow);
+    saltus_system_free(system);
+}
+
+/* Pressed against a stop that takes nothing away, at a speed at which the bounces no longer move the clock:
+ * the flow does not go on for ever, it tells time, gap and speed, and stays there. */
+static void bounces_without_end_are_told(void **unused) {
+    (void)unused;
+    saltus_spec spec = oscillator_spec(0, 0, 0, 0.01);
+    set_parameter(&spec, "F0", 0.01);
+    add_stop(&spec, 0, 1, SALTUS_UPPER);
+    saltus_system *system = build(&spec);
+    saltus_flow_options options = saltus_flow_defaults();
+    saltus_message message = {""};
+    saltus_event event;
+    const double state[2] = {0, 1e-17};
+    options.atol = 0;
+    options.rtol = 1e-15;
+    saltus_flow *flow = open_flow(system, &options, 0.9, state);
+    assert_int_equal(saltus_flow_advance(flow, (saltus_time){1, 0}, 0, &event, &message), SALTUS_STALLED);
+    assert_non_null(strstr(message.text, "0.9 periods"));
+    assert_non_null(strstr(message.text, "gap 0, speed 1e-17"));
+    assert_true(saltus_flow_time(flow, 0).cycle == 0);
+    check_near(saltus_flow_time(flow, 0).phase, 0.9, 1e-12);
+    saltus_flow_free(flow);
+    saltus_system_free(system);
 }
 
 /* The flow's error over free flight follows the tolerance: never far above it, and not far below, for then
@@ -645,6 +849,11 @@ int main(void) {
         cmocka_unit_test(lanes_are_flows_of_their_own),
         cmocka_unit_test(unlike_lanes_are_refused),
         cmocka_unit_test(a_failing_lane_leaves_the_others_alone),
+        cmocka_unit_test(a_lane_waits_until_it_is_aimed_again),
+        cmocka_unit_test(a_started_lane_begins_anew),
+        cmocka_unit_test(an_impact_at_the_start_acts_on_tangents),
+        cmocka_unit_test(times_are_numbers),
+        cmocka_unit_test(bounces_without_end_are_told),
         cmocka_unit_test(errors_follow_the_tolerance),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -206,11 +206,12 @@ static void sections_are_checked(void **unused) {
         int kind, iterate;
         double phase, patience;
         bool right;
-    } rows[] = {{0, 1, 0, 0.5, true},  {1, 1, 0, 0.5, true}, {2, 7, 0.999, 1e-3, true},
-                {-1, 1, 0, 1, false},  {3, 1, 0, 1, false},  {0, 0, 0, 1, false},
-                {0, -1, 0, 1, false},  {0, 1, 1, 1, false},  {0, 1, -1e-9, 1, false},
-                {0, 1, NAN, 1, false}, {0, 1, 0, 0, false},  {0, 1, 0, -1, false},
-                {1, 1, 0, NAN, false}};
+    } rows[] = {{0, 1, 0, 0.5, true},  {1, 1, 0, 0.5, true},       {2, 7, 0.999, 1e-3, true},
+                {-1, 1, 0, 1, false},  {3, 1, 0, 1, false},        {0, 0, 0, 1, false},
+                {0, -1, 0, 1, false},  {0, 1, 1, 1, false},        {0, 1, -1e-9, 1, false},
+                {0, 1, NAN, 1, false}, {0, 1, 0, 0, false},        {0, 1, 0, -1, false},
+                {1, 1, 0, NAN, false}, {1, 1, 0, INFINITY, false}, {1, 1, 0, 1e15, true},
+                {1, 1, 0, 2e15, false}};
     scene s = scene_of(scene_two_sided_mass);
     saltus_system *system = build(&s.spec);
     saltus_flow_options options = saltus_flow_defaults();
@@ -364,6 +365,8 @@ static void failed_steps_leave_the_point(void **unused) {
     assert_int_equal(saltus_map_step(map, point, NULL, &message), SALTUS_NO_CONVERGENCE);
     assert_memory_equal(point, kept, sizeof point);
     assert_non_null(strstr(message.text, "0.375 periods"));
+    point[2] = NAN;
+    assert_int_equal(saltus_map_reset(map, point, &message), SALTUS_BAD_INPUT);
     saltus_map_free(map);
     section.patience = 10;
     check_ok(saltus_map_new(system, &section, &options, true, &map, &message), &message);

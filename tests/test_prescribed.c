@@ -445,7 +445,43 @@ static void impossible_strikes_are_refused(void **unused) {
     assert_int_equal(saltus_flow_place(flow, 0, (saltus_time){0, 0}, s.state, 3, &message), SALTUS_STALLED);
     check_ok(saltus_flow_place(flow, 0, (saltus_time){0, 0}, s.state, 2, &message), &message);
     assert_int_equal(saltus_flow_contacts(flow, 0), 2);
+    for (int wrong = 0; wrong < 3; wrong++) {
+        const saltus_time time = {0, wrong == 0 ? NAN : wrong == 1 ? INFINITY : 0.5};
+        assert_int_equal(saltus_flow_place(flow, 0, time, s.state, wrong < 2 ? 0 : 4, &message),
+                         SALTUS_BAD_INPUT);
+        assert_non_null(strstr(message.text, wrong < 2 ? "phase" : "contacts"));
+        assert_int_equal(saltus_flow_contacts(flow, 0), 2);
+    }
     assert_int_equal(saltus_flow_strike(flow, 0, SALTUS_STICK, 0, &strike, &message), SALTUS_STALLED);
+    saltus_flow_free(flow);
+    saltus_system_free(system);
+}
+
+/* A coast goes forwards: to the present time it does nothing, to an earlier one it is refused, and the lane
+ * stays as it was either way. */
+static void coasts_go_forwards(void **unused) {
+    (void)unused;
+    scene s = scene_of(scene_two_sided_mass);
+    saltus_system *system = build(&s.spec);
+    saltus_flow_options options = saltus_flow_defaults();
+    saltus_message message = {""};
+    saltus_extreme extremes[SALTUS_FACES_MAX];
+    static const saltus_time until[] = {{2, 0.25}, {2, 0.2}, {1, 0.75}, {2, NAN}};
+    double before[2], after[2];
+    saltus_flow *flow = open_placed(system, &options, s.phase, s.state, 0);
+    coast(flow, 2.25, NULL);
+    saltus_flow_state(flow, 0, before);
+    for (int k = 0; k < 4; k++) {
+        for (int f = 0; f < SALTUS_FACES_MAX; f++)
+            extremes[f] = (saltus_extreme){.value = -INFINITY};
+        assert_int_equal(saltus_flow_coast(flow, 0, until[k], extremes, &message),
+                         k ? SALTUS_NO_CONVERGENCE : SALTUS_OK);
+        saltus_flow_state(flow, 0, after);
+        assert_memory_equal(after, before, sizeof after);
+        assert_true(saltus_flow_time(flow, 0).cycle == 2 && saltus_flow_time(flow, 0).phase == 0.25);
+        for (int f = 0; f < SALTUS_FACES_MAX; f++)
+            assert_true(extremes[f].value == -INFINITY);
+    }
     saltus_flow_free(flow);
     saltus_system_free(system);
 }
@@ -502,6 +538,7 @@ int main(void) {
         cmocka_unit_test(a_coast_only_raises_its_extremes),
         cmocka_unit_test(strikes_answer_as_whole_runs_do),
         cmocka_unit_test(impossible_strikes_are_refused),
+        cmocka_unit_test(coasts_go_forwards),
         cmocka_unit_test(a_placed_lane_begins_anew),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

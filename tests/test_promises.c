@@ -466,6 +466,86 @@ static void directions_move_their_key_alone(void **unused) {
     }
 }
 
+/* A system has a specification of its own: what becomes of the caller's does not matter, nor what stands in
+ * the fields of stops that the model does not use. */
+static void a_system_keeps_its_own_specification(void **unused) {
+    (void)unused;
+    for (int pipe = 0; pipe < 2; pipe++) {
+        scene s = pipe ? scene_pipe(2, 20) : scene_chain(0.1, 1, 0.5, 1);
+        saltus_stop *stop = scene_stop(&s, 0.5, 0.7, SALTUS_BOTH);
+        stop->xi = 0.3;
+        saltus_system *plain = build(&s.spec);
+        if (pipe)
+            stop->weight[0] = stop->weight[1] = NAN;
+        else
+            stop->xi = NAN;
+        saltus_spec copy = s.spec;
+        saltus_system *system = build(&s.spec);
+        memset(&s.spec, 0, sizeof s.spec);
+        assert_memory_equal(saltus_system_spec(system), &copy, sizeof copy);
+        for (int i = 0; i < 2; i++)
+            assert_true(saltus_system_stop_normal(system, 0)[i] == saltus_system_stop_normal(plain, 0)[i]);
+        bool shift;
+        assert_true(saltus_system_mirror_symmetric(system, &shift) ==
+                    saltus_system_mirror_symmetric(plain, &shift));
+        double state[2][scene_dimension_max];
+        for (int k = 0; k < 2; k++) {
+            saltus_flow_options options = saltus_flow_defaults();
+            saltus_flow *flow = open_flow(k ? system : plain, &options, s.phase, s.state);
+            advance(flow, 1.5, 0);
+            saltus_flow_state(flow, 0, state[k]);
+            saltus_flow_free(flow);
+        }
+        assert_memory_equal(state[0], state[1], (size_t)saltus_system_dimension(system) * sizeof(double));
+        saltus_system_free(system);
+        saltus_system_free(plain);
+    }
+}
+
+/* Maps, searches and verdicts have tangent vectors of their own: those that the flow's options ask for are
+ * neither in the way nor in the result. */
+static void columns_of_the_caller_do_not_matter(void **unused) {
+    (void)unused;
+    scene s = scene_of(scene_two_sided_mass);
+    saltus_system *system = build(&s.spec);
+    saltus_message message = {""};
+    double image[2][2], derivative[2][4], found[2][2], settled[2][2];
+    for (int asked = 0; asked < 2; asked++) {
+        saltus_flow_options options = saltus_flow_defaults();
+        saltus_section section = saltus_section_defaults();
+        saltus_orbit_options search = saltus_orbit_defaults();
+        saltus_classify_options classify = saltus_classify_defaults();
+        saltus_motion motion;
+        saltus_orbit orbit;
+        options.columns = asked ? 3 : 0;
+        options.directions = asked ? 2 : 0;
+        for (int with = 0; with < 2; with++) {
+            saltus_map *map = NULL;
+            check_ok(saltus_map_new(system, &section, &options, with, &map, &message), &message);
+            assert_int_equal(saltus_flow_columns(saltus_map_flow(map)), with ? 2 : 0);
+            check_ok(saltus_map_reset(map, s.state, &message), &message);
+            check_ok(saltus_map_step(map, image[asked], NULL, &message), &message);
+            if (with)
+                saltus_map_derivative(map, derivative[asked]);
+            saltus_map_free(map);
+        }
+        classify.flow = search.flow = options;
+        check_ok(saltus_classify(system, s.state, &classify, &motion, &message), &message);
+        assert_int_equal(motion.kind, SALTUS_PERIODIC);
+        memcpy(settled[asked], motion.state, sizeof settled[asked]);
+        check_ok(saltus_orbit_find(system, motion.periods, motion.state, &search, &orbit, &message),
+                 &message);
+        memcpy(found[asked], orbit.state, sizeof found[asked]);
+        saltus_orbit_clear(&orbit);
+        saltus_motion_clear(&motion);
+    }
+    assert_memory_equal(image[0], image[1], sizeof image[0]);
+    assert_memory_equal(derivative[0], derivative[1], sizeof derivative[0]);
+    assert_memory_equal(found[0], found[1], sizeof found[0]);
+    assert_memory_equal(settled[0], settled[1], sizeof settled[0]);
+    saltus_system_free(system);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_status_has_a_name),
@@ -479,6 +559,8 @@ int main(void) {
         cmocka_unit_test(default_states_are_admissible),
         cmocka_unit_test(states_are_checked),
         cmocka_unit_test(directions_move_their_key_alone),
+        cmocka_unit_test(a_system_keeps_its_own_specification),
+        cmocka_unit_test(columns_of_the_caller_do_not_matter),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -94,13 +94,14 @@ saltus_status saltus_branch_new(const saltus_spec *spec, int periods, const doub
 void saltus_branch_free(saltus_branch *branch);
 /* The next point, in order along each branch; *point is NULL when all is done. Special points come between
  * regular ones, at their place. Errors: SALTUS_NO_MEMORY; SALTUS_INTERRUPTED, after which the next call goes
- * on; difficulties of the continuation itself end a branch with an EP point and its reason. */
+ * on; SALTUS_NO_CONVERGENCE where a locus is asked for and key[0] leads to no point of its kind. Difficulties
+ * of the continuation itself end a branch with an EP point and its reason. */
 saltus_status saltus_branch_step(saltus_branch *branch, const saltus_branch_point **point,
                                  saltus_message *message);
 /* Go on where a run was interrupted, given all `count` points that it gave out, in order. Call after
  * saltus_branch_new with the run's start and options, before the first step. The first *kept points stand;
  * those after them are made again: all of them for loci and where branches are switched. Errors:
- * SALTUS_BAD_INPUT (points of another run). */
+ * SALTUS_BAD_INPUT (points of another run), those of saltus_orbit_find where the last point is no orbit. */
 saltus_status saltus_branch_resume(saltus_branch *branch, const saltus_branch_point *points, int count,
                                    int *kept, saltus_message *message);
 

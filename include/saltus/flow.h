@@ -35,7 +35,7 @@ typedef enum saltus_integrator {
 
 typedef struct saltus_flow_options {
     double rtol; /* local error of a step relative to the state's norm; 1e-15 <= rtol <= 1e-3 */
-    double atol; /* the same, absolute, in displacements; > 0 or 0 */
+    double atol; /* the same, absolute, in displacements; 0 <= atol <= 1 */
     saltus_integrator integrator;
     int order;   /* Taylor order, 8 to 40; 0: chosen from rtol */
     int columns; /* tangent vectors carried along, 0 to 256 */
@@ -106,8 +106,8 @@ const saltus_system *saltus_flow_system(const saltus_flow *flow, int lane);
 int saltus_flow_columns(const saltus_flow *flow);
 
 /* Place a lane at a time and state (length dimension), resting or approaching contacts resolved. The state
- * must be beyond no stop (SALTUS_BAD_INPUT). Tangent vectors become the first columns of the identity matrix.
- */
+ * must be beyond no stop and all numbers finite (SALTUS_BAD_INPUT). Tangent vectors become the first columns
+ * of the identity matrix, parameter columns zero; an impact at the start acts on them as on the state. */
 saltus_status saltus_flow_start(saltus_flow *flow, int lane, saltus_time time, const double *state,
                                 saltus_message *message);
 /* The directions of the parameter columns (`options.directions` of them), for lane 0 of a flow of one lane.
@@ -140,11 +140,13 @@ saltus_flow_info saltus_flow_information(const saltus_flow *flow, int lane);
  * multiply and add counted as two; 0 for the stiff integrator. */
 double saltus_flow_operations(const saltus_flow *flow);
 
-/* Give a lane its next target: advance to time `until` (not before now) or to the first watched event. */
+/* Give a lane its next target: advance to time `until` (not before now) or to the first watched event. Where
+ * that time is not a finite number the next run says so: SALTUS_BAD_INPUT. */
 void saltus_flow_aim(saltus_flow *flow, int lane, saltus_time until, unsigned watch);
 /* Advance all aimed lanes until one of them has reached its target; that lane must be aimed again before it
- * moves. Errors: SALTUS_STALLED with time, gap and speed in the message; the lane named in *lane stays where
- * it is. SALTUS_INTERRUPTED: the lanes stand where they were at their last step, aimed as they were. */
+ * moves. Errors: SALTUS_STALLED with the time in the message, at a stop with gap and speed too; the lane
+ * named in *lane stays where it is, and the others go on with the next call. SALTUS_INTERRUPTED: the lanes
+ * stand where they were at their last step, aimed as they were. */
 saltus_status saltus_flow_run(saltus_flow *flow, int *lane, saltus_event *event, saltus_message *message);
 /* aim and run for lane 0. */
 saltus_status saltus_flow_advance(saltus_flow *flow, saltus_time until, unsigned watch, saltus_event *event,
@@ -160,12 +162,15 @@ typedef struct saltus_extreme {
 } saltus_extreme;
 
 /* Place a lane at a time and state with the given faces in lasting contact, wherever the stops are. Tangent
- * vectors become the first columns of the identity matrix, parameter columns zero. */
+ * vectors become the first columns of the identity matrix, parameter columns zero. Errors: SALTUS_STALLED
+ * where these contacts cannot hold together, SALTUS_BAD_INPUT (a time that is not finite, a face that there
+ * is not). */
 saltus_status saltus_flow_place(saltus_flow *flow, int lane, saltus_time time, const double *state,
                                 unsigned contacts, saltus_message *message);
 /* Advance to a time through no event. For each face (SALTUS_FACES_MAX entries, may be NULL) the largest local
  * maximum on the way: of the gap where the face is free, of minus the contact force n.f where it holds;
- * `extremes` is only raised, so that it can collect over several calls. */
+ * `extremes` is only raised, so that it can collect over several calls. Errors: SALTUS_NO_CONVERGENCE where
+ * the time lies before now, those of saltus_flow_run. */
 saltus_status saltus_flow_coast(saltus_flow *flow, int lane, saltus_time until, saltus_extreme *extremes,
                                 saltus_message *message);
 
@@ -181,12 +186,14 @@ typedef struct saltus_strike {
 
 /* Apply a prescribed event now: SALTUS_IMPACT rebounds at the face, SALTUS_STICK makes it hold,
  * SALTUS_RELEASE lets go. Tangent vectors pass at the fixed time of the event. The flow may then coast on or
- * advance. */
+ * advance. Errors: SALTUS_STALLED where the event cannot be: what does not hold lets go, contacts exclude
+ * each other. */
 saltus_status saltus_flow_strike(saltus_flow *flow, int lane, saltus_event_kind kind, int face,
                                  saltus_strike *strike, saltus_message *message);
 
 /* Dense output: the last step of a lane covers [begin, now]; the state at a time in it, to the step's own
- * accuracy. `since` is the time since the step's begin, in units of time (not of T). */
+ * accuracy. `since` is the time since the step's begin, in units of time (not of T). A step of any lane ends
+ * the dense output of all others. */
 double saltus_flow_step_length(const saltus_flow *flow, int lane);
 saltus_time saltus_flow_step_begin(const saltus_flow *flow, int lane);
 void saltus_flow_dense(const saltus_flow *flow, int lane, double since, double *state);

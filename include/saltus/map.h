@@ -19,7 +19,8 @@ typedef struct saltus_section {
     saltus_section_kind kind;
     double phase;    /* stroboscopic: 0 <= phase < 1 */
     int iterate;     /* the map's power: one step passes this many section points, >= 1 */
-    double patience; /* impact, turning: give up after this many periods without a section point */
+    double patience; /* impact, turning: give up after this many periods without a section point; 0 < ... <=
+                        1e15 */
 } saltus_section;
 
 /* Stroboscopic at phase 0, first iterate, patience 1000 periods. */
@@ -28,8 +29,9 @@ saltus_section saltus_section_defaults(void);
 typedef struct saltus_map saltus_map;
 
 /* Create a map of a system (which must outlive it). With `derivative`, steps carry a full set of tangent
- * vectors. Coordinates: the state vector; for impact and turning maps the time in [0, T) follows as last
- * coordinate, so the dimension is that of the system, plus one. Errors: SALTUS_BAD_INPUT, SALTUS_NO_MEMORY.
+ * vectors; `columns` and `directions` of the options are ignored. Coordinates: the state vector; for impact
+ * and turning maps the time in [0, T) follows as last coordinate, so the dimension is that of the system,
+ * plus one. Errors: SALTUS_BAD_INPUT, SALTUS_NO_MEMORY.
  */
 saltus_status saltus_map_new(const saltus_system *system, const saltus_section *section,
                              const saltus_flow_options *options, bool derivative, saltus_map **map,
@@ -41,13 +43,15 @@ const saltus_system *saltus_map_system(const saltus_map *map);
 /* The flow behind the map, for its information and contacts. */
 const saltus_flow *saltus_map_flow(const saltus_map *map);
 
-/* Place the map at a point (coordinates as above). For a stroboscopic map the time is the section's phase. */
+/* Place the map at a point (coordinates as above). For a stroboscopic map the time is the section's phase.
+ * Errors: SALTUS_BAD_INPUT (not finite, beyond a stop). */
 saltus_status saltus_map_reset(saltus_map *map, const double *point, saltus_message *message);
 /* One step of the map; the new point goes to `point` (may be NULL), the event that marks it to `event` (may
  * be NULL). Errors: those of the flow; SALTUS_NO_CONVERGENCE when no section point came within the patience;
  * the point stays as it was then. */
 saltus_status saltus_map_step(saltus_map *map, double *point, saltus_event *event, saltus_message *message);
-/* Derivative of the last step: dimension x dimension, row-major, d new_i / d old_j. */
+/* Derivative of the last step of a map made with `derivative`: dimension x dimension, row-major, d new_i / d
+ * old_j. */
 void saltus_map_derivative(const saltus_map *map, double *derivative);
 
 #ifdef __cplusplus

@@ -17,9 +17,9 @@ typedef struct saltus_multiplier {
 } saltus_multiplier;
 
 typedef struct saltus_orbit_options {
-    saltus_flow_options flow; /* `columns` is ignored */
-    double phase;             /* section phase */
-    int iterations;           /* Newton steps at most */
+    saltus_flow_options flow; /* `columns` and `directions` are ignored */
+    double phase;             /* section phase, 0 <= phase < 1 */
+    int iterations;           /* Newton steps at most, of each formulation that is tried; >= 0 */
     double tolerance;         /* residual relative to the state's scale at which Newton has converged */
     int segments;             /* shooting segments; 0: chosen from the growth of the tangent vectors */
     /* Called with each Newton step's residual and the formulation in use; may be NULL. */
@@ -37,7 +37,7 @@ typedef struct saltus_orbit {
     double *monodromy;              /* dimension x dimension, row-major: derivative over p periods */
     saltus_multiplier *multipliers; /* dimension, by decreasing modulus */
     double residual;                /* max |x(pT) - x(0)| / scale after the last iteration */
-    int iterations;
+    int iterations;                 /* Newton steps made, over all formulations */
     bool sticks; /* the orbit has lasting contacts: zero multipliers are exact, the sum rule does not apply */
     double log_volume; /* sum of the multipliers' log moduli, from the orthogonalised tangent flow; NAN when
                           some are too small to be resolved */
@@ -46,7 +46,8 @@ typedef struct saltus_orbit {
 
 /* Polish a guess (length dimension) to a p-periodic orbit, damped Newton with the exact derivative, and
  * compute its multipliers. On success the orbit's arrays are owned by it: saltus_orbit_clear. Errors:
- * SALTUS_NO_CONVERGENCE, SALTUS_SINGULAR, those of the flow; `orbit` is then empty. */
+ * SALTUS_BAD_INPUT (periods < 1, options out of range), SALTUS_NO_CONVERGENCE, SALTUS_SINGULAR, those of the
+ * flow; `orbit` is then empty. */
 saltus_status saltus_orbit_find(const saltus_system *system, int periods, const double *guess,
                                 const saltus_orbit_options *options, saltus_orbit *orbit,
                                 saltus_message *message);

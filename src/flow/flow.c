@@ -88,7 +88,9 @@ void saltus_flow_restart(saltus_flow *flow, int lane, saltus_time time, const do
 
 saltus_status saltus_flow_start(saltus_flow *flow, int lane, saltus_time time, const double *state,
                                 saltus_message *message) {
-    saltus_status status = saltus_system_check_state(flow->lane[lane].system, state, message);
+    saltus_status status = saltus_time_check(time, message);
+    if (status == SALTUS_OK)
+        status = saltus_system_check_state(flow->lane[lane].system, state, message);
     if (status != SALTUS_OK)
         return status;
     saltus_flow_restart(flow, lane, time, state);
@@ -105,6 +107,12 @@ static double remaining(const saltus_lane *self) {
 
 void saltus_flow_aim(saltus_flow *flow, int lane, saltus_time until, unsigned watch) {
     saltus_lane *self = &flow->lane[lane];
+    saltus_status status = saltus_time_check(until, &self->why);
+    if (status != SALTUS_OK) { /* told by the next run */
+        self->failure = status;
+        self->aimed = self->ended = true;
+        return;
+    }
     self->until = saltus_time_after(until, 0);
     self->watch = watch;
     self->aimed = true;

@@ -82,6 +82,8 @@ struct saltus_flow {
 };
 
 /* time.c */
+/* SALTUS_BAD_INPUT where a time is no number of periods. */
+saltus_status saltus_time_check(saltus_time time, saltus_message *message);
 saltus_time saltus_time_after(saltus_time time, double periods);
 
 /* flow.c */

@@ -112,9 +112,10 @@ static saltus_status open_works(saltus_flow *flow, const saltus_system *const *s
 static saltus_status check_lanes(int lanes, int most, bool stiff, const saltus_flow_options *options,
                                  saltus_message *message) {
     if (lanes < 1 || lanes > most || (stiff && lanes > 1))
-        return saltus_fail(message, SALTUS_BAD_INPUT, "lanes = %d: %s", lanes,
-                           stiff ? "a stiff system runs one trajectory at a time"
-                                 : "more than this processor's vectors hold");
+        return saltus_fail(message, SALTUS_BAD_INPUT, "lanes = %d: must be from 1 to %d (%s)", lanes,
+                           stiff ? 1 : most,
+                           stiff ? "the stiff integrator runs one trajectory at a time"
+                                 : "what this processor's vectors hold");
     if (lanes > 1 && options->directions)
         return saltus_fail(message, SALTUS_BAD_INPUT,
                            "directions = %d: parameter columns need a flow of one lane", options->directions);

@@ -14,6 +14,12 @@
 saltus_status saltus_flow_place(saltus_flow *flow, int lane, saltus_time time, const double *state,
                                 unsigned contacts, saltus_message *message) {
     saltus_lane *self = &flow->lane[lane];
+    saltus_status status = saltus_time_check(time, message);
+    if (status == SALTUS_OK && contacts >> self->system->face_count)
+        status = saltus_fail(message, SALTUS_BAD_INPUT, "contacts = %#x: the scene has faces 0 to %d",
+                             contacts, self->system->face_count - 1);
+    if (status != SALTUS_OK)
+        return status;
     saltus_flow_restart(flow, lane, time, state);
     if (!saltus_contacts_set(flow, lane, contacts))
         return saltus_fail(message, SALTUS_STALLED, "these contacts cannot hold together");

@@ -8,6 +8,14 @@ double saltus_time_periods(saltus_time time) {
     return (double)time.cycle + time.phase;
 }
 
+saltus_status saltus_time_check(saltus_time time, saltus_message *message) {
+    const double phase_max = 1e15; /* whole periods beyond that have no phase */
+    if (fabs(time.phase) <= phase_max)
+        return SALTUS_OK;
+    return saltus_fail(message, SALTUS_BAD_INPUT,
+                       "time: phase = %g: must be a number of periods, at most 1e15", time.phase);
+}
+
 saltus_time saltus_time_after(saltus_time time, double periods) {
     double phase = time.phase + periods;
     if (phase >= 0 && phase < 1)

@@ -42,6 +42,8 @@ static void reserve(saltus_map *map) {
     map->delays = saltus_arena_doubles(&map->arena, columns);
 }
 
+static const double patience_max = 1e15;
+
 static saltus_status check_section(const saltus_section *section, saltus_message *message) {
     if (section->kind < SALTUS_SECTION_STROBOSCOPIC || section->kind > SALTUS_SECTION_TURNING)
         return saltus_fail(message, SALTUS_BAD_INPUT, "section: must be stroboscopic, impact or turning");
@@ -50,9 +52,10 @@ static saltus_status check_section(const saltus_section *section, saltus_message
                            "section phase = %g: must be at least 0 and less than 1", section->phase);
     if (section->iterate < 1)
         return saltus_fail(message, SALTUS_BAD_INPUT, "iterate = %d: must be at least 1", section->iterate);
-    if (!(section->patience > 0))
-        return saltus_fail(message, SALTUS_BAD_INPUT, "patience = %g: must be greater than 0",
-                           section->patience);
+    if (!(section->patience > 0 && section->patience <= patience_max))
+        return saltus_fail(message, SALTUS_BAD_INPUT,
+                           "patience = %g: must be greater than 0 and at most %g periods", section->patience,
+                           patience_max);
     return SALTUS_OK;
 }
 
@@ -73,6 +76,7 @@ saltus_status saltus_map_new(const saltus_system *system, const saltus_section *
     made->dimension = made->n + (section->kind != SALTUS_SECTION_STROBOSCOPIC);
     saltus_flow_options own = *options;
     own.columns = derivative ? made->n : 0;
+    own.directions = 0;
     status = saltus_flow_new(&system, 1, &own, &made->flow, message);
     reserve(made);
     if (status == SALTUS_OK && !saltus_arena_open(&made->arena))

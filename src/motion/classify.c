@@ -226,7 +226,7 @@ typedef struct search {
 static saltus_status open_search(search *s, const double *state, saltus_message *message) {
     saltus_flow_options flow_options = s->options->flow;
     int n = saltus_system_dimension(s->system);
-    flow_options.columns = 0;
+    flow_options.columns = flow_options.directions = 0;
     s->closest = INFINITY;
     saltus_status status = saltus_flow_new(&s->system, 1, &flow_options, &s->flow, message);
     s->field = calloc((size_t)n, sizeof *s->field);

@@ -29,6 +29,9 @@ static saltus_status check_options(const saltus_branch_options *o, double value,
     if (!(o->low[0] < o->high[0]))
         return saltus_fail(message, SALTUS_BAD_INPUT, "%s=%g:%g: the range must go from low to high",
                            o->key[0], o->low[0], o->high[0]);
+    if (!isfinite(o->high[0] - o->low[0]))
+        return saltus_fail(message, SALTUS_BAD_INPUT, "%s=%g:%g: the range must be finite", o->key[0],
+                           o->low[0], o->high[0]);
     if (!(value >= o->low[0] && value <= o->high[0]))
         return saltus_fail(message, SALTUS_BAD_INPUT, "%s=%g:%g: the range must hold the start, %s = %.12g",
                            o->key[0], o->low[0], o->high[0], o->key[0], value);

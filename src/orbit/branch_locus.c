@@ -57,9 +57,15 @@ saltus_status saltus_locus_open(saltus_branch *b, saltus_message *message) {
         saltus_spec_direction(&b->spec, o->key[1], &l->direction[1], &l->origin[1], message);
     if (status != SALTUS_OK)
         return status;
+    if (memcmp(&l->direction[0], &l->direction[1], sizeof l->direction[0]) == 0)
+        return saltus_fail(message, SALTUS_BAD_INPUT,
+                           "%s and %s: a curve needs two parameters, not one twice", o->key[0], o->key[1]);
     if (!(l->unit[1] > 0))
         return saltus_fail(message, SALTUS_BAD_INPUT, "%s=%g:%g: the range must go from low to high",
                            o->key[1], o->low[1], o->high[1]);
+    if (!isfinite(l->unit[1]))
+        return saltus_fail(message, SALTUS_BAD_INPUT, "%s=%g:%g: the range must be finite", o->key[1],
+                           o->low[1], o->high[1]);
     if (!(l->origin[1] >= o->low[1] && l->origin[1] <= o->high[1]))
         return saltus_fail(message, SALTUS_BAD_INPUT, "%s=%g:%g: the range must hold the start, %s = %.12g",
                            o->key[1], o->low[1], o->high[1], o->key[1], l->origin[1]);

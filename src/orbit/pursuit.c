@@ -30,10 +30,22 @@ static void reserve_shape(saltus_pursuit *p) {
     p->kept = saltus_arena_doubles(arena, unknowns);
 }
 
+static saltus_status check_options(const saltus_orbit_options *o, saltus_message *message) {
+    if (!(o->phase >= 0 && o->phase < 1))
+        return saltus_fail(message, SALTUS_BAD_INPUT,
+                           "section phase = %g: must be at least 0 and less than 1", o->phase);
+    if (o->iterations < 0)
+        return saltus_fail(message, SALTUS_BAD_INPUT, "iterations = %d: must be at least 0", o->iterations);
+    return SALTUS_OK;
+}
+
 saltus_status saltus_pursuit_new(const saltus_spec *spec, const saltus_direction *direction, double origin,
                                  double unit, const saltus_orbit_options *options, saltus_pursuit **pursuit,
                                  saltus_message *message) {
     *pursuit = NULL;
+    saltus_status status = check_options(options, message);
+    if (status != SALTUS_OK)
+        return status;
     saltus_pursuit *p = calloc(1, sizeof *p);
     if (!p)
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for shooting");
@@ -44,7 +56,7 @@ saltus_status saltus_pursuit_new(const saltus_spec *spec, const saltus_direction
     p->origin = p->value = origin;
     p->unit = unit;
     p->options = *options;
-    saltus_status status = saltus_system_new(spec, &p->system, message);
+    status = saltus_system_new(spec, &p->system, message);
     if (status == SALTUS_OK) {
         saltus_flow_options flow = options->flow;
         p->n = saltus_system_dimension(p->system);
@@ -114,6 +126,8 @@ saltus_status saltus_pursuit_shape(saltus_pursuit *p, const saltus_sequence *seq
     int marks = sequence->count, cuts = sequence->cuts, faces = saltus_system_face_count(p->system);
     close_shape(p);
     p->residual_size = INFINITY;
+    if (sequence->periods < 1)
+        return saltus_fail(message, SALTUS_BAD_INPUT, "periods = %d: must be at least 1", sequence->periods);
     p->sequence = *sequence;
     p->equations = cuts * p->n + marks;
     p->unknowns = p->equations + 1;
