@@ -814,6 +814,31 @@ static void the_feed_is_asked_and_told_in_order(void **unused) {
     }
 }
 
+/* More lanes and threads may be asked for than there are, and than there are trajectories. */
+static void lanes_and_threads_are_at_most(void **unused) {
+    (void)unused;
+    static const int most[][2] = {{2, 1}, {15, 1}, {16, 1}, {17, 1}, {1000, 1}, {0, 64}, {1000, 1000}};
+    const saltus_scene scene = scene_of("impact-oscillator", "");
+    saltus_sweep_options options = at_once(1, 2, 3);
+    options.flow.rtol = 1e-6;
+    saltus_sweep *sweep = sweep_of(&scene, "omega=1:2:7", "d=0.5:1:3", &options);
+    options.lanes = 1;
+    saltus_sweep *single = sweep_of(&scene, "omega=1:2:7", "d=0.5:1:3", &options);
+    outcome reference = run_all(single);
+    for (size_t k = 0; k < sizeof most / sizeof most[0]; k++) {
+        options.lanes = most[k][0];
+        options.threads = most[k][1];
+        saltus_sweep_free(sweep);
+        sweep = sweep_of(&scene, "omega=1:2:7", "d=0.5:1:3", &options);
+        outcome o = run_all(sweep);
+        check_same_bits(&reference, &o, "many lanes");
+        close_outcome(&o);
+    }
+    close_outcome(&reference);
+    saltus_sweep_free(single);
+    saltus_sweep_free(sweep);
+}
+
 static void basins_need_a_plane_of_initial_states(void **unused) {
     (void)unused;
     static const struct {
@@ -961,6 +986,7 @@ int main(void) {
         cmocka_unit_test(the_flows_options_are_heeded),
         cmocka_unit_test(chaos_is_measured_as_long_as_said),
         cmocka_unit_test(the_feed_is_asked_and_told_in_order),
+        cmocka_unit_test(lanes_and_threads_are_at_most),
         cmocka_unit_test(basins_need_a_plane_of_initial_states),
         cmocka_unit_test(basins_sort_by_orbits),
         cmocka_unit_test(states_near_an_attractor_belong_to_it),
