@@ -707,6 +707,41 @@ static void lists_of_the_command_line_have_their_limits(void **state) {
         }
 }
 
+/* Memory that was given back is overwritten at once (by glibc, where it is asked to): what still looked into
+ * it would crash, or write something else. */
+static void memory_given_back_is_not_looked_into(void **state) {
+    static const struct {
+        const char *arguments, *file;
+    } commands[] = {
+        {"sweep impact-oscillator --over d=1,1.5 --over r=0.5,0.75 --what impacts --quiet", "a.h5"},
+        {"sweep impact-oscillator --over d=1,1.5 --quiet", "a.csv"},
+        {"basins impact-oscillator --over q1=0,0.5 --over v1=0,1 --quiet", "a.h5"},
+        {"simulate impact-oscillator --periods 2", "a.h5"},
+        {"continue impact-oscillator --in omega=0.99:1.01 --points 4 --rtol 1e-10 --quiet", "a.h5"},
+        {"lyapunov impact-oscillator --transient 20 --periods 1600 --quiet", "a.csv"},
+        {"export a.h5", "a.csv"},
+    };
+    const fixture *f = *state;
+    for (size_t k = 0; k < sizeof commands / sizeof commands[0]; k++) {
+        char command[500], path[128], *bytes[2];
+        size_t length[2];
+        if (strncmp(commands[k].arguments, "export", 6) == 0)
+            assert_int_equal(run(f, "sweep impact-oscillator --over d=1,1.5 --quiet -o a.h5"), 0);
+        for (int wiped = 0; wiped < 2; wiped++) {
+            snprintf(command, sizeof command, "cd %s && %s %s %s -o %s >out 2>err", f->folder,
+                     wiped ? "MALLOC_PERTURB_=165 GLIBC_TUNABLES=glibc.malloc.tcache_count=0" : "",
+                     SALTUS_COMMAND, commands[k].arguments, commands[k].file);
+            assert_int_equal(system(command), 0);
+            bytes[wiped] = read_all(path_in(f, commands[k].file, path), &length[wiped]);
+        }
+        assert_int_equal(length[0], length[1]);
+        assert_memory_equal(bytes[0], bytes[1], length[0]);
+        free(bytes[0]);
+        free(bytes[1]);
+        folder_files(f->folder, true);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_dataset_has_a_checksum),
@@ -720,6 +755,7 @@ int main(void) {
         cmocka_unit_test(exponents_are_the_same_in_csv_and_json),
         cmocka_unit_test(lists_of_the_command_line_have_their_limits),
         cmocka_unit_test(words_of_the_command_line_have_their_limits),
+        cmocka_unit_test(memory_given_back_is_not_looked_into),
     };
     return cmocka_run_group_tests(tests, open_fixture, close_fixture);
 }
