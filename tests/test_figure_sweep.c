@@ -978,6 +978,7 @@ static void views_that_cannot_be_shown_are_named(void **state) {
         {"one.h5", SALTUS_VIEW_IMPACTS, 2, 0,
          "there is nothing from omega = 2 to 3: the sweep goes from 0.5 to 1.5"},
         {"one.h5", SALTUS_VIEW_LARGEST, -1, 1, "impacts, speed and stroboscopic, not largest"},
+        {"log.h5", SALTUS_VIEW_SPEED, 3, 0, "range of omega: the axis is logarithmic"},
         {"log.h5", SALTUS_VIEW_SPEED, 4, 0, "range of omega: the axis is logarithmic"},
         {"log.h5", SALTUS_VIEW_SPEED, 0, 0, "range of d: the figure shows omega and speed"},
         {"two.h5", SALTUS_VIEW_IMPACTS, -1, 0,
