@@ -962,8 +962,9 @@ static void views_are_chosen_by_what_there_is(void **state) {
 static void views_that_cannot_be_shown_are_named(void **state) {
     (void)state;
     static const char *const none[] = {"none.h5"};
-    static const saltus_plot_part parts[] = {{"d", 0, 1},       {"turning", 0, 1}, {"omega", 2, 3},
-                                             {"omega", 0, 0.5}, {"omega", -1, 1},  {"speed", 0, 1}};
+    static const saltus_plot_part parts[] = {{"d", 0, 1},         {"turning", 0, 1}, {"omega", 2, 3},
+                                             {"omega", 0, 0.5},   {"omega", -1, 1},  {"speed", 0, 1},
+                                             {"omega", 1.05, 1.1}};
     static const struct {
         const char *file;
         saltus_view view;
@@ -977,6 +978,8 @@ static void views_that_cannot_be_shown_are_named(void **state) {
         {"one.h5", SALTUS_VIEW_IMPACTS, 1, 0, "range of turning: the figure shows omega and impacts"},
         {"one.h5", SALTUS_VIEW_IMPACTS, 2, 0,
          "there is nothing from omega = 2 to 3: the sweep goes from 0.5 to 1.5"},
+        {"one.h5", SALTUS_VIEW_IMPACTS, 6, 0,
+         "there is nothing to show in view impacts from omega = 1.05 to 1.1"},
         {"one.h5", SALTUS_VIEW_LARGEST, -1, 1, "impacts, speed and stroboscopic, not largest"},
         {"log.h5", SALTUS_VIEW_SPEED, 3, 0, "range of omega: the axis is logarithmic"},
         {"log.h5", SALTUS_VIEW_SPEED, 4, 0, "range of omega: the axis is logarithmic"},
