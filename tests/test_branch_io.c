@@ -686,6 +686,16 @@ static void diagrams_are_drawn(void **state) {
     paths[1] = second;
     refuse_plot(f, paths, 2, &how, "d.png", "axes");
     refuse_plot(f, paths, 0, &how, "d.png", "no file");
+    /* A scene of another shape. */
+    const saltus_spec usual = f->scene.spec;
+    f->scene.spec.stops[f->scene.spec.stop_count++] = (saltus_stop){0.25, {1, 0}, 0.05, 0.5, SALTUS_LOWER};
+    for (int k = 0; k < point_count; k++)
+        make_point(f, k);
+    write_branch(f, second, 3, true);
+    f->scene.spec = usual;
+    for (int k = 0; k < point_count; k++)
+        make_point(f, k);
+    refuse_plot(f, paths, 2, &how, "d.png", "is of another structure than the first file");
     folder_files(f->folder, true);
 }
 

@@ -167,6 +167,53 @@ static void special_points_are_listed(void **state) {
 
 /* The stability beyond a point is that of a regular or an asked-for one; another special point is no place to
  * tell it from. */
+/* Multipliers are listed from the largest on, whole, as many as there is room for; what is left out is told.
+ */
+static void many_multipliers_are_cut(void **state) {
+    (void)state;
+    static made m;
+    make(&m, SALTUS_POINT_REGULAR);
+    for (int pairs = 0; pairs < 2; pairs++)
+        for (int count = 1; count < 40; count++) {
+            saltus_multiplier list[40] = {{0}};
+            saltus_branch_point point = m.point[1];
+            text_lines lines;
+            point.kind = SALTUS_POINT_LP;
+            point.dimension = 40;
+            point.multipliers = list;
+            point.reason[0] = point.label_after[0] = '\0';
+            for (int k = 0; k < 40; k++)
+                list[k] = k >= count ? multiplier(0.125, 0)
+                          : pairs    ? multiplier(0.9 - 0.001 * (k / 2), k % 2 ? -0.3125 : 0.3125)
+                                     : multiplier(0.9995 - 0.001 * k, 0);
+            if (pairs && count % 2)
+                continue;
+            saltus_branch_file file = m.file;
+            file.points = &point;
+            file.point_count = 1;
+            lines_open(&lines);
+            saltus_write_branch_text(lines.stream, &file);
+            lines_read(&lines);
+            const char *at = strstr(lines.text, pairs ? "0.9 +- 0.3125i" : "0.9995");
+            assert_non_null(at);
+            char whole[1000] = "";
+            for (int k = 0; k < count; k += 1 + pairs)
+                snprintf(whole + strlen(whole), 40, pairs ? "%s%.4g +- 0.3125i" : "%s%.4g", k ? ", " : "",
+                         list[k].re);
+            size_t length = strcspn(at, "\n"), kept = strlen(whole);
+            const char *dots = strstr(at, ", ...");
+            assert_true((dots != NULL) == (kept > 90));
+            if (dots)
+                kept = (size_t)(dots - at);
+            assert_true(kept <= length && strncmp(at, whole, kept) == 0);
+            assert_true(whole[kept] == (dots ? ',' : '\0'));
+            /* Another one would not have fitted. */
+            assert_true(!dots || kept + 5 + (pairs ? 17 : 8) > 95);
+            free(lines.text);
+        }
+    saltus_system_free(m.system);
+}
+
 static void stability_beyond_needs_a_plain_point(void **state) {
     (void)state;
     static made m;
@@ -273,6 +320,7 @@ static void a_point_is_told_in_json(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(special_points_are_listed),
+        cmocka_unit_test(many_multipliers_are_cut),
         cmocka_unit_test(stability_beyond_needs_a_plain_point),
         cmocka_unit_test(a_point_is_told_in_json),
     };

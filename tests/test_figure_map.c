@@ -875,6 +875,34 @@ static void basins_show_where_each_start_goes(void **state) {
     remove(path);
 }
 
+/* Over the force of a Maxwell element the orbits' points lie at that force. */
+static void forces_have_their_axis(void **state) {
+    (void)state;
+    char path[path_size], command[700];
+    path_in("s.h5", path);
+    snprintf(command, sizeof command,
+             "cd %s && '%s' basins impact-oscillator --set kz=0.5 tz=0.25 --over z1=0:1:3 --over v1=-1:1:3 "
+             "-o s.h5 --quiet >out",
+             folder, SALTUS_COMMAND);
+    assert_int_equal(system(command), 0);
+    saltus_sweep_file file = made_read(path);
+    assert_true(file.attractor_count >= 1 && file.dimension == 3);
+    saltus_sweep_view how = {.view = SALTUS_VIEW_AUTOMATIC};
+    figure f = draw(&how, "z.svg");
+    const figure_element *dots = figure_element_of(&f.panel[0], "$orbit_0", 1);
+    assert_true(dots && dots->values.count == file.attractor_points[0]);
+    for (int p = 0; p < dots->values.count; p++) {
+        const double *orbit = file.attractor_states + (file.attractor_first[0] + p) * 3;
+        figure_near(dots->values.at[p][0], orbit[2], 1e-8);
+        figure_near(dots->values.at[p][1], orbit[1], 1e-8);
+    }
+    assert_non_null(strstr(f.panel[0].label[0], "initial force  {/:Italic z}_{1}"));
+    assert_non_null(strstr(f.panel[0].label[1], "initial velocity  {/:Italic q}′_{1}"));
+    figure_free(&f);
+    saltus_sweep_file_clear(&file);
+    remove(path);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(each_cell_has_the_colour_of_its_class),
@@ -889,6 +917,7 @@ int main(void) {
         cmocka_unit_test(far_numbers_do_not_stretch_the_colours),
         cmocka_unit_test(a_pixel_shows_what_most_of_its_cells_are),
         cmocka_unit_test(basins_show_where_each_start_goes),
+        cmocka_unit_test(forces_have_their_axis),
     };
     return cmocka_run_group_tests(tests, open_folder, close_folder);
 }

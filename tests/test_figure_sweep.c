@@ -959,6 +959,74 @@ static void views_are_chosen_by_what_there_is(void **state) {
     }
 }
 
+/* What cannot be shown is refused in a sentence that names the file, what was asked for and what there is. */
+static void views_that_cannot_be_shown_are_named(void **state) {
+    (void)state;
+    static const char *const none[] = {"none.h5"};
+    static const saltus_plot_part parts[] = {{"d", 0, 1},         {"turning", 0, 1}, {"omega", 2, 3},
+                                             {"omega", 0, 0.5},   {"omega", -1, 1},  {"speed", 0, 1},
+                                             {"omega", 1.05, 1.1}};
+    static const struct {
+        const char *file;
+        saltus_view view;
+        int part, branches;
+        const char *words;
+    } cases[] = {
+        {"one.h5", SALTUS_VIEW_TURNING, -1, 0, "holds no data for view turning"},
+        {"one.h5", SALTUS_VIEW_STROBOSCOPIC, -1, 0, "holds no data for view stroboscopic"},
+        {"one.h5", SALTUS_VIEW_LYAPUNOV, -1, 0, "holds no data for view lyapunov"},
+        {"one.h5", SALTUS_VIEW_IMPACTS, 0, 0, "range of d: the figure shows omega and impacts"},
+        {"one.h5", SALTUS_VIEW_IMPACTS, 1, 0, "range of turning: the figure shows omega and impacts"},
+        {"one.h5", SALTUS_VIEW_IMPACTS, 2, 0,
+         "there is nothing from omega = 2 to 3: the sweep goes from 0.5 to 1.5"},
+        {"one.h5", SALTUS_VIEW_IMPACTS, 6, 0,
+         "there is nothing to show in view impacts from omega = 1.05 to 1.1"},
+        {"one.h5", SALTUS_VIEW_LARGEST, -1, 1, "impacts, speed and stroboscopic, not largest"},
+        {"log.h5", SALTUS_VIEW_SPEED, 3, 0, "range of omega: the axis is logarithmic"},
+        {"log.h5", SALTUS_VIEW_SPEED, 4, 0, "range of omega: the axis is logarithmic"},
+        {"log.h5", SALTUS_VIEW_SPEED, 0, 0, "range of d: the figure shows omega and speed"},
+        {"two.h5", SALTUS_VIEW_IMPACTS, -1, 0,
+         "view impacts is over one axis, the file has two (omega and d)"},
+        {"two.h5", SALTUS_VIEW_LARGEST, 5, 0, "range of speed: the figure shows omega, d and largest"},
+        {"two.h5", SALTUS_VIEW_SPEED, -1, 1, "branches are drawn over one axis, the file has two"},
+        {"basins.h5", SALTUS_VIEW_ATTRACTORS, -1, 0,
+         "is not complete, and attractors are told apart at the end"},
+    };
+    saltus_axis axes[2] = {{.key = "omega", .count = 5, .low = 0.5, .high = 1.5},
+                           {.key = "d", .count = 2, .low = 0.5, .high = 1}};
+    saltus_scene scene = scene_of(1, SALTUS_UPPER);
+    saltus_sweep_options options = saltus_sweep_defaults();
+    saltus_message message = {""};
+    char path[path_size], out[path_size];
+    options.keep = SALTUS_KEEP_IMPACTS;
+    made_write(path_in("one.h5", path), &scene, axes, 1, &options, fill_clouds, 100);
+    made_write(path_in("two.h5", path), &scene, axes, 2, &options, fill_clouds, 100);
+    axes[0].spacing = SALTUS_LOGARITHMIC;
+    made_write(path_in("log.h5", path), &scene, axes, 1, &options, fill_clouds, 100);
+    strcpy(axes[0].key, "q1");
+    strcpy(axes[1].key, "v1");
+    axes[0].high = 0.75;
+    saltus_sweep *sweep = NULL;
+    saltus_sweep_output *output = NULL;
+    check_ok(saltus_sweep_new(&scene, axes, 2, &options, &sweep, &message), &message);
+    check_ok(saltus_sweep_output_open(path_in("basins.h5", path), sweep, true, false, &output, &message),
+             &message);
+    check_ok(saltus_sweep_output_close(output, &message), &message);
+    saltus_sweep_free(sweep);
+    for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
+        const saltus_sweep_view how = {.view = cases[k].view,
+                                       .parts = &parts[cases[k].part < 0 ? 0 : cases[k].part],
+                                       .part_count = cases[k].part >= 0,
+                                       .branches = none,
+                                       .branch_count = cases[k].branches};
+        path_in(cases[k].file, path);
+        saltus_status status = saltus_plot_sweep(path, &how, path_in("s.png", out), &message);
+        if (status != SALTUS_BAD_INPUT || strncmp(message.text, path, strlen(path)) != 0 ||
+            !strstr(message.text, cases[k].words))
+            fail_msg("'%s' does not say '%s'", status ? message.text : "drawn", cases[k].words);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(clouds_are_those_of_the_file),
@@ -976,6 +1044,7 @@ int main(void) {
         cmocka_unit_test(logarithmic_tics_are_round),
         cmocka_unit_test(dense_clouds_are_painted_where_the_points_are),
         cmocka_unit_test(views_are_chosen_by_what_there_is),
+        cmocka_unit_test(views_that_cannot_be_shown_are_named),
     };
     return cmocka_run_group_tests(tests, open_folder, close_folder);
 }

@@ -52,7 +52,7 @@ static int close_fixture(void **state) {
 }
 
 static int run(const fixture *f, const char *arguments) {
-    char line[600];
+    char line[800];
     snprintf(line, sizeof line, "cd %s && %s %s >out 2>err", f->folder, SALTUS_COMMAND, arguments);
     return system(line);
 }
@@ -440,12 +440,134 @@ static void names_and_titles_have_their_limits(void **state) {
         assert_non_null(file);
         fputs("model: oscillator\nomega: 1\n", file);
         fclose(file);
-        if (saltus_scene_load(path, &scene, &message) == SALTUS_OK) {
-            assert_int_equal(strlen(scene.name), length < name_room ? length : name_room - 1);
-            assert_memory_equal(scene.name, name, strlen(scene.name));
-        } else
-            assert_true(length >= name_room);
+        check_ok(saltus_scene_load(path, &scene, &message), &message);
+        assert_int_equal(strlen(scene.name), length < name_room ? length : name_room - 1);
+        assert_memory_equal(scene.name, name, strlen(scene.name));
         remove(path);
+    }
+    /* A name is cut between two characters, never within one. */
+    static const char *const letters[] = {"\xc3\xa9", "\xe2\x82\xac", "\xf0\x9f\x8e\xb5"};
+    for (size_t l = 0; l < 3; l++)
+        for (size_t first = name_room - 6; first < name_room + 1; first++)
+            for (int tail = 0; tail < 2; tail++) {
+                size_t step = strlen(letters[l]);
+                fill(name, first);
+                strcat(strcat(name, letters[l]), tail ? "x" : "");
+                snprintf(path, sizeof path, "there/%s.yaml", name);
+                check_ok(saltus_scene_parse("model: pipe", 11, path, &scene, &message), &message);
+                size_t whole = strlen(name), most = name_room - 1,
+                       kept = whole <= most          ? whole
+                              : first + step <= most ? most
+                              : first < most         ? first
+                                                     : most;
+                assert_int_equal(strlen(scene.name), kept);
+                assert_memory_equal(scene.name, name, kept);
+            }
+}
+
+/* The longest name, title, label and reason come back whole from every kind of file, and so does what is one
+ * letter shorter. */
+static void the_longest_words_come_back_whole(void **state) {
+    const fixture *f = *state;
+    for (size_t less = 0; less < 2; less++) {
+        saltus_message message = {""};
+        saltus_scene scene = f->scene;
+        char path[128], line[256];
+        size_t length;
+        fill(scene.name, sizeof scene.name - 1 - less);
+        fill(scene.title, sizeof scene.title - 1 - less);
+        scene.name[0] = scene.title[0] = 'b';
+        scene.name[sizeof scene.name - 2 - less] = scene.title[sizeof scene.title - 2 - less] = 'e';
+        /* A branch of one point. */
+        double start[4] = {0.1, 0.2, 0.3, 0.4};
+        saltus_multiplier multipliers[4] = {{.re = 0.5, .log_modulus = -0.5}};
+        saltus_branch_point point = {.kind = SALTUS_POINT_EP,
+                                     .parent = -1,
+                                     .value = {1, NAN},
+                                     .spec = scene.spec,
+                                     .periods = 1,
+                                     .dimension = 4,
+                                     .state = start,
+                                     .multipliers = multipliers};
+        fill(point.label, sizeof point.label - 1 - less);
+        fill(point.label_after, sizeof point.label_after - 1 - less);
+        fill(point.reason, sizeof point.reason - 1 - less);
+        saltus_branch_options how = saltus_branch_defaults();
+        saltus_branch_output *branch = NULL;
+        saltus_branch_file read;
+        strcpy(how.key[0], "omega");
+        how.high[0] = 2;
+        path_in(f, "b.h5", path);
+        check_ok(saltus_branch_output_open(path, &scene, 1, start, &how, &branch, &message), &message);
+        check_ok(saltus_branch_output_add(branch, &point, &message), &message);
+        check_ok(saltus_branch_output_close(branch, true, &message), &message);
+        check_ok(saltus_branch_file_read(path, &read, &message), &message);
+        assert_string_equal(read.scene, scene.name);
+        assert_string_equal(read.title, scene.title);
+        assert_string_equal(read.points[0].label, point.label);
+        assert_string_equal(read.points[0].label_after, point.label_after);
+        assert_string_equal(read.points[0].reason, point.reason);
+        saltus_branch_file_clear(&read);
+        /* A start taken from it keeps the label. */
+        saltus_start from;
+        snprintf(line, sizeof line, "%s:EP1", path);
+        check_ok(saltus_start_read(line, &from, &message), &message);
+        assert_string_equal(from.label, point.label);
+        /* A sweep that has not begun. */
+        saltus_axis axis = {.key = "omega", .count = 1, .low = 1, .high = 1};
+        saltus_sweep_options options = saltus_sweep_defaults();
+        saltus_sweep *sweep = NULL;
+        saltus_sweep_output *output = NULL;
+        saltus_sweep_file file;
+        check_ok(saltus_sweep_new(&scene, &axis, 1, &options, &sweep, &message), &message);
+        path_in(f, "s.h5", path);
+        check_ok(saltus_sweep_output_open(path, sweep, false, false, &output, &message), &message);
+        check_ok(saltus_sweep_output_close(output, &message), &message);
+        saltus_sweep_free(sweep);
+        check_ok(saltus_sweep_file_read(path, &file, &message), &message);
+        assert_string_equal(file.scene, scene.name);
+        assert_string_equal(file.title, scene.title);
+        check_ok(saltus_sweep_file_csv(&file, SALTUS_TABLE_ROWS, path_in(f, "s.csv", path), &message),
+                 &message);
+        saltus_sweep_file_clear(&file);
+        for (int k = 0; k < 2; k++) {
+            char *text = read_all(path, &length);
+            snprintf(line, sizeof line, "\n# scene: %s\n", scene.name);
+            assert_non_null(strstr(text, line));
+            snprintf(line, sizeof line, "\n# title: %s\n", scene.title);
+            assert_non_null(strstr(text, line));
+            free(text);
+            path_in(f, "r.csv", path);
+            check_ok(saltus_record_write(&f->record, &scene, f->system, &f->options, path, &message),
+                     &message);
+        }
+        folder_files(f->folder, true);
+    }
+}
+
+/* The title of a changed scene lists the settings; where they are too many it says so. */
+static void titles_list_the_settings(void **state) {
+    const fixture *f = *state;
+    enum { most = sizeof f->scene.title - 1 };
+    for (int length = most - 2; length <= most + 3; length++) {
+        char title[400] = "changed: c=0.2500000000000000000000000000000000000000000000000 F=0.5",
+             command[600], path[128];
+        size_t size;
+        while ((int)strlen(title) < length)
+            strcat(title, "0");
+        if (length == most + 3)
+            strcat(title, " d=1.5 r=0.5");
+        snprintf(command, sizeof command,
+                 "simulate impact-oscillator --periods 1 --samples 4 --set %s -o t.csv", title + 9);
+        assert_int_equal(run(f, command), 0);
+        char *text = read_all(path_in(f, "t.csv", path), &size), *at = strstr(text, "\n# title: ");
+        assert_non_null(at);
+        at += 10;
+        at[strcspn(at, "\n")] = '\0';
+        if (strlen(title) > most)
+            strcpy(title + most - 3, "...");
+        assert_string_equal(at, title);
+        free(text);
     }
 }
 
@@ -482,6 +604,39 @@ static void each_key_of_a_scene_file_is_named_when_it_is_wrong(void **state) {
                 fail_msg("%s, %s: %s", models[m], stop[k], message.text);
         }
     }
+}
+
+/* Keys of 15 letters are taken as keys, and those of 16 are refused with all that was written; so it is with
+ * folders of 1023 and 1024 letters. */
+static void words_of_the_command_line_have_their_limits(void **state) {
+    static const struct {
+        const char *begin, *end, *first, *named;
+        int most, code;
+    } words[] = {
+        {"plot x.h5 -o x.svg --range ", "=0:1", "x.h5", "=0:1: must have the form key=low:high", 15, 2},
+        {"plot x.h5 -o x.svg --label ", "=0,d=1,n", "x.h5", "=0,d=1,n: must have the form", 15, 2},
+        {"plot x.h5 -o x.svg --label d=1,", "=0,n", "x.h5", "=0,n: must have the form", 15, 2},
+        {"continue impact-oscillator -o x.h5 --in ", "=0:1", ": neither a parameter",
+         "=0:1: must have the form key=low:high", 15, 2},
+        {"sweep impact-oscillator -o x.h5 --over ", "=0:1:3", ": neither a parameter",
+         "=0:1:3: no key stands before", 15, 2},
+        {"paper -o ", "", "File name too long", "the name is too long", 1023, 1},
+    };
+    const fixture *f = *state;
+    for (size_t k = 0; k < sizeof words / sizeof words[0]; k++)
+        for (int length = words[k].most; length <= words[k].most + 1; length++) {
+            char word[1100], command[1400], path[128];
+            size_t size;
+            fill(word, (size_t)length);
+            snprintf(command, sizeof command, "cd %s && %s %s%s%s >out 2>err", f->folder, SALTUS_COMMAND,
+                     words[k].begin, word, words[k].end);
+            assert_int_equal(WEXITSTATUS(system(command)), words[k].code);
+            char *text = read_all(path_in(f, "err", path), &size);
+            bool beyond = length > words[k].most;
+            if (!strstr(text, beyond ? words[k].named : words[k].first) || !strstr(text, beyond ? word : ""))
+                fail_msg("%d letters in %s: %s", length, words[k].begin, text);
+            free(text);
+        }
 }
 
 /* What the exponent's CSV tells in its head and in its last row is what JSON tells. */
@@ -524,7 +679,14 @@ static void lists_of_the_command_line_have_their_limits(void **state) {
         {"plot x.h5 -o x.svg ", "--range omega=0.9:1.1 ", "--show nothing", 64, "--show nothing", "--range"},
         {"plot x.h5 -o x.svg ", "--label omega=1,d=1,n ", "--show nothing", 64, "--show nothing", "--label"},
         {"plot ", "x.h5 ", "-o x.svg --show nothing", 256, "--show nothing", "256 files"},
-        {"check impact-oscillator ", "--set F=0.6 ", "--set F=x", 255, "F=x", "F=x"},
+        {"check impact-oscillator ", "--set F=0.6 ", "--set F=x", 255, "F=x", "--set F=x: only 256"},
+        {"check --set ", "F=0.6 ", "F=x impact-oscillator", 255, "--set F=x: F = \"x\"",
+         "--set F=x: only 256"},
+        {"plot x.h5 -o x.svg ", "--over y.h5 ", "--view nothing", 64, "--view nothing", "--over"},
+        {"sweep impact-oscillator -o y.h5 ", "--over d=1,2 ", "--over d=x", 1, "--over d=x: the values",
+         "--over d=x: only two axes"},
+        {"spectrum impact-oscillator ", "--of displacement ", "--of nothing", 1, "--of nothing",
+         "--of nothing: only 2"},
         {"continue impact-oscillator -o x.h5 --in omega=0.9:1.1 --direction both --at ", "1,", "1,2", 254,
          "outside", "only 256"}};
     const fixture *f = *state;
@@ -545,6 +707,41 @@ static void lists_of_the_command_line_have_their_limits(void **state) {
         }
 }
 
+/* Memory that was given back is overwritten at once (by glibc, where it is asked to): what still looked into
+ * it would crash, or write something else. */
+static void memory_given_back_is_not_looked_into(void **state) {
+    static const struct {
+        const char *arguments, *file;
+    } commands[] = {
+        {"sweep impact-oscillator --over d=1,1.5 --over r=0.5,0.75 --what impacts --quiet", "a.h5"},
+        {"sweep impact-oscillator --over d=1,1.5 --quiet", "a.csv"},
+        {"basins impact-oscillator --over q1=0,0.5 --over v1=0,1 --quiet", "a.h5"},
+        {"simulate impact-oscillator --periods 2", "a.h5"},
+        {"continue impact-oscillator --in omega=0.99:1.01 --points 4 --rtol 1e-10 --quiet", "a.h5"},
+        {"lyapunov impact-oscillator --transient 20 --periods 1600 --quiet", "a.csv"},
+        {"export a.h5", "a.csv"},
+    };
+    const fixture *f = *state;
+    for (size_t k = 0; k < sizeof commands / sizeof commands[0]; k++) {
+        char command[500], path[128], *bytes[2];
+        size_t length[2];
+        if (strncmp(commands[k].arguments, "export", 6) == 0)
+            assert_int_equal(run(f, "sweep impact-oscillator --over d=1,1.5 --quiet -o a.h5"), 0);
+        for (int wiped = 0; wiped < 2; wiped++) {
+            snprintf(command, sizeof command, "cd %s && %s %s %s -o %s >out 2>err", f->folder,
+                     wiped ? "MALLOC_PERTURB_=165 GLIBC_TUNABLES=glibc.malloc.tcache_count=0" : "",
+                     SALTUS_COMMAND, commands[k].arguments, commands[k].file);
+            assert_int_equal(system(command), 0);
+            bytes[wiped] = read_all(path_in(f, commands[k].file, path), &length[wiped]);
+        }
+        assert_int_equal(length[0], length[1]);
+        assert_memory_equal(bytes[0], bytes[1], length[0]);
+        free(bytes[0]);
+        free(bytes[1]);
+        folder_files(f->folder, true);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_dataset_has_a_checksum),
@@ -552,9 +749,13 @@ int main(void) {
         cmocka_unit_test(a_chaotic_motion_reads_back_field_by_field),
         cmocka_unit_test(a_trajectory_is_the_same_in_every_format),
         cmocka_unit_test(names_and_titles_have_their_limits),
+        cmocka_unit_test(the_longest_words_come_back_whole),
+        cmocka_unit_test(titles_list_the_settings),
         cmocka_unit_test(each_key_of_a_scene_file_is_named_when_it_is_wrong),
         cmocka_unit_test(exponents_are_the_same_in_csv_and_json),
         cmocka_unit_test(lists_of_the_command_line_have_their_limits),
+        cmocka_unit_test(words_of_the_command_line_have_their_limits),
+        cmocka_unit_test(memory_given_back_is_not_looked_into),
     };
     return cmocka_run_group_tests(tests, open_fixture, close_fixture);
 }

@@ -4,7 +4,9 @@
 #include "reference.h"
 
 #include <hdf5.h>
+#include <signal.h>
 #include <sys/stat.h>
+#include <sys/time.h>
 #include <unistd.h>
 
 enum { per_period = 48 };
@@ -214,6 +216,91 @@ static void contacts_are_recorded(void **state) {
     saltus_record_clear(&r);
     saltus_system_free(system);
     free(c.text);
+}
+
+/* What cannot be recorded is refused by its name and leaves the record empty. */
+static void records_have_their_limits(void **state) {
+    fixture *f = *state;
+    static const struct {
+        long long transient, periods;
+        int samples;
+        const char *words;
+    } cases[] = {{0, 1, 1, NULL},
+                 {1, 2, 3, NULL},
+                 {0, 1, 20000, NULL},
+                 {-1, 1, 1, "transient = -1: must be at least 0"},
+                 {0, 0, 1, "periods = 0: must be from 1 to 1000000000"},
+                 {0, 1000000001, 1, "periods = 1000000001: must be from 1 to 1000000000"},
+                 {0, 1, 0, "samples per period = 0: must be from 1 to 1000000"},
+                 {0, 1, 1000001, "samples per period = 1000001: must be from 1 to 1000000"}};
+    for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
+        saltus_message message = {""};
+        saltus_record r, none = {0};
+        saltus_status status = saltus_record_run(f->system, f->motion.state, &f->options, cases[k].transient,
+                                                 cases[k].periods, cases[k].samples, &r, &message);
+        assert_int_equal(status, cases[k].words ? SALTUS_BAD_INPUT : SALTUS_OK);
+        if (cases[k].words) {
+            assert_non_null(strstr(message.text, cases[k].words));
+            assert_memory_equal(&r, &none, sizeof r);
+        } else {
+            assert_int_equal(r.strobes, cases[k].periods);
+            assert_true(r.time[0] == 0 && r.time[r.samples - 1] == (double)cases[k].periods);
+        }
+        saltus_record_clear(&r);
+        assert_memory_equal(&r, &none, sizeof r);
+    }
+    /* A start behind the stop is an error of the flow, which leaves nothing either. */
+    saltus_message message = {""};
+    saltus_record r, none = {0};
+    double beyond[16] = {10};
+    assert_true(saltus_record_run(f->system, beyond, &f->options, 0, 1, 4, &r, &message) != SALTUS_OK);
+    assert_memory_equal(&r, &none, sizeof r);
+}
+
+static volatile sig_atomic_t time_is_up;
+
+static void note_the_alarm(int signal) {
+    (void)signal;
+    time_is_up = 1;
+}
+
+/* An interrupted record is the begin of the whole one. */
+static void an_interrupted_record_is_a_begin(void **state) {
+    (void)state;
+    enum { periods = 400000, samples = 2 };
+    saltus_message message = {""};
+    saltus_scene scene;
+    saltus_record part, whole;
+    check_ok(saltus_scene_load("impact-oscillator", &scene, &message), &message);
+    saltus_system *system = build(&scene.spec);
+    saltus_flow_options options = saltus_flow_defaults();
+    const double start[2] = {0.5, 1};
+    const struct itimerval soon = {.it_value = {.tv_usec = 20000}};
+    options.rtol = 1e-8;
+    options.stop = &time_is_up;
+    struct sigaction action = {.sa_handler = note_the_alarm}, old;
+    assert_int_equal(sigaction(SIGALRM, &action, &old), 0);
+    assert_int_equal(setitimer(ITIMER_REAL, &soon, NULL), 0);
+    assert_int_equal(saltus_record_run(system, start, &options, 0, periods, samples, &part, &message),
+                     SALTUS_INTERRUPTED);
+    sigaction(SIGALRM, &old, NULL);
+    time_is_up = 0;
+    assert_true(part.samples > 2 && part.strobes > 1 && part.strobes < periods);
+    check_ok(saltus_record_run(system, start, &options, 0, part.strobes, samples, &whole, &message),
+             &message);
+    const size_t n = 2;
+    assert_true(part.dimension == 2 && whole.samples >= part.samples && whole.strobes == part.strobes);
+    assert_true(part.time[part.samples - 1] >= (double)part.strobes - 1);
+    assert_memory_equal(part.time, whole.time, (size_t)part.samples * sizeof *part.time);
+    assert_memory_equal(part.states, whole.states, (size_t)part.samples * n * sizeof *part.states);
+    assert_memory_equal(part.strobe_states, whole.strobe_states,
+                        (size_t)part.strobes * n * sizeof *part.strobe_states);
+    assert_true(part.event_count > 0 && part.event_count <= whole.event_count);
+    assert_memory_equal(part.event_rows, whole.event_rows,
+                        (size_t)part.event_count * sizeof *part.event_rows);
+    saltus_record_clear(&part);
+    saltus_record_clear(&whole);
+    saltus_system_free(system);
 }
 
 static void csv_explains_itself(void **state) {
@@ -574,6 +661,8 @@ int main(void) {
         cmocka_unit_test(samples_lie_at_exact_phases),
         cmocka_unit_test(impacts_have_two_sides),
         cmocka_unit_test(contacts_are_recorded),
+        cmocka_unit_test(records_have_their_limits),
+        cmocka_unit_test(an_interrupted_record_is_a_begin),
         cmocka_unit_test(csv_explains_itself),
         cmocka_unit_test(hdf5_reads_back),
         cmocka_unit_test(hdf5_is_reproducible_and_may_be_empty),

@@ -26,6 +26,36 @@ static void every_status_has_a_name(void **unused) {
     assert_int_equal(strlen(message.text), sizeof message.text - 1);
 }
 
+/* A sentence is kept whole as long as it fits; a longer one has lost its middle, between two characters. */
+static void long_sentences_keep_both_ends(void **unused) {
+    static const char *const letters[] = {"x", "\xc3\xa9", "\xe2\x82\xac", "\xf0\x9f\x8e\xb5"};
+    enum { room = sizeof((saltus_message *)0)->text };
+    (void)unused;
+    for (size_t l = 0; l < 4; l++)
+        for (size_t length = room - 6; length < room + 8; length++) {
+            saltus_message message;
+            char whole[room + 32] = "";
+            size_t step = strlen(letters[l]), from = (length - 1) % step;
+            memset(whole, 'a', from);
+            while (strlen(whole) + step < length)
+                strcat(whole, letters[l]);
+            strcat(whole, "z");
+            assert_int_equal(saltus_fail(&message, SALTUS_IO, "%s", whole), SALTUS_IO);
+            const char *text = message.text, *dots = strstr(text, "...");
+            size_t got = strlen(text);
+            assert_true(got < room && (dots != NULL) == (strlen(whole) >= room));
+            if (!dots) {
+                assert_string_equal(text, whole);
+                continue;
+            }
+            size_t before = (size_t)(dots - text), after = got - before - 3;
+            assert_true(got > room - 2 * step - 1 && before > 100 && after > 100);
+            assert_memory_equal(text, whole, before);
+            assert_string_equal(dots + 3, whole + strlen(whole) - after);
+            assert_true((before - from) % step == 0 && (after - 1) % step == 0);
+        }
+}
+
 static void models_are_found_by_name_and_place(void **unused) {
     (void)unused;
     const int count = saltus_model_count();
@@ -549,6 +579,7 @@ static void columns_of_the_caller_do_not_matter(void **unused) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_status_has_a_name),
+        cmocka_unit_test(long_sentences_keep_both_ends),
         cmocka_unit_test(models_are_found_by_name_and_place),
         cmocka_unit_test(defaults_are_those_of_the_specification),
         cmocka_unit_test(ranges_hold_at_their_ends),

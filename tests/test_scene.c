@@ -74,6 +74,7 @@ static void builtin_scenes_build(void **state) {
     assert_null(saltus_scene_builtin_name(-1));
     assert_null(saltus_scene_builtin_name(saltus_scene_builtin_count()));
     assert_null(saltus_scene_builtin_text(saltus_scene_builtin_count()));
+    assert_null(saltus_scene_builtin_text(-1));
     for (int k = 0; k < saltus_scene_builtin_count(); k++) {
         saltus_scene scene = load(saltus_scene_builtin_name(k));
         saltus_system *system = NULL;
@@ -81,6 +82,16 @@ static void builtin_scenes_build(void **state) {
         double start[SALTUS_SCENE_STATE_MAX];
         assert_string_equal(scene.name, saltus_scene_builtin_name(k));
         assert_true(scene.title[0] != '\0');
+        /* Its text is the scene, and its name cannot be taken for a path. */
+        saltus_scene same = {.name = ""};
+        const char *text = saltus_scene_builtin_text(k);
+        assert_int_equal(saltus_scene_parse(text, strlen(text), scene.name, &same, &message), SALTUS_OK);
+        assert_string_equal(same.name, scene.name);
+        assert_string_equal(same.title, scene.title);
+        assert_memory_equal(same.spec.parameters, scene.spec.parameters, sizeof same.spec.parameters);
+        assert_true(same.spec.model == scene.spec.model && same.spec.stop_count == scene.spec.stop_count);
+        assert_true(same.initial_count == scene.initial_count);
+        assert_null(strpbrk(scene.name, "/."));
         assert_int_equal(saltus_system_new(&scene.spec, &system, &message), SALTUS_OK);
         if (scene.initial_count == 0)
             assert_int_equal(saltus_system_default_state(system, start, &message), SALTUS_OK);

@@ -283,6 +283,22 @@ static void every_member_is_wanted(void **state) {
     check_ok(saltus_start_read(f->path, &start, &message), &message);
     assert_string_equal(start.label, "");
     free(made);
+    /* Members that are not known are passed over, with as many as 64 lists within each other. */
+    for (int depth = 1; depth < 200000; depth = depth < 40   ? 2 * depth
+                                                : depth < 80 ? depth + 1
+                                                             : 30 * depth) {
+        char *nest = calloc((size_t)depth * 2 + 32, 1);
+        assert_non_null(nest);
+        strcpy(nest, "\"more\": ");
+        memset(nest + 8, '[', (size_t)depth);
+        memset(nest + 8 + depth, ']', (size_t)depth);
+        strcat(nest, ", \"label\"");
+        save(f->path, made = replaced(text, "\"label\"", "\"label\"", nest));
+        saltus_status status = saltus_start_read(f->path, &start, &message);
+        assert_int_equal(status, depth <= 64 ? SALTUS_OK : SALTUS_BAD_INPUT);
+        free(nest);
+        free(made);
+    }
     check_refused("/dev/null", "is not a plain file");
     check_refused(f->folder, "is a folder, not a file with an orbit");
     free(text);

@@ -441,6 +441,37 @@ static void an_axis_of_initial_states_sets_the_first_seeds(void **unused) {
     saltus_sweep_free(sweep);
 }
 
+/* The force of a Maxwell element is an entry of the state too; where there is none, and of any other letter,
+ * there is no such axis. */
+static void an_axis_moves_the_force_of_a_maxwell_element(void **unused) {
+    (void)unused;
+    saltus_scene scene = scene_of("impact-oscillator", "kz=0.5 tz=0.25 q1=0.125 v1=-0.5");
+    saltus_sweep_options options = at_once(1, 1, 1);
+    saltus_sweep *sweep = sweep_of(&scene, "z1=-1:1:5", "q1=0.25,0.75", &options);
+    saltus_basins *basins = NULL;
+    saltus_message message = {""};
+    outcome o = run_all(sweep);
+    assert_int_equal(saltus_sweep_dimension(sweep), 3);
+    for (int k = 0; k < 10; k++) {
+        const double *start = result_at(&o, k).strobes;
+        assert_true(start[0] == (k < 5 ? 0.25 : 0.75) && start[1] == -0.5 && start[2] == -1 + 0.5 * (k % 5));
+    }
+    check_ok(saltus_basins_new(sweep, &basins, &message), &message);
+    saltus_basins_free(basins);
+    close_outcome(&o);
+    saltus_sweep_free(sweep);
+    static const char *const keys[] = {"z1", "z2", "z0", "e1", "z", "q", "q0", "q2", "v2", ""};
+    for (size_t k = 0; k < sizeof keys / sizeof keys[0]; k++)
+        for (int element = 0; element < 2; element++) {
+            saltus_scene other = scene_of("impact-oscillator", element ? "kz=0.5" : "kz=0");
+            saltus_axis axis = {.count = 2, .low = 0.25, .high = 0.5};
+            strcpy(axis.key, keys[k]);
+            saltus_status wanted = element && k == 0 ? SALTUS_OK : SALTUS_BAD_INPUT;
+            if (make(&other, &axis, 1, &options) != wanted)
+                fail_msg("an axis of %s, %s element", keys[k], element ? "with" : "without");
+        }
+}
+
 /* Random initial states: Gaussian with the system's scales, one like no other, the same for the same seed. */
 static void seeds_are_independent(void **unused) {
     (void)unused;
@@ -783,6 +814,31 @@ static void the_feed_is_asked_and_told_in_order(void **unused) {
     }
 }
 
+/* More lanes and threads may be asked for than there are, and than there are trajectories. */
+static void lanes_and_threads_are_at_most(void **unused) {
+    (void)unused;
+    static const int most[][2] = {{2, 1}, {15, 1}, {16, 1}, {17, 1}, {1000, 1}, {0, 64}, {1000, 1000}};
+    const saltus_scene scene = scene_of("impact-oscillator", "");
+    saltus_sweep_options options = at_once(1, 2, 3);
+    options.flow.rtol = 1e-6;
+    saltus_sweep *sweep = sweep_of(&scene, "omega=1:2:7", "d=0.5:1:3", &options);
+    options.lanes = 1;
+    saltus_sweep *single = sweep_of(&scene, "omega=1:2:7", "d=0.5:1:3", &options);
+    outcome reference = run_all(single);
+    for (size_t k = 0; k < sizeof most / sizeof most[0]; k++) {
+        options.lanes = most[k][0];
+        options.threads = most[k][1];
+        saltus_sweep_free(sweep);
+        sweep = sweep_of(&scene, "omega=1:2:7", "d=0.5:1:3", &options);
+        outcome o = run_all(sweep);
+        check_same_bits(&reference, &o, "many lanes");
+        close_outcome(&o);
+    }
+    close_outcome(&reference);
+    saltus_sweep_free(single);
+    saltus_sweep_free(sweep);
+}
+
 static void basins_need_a_plane_of_initial_states(void **unused) {
     (void)unused;
     static const struct {
@@ -922,6 +978,7 @@ int main(void) {
         cmocka_unit_test(a_line_is_a_loop_by_hand),
         cmocka_unit_test(the_first_seed_is_the_scenes_own),
         cmocka_unit_test(an_axis_of_initial_states_sets_the_first_seeds),
+        cmocka_unit_test(an_axis_moves_the_force_of_a_maxwell_element),
         cmocka_unit_test(seeds_are_independent),
         cmocka_unit_test(attractors_are_numbered_by_orbits),
         cmocka_unit_test(only_what_is_asked_for_is_kept),
@@ -929,6 +986,7 @@ int main(void) {
         cmocka_unit_test(the_flows_options_are_heeded),
         cmocka_unit_test(chaos_is_measured_as_long_as_said),
         cmocka_unit_test(the_feed_is_asked_and_told_in_order),
+        cmocka_unit_test(lanes_and_threads_are_at_most),
         cmocka_unit_test(basins_need_a_plane_of_initial_states),
         cmocka_unit_test(basins_sort_by_orbits),
         cmocka_unit_test(states_near_an_attractor_belong_to_it),

@@ -1144,6 +1144,80 @@ static void tables_can_be_resumed(void **state) {
     folder_files(f->folder, true);
 }
 
+/* What the file does not hold, or what cannot be written, leaves the path as it was. */
+static void tables_that_are_lacking_are_refused(void **state) {
+    const fixture *f = *state;
+    static const struct {
+        int table;
+        const char *name, *words;
+        saltus_status status;
+    } cases[] = {{SALTUS_TABLE_ROWS - 1, "t.csv", "table -1: there is none", SALTUS_BAD_INPUT},
+                 {SALTUS_TABLE_STROBES + 1, "t.csv", "table 4: there is none", SALTUS_BAD_INPUT},
+                 {SALTUS_TABLE_TURNING, "t.csv", "did not keep turning", SALTUS_BAD_INPUT},
+                 {SALTUS_TABLE_IMPACTS, "t.csv", "did not keep impacts", SALTUS_BAD_INPUT},
+                 {SALTUS_TABLE_STROBES, "t.csv", "did not keep stroboscopic", SALTUS_BAD_INPUT},
+                 {SALTUS_TABLE_ROWS, "none/t.csv", "No such file", SALTUS_IO},
+                 {SALTUS_TABLE_ROWS, "t.csv", NULL, SALTUS_OK}};
+    saltus_axis axes[2];
+    saltus_sweep_options options = full_options();
+    char path[path_size];
+    options.keep = 0;
+    full_axes(axes);
+    saltus_sweep *sweep = make_sweep(&f->scene, axes, 2, &options);
+    saltus_sweep_file file;
+    saltus_message message = {""};
+    close_output(open_output(path_in(f, "a.h5", path), sweep, false));
+    check_ok(saltus_sweep_file_read(path, &file, &message), &message);
+    for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
+        write_all(path_in(f, "t.csv", path), "as before", 9);
+        saltus_status status = saltus_sweep_file_csv(&file, (saltus_table)cases[k].table,
+                                                     path_in(f, cases[k].name, path), &message);
+        assert_int_equal(status, cases[k].status);
+        assert_true(!cases[k].words || strstr(message.text, cases[k].words));
+        path_in(f, "t.csv", path);
+        if (status != SALTUS_OK)
+            check_same_bytes(path, (const unsigned char *)"as before", 9);
+    }
+    saltus_sweep_file_clear(&file);
+    saltus_sweep_free(sweep);
+    folder_files(f->folder, true);
+}
+
+/* A place that is there already is left as it is; what is nothing can be closed and cleared. */
+static void a_place_is_taken_once(void **state) {
+    const fixture *f = *state;
+    saltus_message message = {""};
+    char path[path_size], journal[path_size];
+    made_up first, second;
+    size_t once, twice;
+    saltus_sweep_output *output = open_output(path_in(f, "a.h5", path), f->sweep, false);
+    make_result(f->sweep, 3, &first);
+    make_result(f->sweep, 4, &second);
+    second.result.place = 3;
+    check_ok(saltus_sweep_output_take(output, &first.result, &message), &message);
+    path_in(f, "a.h5.journal", journal);
+    free(read_all(journal, &once));
+    check_ok(saltus_sweep_output_take(output, &second.result, &message), &message);
+    assert_true(saltus_sweep_output_has(output, 3) && !saltus_sweep_output_has(output, 4));
+    free(read_all(journal, &twice));
+    assert_int_equal(once, twice);
+    close_output(output);
+    saltus_sweep_file file;
+    check_ok(saltus_sweep_file_read(path, &file, &message), &message);
+    for (long long row = 0; row < file.row_count; row++)
+        if (row / seeds == 3) {
+            const saltus_sweep_row *a = &file.rows[row], *b = &first.row[row % seeds];
+            assert_true(a->verdict == b->verdict && a->settled == b->settled &&
+                        a->contact_fraction == b->contact_fraction);
+        } else
+            assert_int_equal(file.rows[row].verdict, SALTUS_ROW_PENDING);
+    assert_false(file.complete);
+    saltus_sweep_file_clear(&file);
+    saltus_sweep_file_clear(&file);
+    check_ok(saltus_sweep_output_close(NULL, &message), &message);
+    folder_files(f->folder, true);
+}
+
 static void clouds_go_to_tables(void **state) {
     const fixture *f = *state;
     static const char *const names[] = {"omega,d,pass,seed,displacement",
@@ -1286,6 +1360,8 @@ int main(void) {
         cmocka_unit_test(wrong_options_are_refused),
         cmocka_unit_test(tables_hold_all_rows),
         cmocka_unit_test(tables_can_be_resumed),
+        cmocka_unit_test(tables_that_are_lacking_are_refused),
+        cmocka_unit_test(a_place_is_taken_once),
         cmocka_unit_test(clouds_go_to_tables),
         cmocka_unit_test(basins_tell_attractors_apart),
     };

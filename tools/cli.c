@@ -113,12 +113,19 @@ static const cli_option *find_option(const cli_command *command, const char *nam
     return NULL;
 }
 
-/* Settings run up to the next option. Returns how many there were. */
+/* Settings run up to the next option. Returns how many there were, 0 after a message. */
 static int take_settings(int count, char **arguments, cli_request *request) {
     int taken = 0;
-    while (taken < count && arguments[taken][0] != '-' && strchr(arguments[taken], '=') &&
-           request->setting_count < CLI_SETTINGS_MAX)
-        request->settings[request->setting_count++] = arguments[taken++];
+    for (; taken < count && arguments[taken][0] != '-' && strchr(arguments[taken], '='); taken++) {
+        if (request->setting_count == CLI_SETTINGS_MAX) {
+            fprintf(stderr, "saltus: --set %s: only %d can be given\n", arguments[taken], CLI_SETTINGS_MAX);
+            return 0;
+        }
+        request->settings[request->setting_count++] = arguments[taken];
+    }
+    if (taken == 0)
+        fprintf(stderr, "saltus: --set%s%s: must be followed by key=value\n", count > 0 ? " " : "",
+                count > 0 ? arguments[0] : "");
     return taken;
 }
 
@@ -141,9 +148,6 @@ static int take_option(const cli_command *command, int count, char **arguments, 
     }
     if (option->kind == CLI_SETTINGS) {
         int taken = take_settings(count - 1, arguments + 1, request);
-        if (taken == 0)
-            fprintf(stderr, "saltus: --set%s%s: must be followed by key=value\n", count > 1 ? " " : "",
-                    count > 1 ? arguments[1] : "");
         return taken ? taken + 1 : 0;
     }
     if (count < 2) {
@@ -228,6 +232,8 @@ saltus_status cli_apply_settings(const cli_request *request, saltus_scene *scene
     for (int k = 0; k < request->setting_count && used + 1 < sizeof scene->title; k++)
         used += (size_t)snprintf(scene->title + used, sizeof scene->title - used, "%s%s",
                                  k ? " " : "changed: ", request->settings[k]);
+    if (used >= sizeof scene->title)
+        strcpy(scene->title + sizeof scene->title - sizeof "...", "...");
     return SALTUS_OK;
 }
 

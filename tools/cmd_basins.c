@@ -10,9 +10,9 @@ static const cli_option *const options[] = {
     &cli_set,       &sweep_over, &sweep_at_most, &sweep_longest, &cli_output, &sweep_resume,   &sweep_lanes,
     &sweep_threads, &cli_quiet,  &sweep_json,    &sweep_rtol,    &sweep_atol, &cli_integrator, NULL};
 
-/* Whether an axis moves an entry of the initial state: q1, v1, e1, ... */
+/* Whether an axis moves an entry of the initial state: q1, v1, z1, ... */
 static bool moves_start(const char *axis) {
-    return strchr("qve", axis[0]) && axis[1] >= '1' && axis[1] <= '9';
+    return strchr("qvz", axis[0]) && axis[1] >= '1' && axis[1] <= '9';
 }
 
 static bool read_axes(const cli_request *request) {

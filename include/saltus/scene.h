@@ -14,7 +14,7 @@ enum { SALTUS_SCENE_STATE_MAX = 160 };
 /* A scene as read: plain values, owned by the caller, to be changed with saltus_scene_set and handed to
  * saltus_system_new as `spec`. */
 typedef struct saltus_scene {
-    char name[128];  /* built-in name or file name without folder and ending */
+    char name[128];  /* built-in name or file name without folder and ending, at most 127 bytes of it */
     char title[160]; /* one line for figures and listings; may be empty */
     saltus_spec spec;
     int initial_count;                      /* entries of `initial`; 0: the system's default state */

@@ -31,7 +31,8 @@ typedef struct saltus_message {
 /* The name of a status, for messages ("no convergence"). Never NULL. */
 const char *saltus_status_name(saltus_status status);
 
-/* Write a formatted sentence into `message` (which may be NULL) and return `status`. */
+/* Write a formatted sentence into `message` (which may be NULL) and return `status`. One that is too long
+ * loses its middle, with "..." in its place. */
 saltus_status saltus_fail(saltus_message *message, saltus_status status, const char *format, ...)
 #if defined(__GNUC__)
     __attribute__((format(printf, 3, 4)))

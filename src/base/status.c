@@ -3,6 +3,8 @@
 
 #include <stdarg.h>
 #include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 
 const char *saltus_status_name(saltus_status status) {
     switch (status) {
@@ -26,12 +28,36 @@ const char *saltus_status_name(saltus_status status) {
     return "unknown status";
 }
 
+/* Whether a byte of UTF-8 goes on with the character before it. */
+static int goes_on(char byte) {
+    return ((unsigned char)byte & 0xc0) == 0x80;
+}
+
+/* A sentence that is too long, because of a file's name mostly, loses its middle: it begins with what it is
+ * about and ends with what is wrong. */
+static void shorten(saltus_message *message, const char *whole, size_t length) {
+    size_t begin = 200, end = length - (sizeof message->text - 1 - begin - strlen("..."));
+    while (begin > 0 && goes_on(whole[begin]))
+        begin--;
+    while (goes_on(whole[end]))
+        end++;
+    snprintf(message->text, sizeof message->text, "%.*s...%s", (int)begin, whole, whole + end);
+}
+
 saltus_status saltus_fail(saltus_message *message, saltus_status status, const char *format, ...) {
-    if (message) {
-        va_list arguments;
+    va_list arguments;
+    if (!message)
+        return status;
+    va_start(arguments, format);
+    int length = vsnprintf(message->text, sizeof message->text, format, arguments);
+    va_end(arguments);
+    char *whole = length >= (int)sizeof message->text ? malloc((size_t)length + 1) : NULL;
+    if (whole) {
         va_start(arguments, format);
-        vsnprintf(message->text, sizeof message->text, format, arguments);
+        vsnprintf(whole, (size_t)length + 1, format, arguments);
         va_end(arguments);
+        shorten(message, whole, (size_t)length);
+        free(whole);
     }
     return status;
 }

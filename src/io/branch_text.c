@@ -27,16 +27,24 @@ static bool is_listed(const saltus_branch_file *file, const saltus_branch_point 
 /* The leading multiplier, and others that are not well inside the unit circle; a complex pair is named once.
  */
 static void name_multipliers(const saltus_branch_point *point, char *text, size_t room) {
+    static const char more[] = ", ...";
     const double well_inside = log(0.5);
     size_t used = 0;
     text[0] = '\0';
-    for (int k = 0; k < point->dimension && used < room; k++) {
+    for (int k = 0; k < point->dimension; k++) {
         const saltus_multiplier *m = &point->multipliers[k];
+        char one[64];
         if (k > 0 && !(m->log_modulus > well_inside))
             return;
-        used += (size_t)snprintf(text + used, room - used, "%s%.4g", k ? ", " : "", m->re);
-        if (m->im != 0 && used < room)
-            used += (size_t)snprintf(text + used, room - used, " +- %.4gi", fabs(m->im));
+        int length = snprintf(one, sizeof one, "%s%.4g", k ? ", " : "", m->re);
+        if (m->im != 0)
+            length += snprintf(one + length, sizeof one - (size_t)length, " +- %.4gi", fabs(m->im));
+        if (used + (size_t)length + sizeof more > room) {
+            memcpy(text + used, more, sizeof more);
+            return;
+        }
+        memcpy(text + used, one, (size_t)length + 1);
+        used += (size_t)length;
         k += m->im != 0;
     }
 }

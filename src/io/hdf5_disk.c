@@ -137,14 +137,14 @@ static const H5FD_class_t disk_class = {
 };
 
 /* How files are opened: with the driver above, and in the oldest format that holds them, whatever the version
- * of HDF5 may be. */
+ * of HDF5 may be. The driver must outlive the file: where the file was the last to hold it, HDF5 (1.10) frees
+ * it before it calls its close. */
 static hid_t access_list(saltus_h5_disk *disk) {
-    hid_t access = H5Pcreate(H5P_FILE_ACCESS), driver = H5FDregister(&disk_class);
-    bool sound = access >= 0 && driver >= 0 && H5Pset_driver(access, driver, &disk) >= 0 &&
+    hid_t access = H5Pcreate(H5P_FILE_ACCESS);
+    disk->driver = H5FDregister(&disk_class);
+    bool sound = access >= 0 && disk->driver >= 0 && H5Pset_driver(access, disk->driver, &disk) >= 0 &&
                  H5Pset_fclose_degree(access, H5F_CLOSE_STRONG) >= 0 &&
                  H5Pset_libver_bounds(access, H5F_LIBVER_EARLIEST, H5F_LIBVER_V18) >= 0;
-    if (driver >= 0)
-        H5FDunregister(driver);
     if (!sound && access >= 0)
         H5Pclose(access);
     return sound ? access : -1;
@@ -152,7 +152,7 @@ static hid_t access_list(saltus_h5_disk *disk) {
 
 void saltus_h5_disk_create(saltus_h5 *w, saltus_h5_disk *disk, const char *path) {
     *w = (saltus_h5){.file = -1, .sound = true};
-    *disk = (saltus_h5_disk){.descriptor = open(path, O_RDWR | O_TRUNC | O_CLOEXEC)};
+    *disk = (saltus_h5_disk){.descriptor = open(path, O_RDWR | O_TRUNC | O_CLOEXEC), .driver = -1};
     if (disk->descriptor < 0)
         disk->reason = errno;
     hid_t access = disk->reason ? -1 : access_list(disk);
@@ -178,6 +178,9 @@ void saltus_h5_disk_finish(saltus_h5 *w, saltus_h5_disk *disk, bool durable) {
     if (w->file >= 0)
         saltus_h5_note(w, H5Fclose(w->file) >= 0);
     w->file = -1;
+    if (disk->driver >= 0)
+        H5FDunregister(disk->driver);
+    disk->driver = -1;
     if (w->sound && !disk->reason && !put_seal(disk->descriptor))
         disk->reason = errno;
     if (w->sound && !disk->reason && durable && fsync(disk->descriptor) != 0)

@@ -12,6 +12,7 @@
 typedef struct saltus_h5_disk {
     int descriptor; /* -1: not open */
     int reason;     /* errno of the first failure, otherwise 0 */
+    hid_t driver;   /* kept while the file is open; negative: none */
 } saltus_h5_disk;
 
 /* A new file in place of the contents of the one at `path`, which must exist. */

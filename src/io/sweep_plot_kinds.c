@@ -194,10 +194,10 @@ bool saltus_map_basins(saltus_map *map) {
     return true;
 }
 
-/* Which entry of a state a key names: q1, v1, ...; negative or beyond the last one: none. */
+/* Which entry of a state a key names: q1, v1, z1, ...; negative or beyond the last one: none. */
 static int entry_of(const saltus_map *map, const char *key) {
-    int k = atoi(key + 1) - 1;
-    return key[0] == 'v' ? k + saltus_system_dof(map->page->system) : k;
+    int k = atoi(key + 1) - 1, dof = saltus_system_dof(map->page->system);
+    return key[0] == 'z' ? k + 2 * dof : key[0] == 'v' ? k + dof : k;
 }
 
 void saltus_map_put_orbits(const saltus_map *map) {

@@ -81,22 +81,30 @@ void saltus_sweep_name_measure(const saltus_sweep_page *page, saltus_line *line)
     }
 }
 
-/* Whether a key is an entry of the initial state: q1, v1, ... */
+/* Whether a key is an entry of the initial state: q1, v1, z1, ... */
 static bool is_initial(const char *key) {
-    return (key[0] == 'q' || key[0] == 'v') && key[1] >= '1' && key[1] <= '9';
+    return (key[0] == 'q' || key[0] == 'v' || key[0] == 'z') && key[1] >= '1' && key[1] <= '9';
+}
+
+static void add_initial(const char *key, saltus_line *line) {
+    saltus_line_add(line, "{/:Italic %c}%s_{%s}", key[0] == 'z' ? 'z' : 'q', key[0] == 'v' ? "′" : "",
+                    key + 1);
 }
 
 static void name_axis(const saltus_sweep_page *page, const char *key, saltus_line *line) {
-    if (is_initial(key))
-        saltus_line_add(line, "initial %s  {/:Italic q}%s_{%s}", key[0] == 'q' ? "displacement" : "velocity",
-                        key[0] == 'q' ? "" : "′", key + 1);
-    else
+    if (is_initial(key)) {
+        saltus_line_add(line, "initial %s  ",
+                        key[0] == 'q'   ? "displacement"
+                        : key[0] == 'v' ? "velocity"
+                                        : "force");
+        add_initial(key, line);
+    } else
         saltus_plot_name_parameter(&page->sweep->spec, key, line);
 }
 
 static void add_symbol(const char *key, saltus_line *line) {
     if (is_initial(key))
-        saltus_line_add(line, "{/:Italic q}%s_{%s}", key[0] == 'q' ? "" : "′", key + 1);
+        add_initial(key, line);
     else
         saltus_line_symbol(line, key);
 }

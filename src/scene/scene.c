@@ -47,10 +47,13 @@ static saltus_status check_text(const saltus_source *source) {
     return SALTUS_OK;
 }
 
-/* The file's name without folder and ending. */
+/* The file's name without folder and ending; a long one is cut between two characters. */
 static void set_name(saltus_scene *scene, const char *origin) {
     const char *slash = strrchr(origin, '/'), *base = slash ? slash + 1 : origin, *dot = strrchr(base, '.');
-    size_t length = dot && dot != base ? (size_t)(dot - base) : strlen(base);
+    size_t length = dot && dot != base ? (size_t)(dot - base) : strlen(base), room = sizeof scene->name - 1;
+    if (length > room)
+        for (length = room; length > 0 && ((unsigned char)base[length] & 0xc0) == 0x80;)
+            length--;
     snprintf(scene->name, sizeof scene->name, "%.*s", (int)length, base);
 }
 

@@ -53,9 +53,9 @@ static saltus_status check_options(const saltus_sweep_options *o, saltus_message
     return SALTUS_OK;
 }
 
-/* Whether a key is an entry of the initial state: q, v or e with a number. */
+/* Whether a key is an entry of the initial state: q, v or z with a number. */
 static bool is_start_key(const char *key) {
-    return strchr("qve", key[0]) && key[1] >= '1' && key[1] <= '9' &&
+    return strchr("qvz", key[0]) && key[1] >= '1' && key[1] <= '9' &&
            strspn(key + 1, "0123456789") == strlen(key + 1);
 }
 
