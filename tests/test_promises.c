@@ -466,6 +466,27 @@ static void directions_move_their_key_alone(void **unused) {
     }
 }
 
+/* What has been cleared, and what has never been filled, may be cleared. */
+static void zeroed_results_are_accepted(void **unused) {
+    (void)unused;
+    saltus_motion motion = {.state = NULL};
+    saltus_attractors attractors = {.motions = NULL};
+    saltus_harvest harvest = {.orbits = NULL};
+    saltus_lyapunov lyapunov = {.exponents = NULL};
+    saltus_spectrum spectrum = {.lines = NULL};
+    saltus_spectra spectra = {.count = 0};
+    for (int k = 0; k < 2; k++) {
+        saltus_motion_clear(&motion);
+        saltus_attractors_clear(&attractors);
+        saltus_harvest_clear(&harvest);
+        saltus_lyapunov_clear(&lyapunov);
+        saltus_spectrum_clear(&spectrum);
+        saltus_spectra_clear(&spectra);
+    }
+    assert_true(!motion.state && !attractors.motions && !harvest.orbits && !lyapunov.exponents);
+    assert_true(!spectrum.density && !spectrum.lines && spectra.count == 0);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_status_has_a_name),
@@ -479,6 +500,7 @@ int main(void) {
         cmocka_unit_test(default_states_are_admissible),
         cmocka_unit_test(states_are_checked),
         cmocka_unit_test(directions_move_their_key_alone),
+        cmocka_unit_test(zeroed_results_are_accepted),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -856,6 +856,13 @@ static void unsuitable_input(void **unused) {
                      SALTUS_BAD_INPUT);
     assert_int_equal(saltus_signal_lines(&signal, 0, 0, lines, &line_count, &fraction, &message),
                      SALTUS_BAD_INPUT);
+    signal.count = 63;
+    assert_int_equal(saltus_signal_lines(&signal, 0, 4, lines, &line_count, &fraction, &message),
+                     SALTUS_BAD_INPUT);
+    signal.count = 64;
+    check_ok(saltus_signal_lines(&signal, 0, 4, lines, &line_count, &fraction, &message), &message);
+    check_ok(saltus_series_broadband(samples, 64, &fraction, &message), &message);
+    signal.count = count;
     samples[100] = NAN;
     assert_int_equal(saltus_signal_orbits(&signal, 1, &s, &message), SALTUS_BAD_INPUT);
     assert_non_null(strstr(message.text, "sample 100"));
@@ -1375,7 +1382,8 @@ static void unsuitable_wishes(void **unused) {
     saltus_message message = {""};
     saltus_spectra spectra;
     double state[10] = {0.001};
-    for (int wish = 0; wish < 9; wish++) {
+    static const int per_period[] = {12, 18, 65540, -16};
+    for (int wish = 0; wish < 13; wish++) {
         options = good;
         if (wish == 0)
             options.per_period = 18;
@@ -1393,12 +1401,22 @@ static void unsuitable_wishes(void **unused) {
             options.confidence = 0;
         else if (wish == 7)
             options.reach = NAN;
+        else if (wish < 12)
+            options.per_period = per_period[wish - 8];
         else
             options.segment = -1;
         assert_int_equal(saltus_spectra_run(system, state, 4, &options, &spectra, &message),
                          SALTUS_BAD_INPUT);
         assert_true(spectra.count == 0 && message.text[0]);
     }
+    /* The least that is allowed. */
+    options = good;
+    options.per_period = 16;
+    options.periods = 2;
+    options.quantity_count = 1;
+    check_ok(saltus_spectra_run(system, state, 1, &options, &spectra, &message), &message);
+    assert_true(spectra.per_period == 16 && spectra.analysed == 2);
+    saltus_spectra_clear(&spectra);
     state[0] = 0.05;
     assert_int_equal(saltus_spectra_run(system, state, 4, &good, &spectra, &message), SALTUS_BAD_INPUT);
     saltus_system_free(system);
