@@ -373,6 +373,53 @@ static void means_of_one_kind_add_up(void **unused) {
     assert_false(saltus_average_estimate(&one).weighted || saltus_average_estimate(&one).regular);
 }
 
+/* Parts are of whole batches and of nothing else; of fewer than 16 there is a mean and no error. */
+static void parts_are_whole_batches(void **unused) {
+    (void)unused;
+    static const double cuts[] = {0.01, 0.1, 0.33, 0.5, 0.99};
+    saltus_average average = {0};
+    uint64_t random = 9;
+    for (int n = 1; n <= 3000; n++) {
+        saltus_average_add(&average, normal(&random));
+        if (n != 40 && n != 1023 && n != 3000)
+            continue;
+        saltus_estimate all = saltus_average_part(&average, 0, 1), whole = saltus_average_estimate(&average);
+        assert_true(all.mean == whole.mean && all.standard_error == whole.standard_error);
+        assert_true(all.count == whole.count && all.independent == 0);
+        for (int k = 0; k < 5; k++) {
+            saltus_estimate parts[2] = {saltus_average_part(&average, 0, cuts[k]),
+                                        saltus_average_part(&average, cuts[k], 1)};
+            double sum = 0;
+            assert_int_equal(parts[0].count + parts[1].count, average.size * average.batches);
+            for (int p = 0; p < 2; p++) {
+                long long batches = parts[p].count / average.size;
+                assert_int_equal(parts[p].count % average.size, 0);
+                check_near((double)batches, (p ? 1 - cuts[k] : cuts[k]) * average.batches, 1);
+                assert_true(parts[p].independent == 0);
+                assert_true((parts[p].standard_error == INFINITY) == (batches < 16));
+                sum += parts[p].weighted ? NAN : parts[p].mean * (double)parts[p].count;
+            }
+            check_near(sum, saltus_average_plain(&average).mean * (double)all.count, 1e-9);
+        }
+    }
+}
+
+/* What is joined of one run is the run. */
+static void one_run_is_itself(void **unused) {
+    (void)unused;
+    for (int regular = 0; regular < 2; regular++) {
+        saltus_average average = {0};
+        uint64_t random = 4;
+        for (int n = 0; n < 500; n++)
+            saltus_average_add(&average, regular ? cos(n) : normal(&random));
+        saltus_estimate one = saltus_average_estimate(&average), joint = saltus_estimates_join(&one, 1);
+        assert_true(joint.mean == one.mean && joint.independent == one.independent);
+        check_near(joint.standard_error, one.standard_error, 1e-15 * one.standard_error);
+        assert_true(joint.count == one.count && joint.regular == one.regular &&
+                    joint.weighted == one.weighted && one.regular == regular);
+    }
+}
+
 /* Errors of regular runs are bounds: their mean is stated; those of others fall with the number of runs. All
  * else adds up, and is said of all only where it holds of each. */
 static void runs_join(void **unused) {
@@ -407,6 +454,8 @@ int main(void) {
         cmocka_unit_test(one_outlier),
         cmocka_unit_test(batches_double),
         cmocka_unit_test(parts_and_joins),
+        cmocka_unit_test(parts_are_whole_batches),
+        cmocka_unit_test(one_run_is_itself),
         cmocka_unit_test(independent_values),
         cmocka_unit_test(means_of_one_kind_add_up),
         cmocka_unit_test(runs_join),

@@ -189,6 +189,48 @@ static void members_that_part_do_not_agree(void **unused) {
     saltus_system_free(system);
 }
 
+/* What is precise is as precise as was asked for, or known to 1e-6 per period; what is not has used what it
+ * had. Columns of the flow are none of the caller's business. */
+static void precision_is_what_was_asked_for(void **unused) {
+    (void)unused;
+    saltus_spec free_spec = oscillator_spec(0, 1, 1, 0.3183);
+    saltus_system *systems[] = {struck_oscillator(0.1, 1, 1), struck_oscillator(0.1, 0.8, 0),
+                                build(&free_spec), build(&free_spec)};
+    static const double precisions[] = {1e-7, 0.03, 0.3};
+    const double start[2] = {-0.3, 0.1};
+    int precise = 0, beyond = 0;
+    for (int k = 0; k < 12; k++) {
+        const saltus_system *system = systems[k / 3];
+        saltus_lyapunov_options options = saltus_lyapunov_defaults();
+        options.members = 3;
+        options.transient = 200;
+        options.periods = 3000;
+        options.flow.rtol = k < 9 ? 1e-10 : 1e-6; /* steps that leave more than 1e-6 in a period */
+        options.precision = precisions[k % 3];
+        saltus_lyapunov l = measure(system, start, &options);
+        double asked = options.precision * fabs(l.exponents[0]), per_period = 1e-6 / l.period;
+        assert_true(!l.precise || l.standard_errors[0] <= fmax(asked, per_period));
+        assert_true(l.periods <= options.periods);
+        assert_true(k < 9 || !l.precise);
+        precise += l.precise;
+        beyond += l.precise && l.standard_errors[0] > asked;
+        if (!l.precise) /* no trajectory could have gone on for its shortest stretch */
+            assert_true(l.transient > 500 || l.periods > options.periods * 3 / 4);
+        if (k % 3 == 2) {
+            options.flow.columns = 7;
+            options.flow.directions = 1;
+            saltus_lyapunov again = measure(system, start, &options);
+            assert_true(again.exponents[0] == l.exponents[0] && again.periods == l.periods &&
+                        again.standard_errors[0] == l.standard_errors[0]);
+            saltus_lyapunov_clear(&again);
+        }
+        saltus_lyapunov_clear(&l);
+    }
+    assert_true(precise >= 4 && precise <= 7 && beyond >= 1);
+    for (int k = 0; k < 4; k++)
+        saltus_system_free(systems[k]);
+}
+
 /* What a caller sees on the way. */
 typedef struct witness {
     const saltus_lyapunov *result;
@@ -835,6 +877,7 @@ int main(void) {
         cmocka_unit_test(events_of_a_run_are_recounted),
         cmocka_unit_test(members_make_the_whole),
         cmocka_unit_test(members_that_part_do_not_agree),
+        cmocka_unit_test(precision_is_what_was_asked_for),
         cmocka_unit_test(progress_is_told),
         cmocka_unit_test(every_second_estimate_is_kept),
         cmocka_unit_test(seeds_disturb),

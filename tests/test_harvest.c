@@ -410,6 +410,12 @@ static void images_half_a_period_later(void **unused) {
                 check_near(found->orbit.state[i], (double)at[k ^ first].state[i], 1e-9);
         }
         saltus_harvest_clear(&harvest);
+        /* With room for one the image of a pair is left out, and is none. */
+        options.most = 1;
+        check_ok(saltus_harvest_run(system, &options, &harvest, &message), &message);
+        assert_int_equal(harvest.count, 1);
+        assert_int_equal(harvest.orbits[0].mirror, pair ? -1 : 0);
+        saltus_harvest_clear(&harvest);
         saltus_system_free(system);
     }
 }
@@ -486,6 +492,78 @@ static void options_out_of_range_are_refused(void **unused) {
         assert_true(fine || (message.text[0] && !harvest.orbits));
         saltus_harvest_clear(&harvest);
     }
+    saltus_system_free(system);
+}
+
+/* A refusal is final, and what there is by then is told as it would be of a whole run. */
+typedef struct refusal {
+    double at, seen;
+    bool refused;
+} refusal;
+
+static bool refuse_once(void *context, double done) {
+    refusal *r = context;
+    assert_false(r->refused);
+    r->seen = done;
+    r->refused = done >= r->at;
+    return !r->refused;
+}
+
+static void a_refusal_is_final(void **unused) {
+    (void)unused;
+    static const double places[] = {0, 0.2, 0.5, 0.6, 0.8};
+    saltus_system *system = chaotic_oscillator();
+    int before = 0;
+    for (int k = 0; k < 5; k++) {
+        saltus_harvest_options options = saltus_harvest_defaults();
+        saltus_message message = {""};
+        saltus_harvest harvest;
+        refusal r = {.at = places[k]};
+        options.periods = 1000;
+        options.longest = 5;
+        options.tries = 5;
+        options.progress = refuse_once;
+        options.context = &r;
+        check_ok(saltus_harvest_run(system, &options, &harvest, &message), &message);
+        assert_true(r.refused && r.seen >= places[k]);
+        if (k < 2)
+            assert_true(harvest.periods == (long long)(2 * r.seen * 1100 + 0.5));
+        else
+            assert_int_equal(harvest.periods, 1100);
+        assert_true(k > 2 ? harvest.count > 0 : harvest.count == 0 && harvest.candidates == 0);
+        assert_true(harvest.count >= before);
+        before = harvest.count;
+        distinct(system, &harvest);
+        sorted(&harvest);
+        for (int o = 0; o < harvest.count; o++)
+            assert_true(harvest.orbits[o].orbit.periods <= 5 * places[k] + 1 &&
+                        harvest.orbits[o].mirror == -1);
+        saltus_harvest_clear(&harvest);
+    }
+    saltus_system_free(system);
+}
+
+/* Columns of the flow are the method's own business, other options of the flow are the caller's. */
+static void columns_of_the_flow_are_ignored(void **unused) {
+    (void)unused;
+    saltus_system *system = chaotic_oscillator();
+    saltus_harvest_options options = saltus_harvest_defaults();
+    saltus_message message = {""};
+    saltus_harvest plain, other;
+    options.periods = 300;
+    options.longest = 3;
+    options.tries = 3;
+    check_ok(saltus_harvest_run(system, &options, &plain, &message), &message);
+    options.flow.columns = 5;
+    check_ok(saltus_harvest_run(system, &options, &other, &message), &message);
+    assert_true(plain.count > 0 && other.count == plain.count && other.candidates == plain.candidates);
+    for (int k = 0; k < plain.count; k++)
+        assert_memory_equal(plain.orbits[k].orbit.state, other.orbits[k].orbit.state, 2 * sizeof(double));
+    saltus_harvest_clear(&plain);
+    saltus_harvest_clear(&other);
+    options.flow.rtol = 0;
+    assert_int_equal(saltus_harvest_run(system, &options, &other, &message), SALTUS_BAD_INPUT);
+    assert_true(!other.orbits && other.count == 0 && message.text[0]);
     saltus_system_free(system);
 }
 
@@ -583,6 +661,8 @@ int main(void) {
         cmocka_unit_test(images_half_a_period_later),
         cmocka_unit_test(settled_motion),
         cmocka_unit_test(progress_is_told),
+        cmocka_unit_test(a_refusal_is_final),
+        cmocka_unit_test(columns_of_the_flow_are_ignored),
         cmocka_unit_test(what_flies_away_is_given_up),
         cmocka_unit_test(a_narrow_gap_has_random_starts),
         cmocka_unit_test(options_out_of_range_are_refused),

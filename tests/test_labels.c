@@ -671,6 +671,50 @@ static void settling_is_the_flow(void **unused) {
     saltus_system_free(system);
 }
 
+/* What the flow refuses is refused by all, with a word, and nothing is left to be freed; a state stays as it
+ * was. */
+static void what_the_flow_refuses_is_refused(void **unused) {
+    (void)unused;
+    closed_oscillator o = closed_example_of(closed_mirrored);
+    closed_orbit closed;
+    o.omega = 3.6L;
+    assert_true(closed_orbit_at(&o, 1, &closed));
+    saltus_spec spec = closed_spec(&o);
+    saltus_system *system = build(&spec);
+    saltus_orbit_options shooting = saltus_orbit_defaults();
+    saltus_message message = {""};
+    saltus_orbit orbit;
+    double state[2] = {(double)closed.state[0], (double)closed.state[1]}, beyond = 2 * (double)o.d;
+    check_ok(saltus_orbit_find(system, 1, state, &shooting, &orbit, &message), &message);
+    for (int k = 0; k < 3; k++) {
+        saltus_classify_options options = saltus_classify_defaults();
+        saltus_motion motion;
+        saltus_attractors attractors;
+        state[0] = k == 0 ? beyond : (double)closed.state[0];
+        options.flow.rtol = k == 1 ? 0 : options.flow.rtol;
+        options.flow.atol = k == 2 ? -1 : options.flow.atol;
+        const double kept[2] = {state[0], state[1]};
+        message = (saltus_message){""};
+        assert_int_equal(saltus_classify(system, state, &options, &motion, &message), SALTUS_BAD_INPUT);
+        assert_true(message.text[0] && !motion.state && !motion.events && motion.dimension == 0);
+        saltus_motion_clear(&motion);
+        assert_int_equal(saltus_motion_mirror(system, &options.flow, state, &message), SALTUS_BAD_INPUT);
+        assert_int_equal(saltus_motion_settle(system, &options.flow, 1, state, &message), SALTUS_BAD_INPUT);
+        assert_true(state[0] == kept[0] && state[1] == kept[1]);
+        if (k == 0)
+            continue;
+        message = (saltus_message){""};
+        assert_int_equal(saltus_motion_describe(system, &orbit, &options, &motion, &message),
+                         SALTUS_BAD_INPUT);
+        assert_true(message.text[0] && !motion.state && motion.dimension == 0);
+        assert_int_equal(saltus_attractors_find(system, 3, 1, &options, &attractors, &message),
+                         SALTUS_BAD_INPUT);
+        assert_true(!attractors.motions && !attractors.shares && attractors.count == 0);
+    }
+    saltus_orbit_clear(&orbit);
+    saltus_system_free(system);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(closed_orbits_are_told),
@@ -687,6 +731,7 @@ int main(void) {
         cmocka_unit_test(a_pulsating_load_holds),
         cmocka_unit_test(what_has_settled),
         cmocka_unit_test(settling_is_the_flow),
+        cmocka_unit_test(what_the_flow_refuses_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -589,12 +589,42 @@ static void spectra_are_the_same_in_every_format(void **state) {
     saltus_system_free(s.system);
 }
 
+/* Another ending is refused, and where nothing can be written nothing is left. */
+static void spectra_go_where_they_can(void **state) {
+    (void)state;
+    static const struct {
+        const char *name;
+        saltus_status status;
+    } rows[] = {{"s.txt", SALTUS_BAD_INPUT},     {"s", SALTUS_BAD_INPUT},      {"csv", SALTUS_BAD_INPUT},
+                {"missing/s.csv", SALTUS_IO},    {"missing/s.svg", SALTUS_IO}, {"s.csv", SALTUS_OK},
+                {"s.csv/inside.csv", SALTUS_IO}, {"s.h5", SALTUS_BAD_INPUT}};
+    setting s;
+    made_spectra m;
+    saltus_flow_options flow = saltus_flow_defaults();
+    char folder[] = "/tmp/saltus-test-XXXXXX", path[96];
+    make(&s, 1);
+    make_spectra(&m, SALTUS_SPECTRUM_LINES);
+    assert_non_null(mkdtemp(folder));
+    for (size_t k = 0; k < sizeof rows / sizeof rows[0]; k++) {
+        saltus_message message = {""};
+        snprintf(path, sizeof path, "%s/%s", folder, rows[k].name);
+        saltus_status status =
+            saltus_spectra_write(&s.scene, s.system, &made_motion, &m.s, &flow, path, &message);
+        assert_int_equal(status, rows[k].status);
+        assert_int_equal(message.text[0] != 0, status != SALTUS_OK);
+    }
+    assert_int_equal(folder_files(folder, true), 1);
+    assert_int_equal(rmdir(folder), 0);
+    saltus_system_free(s.system);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(rests_are_told),
         cmocka_unit_test(exponents_are_told),
         cmocka_unit_test(spectra_are_told),
         cmocka_unit_test(spectra_are_the_same_in_every_format),
+        cmocka_unit_test(spectra_go_where_they_can),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

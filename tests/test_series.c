@@ -1176,6 +1176,53 @@ static void unsuitable_options(void **unused) {
     drop(&s);
 }
 
+/* Of periods with as many laminar points the shortest is told; what does not vary at all has period 1. */
+static void the_shortest_period_is_laminar(void **unused) {
+    (void)unused;
+    enum { count = 400 };
+    double values[count];
+    for (int p = 1; p <= 6; p++) {
+        for (int k = 0; k < count; k++)
+            values[k] = p == 1 ? 0.7 : cos(2 * M_PI * (k % p) / p + 1);
+        for (int longest = 1; longest <= 14; longest++) {
+            saltus_series_phases phases =
+                saltus_series_laminar_phases(&(saltus_series_points){values, NULL, count, 1}, longest);
+            assert_int_equal(phases.period, longest < p ? 0 : p);
+            assert_true(phases.laminar == (longest < p ? 0 : 1));
+            assert_int_equal(phases.longest, longest < p ? 0 : count);
+        }
+    }
+}
+
+/* Equal input, equal results, bit for bit, where pairs and angles are drawn as well. */
+static void equal_input_gives_equal_results(void **unused) {
+    (void)unused;
+    sample s = make(henon, 1000, 2);
+    saltus_series_options options = saltus_series_defaults();
+    saltus_series_points points = points_of(&s);
+    saltus_message message = {""};
+    saltus_series_chaos chaos[2];
+    saltus_series_dimension dimension[2];
+    saltus_series_curve curve[2];
+    options.pairs = 100000;
+    options.frequencies = 9;
+    options.seed = 77;
+    for (int k = 0; k < 2; k++) {
+        check_ok(saltus_series_chaos_test(s.values, 1000, &options, &chaos[k], &message), &message);
+        check_ok(saltus_series_correlation_dimension(&points, &options, &dimension[k], &message), &message);
+        check_ok(saltus_series_closed_curve(&points, &options, &curve[k], &message), &message);
+        options.seed += (unsigned long)k;
+    }
+    assert_true(chaos[0].k == chaos[1].k && chaos[0].lower == chaos[1].lower &&
+                chaos[0].upper == chaos[1].upper && chaos[0].k != 0);
+    assert_true(dimension[0].dimension == dimension[1].dimension &&
+                dimension[0].error == dimension[1].error && dimension[0].pairs == dimension[1].pairs &&
+                dimension[0].within == dimension[1].within);
+    assert_true(curve[0].thickness == curve[1].thickness && curve[0].kept == curve[1].kept &&
+                curve[0].balance == curve[1].balance && curve[0].ends == curve[1].ends);
+    drop(&s);
+}
+
 static void unsuitable_series(void **unused) {
     (void)unused;
     sample s = make(henon, 1000, 1);
@@ -1270,6 +1317,8 @@ int main(void) {
         cmocka_unit_test(curves_are_counted),
         cmocka_unit_test(neighbours_that_part),
         cmocka_unit_test(laminar_phases_are_counted),
+        cmocka_unit_test(the_shortest_period_is_laminar),
+        cmocka_unit_test(equal_input_gives_equal_results),
         cmocka_unit_test(unsuitable_points),
         cmocka_unit_test(unsuitable_options),
         cmocka_unit_test(unsuitable_series),

@@ -274,6 +274,64 @@ static void options_take_effect(void **unused) {
     saltus_system_free(system);
 }
 
+/* Of a motion without a verdict nothing is told as measured: where nothing may be, too little, or where the
+ * caller stops. How far it goes is told all the same, unless it was stopped. */
+static void what_is_not_measured_is_no_number(void **unused) {
+    (void)unused;
+    saltus_system *system = closed_system(&chaotic);
+    const double start[2] = {-0.2, 0.1};
+    for (int k = 0; k < 3; k++) {
+        saltus_classify_options options = saltus_classify_defaults();
+        reports seen = {.most = k == 2 ? 1 : 1000000};
+        options.transient = 100;
+        options.measure = k == 1 ? 100 : 0;
+        options.progress = report;
+        options.context = &seen;
+        saltus_motion motion = classify(system, start, &options);
+        const saltus_evidence *e = &motion.evidence;
+        assert_string_equal(motion.label, "undecided");
+        assert_true(isnan(motion.lyapunov) && isnan(motion.lyapunov_error));
+        assert_true(e->periods == 0 && e->history_count == 0 && !e->history && e->left == 0);
+        assert_true(isnan(e->zero_one) && isnan(e->zero_one_quartiles[0]) && isnan(e->zero_one_quartiles[1]));
+        assert_true(isnan(e->dimension) && isnan(e->dimension_error) && isnan(e->broadband));
+        assert_true(isnan(e->half[0]) && isnan(e->half[1]) && isnan(e->half_errors[0]) &&
+                    isnan(e->half_errors[1]) && isnan(e->impacts_per_period));
+        assert_true(e->curves == 0 && e->laminar_period == 0 && !e->left_for[0] && !e->stable_orbit[0]);
+        recount r = recount_from(system, motion.state, 400);
+        if (k < 2) {
+            check_near(motion.largest, 0, 1e-12); /* the stop */
+            check_near(motion.smallest, r.smallest, 0.02 * fabs(r.smallest));
+        } else
+            assert_true(motion.largest == motion.state[0] && motion.smallest == motion.state[0]);
+        saltus_motion_clear(&motion);
+    }
+    saltus_system_free(system);
+}
+
+/* The integrator that was asked for is told, whatever the motion; what has no orbit has no mirror image. */
+static void what_was_asked_for_is_told(void **unused) {
+    (void)unused;
+    static const saltus_integrator integrators[] = {SALTUS_AUTOMATIC, SALTUS_RADAU};
+    const double start[2] = {0.1, 0};
+    for (int k = 0; k < 6; k++) {
+        saltus_spec spec = oscillator_spec(0.3, 1, k % 3 ? 0.5 : 0, 1.1);
+        add_stop(&spec, 0.2, 0.5, SALTUS_BOTH);
+        saltus_system *system = build(&spec);
+        saltus_classify_options options = saltus_classify_defaults();
+        options.flow.integrator = integrators[k / 3];
+        options.measure = 0;
+        options.transient = k % 3 == 2 ? 1 : 2000;
+        saltus_motion motion = classify(system, start, &options);
+        assert_true(motion.integrator == options.flow.integrator);
+        if (k % 3 == 2)
+            assert_true(motion.kind == SALTUS_UNDECIDED && motion.mirror == SALTUS_MIRROR_NONE);
+        else
+            assert_true(saltus_motion_settled(&motion) && motion.mirror != SALTUS_MIRROR_NONE);
+        saltus_motion_clear(&motion);
+        saltus_system_free(system);
+    }
+}
+
 static void options_out_of_range_are_refused(void **unused) {
     (void)unused;
     saltus_system *system = closed_system(&chaotic);
@@ -403,6 +461,53 @@ static void shares_are_those_of_single_states(void **unused) {
     assert_true(several >= 2);
 }
 
+/* A caller who refuses to go on, once, in the n-th motion: its search ends, and so does all of it. */
+typedef struct refusal {
+    int asked, refuse_at, motions, refused_in;
+    long long last;
+} refusal;
+
+static bool refuse_once(void *context, long long periods, long long at_most) {
+    refusal *r = context;
+    (void)at_most;
+    r->motions += periods <= r->last;
+    r->last = periods;
+    if (++r->asked == r->refuse_at)
+        r->refused_in = r->motions;
+    return r->asked != r->refuse_at;
+}
+
+static void a_refusal_ends_the_search_for_attractors(void **unused) {
+    (void)unused;
+    closed_oscillator settling = closed_example_of(closed_one_period);
+    for (int k = 0; k < 2; k++) {
+        saltus_system *system = closed_system(k ? &chaotic : &settling);
+        for (int at = 1; at <= 5; at += 2) {
+            saltus_classify_options options = saltus_classify_defaults();
+            saltus_message message = {""};
+            saltus_attractors found;
+            refusal r = {.refuse_at = at, .last = -1};
+            int sum = 0;
+            options.measure = 0;
+            options.transient = 200;
+            options.progress = refuse_once;
+            options.context = &r;
+            check_ok(saltus_attractors_find(system, 9, 5, &options, &found, &message), &message);
+            assert_int_equal(r.asked, at);
+            assert_true(found.seeds == r.refused_in || found.seeds == r.refused_in + 1);
+            assert_true(found.seeds < 9);
+            for (int a = 0; a < found.count; a++) {
+                sum += found.shares[a];
+                /* Only what was complete: nothing of it says that it was stopped. */
+                assert_null(strstr(found.motions[a].reason, "(stopped)"));
+            }
+            assert_int_equal(sum, found.seeds);
+            saltus_attractors_clear(&found);
+        }
+        saltus_system_free(system);
+    }
+}
+
 static void seeds_are_within_limits(void **unused) {
     (void)unused;
     closed_oscillator o = closed_example_of(closed_one_period);
@@ -432,9 +537,12 @@ int main(void) {
         cmocka_unit_test(folds_let_pass),
         cmocka_unit_test(hundreds_of_impacts_are_counted),
         cmocka_unit_test(options_take_effect),
+        cmocka_unit_test(what_is_not_measured_is_no_number),
+        cmocka_unit_test(what_was_asked_for_is_told),
         cmocka_unit_test(options_out_of_range_are_refused),
         cmocka_unit_test(longest_is_the_longest),
         cmocka_unit_test(shares_are_those_of_single_states),
+        cmocka_unit_test(a_refusal_ends_the_search_for_attractors),
         cmocka_unit_test(seeds_are_within_limits),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

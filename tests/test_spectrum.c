@@ -856,6 +856,13 @@ static void unsuitable_input(void **unused) {
                      SALTUS_BAD_INPUT);
     assert_int_equal(saltus_signal_lines(&signal, 0, 0, lines, &line_count, &fraction, &message),
                      SALTUS_BAD_INPUT);
+    signal.count = 63;
+    assert_int_equal(saltus_signal_lines(&signal, 0, 4, lines, &line_count, &fraction, &message),
+                     SALTUS_BAD_INPUT);
+    signal.count = 64;
+    check_ok(saltus_signal_lines(&signal, 0, 4, lines, &line_count, &fraction, &message), &message);
+    check_ok(saltus_series_broadband(samples, 64, &fraction, &message), &message);
+    signal.count = count;
     samples[100] = NAN;
     assert_int_equal(saltus_signal_orbits(&signal, 1, &s, &message), SALTUS_BAD_INPUT);
     assert_non_null(strstr(message.text, "sample 100"));
@@ -1086,6 +1093,72 @@ static void samples_are_those_of_the_flow(void **unused) {
     }
 }
 
+/* Between two stops that return it with all its speed a mass flies to and fro in straight lines: a velocity
+ * of +1 and -1 that is 0 at a sample of the very time of a jump. It starts so that there is one, to the last
+ * digit. */
+static void a_sample_at_a_jump_is_the_mean(void **unused) {
+    (void)unused;
+    enum { per_period = 32, periods = 2, count = per_period * periods };
+    saltus_spec spec = oscillator_spec(0, 0, 0, 2 * M_PI);
+    saltus_spectrum_options options = saltus_spectrum_defaults();
+    saltus_message message = {""};
+    saltus_spectra spectra;
+    double start[2] = {0, 1}, samples[count], jump[2] = {0};
+    add_stop(&spec, 0.25, 1, SALTUS_BOTH);
+    saltus_system *system = build(&spec);
+    for (int k = -100; k < 100 && jump[0] != 0.25 && jump[1] != 0.75; k++) {
+        start[0] = k * 0x1p-55;
+        saltus_flow *flow = open_flow(system, &options.flow, 0, start);
+        for (int e = 0; e < 2; e++)
+            jump[e] = advance(flow, 1, SALTUS_WATCH_CONTACT).time.phase;
+        saltus_flow_free(flow);
+    }
+    assert_true(jump[0] == 0.25 || jump[1] == 0.75);
+    options.quantity_count = 1;
+    options.quantities[0].velocity = true;
+    options.per_period = per_period;
+    options.periods = periods;
+    options.anew = true;
+    check_ok(saltus_spectra_run(system, start, 1, &options, &spectra, &message), &message);
+    for (int j = 0; j < count; j++) {
+        double turn = (double)(j % per_period) / per_period;
+        samples[j] = turn < jump[0] || turn > jump[1] ? 1 : turn == jump[0] || turn == jump[1] ? 0 : -1;
+    }
+    saltus_spectrum square = orbits_of(samples, count, per_period, 1), *found = &spectra.spectra[0];
+    assert_int_equal(found->line_count, square.line_count);
+    check_near(found->variance, square.variance, 1e-9);
+    for (long long k = 0; k < square.line_count; k++)
+        check_near(cabs(found->lines[k].amplitude * cexp(I * found->lines[k].phase) -
+                        square.lines[k].amplitude * cexp(I * square.lines[k].phase)),
+                   0, 1e-9);
+    saltus_spectrum_clear(&square);
+    saltus_spectra_clear(&spectra);
+    saltus_system_free(system);
+}
+
+/* Lines in motion without a period have no number, and their phases lie within half a turn. What fails leaves
+ * nothing behind. */
+static void lines_without_a_period_have_no_number(void **unused) {
+    (void)unused;
+    enum { count = 2048, per_period = 16 };
+    double samples[count];
+    fill_mixed(samples, count, per_period);
+    saltus_spectrum s = welch_of(samples, count, per_period, 16);
+    assert_true(s.line_count >= 2);
+    for (long long k = 0; k < s.line_count; k++)
+        assert_true(s.lines[k].harmonic == 0 && fabs(s.lines[k].phase) <= M_PI && s.lines[k].decibels <= 0 &&
+                    s.lines[k].share > 0 && s.lines[k].share <= 1);
+    saltus_spectrum_clear(&s);
+    assert_true(!s.density && !s.lines && s.bins == 0 && s.line_count == 0);
+    saltus_spectrum_clear(&s);
+    saltus_signal signal = {.samples = samples, .count = count, .per_period = per_period};
+    samples[5] = INFINITY;
+    assert_int_equal(saltus_signal_welch(&signal, 16, 0.95, &s, NULL), SALTUS_BAD_INPUT);
+    assert_true(!s.density && !s.lines && s.bins == 0 && s.line_count == 0);
+    assert_int_equal(saltus_signal_orbits(&signal, 16, &s, NULL), SALTUS_BAD_INPUT);
+    assert_true(!s.density && !s.lines && s.bins == 0 && s.line_count == 0);
+}
+
 /* Lengths that are not asked for. */
 static void lengths_are_chosen(void **unused) {
     (void)unused;
@@ -1309,7 +1382,8 @@ static void unsuitable_wishes(void **unused) {
     saltus_message message = {""};
     saltus_spectra spectra;
     double state[10] = {0.001};
-    for (int wish = 0; wish < 9; wish++) {
+    static const int per_period[] = {12, 18, 65540, -16};
+    for (int wish = 0; wish < 13; wish++) {
         options = good;
         if (wish == 0)
             options.per_period = 18;
@@ -1327,12 +1401,22 @@ static void unsuitable_wishes(void **unused) {
             options.confidence = 0;
         else if (wish == 7)
             options.reach = NAN;
+        else if (wish < 12)
+            options.per_period = per_period[wish - 8];
         else
             options.segment = -1;
         assert_int_equal(saltus_spectra_run(system, state, 4, &options, &spectra, &message),
                          SALTUS_BAD_INPUT);
         assert_true(spectra.count == 0 && message.text[0]);
     }
+    /* The least that is allowed. */
+    options = good;
+    options.per_period = 16;
+    options.periods = 2;
+    options.quantity_count = 1;
+    check_ok(saltus_spectra_run(system, state, 1, &options, &spectra, &message), &message);
+    assert_true(spectra.per_period == 16 && spectra.analysed == 2);
+    saltus_spectra_clear(&spectra);
     state[0] = 0.05;
     assert_int_equal(saltus_spectra_run(system, state, 4, &good, &spectra, &message), SALTUS_BAD_INPUT);
     saltus_system_free(system);
@@ -1404,6 +1488,8 @@ int main(void) {
         cmocka_unit_test(lines_within_limits),
         cmocka_unit_test(rounding_is_no_motion),
         cmocka_unit_test(samples_are_those_of_the_flow),
+        cmocka_unit_test(a_sample_at_a_jump_is_the_mean),
+        cmocka_unit_test(lines_without_a_period_have_no_number),
         cmocka_unit_test(lengths_are_chosen),
         cmocka_unit_test(samples_are_chosen),
         cmocka_unit_test(kinds_have_their_spectra),

@@ -22,7 +22,7 @@ typedef enum saltus_motion_kind {
 } saltus_motion_kind;
 
 typedef enum saltus_mirror {
-    SALTUS_MIRROR_NONE, /* the scene has no mirror symmetry */
+    SALTUS_MIRROR_NONE, /* the scene has no mirror symmetry, or the motion no orbit or rest to mirror */
     SALTUS_MIRROR_SELF, /* the orbit is its own mirror image */
     SALTUS_MIRROR_PAIR  /* one of a pair */
 } saltus_mirror;
@@ -88,7 +88,8 @@ typedef struct saltus_motion {
     double log_volume, sum_rule; /* see saltus_orbit */
     saltus_mirror mirror;
     double contact_force[SALTUS_FACES_MAX]; /* held: force per modal mass at section phase 0 */
-    double largest, smallest; /* of the observed displacement over the orbit; over 400 periods without one */
+    double largest, smallest; /* of the observed displacement over the orbit; over 400 periods without one, of
+                                 its state where the search was stopped before anything was measured */
     long long transient;      /* periods simulated before the verdict */
     double lyapunov;       /* largest exponent per unit of time: of an orbit ln |multiplier| / (p T), else as
                               measured; NAN where it was not */

@@ -146,7 +146,8 @@ typedef struct saltus_spectrum_options {
     saltus_flow_options flow;
     saltus_quantity quantities[SALTUS_QUANTITIES_MAX];
     int quantity_count;
-    int per_period; /* samples a forcing period, a multiple of 4; 0: as few as make `reach` trustworthy */
+    int per_period; /* samples a forcing period, a multiple of 4 from 16 to 65536; 0: as few as make `reach`
+                       trustworthy */
     double reach; /* frequency up to which the spectra are wanted, where per_period is 0; 0: 32 for lines, 16
                      for densities */
     long long periods; /* to analyse; 0: 8 orbits (fewer where p is long), or 2048 periods of motion without

@@ -93,10 +93,27 @@ static void order_by_share(saltus_attractors *found) {
         }
 }
 
+/* A caller who has once refused to go on is not asked again. */
+typedef struct caller {
+    const saltus_classify_options *options;
+    bool refused;
+} caller;
+
+static bool ask(void *context, long long periods, long long at_most) {
+    caller *self = context;
+    const saltus_classify_options *o = self->options;
+    self->refused = self->refused || !o->progress(o->context, periods, at_most);
+    return !self->refused;
+}
+
 saltus_status saltus_attractors_find(const saltus_system *system, int seeds, unsigned long seed,
                                      const saltus_classify_options *options, saltus_attractors *attractors,
                                      saltus_message *message) {
     *attractors = (saltus_attractors){.seeds = seeds};
+    caller self = {.options = options};
+    saltus_classify_options asking = *options;
+    asking.progress = options->progress ? ask : NULL;
+    asking.context = &self;
     if (seeds < 1 || seeds > 1000000)
         return saltus_fail(message, SALTUS_BAD_INPUT, "seeds = %d: must be from 1 to 1000000", seeds);
     double state[SALTUS_STATE_MAX];
@@ -108,13 +125,14 @@ saltus_status saltus_attractors_find(const saltus_system *system, int seeds, uns
         status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for %d seeds", seeds);
     else
         gsl_rng_set(rng, seed);
-    for (int k = 0; k < seeds && status == SALTUS_OK; k++) {
+    for (int k = 0; k < attractors->seeds && status == SALTUS_OK; k++) {
         saltus_motion motion = {0};
         status = saltus_motion_random_state(system, rng, state, message);
         if (status == SALTUS_OK)
-            status = saltus_classify(system, state, options, &motion, message);
+            status = saltus_classify(system, state, &asking, &motion, message);
         /* One that was interrupted is none. */
-        bool stopped = saltus_motion_stopped(&options->flow) && !saltus_motion_settled(&motion);
+        bool asked_to = self.refused || saltus_motion_stopped(&options->flow),
+             stopped = asked_to && !saltus_motion_settled(&motion);
         if (status == SALTUS_INTERRUPTED || (status == SALTUS_OK && stopped)) {
             saltus_motion_clear(&motion);
             attractors->seeds = k;
@@ -123,6 +141,8 @@ saltus_status saltus_attractors_find(const saltus_system *system, int seeds, uns
         }
         if (status == SALTUS_OK)
             sort_in(system, attractors, &motion);
+        if (self.refused)
+            attractors->seeds = k + 1;
     }
     if (rng)
         gsl_rng_free(rng);

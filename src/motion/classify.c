@@ -299,8 +299,7 @@ static saltus_status settle(search *s, long long at_most, saltus_motion *motion,
 
 /* What is concluded while flows are being stopped is no evidence: the motion is undecided. */
 static saltus_status drop_verdict(search *s, saltus_motion *motion) {
-    free(motion->evidence.history);
-    motion->evidence = (saltus_evidence){0};
+    saltus_motion_forget_evidence(motion);
     motion->kind = SALTUS_UNDECIDED;
     motion->lyapunov = motion->lyapunov_error = NAN;
     s->stopped = true;
@@ -417,6 +416,9 @@ saltus_status saltus_classify(const saltus_system *system, const double *state,
         status = saltus_motion_survey(system, s.flow, motion, message);
     else if (status == SALTUS_OK && !(saltus_motion_settled(motion) && motion->multiplier_count))
         status = conclude(&s, motion, message);
+    /* What has no period shows how far it goes without a verdict, too. */
+    if (status == SALTUS_OK && motion->kind == SALTUS_UNDECIDED && !judged && !s.stopped)
+        status = saltus_motion_survey(system, s.flow, motion, message);
     close_search(&s);
     if (status != SALTUS_OK)
         saltus_motion_clear(motion);

@@ -196,6 +196,7 @@ bool saltus_motion_open(const saltus_system *system, const saltus_flow_options *
                               .lyapunov_error = NAN,
                               .integrator = flow->integrator,
                               .face_count = saltus_system_face_count(system)};
+    saltus_motion_forget_evidence(motion);
     motion->state = calloc((size_t)motion->dimension, sizeof *motion->state);
     return motion->state;
 }
@@ -219,8 +220,7 @@ static bool take_orbit(const saltus_orbit *orbit, double period, saltus_motion *
     memcpy(motion->multipliers, orbit->multipliers, n * sizeof *motion->multipliers);
     memcpy(motion->state, orbit->state, n * sizeof *motion->state);
     memcpy(motion->section_states, orbit->state, n * sizeof *motion->state);
-    free(motion->evidence.history);
-    motion->evidence = (saltus_evidence){0};
+    saltus_motion_forget_evidence(motion);
     motion->reason[0] = 0;
     motion->lyapunov = orbit->multipliers[0].log_modulus / (motion->periods * period);
     motion->lyapunov_error = 0;

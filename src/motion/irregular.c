@@ -319,13 +319,16 @@ static void tell(judge *j, saltus_outcome result) {
         tell_undecided(m, saltus_system_period(j->system));
 }
 
-static void forget(saltus_motion *m) {
+void saltus_motion_forget_evidence(saltus_motion *m) {
     free(m->evidence.history);
-    m->evidence = (saltus_evidence){.zero_one = NAN,
+    m->evidence = (saltus_evidence){.half = {NAN, NAN},
+                                    .half_errors = {NAN, NAN},
+                                    .zero_one = NAN,
                                     .zero_one_quartiles = {NAN, NAN},
                                     .dimension = NAN,
                                     .dimension_error = NAN,
-                                    .broadband = NAN};
+                                    .broadband = NAN,
+                                    .impacts_per_period = NAN};
 }
 
 saltus_status saltus_motion_judge(const saltus_system *system, const saltus_classify_options *options,
@@ -344,7 +347,7 @@ saltus_status saltus_motion_judge(const saltus_system *system, const saltus_clas
     j.how.flow.atol = fmax(j.how.flow.atol, options->flow.atol);
     j.how.members = trajectories;
     j.how.transient = spread;
-    forget(motion);
+    saltus_motion_forget_evidence(motion);
     j.points = calloc((size_t)j.n * points_kept, sizeof *j.points);
     saltus_status status = j.points
                                ? saltus_ensemble_open(&j.ensemble, system, &j.how, message)
@@ -354,7 +357,7 @@ saltus_status saltus_motion_judge(const saltus_system *system, const saltus_clas
         j.ensemble.room = points_kept;
         status = run_trial(&j, &result, message);
     }
-    if (status == SALTUS_OK)
+    if (status == SALTUS_OK && saltus_ensemble_periods(&j.ensemble) > 0)
         tell(&j, result);
     *regular = result == SALTUS_OUTCOME_REGULAR || result == SALTUS_OUTCOME_LEFT;
     *stopped = j.stopped;

@@ -52,6 +52,8 @@ bool saltus_event_strikes(const saltus_event *event);
 saltus_status saltus_motion_judge(const saltus_system *system, const saltus_classify_options *options,
                                   saltus_motion *motion, bool *regular, bool *stopped,
                                   saltus_message *message);
+/* Nothing has been measured: numbers are NAN. */
+void saltus_motion_forget_evidence(saltus_motion *motion);
 /* Name a motion without a period, and measure its extremes from its state on. Errors: those of the flow. */
 saltus_status saltus_motion_survey(const saltus_system *system, saltus_flow *flow, saltus_motion *motion,
                                    saltus_message *message);

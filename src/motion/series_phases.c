@@ -17,7 +17,7 @@ static saltus_series_phases phases_of(const saltus_series_points *points, int pe
     saltus_series_phases phases = {.period = period};
     long long run = 0, laminar = 0;
     for (long long k = period; k <= points->count; k++) {
-        if (k < points->count && distance(points, k, k - period) < near) {
+        if (k < points->count && distance(points, k, k - period) <= near) {
             run++;
             continue;
         }

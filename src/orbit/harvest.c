@@ -436,8 +436,24 @@ static saltus_status check_options(const saltus_system *system, const saltus_har
     return SALTUS_OK;
 }
 
-saltus_status saltus_harvest_run(const saltus_system *system, const saltus_harvest_options *options,
+/* A caller who has once refused to go on is not asked again. */
+typedef struct caller {
+    const saltus_harvest_options *options;
+    bool refused;
+} caller;
+
+static bool ask(void *context, double done) {
+    caller *self = context;
+    self->refused = self->refused || !self->options->progress(self->options->context, done);
+    return !self->refused;
+}
+
+saltus_status saltus_harvest_run(const saltus_system *system, const saltus_harvest_options *wishes,
                                  saltus_harvest *harvest, saltus_message *message) {
+    caller self = {.options = wishes};
+    saltus_harvest_options asking = *wishes, *options = &asking;
+    asking.progress = wishes->progress ? ask : NULL;
+    asking.context = &self;
     *harvest = (saltus_harvest){.face_count = saltus_system_face_count(system),
                                 .dimension = saltus_system_dimension(system)};
     saltus_status status = check_options(system, options, message);

@@ -113,7 +113,7 @@ static saltus_classify_options polishing(const saltus_trajectory *t) {
 static saltus_judgement polish(saltus_trajectory *t) {
     saltus_classify_options options = polishing(t);
     saltus_motion motion = {0};
-    saltus_status status = saltus_classify(t->system, t->state, &options, &motion, NULL);
+    saltus_status status = saltus_motion_find_period(t->system, t->state, &options, &motion, NULL);
     bool found = status == SALTUS_OK && saltus_motion_settled(&motion);
     saltus_judgement judgement = found ? adopt(t, &motion) : goes_on;
     t->starved |= status == SALTUS_NO_MEMORY;
