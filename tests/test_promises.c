@@ -574,44 +574,46 @@ static void columns_of_the_caller_do_not_matter(void **unused) {
     assert_memory_equal(found[0], found[1], sizeof found[0]);
     assert_memory_equal(settled[0], settled[1], sizeof settled[0]);
     saltus_system_free(system);
-    /* What has been cleared, and what has never been filled, may be cleared. */
-    static void zeroed_results_are_accepted(void **unused) {
-        (void)unused;
-        saltus_motion motion = {.state = NULL};
-        saltus_attractors attractors = {.motions = NULL};
-        saltus_harvest harvest = {.orbits = NULL};
-        saltus_lyapunov lyapunov = {.exponents = NULL};
-        saltus_spectrum spectrum = {.lines = NULL};
-        saltus_spectra spectra = {.count = 0};
-        for (int k = 0; k < 2; k++) {
-            saltus_motion_clear(&motion);
-            saltus_attractors_clear(&attractors);
-            saltus_harvest_clear(&harvest);
-            saltus_lyapunov_clear(&lyapunov);
-            saltus_spectrum_clear(&spectrum);
-            saltus_spectra_clear(&spectra);
-        }
-        assert_true(!motion.state && !attractors.motions && !harvest.orbits && !lyapunov.exponents);
-        assert_true(!spectrum.density && !spectrum.lines && spectra.count == 0);
-    }
+}
 
-    int main(void) {
-        const struct CMUnitTest tests[] = {
-            cmocka_unit_test(every_status_has_a_name),
-            cmocka_unit_test(long_sentences_keep_both_ends),
-            cmocka_unit_test(models_are_found_by_name_and_place),
-            cmocka_unit_test(defaults_are_those_of_the_specification),
-            cmocka_unit_test(ranges_hold_at_their_ends),
-            cmocka_unit_test(stops_must_fit_together),
-            cmocka_unit_test(a_system_tells_what_it_was_built_from),
-            cmocka_unit_test(symmetries_are_those_of_the_field),
-            cmocka_unit_test(nothing_decays_faster_than_the_bound),
-            cmocka_unit_test(default_states_are_admissible),
-            cmocka_unit_test(states_are_checked),
-            cmocka_unit_test(directions_move_their_key_alone),
-            cmocka_unit_test(a_system_keeps_its_own_specification),
-            cmocka_unit_test(columns_of_the_caller_do_not_matter),
-            cmocka_unit_test(zeroed_results_are_accepted),
-        };
-        return cmocka_run_group_tests(tests, NULL, NULL);
+/* What has been cleared, and what has never been filled, may be cleared. */
+static void zeroed_results_are_accepted(void **unused) {
+    (void)unused;
+    saltus_motion motion = {.state = NULL};
+    saltus_attractors attractors = {.motions = NULL};
+    saltus_harvest harvest = {.orbits = NULL};
+    saltus_lyapunov lyapunov = {.exponents = NULL};
+    saltus_spectrum spectrum = {.lines = NULL};
+    saltus_spectra spectra = {.count = 0};
+    for (int k = 0; k < 2; k++) {
+        saltus_motion_clear(&motion);
+        saltus_attractors_clear(&attractors);
+        saltus_harvest_clear(&harvest);
+        saltus_lyapunov_clear(&lyapunov);
+        saltus_spectrum_clear(&spectrum);
+        saltus_spectra_clear(&spectra);
     }
+    assert_true(!motion.state && !attractors.motions && !harvest.orbits && !lyapunov.exponents);
+    assert_true(!spectrum.density && !spectrum.lines && spectra.count == 0);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_status_has_a_name),
+        cmocka_unit_test(long_sentences_keep_both_ends),
+        cmocka_unit_test(models_are_found_by_name_and_place),
+        cmocka_unit_test(defaults_are_those_of_the_specification),
+        cmocka_unit_test(ranges_hold_at_their_ends),
+        cmocka_unit_test(stops_must_fit_together),
+        cmocka_unit_test(a_system_tells_what_it_was_built_from),
+        cmocka_unit_test(symmetries_are_those_of_the_field),
+        cmocka_unit_test(nothing_decays_faster_than_the_bound),
+        cmocka_unit_test(default_states_are_admissible),
+        cmocka_unit_test(states_are_checked),
+        cmocka_unit_test(directions_move_their_key_alone),
+        cmocka_unit_test(a_system_keeps_its_own_specification),
+        cmocka_unit_test(columns_of_the_caller_do_not_matter),
+        cmocka_unit_test(zeroed_results_are_accepted),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
