@@ -2,12 +2,10 @@
  * special points with the mark that the legend explains, n/p on stretches of that motion. The branches are
  * made up, so that every kind of point is there.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "figure_blocks.h"
+#include "figure_folder.h"
 #include "made_sweep.h"
 
-enum { path_size = 160, points = 90, dimension = 2, events_most = 3 };
-
-static char folder[64];
+enum { points = 90, dimension = 2, events_most = 3 };
 
 /* A branch file in the making; each test changes what it is about. */
 typedef struct made_branch {
@@ -20,26 +18,6 @@ typedef struct made_branch {
 } made_branch;
 
 static made_branch made;
-
-static int open_folder(void **state) {
-    (void)state;
-    strcpy(folder, "/tmp/saltus-test-XXXXXX");
-    assert_non_null(mkdtemp(folder));
-    figure_open(folder);
-    return 0;
-}
-
-static int close_folder(void **state) {
-    (void)state;
-    folder_files(folder, true);
-    rmdir(folder);
-    return 0;
-}
-
-static const char *path_in(const char *name, char path[path_size]) {
-    snprintf(path, path_size, "%s/%s", folder, name);
-    return path;
-}
 
 /* An arc that leaves from omega = 1 and turns back near 2, so that it is no function of omega. */
 static double omega_at(int k) {

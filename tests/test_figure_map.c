@@ -1,32 +1,10 @@
 /* Maps of sweeps over two axes: every pixel has the colour of the row whose cell it lies in, the legend or
  * the bar beside the map says what that colour means, and both agree with the file.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "figure_blocks.h"
+#include "figure_folder.h"
 #include "made_sweep.h"
 
-enum { path_size = 160, columns = 6, rows = 5, nothing_colour = 0xc6c6c6 };
-
-static char folder[64];
-
-static int open_folder(void **state) {
-    (void)state;
-    strcpy(folder, "/tmp/saltus-test-XXXXXX");
-    assert_non_null(mkdtemp(folder));
-    figure_open(folder);
-    return 0;
-}
-
-static int close_folder(void **state) {
-    (void)state;
-    folder_files(folder, true);
-    rmdir(folder);
-    return 0;
-}
-
-static const char *path_in(const char *name, char path[path_size]) {
-    snprintf(path, path_size, "%s/%s", folder, name);
-    return path;
-}
+enum { columns = 6, rows = 5, nothing_colour = 0xc6c6c6 };
 
 static saltus_scene made_scene(void) {
     saltus_scene scene = {.spec = oscillator_spec(0.125, 1.75, 1.5, 0.625), .initial_count = 0};

@@ -1,33 +1,9 @@
 /* Spectra and the convergence of exponents are drawn as their tables have them; and the commands draw what
  * they are asked for, with the numbers of the files that they write.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "figure_blocks.h"
+#include "figure_folder.h"
 
 #include <hdf5.h>
-
-enum { path_size = 160 };
-
-static char folder[64];
-
-static int open_folder(void **state) {
-    (void)state;
-    strcpy(folder, "/tmp/saltus-test-XXXXXX");
-    assert_non_null(mkdtemp(folder));
-    figure_open(folder);
-    return 0;
-}
-
-static int close_folder(void **state) {
-    char command[200];
-    (void)state;
-    snprintf(command, sizeof command, "rm -rf '%s'", folder);
-    return system(command);
-}
-
-static const char *path_in(const char *name, char path[path_size]) {
-    snprintf(path, path_size, "%s/%s", folder, name);
-    return path;
-}
 
 static saltus_scene made_scene(void) {
     saltus_scene scene = {.spec = oscillator_spec(0.125, 1.75, 1.5, 0.625), .initial_count = 0};

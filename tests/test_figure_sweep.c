@@ -1,34 +1,10 @@
 /* Diagrams of sweeps over one axis draw the rows and clouds of their files: points, numbers, exponents and
  * the strip of classes. The sweeps are made up, so that every kind of row is there.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "figure_blocks.h"
+#include "figure_folder.h"
 #include "made_sweep.h"
 
-enum { path_size = 160 };
-
 static const double digits = 1e-6; /* points are written with seven digits */
-
-static char folder[64];
-
-static int open_folder(void **state) {
-    (void)state;
-    strcpy(folder, "/tmp/saltus-test-XXXXXX");
-    assert_non_null(mkdtemp(folder));
-    figure_open(folder);
-    return 0;
-}
-
-static int close_folder(void **state) {
-    (void)state;
-    folder_files(folder, true);
-    rmdir(folder);
-    return 0;
-}
-
-static const char *path_in(const char *name, char path[path_size]) {
-    snprintf(path, path_size, "%s/%s", folder, name);
-    return path;
-}
 
 static saltus_scene scene_of(double d, saltus_sides sides) {
     saltus_scene scene = {.spec = oscillator_spec(0.125, 1.75, 1.5, 0.625), .initial_count = 0};
