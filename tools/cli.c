@@ -211,12 +211,16 @@ int cli_code(saltus_status status) {
     return status == SALTUS_OK ? CLI_DONE : status == SALTUS_BAD_INPUT ? CLI_BAD_INPUT : CLI_FAILED;
 }
 
-int cli_report(saltus_status status, const saltus_message *message) {
-    if (status != SALTUS_OK && interrupt_asked())
+int cli_report_cause(saltus_status status, const saltus_message *message) {
+    if (status == SALTUS_INTERRUPTED)
         return interrupt_report("there is no result yet");
     if (status != SALTUS_OK)
         fprintf(stderr, "saltus: %s\n", message->text[0] ? message->text : saltus_status_name(status));
     return cli_code(status);
+}
+
+int cli_report(saltus_status status, const saltus_message *message) {
+    return cli_report_cause(status != SALTUS_OK && interrupt_asked() ? SALTUS_INTERRUPTED : status, message);
 }
 
 saltus_status cli_apply_settings(const cli_request *request, saltus_scene *scene, saltus_message *message) {

@@ -75,6 +75,8 @@ int cli_code(saltus_status status);
 /* "saltus: ..." on stderr, of a failure after a signal that it was interrupted; returns the exit code that
  * belongs to the status. */
 int cli_report(saltus_status status, const saltus_message *message);
+/* The same, but what has gone wrong by itself is told as such, whether there was a signal or not. */
+int cli_report_cause(saltus_status status, const saltus_message *message);
 /* The scene with all --set applied, the system, and its initial state (SALTUS_SCENE_STATE_MAX entries). On
  * success the system is to be freed; otherwise the message has been printed and the exit code is returned. */
 int cli_build(const cli_request *request, saltus_scene *scene, saltus_system **system, double *state);

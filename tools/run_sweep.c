@@ -261,21 +261,13 @@ static saltus_status open_output(sweep_desk *desk, unsigned char **marks, saltus
     return status == SALTUS_OK && order->resume ? mark_settled(desk, marks, message) : status;
 }
 
-/* What has gone wrong by itself is told as such, whether there was a signal or not. */
-static int fail(saltus_status status, const saltus_message *message) {
-    if (status == SALTUS_INTERRUPTED)
-        return interrupt_report("there is no result yet");
-    fprintf(stderr, "saltus: %s\n", message->text[0] ? message->text : saltus_status_name(status));
-    return cli_code(status);
-}
-
 /* What the run has come to, on the first rank. */
 static int conclude(sweep_desk *desk, saltus_status status, const saltus_message *message,
                     saltus_status written, const saltus_message *closing) {
     if (status != SALTUS_OK)
-        return fail(status, message);
+        return cli_report_cause(status, message);
     if (written != SALTUS_OK)
-        return fail(written, closing);
+        return cli_report_cause(written, closing);
     if (desk->done == desk->places)
         return CLI_DONE;
     fprintf(stderr, "saltus: interrupted; %s holds %lld of %lld points so far, --resume goes on\n",

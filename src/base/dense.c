@@ -80,14 +80,20 @@ static bool equilibrate(saltus_dense_lu *lu) {
 }
 
 /* The row-major matrix is its transpose in LAPACK's eyes, and so are rows and columns here. */
+bool saltus_dense_finite(const double *a, size_t count) {
+    for (size_t i = 0; i < count; i++)
+        if (!isfinite(a[i]))
+            return false;
+    return true;
+}
+
 bool saltus_dense_factor(saltus_dense_lu *lu, const double *a) {
     int n = lu->n;
     lu->sign = 0;
     lu->log_modulus = -INFINITY;
     lu->reciprocal = 0;
-    for (int i = 0; i < n * n; i++)
-        if (!isfinite(a[i]))
-            return false;
+    if (!saltus_dense_finite(a, (size_t)(n * n)))
+        return false;
     memcpy(lu->factors, a, (size_t)(n * n) * sizeof *a);
     if (!equilibrate(lu))
         return false;

@@ -6,6 +6,8 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "base/periodic.h"
 
+#include "base/dense.h"
+
 #include <float.h>
 #include <math.h>
 #include <stddef.h>
@@ -207,20 +209,13 @@ static int first_row(const periodic *p, double size, double iteration) {
     return first;
 }
 
-static bool all_finite(const double *a, size_t count) {
-    for (size_t i = 0; i < count; i++)
-        if (!isfinite(a[i]))
-            return false;
-    return true;
-}
-
 bool saltus_periodic_eigenvalues(double *h, double *triangles, int n, int count, double *product,
                                  double *real, double *imaginary) {
     enum { sweeps_max = 100 };
     periodic p = {.h = h, .triangles = triangles, .product = product, .n = n, .count = count, .high = n};
     double size = 0;
     size_t square = (size_t)n * (size_t)n;
-    if (!all_finite(h, square) || !all_finite(triangles, square * (size_t)count))
+    if (!saltus_dense_finite(h, square) || !saltus_dense_finite(triangles, square * (size_t)count))
         return false;
     for (int i = 0; i < n * n; i++)
         size = fmax(size, fabs(h[i]));

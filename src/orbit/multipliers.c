@@ -180,9 +180,8 @@ static bool balance(iteration *it) {
     for (int m = 0; m < it->count; m++)
         for (int i = 0; i < n * n; i++)
             it->product[i] += fabs(it->segments[(size_t)m * (size_t)(n * n) + (size_t)i]);
-    for (int i = 0; i < n * n; i++)
-        if (!isfinite(it->product[i]))
-            return false;
+    if (!saltus_dense_finite(it->product, (size_t)(n * n)))
+        return false;
     return LAPACKE_dgebal_work(LAPACK_COL_MAJOR, 'S', n, it->product, n, &low, &high, it->balance) == 0;
 }
 
