@@ -15,6 +15,7 @@
 #include "saltus/orbit.h"
 #include "saltus/scene.h"
 #include "saltus/series.h"
+#include "saltus/signal.h"
 #include "saltus/spectrum.h"
 #include "saltus/status.h"
 #include "saltus/sweep.h"

@@ -1,6 +1,6 @@
 /* Whether points fill closed curves that are mapped one to one onto themselves.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "motion/series.h"
+#include "signal/series.h"
 
 #include <gsl/gsl_sort.h>
 #include <gsl/gsl_statistics_double.h>

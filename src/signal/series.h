@@ -1,7 +1,7 @@
 /* Private: points made ready for comparison, shared by the tests on stroboscopic series.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef SALTUS_MOTION_SERIES_H
-#define SALTUS_MOTION_SERIES_H
+#ifndef SALTUS_SIGNAL_SERIES_H
+#define SALTUS_SIGNAL_SERIES_H
 
 #include "base/memory.h"
 #include "saltus/series.h"

@@ -5,7 +5,7 @@
  * f) into bin k, where W is the window's transform. W vanishes almost (-92 dB) beyond four bins, so a line is
  * a matter of a few bins, and what is left of the signal without its lines is known bin by bin.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "motion/spectrum.h"
+#include "signal/spectrum.h"
 
 #include <gsl/gsl_statistics_double.h>
 #include <stdlib.h>

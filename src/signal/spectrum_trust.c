@@ -4,7 +4,7 @@
  * A line or a band may be weak by chance or symmetry, and at low frequencies a velocity has little power.
  * What aliases is therefore held against the largest line, or band, at the same or a higher frequency.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "motion/spectrum.h"
+#include "signal/spectrum.h"
 
 enum { bands_per_octave = 8, bands_max = 26 * bands_per_octave };
 

@@ -1,6 +1,6 @@
 /* The 0-1 test for chaos.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "motion/series.h"
+#include "signal/series.h"
 
 #include <gsl/gsl_math.h>
 #include <gsl/gsl_sort.h>

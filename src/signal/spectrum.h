@@ -1,10 +1,10 @@
 /* Private: what the parts of the spectra share.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef SALTUS_MOTION_SPECTRUM_H
-#define SALTUS_MOTION_SPECTRUM_H
+#ifndef SALTUS_SIGNAL_SPECTRUM_H
+#define SALTUS_SIGNAL_SPECTRUM_H
 
 #include "base/memory.h"
-#include "saltus/spectrum.h"
+#include "saltus/signal.h"
 
 /* complex.h first: FFTW then takes its numbers for C's. */
 #include <complex.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "motion/series.h"
+#include "signal/series.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -4,7 +4,7 @@
  * a distance finds its place from the leading bits of its square. There is a tally for each pair of 16 blocks
  * in time; without those of one block, what is left is a replicate of the jackknife.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "motion/series.h"
+#include "signal/series.h"
 
 #include <gsl/gsl_math.h>
 #include <math.h>

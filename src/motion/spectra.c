@@ -1,8 +1,8 @@
 /* Spectra of motions: sampling on the dense output at exact fractions of the forcing period.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "motion/spectrum.h"
+#include "saltus/spectrum.h"
 
-#include "saltus/system.h"
+#include "signal/spectrum.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 /* Spectra of sampled signals: lines of whole orbits, Welch's averaged density.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "motion/spectrum.h"
+#include "signal/spectrum.h"
 
 #include <gsl/gsl_cdf.h>
 #include <stdlib.h>
