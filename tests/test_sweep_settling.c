@@ -2,7 +2,8 @@
  * bring it there from one side, in turns or in a spiral; and not much later than that.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "closed_orbits.h"
-#include "sweep/sweep.h"
+#include "motion/settle.h"
+#include "saltus/sweep.h"
 #include "sweep_check.h"
 
 /* Where a settled trajectory is, at most, away from its orbit: sweep.h. */
@@ -135,9 +136,8 @@ static void a_free_motions_exponent_is_its_decay(void **unused) {
  * they are said to have settled on. */
 static int period_of_points(const saltus_system *system, long long impacts, long long contacts, bool *doubt) {
     saltus_settling settling;
-    const saltus_sweep_options options = saltus_sweep_defaults();
     long long impacts_so_far = 0, contacts_so_far = 0;
-    assert_true(saltus_settling_open(&settling, 2, &options));
+    assert_true(saltus_settling_open(&settling, 2, saltus_sweep_defaults().longest, 1e-9));
     saltus_settling_reset(&settling, system);
     for (int k = 0; k < 200; k++) {
         double away = 1e-3 * pow(0.5, k);
@@ -175,9 +175,8 @@ typedef struct series {
 } series;
 
 static series open_series(const saltus_system *system) {
-    const saltus_sweep_options options = saltus_sweep_defaults();
     series s = {.scale = saltus_system_scale(system)};
-    assert_true(saltus_settling_open(&s.settling, 2, &options));
+    assert_true(saltus_settling_open(&s.settling, 2, saltus_sweep_defaults().longest, 1e-9));
     saltus_settling_reset(&s.settling, system);
     return s;
 }

@@ -15,7 +15,7 @@
 extern "C" {
 #endif
 
-enum { SALTUS_LABEL_MAX = 32, SALTUS_REASON_MAX = 160, SALTUS_KEY_MAX = 16 };
+enum { SALTUS_REASON_MAX = 160, SALTUS_KEY_MAX = 16 };
 
 typedef enum saltus_point_kind {
     SALTUS_POINT_REGULAR,

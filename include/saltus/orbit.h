@@ -9,6 +9,8 @@
 extern "C" {
 #endif
 
+enum { SALTUS_LABEL_MAX = 32 };
+
 /* A Floquet multiplier. Multipliers far below rounding keep their size as a logarithm. */
 typedef struct saltus_multiplier {
     double re, im;
@@ -60,6 +62,8 @@ saltus_status saltus_orbit_find(const saltus_system *system, int periods, const 
 saltus_status saltus_orbit_find_period(const saltus_spec *spec, int periods, const double *guess,
                                        const saltus_orbit_options *options, saltus_orbit *orbit,
                                        saltus_spec *found, saltus_message *message);
+/* "n/p", the impacts and forcing periods of one orbit; "chatter/p" for impacts = -1, infinitely many. */
+void saltus_orbit_label(long long impacts, int periods, char label[SALTUS_LABEL_MAX]);
 /* Free the arrays; a zeroed orbit is accepted. */
 void saltus_orbit_clear(saltus_orbit *orbit);
 

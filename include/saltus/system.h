@@ -19,7 +19,8 @@ extern "C" {
 enum {
     SALTUS_PARAMETERS_MAX = 24, /* parameters of one model */
     SALTUS_STOPS_MAX = 4,       /* stops of one scene; a two-sided stop counts once */
-    SALTUS_FACES_MAX = 8        /* one-sided contacts: two for each two-sided stop */
+    SALTUS_FACES_MAX = 8,       /* one-sided contacts: two for each two-sided stop */
+    SALTUS_STATE_MAX = 160      /* length of a state */
 };
 
 /* One entry of an option or parameter table: it gives the default, the check, `--set`, `--help` and file
@@ -133,6 +134,8 @@ double saltus_system_gap(const saltus_system *system, int face, const double *st
 /* A typical magnitude of each state component (length dimension), for random initial states and scaled
  * distances. */
 const double *saltus_system_scale(const saltus_system *system);
+/* Largest difference between two states, each entry relative to its scale. */
+double saltus_system_distance(const saltus_system *system, const double *a, const double *b);
 /* The row vector of the displacement that diagrams show: the first stop's contact coordinate; without a stop
  * the pipe's midpoint or the oscillator's first mass. */
 const double *saltus_system_observer(const saltus_system *system);

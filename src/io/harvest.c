@@ -17,10 +17,7 @@ static void put_orbit(FILE *file, const saltus_harvest *harvest, int k) {
     const saltus_harvest_orbit *o = &harvest->orbits[k];
     char name[SALTUS_LABEL_MAX];
     int unstable = saltus_unstable_count(o->orbit.multipliers, o->orbit.dimension);
-    if (o->impacts < 0)
-        snprintf(name, sizeof name, "chatter/%d", o->orbit.periods);
-    else
-        snprintf(name, sizeof name, "%lld/%d", o->impacts, o->orbit.periods);
+    saltus_orbit_label(o->impacts, o->orbit.periods, name);
     fprintf(file, "%5d  %-12s %9.3g  %11d  %9.1e", k + 1, name, exp(o->orbit.multipliers[0].log_modulus),
             unstable, o->orbit.residual);
     put_mirror(file, harvest, k);

@@ -12,60 +12,16 @@
 /* Section points of the same orbit agree to Newton's accuracy; distinct orbits do not. */
 static const double same_point = 1e-6;
 
-saltus_status saltus_motion_random_state(const saltus_system *system, gsl_rng *rng, double *state,
-                                         saltus_message *message) {
-    enum { tries_max = 10000 };
-    const double *scale = saltus_system_scale(system);
-    for (int k = 0; k < tries_max; k++) {
-        for (int i = 0; i < saltus_system_dimension(system); i++)
-            state[i] = gsl_ran_gaussian(rng, scale[i]);
-        if (saltus_system_check_state(system, state, NULL) == SALTUS_OK)
-            return SALTUS_OK;
-    }
-    /* Clearances far below the scales: start from the admissible default, disturbed. */
-    saltus_status status = saltus_system_default_state(system, state, message);
-    for (int i = saltus_system_dof(system); i < 2 * saltus_system_dof(system) && status == SALTUS_OK; i++)
-        state[i] = gsl_ran_gaussian(rng, scale[i]);
-    return status;
-}
-
-void saltus_motion_disturb(const saltus_system *system, gsl_rng *rng, double size, double *state) {
-    const double *scale = saltus_system_scale(system);
-    double vector[SALTUS_STATE_MAX], moved[SALTUS_STATE_MAX];
-    int n = saltus_system_dimension(system);
-    for (int i = 0; i < n; i++)
-        vector[i] = gsl_ran_gaussian(rng, size * scale[i]);
-    for (int sign = 1; sign >= -1; sign -= 2) {
-        for (int i = 0; i < n; i++)
-            moved[i] = state[i] + sign * vector[i];
-        if (saltus_system_check_state(system, moved, NULL) == SALTUS_OK) {
-            memcpy(state, moved, (size_t)n * sizeof *state);
-            return;
-        }
-    }
-}
-
-saltus_status saltus_motion_bounded(const saltus_system *system, const double *state, long long periods,
-                                    saltus_message *message) {
-    const double *scale = saltus_system_scale(system);
-    for (int i = 0; i < saltus_system_dimension(system); i++)
-        if (!(fabs(state[i]) < 1e8 * scale[i]))
-            return saltus_fail(message, SALTUS_STALLED,
-                               "the motion grows without bound: state entry %d is %.3g after %lld periods",
-                               i + 1, state[i], periods);
-    return SALTUS_OK;
-}
-
 static bool same_attractor(const saltus_system *system, const saltus_motion *a, const saltus_motion *b) {
     if (a->kind != b->kind || a->periods != b->periods)
         return false;
     if (!saltus_motion_settled(a))
         return true;
     for (int k = 0; k < a->periods; k++)
-        if (saltus_section_distance(system, a->section_states + (size_t)k * (size_t)a->dimension, b->state) <
+        if (saltus_system_distance(system, a->section_states + (size_t)k * (size_t)a->dimension, b->state) <
             same_point)
             return true;
-    return a->periods == 0 && saltus_section_distance(system, a->state, b->state) < same_point;
+    return a->periods == 0 && saltus_system_distance(system, a->state, b->state) < same_point;
 }
 
 /* Count a motion with its attractor, or take it over as a new one. */
@@ -127,7 +83,7 @@ saltus_status saltus_attractors_find(const saltus_system *system, int seeds, uns
         gsl_rng_set(rng, seed);
     for (int k = 0; k < attractors->seeds && status == SALTUS_OK; k++) {
         saltus_motion motion = {0};
-        status = saltus_motion_random_state(system, rng, state, message);
+        status = saltus_state_random(system, rng, state, message);
         if (status == SALTUS_OK)
             status = saltus_classify(system, state, &asking, &motion, message);
         /* One that was interrupted is none. */

@@ -7,8 +7,9 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "saltus/motion.h"
 
-#include "base/memory.h"
 #include "motion/motion.h"
+#include "motion/settle.h"
+#include "orbit/returns.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -22,120 +23,13 @@ enum {
 };
 
 /* Distances in the stroboscopic section are relative to the system's scales. */
-static const double recurrence = 1e-3; /* a candidate period: worth a Newton iteration */
 static const double nearby =
     3e-3; /* the polished orbit must be this close to the trajectory, in recurrences */
-static const double same_orbit = 1e-8; /* section points that agree: a shorter period */
-static const double at_rest = 1e-9;    /* an equilibrium: no motion over a period beyond this */
-
-/* The last points of the trajectory in a ring. */
-typedef struct history {
-    saltus_arena arena;
-    int n, size;
-    long long count;
-    double *points, *excursion;
-    bool *contact_event; /* an event occurred in the period before the point */
-    unsigned *contacts;
-} history;
+static const double drift_at_rest = 1e-6; /* of a displacement over a period */
 
 saltus_classify_options saltus_classify_defaults(void) {
     return (saltus_classify_options){
         .flow = saltus_flow_defaults(), .transient = 20000, .measure = 256000, .longest = 64};
-}
-
-double saltus_section_distance(const saltus_system *system, const double *a, const double *b) {
-    const double *scale = saltus_system_scale(system);
-    double largest = 0;
-    for (int i = 0; i < saltus_system_dimension(system); i++)
-        largest = fmax(largest, fabs(a[i] - b[i]) / scale[i]);
-    return largest;
-}
-
-static double *point_at(const history *h, long long k) {
-    return h->points + (size_t)(k % h->size) * (size_t)h->n;
-}
-
-static bool open_history(history *h, int n, int size) {
-    *h = (history){.n = n, .size = size};
-    for (int pass = 0; pass < 2; pass++) {
-        h->points = saltus_arena_doubles(&h->arena, (size_t)n * (size_t)size);
-        h->excursion = saltus_arena_doubles(&h->arena, (size_t)size);
-        if (pass == 0 && !saltus_arena_open(&h->arena))
-            return false;
-    }
-    h->contact_event = calloc((size_t)size, sizeof *h->contact_event);
-    h->contacts = calloc((size_t)size, sizeof *h->contacts);
-    return h->contact_event && h->contacts;
-}
-
-static void close_history(history *h) {
-    saltus_arena_close(&h->arena);
-    free(h->contact_event);
-    free(h->contacts);
-}
-
-/* One more period of the trajectory. */
-static saltus_status advance_period(const saltus_system *system, saltus_flow *flow, history *h,
-                                    saltus_message *message) {
-    saltus_flow_info before = saltus_flow_information(flow, 0);
-    saltus_time now = saltus_flow_time(flow, 0);
-    saltus_event event;
-    saltus_status status = saltus_flow_advance(flow, (saltus_time){now.cycle + 1, 0}, 0, &event, message);
-    if (status != SALTUS_OK)
-        return status;
-    saltus_flow_info after = saltus_flow_information(flow, 0);
-    int slot = (int)(h->count % h->size);
-    saltus_flow_state(flow, 0, point_at(h, h->count));
-    status = saltus_motion_bounded(system, point_at(h, h->count), h->count + 1, message);
-    if (status != SALTUS_OK)
-        return status;
-    h->excursion[slot] =
-        h->count ? saltus_section_distance(system, point_at(h, h->count), point_at(h, h->count - 1)) : 1;
-    h->contact_event[slot] = after.impacts != before.impacts || after.releases != before.releases;
-    h->contacts[slot] = saltus_flow_contacts(flow, 0);
-    h->count++;
-    return SALTUS_OK;
-}
-
-/* Largest distance between points p apart over the last `window` points. */
-static double recurrence_distance(const saltus_system *system, const history *h, int p, int window) {
-    double largest = 0;
-    for (int k = 0; k < window; k++)
-        largest = fmax(largest, saltus_section_distance(system, point_at(h, h->count - 1 - k),
-                                                        point_at(h, h->count - 1 - k - p)));
-    return largest;
-}
-
-/* The least period whose recurrences stay below a threshold; 0 if none. The smallest distance seen goes to
- * *closest. */
-static int candidate_period(const saltus_system *system, const history *h, int longest, double threshold,
-                            double *closest) {
-    *closest = INFINITY;
-    for (int p = 1; p <= longest && 3 * p + 2 < h->size && 3 * p + 2 < h->count; p++) {
-        double distance = recurrence_distance(system, h, p, p + 2);
-        *closest = fmin(*closest, distance);
-        if (distance < threshold)
-            return p;
-    }
-    return 0;
-}
-
-/* Whether the system is at rest: forced only trivially, no event and no motion over the last periods. */
-static bool is_resting(const saltus_system *system, saltus_flow *flow, const history *h, double *field) {
-    if (saltus_system_forced(system) || h->count < 4)
-        return false;
-    const double *scale = saltus_system_scale(system);
-    for (int k = 0; k < 3; k++)
-        if (h->contact_event[(h->count - 1 - k) % h->size] ||
-            h->excursion[(h->count - 1 - k) % h->size] > at_rest)
-            return false;
-    /* The field of a fast mode magnifies rounding; what counts is that nothing moved and no displacement
-     * drifts. */
-    double drift = 0;
-    saltus_flow_field(flow, 0, field);
-    for (int i = 0; i < saltus_system_dof(system); i++)
-        drift = fmax(drift, fabs(field[i]) / scale[i] * saltus_system_period(system));
-    return drift < 1e3 * at_rest;
 }
 
 /* A failure of what was only tried, which is none unless memory is lacking. */
@@ -143,95 +37,95 @@ static saltus_status tried(saltus_status status) {
     return status == SALTUS_NO_MEMORY ? status : SALTUS_OK;
 }
 
-/* The least divisor of the orbit's period after which it already closes: a slowly settling trajectory recurs
- * first after a multiple of its least period. */
-static saltus_status least_period(const saltus_system *system, const saltus_flow_options *options,
-                                  const saltus_orbit *orbit, int *least, saltus_message *message) {
-    double point[SALTUS_STATE_MAX];
-    saltus_section section = saltus_section_defaults();
-    saltus_map *map = NULL;
-    *least = orbit->periods;
-    saltus_status status = saltus_map_new(system, &section, options, false, &map, message);
-    if (status == SALTUS_OK)
-        status = saltus_map_reset(map, orbit->state, message);
-    for (int p = 1; p <= orbit->periods / 2 && status == SALTUS_OK && *least == orbit->periods; p++) {
-        status = saltus_map_step(map, point, NULL, message);
-        if (status == SALTUS_OK && orbit->periods % p == 0 &&
-            saltus_section_distance(system, point, orbit->state) < fmax(same_orbit, 1e4 * options->rtol))
-            *least = p;
-    }
-    saltus_map_free(map);
+/* A search under way: the trajectory, what it has done, and the orbit once one is found. */
+typedef struct search {
+    const saltus_system *system;
+    const saltus_classify_options *options;
+    saltus_flow *flow, *beside; /* the trajectory's; for what is tried meanwhile */
+    saltus_settling settling;
+    saltus_orbit orbit;
+    saltus_lap lap; /* around the orbit */
+    bool found, stopped;
+    bool limited; /* no very long orbits of very many impacts */
+} search;
+
+/* Newton from the trajectory's last point; accepted if the orbit is where the trajectory is, and stable. */
+static saltus_status polish(search *s, int p, bool *accepted, saltus_message *message) {
+    saltus_orbit_options shooting = saltus_motion_shooting(s->options);
+    const double *last = saltus_settling_point(&s->settling, 0);
+    double recurs = saltus_settling_recurrence(&s->settling, p);
+    saltus_status status = saltus_return_polish(s->beside, p, last, &shooting, &s->orbit, &s->lap, message);
+    *accepted = status == SALTUS_OK && saltus_motion_orbit_stable(&s->orbit) &&
+                saltus_system_distance(s->system, s->orbit.state, last) <= fmax(nearby, 30 * recurs);
+    if (!*accepted)
+        saltus_orbit_clear(&s->orbit);
     return tried(status);
 }
 
-/* Newton from the trajectory's last point; accepted if the orbit is where the trajectory is, and stable. */
-static saltus_status polish(const saltus_system *system, const saltus_classify_options *options,
-                            const history *h, int p, double distance, saltus_orbit *orbit, bool *accepted,
-                            saltus_message *message) {
-    saltus_orbit_options shooting = saltus_motion_shooting(options);
-    const double *last = point_at(h, h->count - 1);
-    int least = p;
-    *accepted = false;
-    saltus_status status = saltus_orbit_find(system, p, last, &shooting, orbit, message);
+/* One more period of the trajectory. */
+static saltus_status advance_period(search *s, saltus_message *message) {
+    double state[SALTUS_STATE_MAX];
+    saltus_event event;
+    saltus_time until = {saltus_flow_time(s->flow, 0).cycle + 1, 0};
+    saltus_status status = saltus_flow_advance(s->flow, until, 0, &event, message);
     if (status != SALTUS_OK)
-        return tried(status);
-    status = least_period(system, &options->flow, orbit, &least, message);
-    if (status == SALTUS_OK && least < p) {
-        saltus_orbit whole = *orbit;
-        status = saltus_orbit_find(system, least, whole.state, &shooting, orbit, message);
-        saltus_orbit_clear(&whole);
-    }
-    *accepted = status == SALTUS_OK && saltus_motion_orbit_stable(orbit) &&
-                saltus_section_distance(system, orbit->state, last) <= fmax(nearby, 30 * distance);
-    if (!*accepted)
-        saltus_orbit_clear(orbit);
-    return tried(status);
+        return status;
+    saltus_flow_info info = saltus_flow_information(s->flow, 0);
+    saltus_flow_state(s->flow, 0, state);
+    saltus_settling_add(&s->settling, state, info.impacts, info.sticks + info.releases);
+    return saltus_state_bounded(s->system, state, s->settling.count, message);
+}
+
+/* Whether the system is at rest: without forcing, no event and no motion over the last periods. */
+static bool is_resting(const search *s) {
+    if (saltus_system_forced(s->system) || !saltus_settling_rests(&s->settling))
+        return false;
+    /* The field of a fast mode magnifies rounding; what counts is that nothing moved and no displacement
+     * drifts. */
+    const double *scale = saltus_system_scale(s->system);
+    double drift = 0, field[SALTUS_STATE_MAX];
+    saltus_flow_field(s->flow, 0, field);
+    for (int i = 0; i < saltus_system_dof(s->system); i++)
+        drift = fmax(drift, fabs(field[i]) / scale[i] * saltus_system_period(s->system));
+    return drift < drift_at_rest;
 }
 
 /* The trajectory must go on closing in on the orbit: its distance falls to a fifth or below `close`, or,
  * where the largest multiplier is near the unit circle, at least half as far as that multiplier predicts. */
-static saltus_status confirm(const saltus_system *system, saltus_flow *flow, history *h, double close,
-                             const saltus_orbit *orbit, bool *confirmed, saltus_message *message) {
+static saltus_status confirm(search *s, saltus_message *message) {
     enum { cycles_max = 60, patient_cycles = 40 };
-    double start = saltus_section_distance(system, point_at(h, h->count - 1), orbit->state);
-    *confirmed = false;
-    for (int c = 0; c < cycles_max && !*confirmed; c++) {
+    const saltus_orbit *orbit = &s->orbit;
+    double start = saltus_system_distance(s->system, saltus_settling_point(&s->settling, 0), orbit->state);
+    s->found = false;
+    for (int c = 0; c < cycles_max && !s->found; c++) {
         for (int k = 0; k < orbit->periods; k++) {
-            saltus_status status = advance_period(system, flow, h, message);
+            saltus_status status = advance_period(s, message);
             if (status != SALTUS_OK)
                 return status;
         }
-        double now = saltus_section_distance(system, point_at(h, h->count - 1), orbit->state);
+        double now = saltus_system_distance(s->system, saltus_settling_point(&s->settling, 0), orbit->state);
         double predicted = exp((c + 1) * orbit->multipliers[0].log_modulus);
-        *confirmed = now < close || (c > 2 && now < 0.2 * start) ||
-                     (c >= patient_cycles && now <= start * (1 - 0.5 * (1 - predicted)));
-        if (now > 10 * start + close)
+        s->found = now < s->settling.near || (c > 2 && now < 0.2 * start) ||
+                   (c >= patient_cycles && now <= start * (1 - 0.5 * (1 - predicted)));
+        if (now > 10 * start + s->settling.near)
             break;
     }
     return SALTUS_OK;
 }
 
-/* A search under way: the trajectory, what it has done, and the orbit once one is found. */
-typedef struct search {
-    const saltus_system *system;
-    const saltus_classify_options *options;
-    saltus_flow *flow;
-    history h;
-    saltus_orbit orbit;
-    double *field, closest;
-    bool found, stopped;
-    bool limited; /* no very long orbits of very many impacts */
-} search;
-
 static saltus_status open_search(search *s, const double *state, saltus_message *message) {
     saltus_flow_options flow_options = s->options->flow;
     int n = saltus_system_dimension(s->system);
     flow_options.columns = flow_options.directions = 0;
-    s->closest = INFINITY;
+    s->lap.keeps_events = true;
     saltus_status status = saltus_flow_new(&s->system, 1, &flow_options, &s->flow, message);
-    s->field = calloc((size_t)n, sizeof *s->field);
-    if (status == SALTUS_OK && !(s->field && open_history(&s->h, n, 4 * s->options->longest + 8)))
+    if (status == SALTUS_OK)
+        status = saltus_flow_new(&s->system, 1, &flow_options, &s->beside, message);
+    double close = fmax(1e-9, 1e4 * flow_options.rtol);
+    if (status == SALTUS_OK && !saltus_settling_open(&s->settling, n, s->options->longest, close))
         status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory to classify");
+    if (status == SALTUS_OK)
+        saltus_settling_reset(&s->settling, s->system);
     if (status == SALTUS_OK)
         status = saltus_flow_start(s->flow, 0, (saltus_time){0, 0}, state, message);
     return status;
@@ -239,33 +133,27 @@ static saltus_status open_search(search *s, const double *state, saltus_message 
 
 static void close_search(search *s) {
     saltus_orbit_clear(&s->orbit);
-    close_history(&s->h);
+    saltus_settling_close(&s->settling);
     saltus_flow_free(s->flow);
-    free(s->field);
+    saltus_flow_free(s->beside);
+    saltus_lap_close(&s->lap);
 }
 
 /* Newton's method is not asked about very long orbits of very many impacts: each try would take minutes. */
 static bool is_too_long(const search *s, int p) {
     enum { most_impacts = 150 };
-    double impacts = (double)saltus_flow_information(s->flow, 0).impacts / (double)s->h.count;
+    double impacts = (double)saltus_flow_information(s->flow, 0).impacts / (double)s->settling.count;
     return s->limited && p * impacts > most_impacts;
 }
 
 /* Try the period that recurs at present. */
 static saltus_status try_period(search *s, saltus_message *message) {
-    const saltus_classify_options *o = s->options;
-    int p = saltus_system_forced(s->system)
-                ? candidate_period(s->system, &s->h, o->longest, recurrence, &s->closest)
-                : 0;
+    int p = saltus_system_forced(s->system) ? saltus_settling_candidate(&s->settling) : 0;
     bool accepted = false;
-    saltus_status status = SALTUS_OK;
-    if (p && !is_too_long(s, p))
-        status = polish(s->system, o, &s->h, p, s->closest, &s->orbit, &accepted, message);
-    if (!accepted)
-        return status;
-    status =
-        confirm(s->system, s->flow, &s->h, fmax(1e-9, 1e4 * o->flow.rtol), &s->orbit, &s->found, message);
-    if (status != SALTUS_OK || !s->found)
+    saltus_status status = p && !is_too_long(s, p) ? polish(s, p, &accepted, message) : SALTUS_OK;
+    if (accepted)
+        status = confirm(s, message);
+    if (!s->found)
         saltus_orbit_clear(&s->orbit);
     return status;
 }
@@ -276,24 +164,24 @@ static saltus_status settle(search *s, long long at_most, saltus_motion *motion,
     const saltus_classify_options *o = s->options;
     long long block = first_block;
     saltus_status status = SALTUS_OK;
-    while (status == SALTUS_OK && !s->found && !s->stopped && s->h.count < at_most) {
-        long long until = s->h.count + block < at_most ? s->h.count + block : at_most;
-        while (status == SALTUS_OK && s->h.count < until)
-            status = advance_period(s->system, s->flow, &s->h, message);
+    while (status == SALTUS_OK && !s->found && !s->stopped && s->settling.count < at_most) {
+        long long until = s->settling.count + block < at_most ? s->settling.count + block : at_most;
+        while (status == SALTUS_OK && s->settling.count < until)
+            status = advance_period(s, message);
         s->stopped = saltus_motion_stopped(&o->flow);
         if (s->stopped)
             status = SALTUS_OK;
         if (status != SALTUS_OK || s->stopped)
             break;
-        s->stopped = o->progress && !o->progress(o->context, s->h.count, o->transient);
-        if (is_resting(s->system, s->flow, &s->h, s->field)) {
+        s->stopped = o->progress && !o->progress(o->context, s->settling.count, o->transient);
+        if (is_resting(s)) {
             motion->kind = saltus_flow_contacts(s->flow, 0) ? SALTUS_HELD : SALTUS_EQUILIBRIUM;
             break;
         }
         status = try_period(s, message);
         block = block < 1024 ? block + block / 2 : 1024;
     }
-    motion->transient = s->h.count;
+    motion->transient = s->settling.count;
     return status;
 }
 
@@ -309,12 +197,13 @@ static saltus_status drop_verdict(search *s, saltus_motion *motion) {
 /* Fill the motion with what has been found, or say that nothing was. */
 static saltus_status conclude(search *s, saltus_motion *motion, saltus_message *message) {
     if (s->found)
-        return saltus_motion_take(s->system, s->flow, &s->orbit, s->options, motion, message);
+        return saltus_motion_take(s->system, s->beside, &s->orbit, &s->lap, s->options, motion, message);
     if (motion->kind == SALTUS_UNDECIDED)
         snprintf(motion->reason, sizeof motion->reason,
                  "no stable orbit of period up to %d T after %lld periods%s; closest recurrence %.2g of the "
                  "state's scale; a longer --transient or a Lyapunov exponent would decide",
-                 s->options->longest, s->h.count, s->stopped ? " (stopped)" : "", s->closest);
+                 s->options->longest, s->settling.count, s->stopped ? " (stopped)" : "",
+                 saltus_settling_closest(&s->settling));
     return saltus_motion_rest(s->system, s->flow, s->options, motion, message);
 }
 
@@ -378,7 +267,7 @@ static saltus_status judge(search *s, saltus_motion *motion, saltus_message *mes
     saltus_status status = saltus_motion_judge(s->system, o, motion, &regular, &s->stopped, message);
     if (status != SALTUS_OK || s->stopped || motion->kind != SALTUS_UNDECIDED)
         return status;
-    if (s->h.count < o->transient)
+    if (s->settling.count < o->transient)
         status = settle(s, o->transient, motion, message);
     if (status != SALTUS_OK || s->found || motion->kind != SALTUS_UNDECIDED)
         return status;

@@ -2,6 +2,7 @@
  * its symmetry.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "motion/motion.h"
+#include "orbit/returns.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -12,12 +13,12 @@
 static const double same_rest = 3e-3;
 static const double same_image = 1e-7; /* a mirror image that is the orbit itself */
 
-/* Multipliers inside the unit circle, by more than their own accuracy; one too small to be resolved is
- * inside. */
 bool saltus_motion_stopped(const saltus_flow_options *options) {
     return options->stop && *options->stop;
 }
 
+/* Multipliers inside the unit circle, by more than their own accuracy; one too small to be resolved is
+ * inside. */
 bool saltus_motion_orbit_stable(const saltus_orbit *orbit) {
     for (int i = 0; i < orbit->dimension; i++)
         if (orbit->multipliers[i].log_modulus >= -1e-10)
@@ -33,106 +34,6 @@ saltus_orbit_options saltus_motion_shooting(const saltus_classify_options *optio
     return shooting;
 }
 
-/* Room for one event more. */
-static bool append_event(saltus_motion *motion, const saltus_event *event) {
-    if ((motion->event_count & (motion->event_count - 1)) == 0) {
-        size_t room = motion->event_count ? 2 * (size_t)motion->event_count : 1;
-        saltus_event *grown = realloc(motion->events, room * sizeof *grown);
-        if (!grown)
-            return false;
-        motion->events = grown;
-    }
-    motion->events[motion->event_count++] = *event;
-    return true;
-}
-
-bool saltus_event_strikes(const saltus_event *event) {
-    return (event->kind == SALTUS_IMPACT || event->kind == SALTUS_STICK) && event->velocity_before != 0;
-}
-
-void saltus_tally_event(saltus_tally *tally, const saltus_system *system, const saltus_event *event) {
-    if (event->kind != SALTUS_IMPACT && event->kind != SALTUS_STICK && event->kind != SALTUS_RELEASE)
-        return;
-    tally->events++;
-    tally->sticks += event->kind == SALTUS_STICK;
-    tally->releases += event->kind == SALTUS_RELEASE;
-    if (event->kind != SALTUS_IMPACT)
-        tally->rebounds |= saltus_system_face(system, event->face).r > 0;
-    /* More than a stick and its release: the impacts before it may lie at the end, before the section. */
-    tally->chatter = tally->rebounds && tally->events > 2;
-    if (saltus_event_strikes(event)) {
-        tally->impacts++;
-        tally->by_face[event->face]++;
-    }
-}
-
-static void see_displacement(const saltus_system *system, const double *state, saltus_motion *motion) {
-    const double *observer = saltus_system_observer(system);
-    double g = 0;
-    for (int i = 0; i < saltus_system_dof(system); i++)
-        g = fma(observer[i], state[i], g);
-    motion->largest = fmax(motion->largest, g);
-    motion->smallest = fmin(motion->smallest, g);
-}
-
-/* A turning point or a contact event: how far the observed displacement goes there. */
-static void see_event(const saltus_system *system, const saltus_flow *flow, const saltus_event *event,
-                      saltus_motion *motion) {
-    double after[SALTUS_STATE_MAX];
-    if (event->kind == SALTUS_TURNING || saltus_system_face(system, event->face).stop == 0) {
-        motion->largest = fmax(motion->largest, event->displacement);
-        motion->smallest = fmin(motion->smallest, event->displacement);
-        return;
-    }
-    saltus_flow_state(flow, 0, after);
-    see_displacement(system, after, motion);
-}
-
-/* Once around the orbit from its section point: events, section points, extremes. */
-static saltus_status walk_orbit(const saltus_system *system, saltus_flow *flow, saltus_motion *motion,
-                                saltus_tally *tally, saltus_message *message) {
-    size_t n = (size_t)motion->dimension;
-    saltus_status status = saltus_flow_start(flow, 0, (saltus_time){0, 0}, motion->state, message);
-    motion->largest = -INFINITY;
-    motion->smallest = INFINITY;
-    see_displacement(system, motion->state, motion);
-    for (int k = 0; k < motion->periods && status == SALTUS_OK;) {
-        saltus_event event;
-        status = saltus_flow_advance(flow, (saltus_time){k + 1, 0},
-                                     SALTUS_WATCH_CONTACT | SALTUS_WATCH_TURNING, &event, message);
-        if (status != SALTUS_OK)
-            break;
-        double *point = motion->section_states + (size_t)((k + 1) % motion->periods) * n;
-        if (event.kind == SALTUS_REACHED) {
-            if (++k < motion->periods)
-                saltus_flow_state(flow, 0, point);
-        } else if (event.kind == SALTUS_TURNING)
-            see_event(system, flow, &event, motion);
-        else {
-            see_event(system, flow, &event, motion);
-            if (!append_event(motion, &event))
-                return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the events");
-            saltus_tally_event(tally, system, &event);
-        }
-    }
-    return status;
-}
-
-/* The mirror image of a state after `later` of the flow, in a scene with that symmetry. */
-static saltus_status mirror_after(const saltus_system *system, saltus_flow *flow, const double *state,
-                                  saltus_time later, double *image, saltus_message *message) {
-    saltus_event event;
-    saltus_status status = saltus_flow_start(flow, 0, (saltus_time){0, 0}, state, message);
-    if (status == SALTUS_OK && saltus_time_periods(later) > 0)
-        status = saltus_flow_advance(flow, later, 0, &event, message);
-    if (status != SALTUS_OK)
-        return status;
-    saltus_flow_state(flow, 0, image);
-    for (int i = 0; i < saltus_system_dimension(system); i++)
-        image[i] = -image[i];
-    return SALTUS_OK;
-}
-
 /* q(t + pT/2) = -q(t), where half the orbit is an allowed shift: p even for a pulsation, odd for a direct
  * force. */
 static saltus_status find_mirror(const saltus_system *system, saltus_flow *flow, saltus_motion *motion,
@@ -143,19 +44,19 @@ static saltus_status find_mirror(const saltus_system *system, saltus_flow *flow,
     double image[SALTUS_STATE_MAX];
     for (int i = 0; i < n; i++)
         image[i] = -motion->state[i];
-    bool at_centre = !shift && saltus_section_distance(system, image, motion->state) < same_image;
+    bool at_centre = !shift && saltus_system_distance(system, image, motion->state) < same_image;
     if (symmetric && at_centre)
         motion->mirror = SALTUS_MIRROR_SELF;
     if (!symmetric || at_centre || (motion->periods % 2 == 1) != shift)
         return SALTUS_OK;
     saltus_time half = {motion->periods / 2, shift ? 0.5 : 0};
-    saltus_status status = mirror_after(system, flow, motion->state, half, image, message);
-    if (status == SALTUS_OK && saltus_section_distance(system, image, motion->state) < same_image)
+    saltus_status status = saltus_mirror_image(flow, motion->state, half, image, message);
+    if (status == SALTUS_OK && saltus_system_distance(system, image, motion->state) < same_image)
         motion->mirror = SALTUS_MIRROR_SELF;
     return status;
 }
 
-static void write_label(saltus_motion *motion, bool chatter) {
+static void write_label(saltus_motion *motion) {
     size_t room = sizeof motion->label;
     if (motion->kind == SALTUS_EQUILIBRIUM)
         snprintf(motion->label, room, "equilibrium");
@@ -169,11 +70,8 @@ static void write_label(saltus_motion *motion, bool chatter) {
         snprintf(motion->label, room, motion->evidence.left ? "transient" : "long-period");
     else if (motion->kind == SALTUS_UNDECIDED)
         snprintf(motion->label, room, "undecided");
-    else if (chatter) {
-        snprintf(motion->label, room, "chatter/%d", motion->periods);
-        motion->impacts = -1;
-    } else
-        snprintf(motion->label, room, "%lld/%d", motion->impacts, motion->periods);
+    else
+        saltus_orbit_label(motion->impacts, motion->periods, motion->label);
 }
 
 /* Force per modal mass of the contacts that hold at the motion's state. */
@@ -214,12 +112,10 @@ static bool take_orbit(const saltus_orbit *orbit, double period, saltus_motion *
     motion->stable = saltus_motion_orbit_stable(orbit);
     motion->multiplier_count = orbit->dimension;
     motion->multipliers = calloc(n, sizeof *motion->multipliers);
-    motion->section_states = calloc(n * (size_t)motion->periods, sizeof *motion->section_states);
-    if (!motion->multipliers || !motion->section_states)
+    if (!motion->multipliers)
         return false;
     memcpy(motion->multipliers, orbit->multipliers, n * sizeof *motion->multipliers);
     memcpy(motion->state, orbit->state, n * sizeof *motion->state);
-    memcpy(motion->section_states, orbit->state, n * sizeof *motion->state);
     saltus_motion_forget_evidence(motion);
     motion->reason[0] = 0;
     motion->lyapunov = orbit->multipliers[0].log_modulus / (motion->periods * period);
@@ -227,75 +123,61 @@ static bool take_orbit(const saltus_orbit *orbit, double period, saltus_motion *
     return true;
 }
 
+/* Take over what the lap around the orbit has seen. */
+static void take_lap(saltus_lap *lap, saltus_motion *motion) {
+    motion->kind = saltus_lap_held(lap) ? SALTUS_HELD : SALTUS_PERIODIC;
+    motion->impacts = saltus_lap_impacts(lap);
+    motion->sticking_intervals = saltus_lap_sticking(lap);
+    memcpy(motion->impacts_by_face, lap->impacts_by_face, sizeof lap->impacts_by_face);
+    motion->largest = lap->largest;
+    motion->smallest = lap->smallest;
+    motion->section_states = lap->points;
+    motion->events = lap->events;
+    motion->event_count = lap->event_count;
+    *lap = (saltus_lap){0};
+}
+
 saltus_status saltus_motion_take(const saltus_system *system, saltus_flow *flow, const saltus_orbit *orbit,
-                                 const saltus_classify_options *options, saltus_motion *motion,
-                                 saltus_message *message) {
-    saltus_tally tally = {0};
+                                 saltus_lap *lap, const saltus_classify_options *options,
+                                 saltus_motion *motion, saltus_message *message) {
     if (!take_orbit(orbit, saltus_system_period(system), motion))
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the orbit");
-    saltus_status status = walk_orbit(system, flow, motion, &tally, message);
-    motion->impacts = tally.impacts;
-    /* A start on the section may come to rest at once, without an event; what is released has been held. */
-    motion->sticking_intervals = tally.sticks > tally.releases ? tally.sticks : tally.releases;
-    memcpy(motion->impacts_by_face, tally.by_face, sizeof tally.by_face);
-    if (status == SALTUS_OK && motion->event_count == 0 && saltus_flow_contacts(flow, 0)) {
-        motion->kind = SALTUS_HELD;
+    take_lap(lap, motion);
+    saltus_status status = SALTUS_OK;
+    if (motion->kind == SALTUS_HELD)
         status = measure_forces(system, options, motion, message);
-    }
     if (status == SALTUS_OK)
         status = find_mirror(system, flow, motion, message);
-    write_label(motion, tally.chatter);
-    return status;
-}
-
-/* The least divisor of the orbit's period after which its section points repeat. */
-static int repeats_after(const saltus_system *system, const saltus_classify_options *options,
-                         const saltus_motion *motion) {
-    double same = fmax(1e-8, 1e4 * options->flow.rtol);
-    for (int p = 1; p <= motion->periods / 2; p++)
-        if (motion->periods % p == 0 &&
-            saltus_section_distance(system, motion->section_states + (size_t)(p * motion->dimension),
-                                    motion->state) < same)
-            return p;
-    return motion->periods;
-}
-
-/* Describe an orbit; its least period goes to *least. */
-static saltus_status describe(const saltus_system *system, const saltus_orbit *orbit,
-                              const saltus_classify_options *options, saltus_motion *motion, int *least,
-                              saltus_message *message) {
-    saltus_flow_options flow_options = options->flow;
-    saltus_flow *flow = NULL;
-    flow_options.columns = 0;
-    flow_options.directions = 0;
-    saltus_status status = saltus_flow_new(&system, 1, &flow_options, &flow, message);
-    if (status == SALTUS_OK && !saltus_motion_open(system, &options->flow, motion))
-        status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the orbit");
-    if (status == SALTUS_OK)
-        status = saltus_motion_take(system, flow, orbit, options, motion, message);
-    if (status == SALTUS_OK)
-        *least = repeats_after(system, options, motion);
-    saltus_flow_free(flow);
-    if (status != SALTUS_OK)
-        saltus_motion_clear(motion);
+    write_label(motion);
     return status;
 }
 
 saltus_status saltus_motion_describe(const saltus_system *system, const saltus_orbit *orbit,
                                      const saltus_classify_options *options, saltus_motion *motion,
                                      saltus_message *message) {
-    int least = 0, same;
-    *motion = (saltus_motion){0};
-    saltus_status status = describe(system, orbit, options, motion, &least, message);
-    if (status != SALTUS_OK || least == orbit->periods)
-        return status;
+    saltus_flow_options plain = options->flow;
     saltus_orbit_options shooting = saltus_motion_shooting(options);
     saltus_orbit shorter = {0};
-    saltus_motion_clear(motion);
-    status = saltus_orbit_find(system, least, orbit->state, &shooting, &shorter, message);
+    saltus_lap lap = {.keeps_events = true};
+    saltus_flow *flow = NULL;
+    *motion = (saltus_motion){0};
+    plain.columns = plain.directions = 0;
+    saltus_status status = saltus_flow_new(&system, 1, &plain, &flow, message);
     if (status == SALTUS_OK)
-        status = describe(system, &shorter, options, motion, &same, message);
+        status = saltus_lap_around(&lap, flow, orbit->state, orbit->periods, message);
+    int least = status == SALTUS_OK ? saltus_lap_least_period(&lap, &plain) : orbit->periods;
+    if (least < orbit->periods)
+        status = saltus_return_polish(flow, least, orbit->state, &shooting, &shorter, &lap, message);
+    if (status == SALTUS_OK && !saltus_motion_open(system, &options->flow, motion))
+        status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the orbit");
+    if (status == SALTUS_OK)
+        status = saltus_motion_take(system, flow, least < orbit->periods ? &shorter : orbit, &lap, options,
+                                    motion, message);
     saltus_orbit_clear(&shorter);
+    saltus_lap_close(&lap);
+    saltus_flow_free(flow);
+    if (status != SALTUS_OK)
+        saltus_motion_clear(motion);
     return status;
 }
 
@@ -310,7 +192,7 @@ saltus_status saltus_motion_mirror(const saltus_system *system, const saltus_flo
     plain.directions = 0;
     saltus_status status = saltus_flow_new(&system, 1, &plain, &flow, message);
     if (status == SALTUS_OK)
-        status = mirror_after(system, flow, state, (saltus_time){0, shift ? 0.5 : 0}, state, message);
+        status = saltus_mirror_image(flow, state, (saltus_time){0, shift ? 0.5 : 0}, state, message);
     saltus_flow_free(flow);
     return status;
 }
@@ -341,7 +223,7 @@ static saltus_status polish_rest(const saltus_system *system, const saltus_class
     saltus_orbit_options shooting = saltus_motion_shooting(options);
     saltus_orbit rest = {0};
     saltus_status status = saltus_orbit_find(system, 1, motion->state, &shooting, &rest, message);
-    if (status == SALTUS_OK && saltus_section_distance(system, rest.state, motion->state) < same_rest) {
+    if (status == SALTUS_OK && saltus_system_distance(system, rest.state, motion->state) < same_rest) {
         memcpy(motion->state, rest.state, (size_t)motion->dimension * sizeof *motion->state);
         motion->stable = saltus_motion_orbit_stable(&rest);
         motion->residual = rest.residual;
@@ -361,9 +243,7 @@ saltus_status saltus_motion_rest(const saltus_system *system, saltus_flow *flow,
     saltus_flow_state(flow, 0, motion->state);
     if (motion->kind != SALTUS_UNDECIDED)
         status = polish_rest(system, options, motion, message);
-    motion->largest = -INFINITY;
-    motion->smallest = INFINITY;
-    see_displacement(system, motion->state, motion);
+    motion->largest = motion->smallest = saltus_observed(system, motion->state);
     if (motion->kind != SALTUS_UNDECIDED) {
         motion->mirror =
             saltus_system_mirror_symmetric(system, &shift) ? SALTUS_MIRROR_PAIR : SALTUS_MIRROR_NONE;
@@ -373,25 +253,21 @@ saltus_status saltus_motion_rest(const saltus_system *system, saltus_flow *flow,
     }
     if (status == SALTUS_OK && motion->kind == SALTUS_HELD)
         status = measure_forces(system, options, motion, message);
-    write_label(motion, false);
+    write_label(motion);
     return status;
 }
 
 saltus_status saltus_motion_survey(const saltus_system *system, saltus_flow *flow, saltus_motion *motion,
                                    saltus_message *message) {
     enum { periods = 400 };
-    saltus_event event = {.kind = SALTUS_STEP};
+    saltus_lap lap = {0};
+    saltus_lap_begin(&lap, system, motion->state);
     saltus_status status = saltus_flow_start(flow, 0, (saltus_time){0, 0}, motion->state, message);
-    motion->largest = -INFINITY;
-    motion->smallest = INFINITY;
-    see_displacement(system, motion->state, motion);
-    while (status == SALTUS_OK && event.kind != SALTUS_REACHED) {
-        status = saltus_flow_advance(flow, (saltus_time){periods, 0},
-                                     SALTUS_WATCH_CONTACT | SALTUS_WATCH_TURNING, &event, message);
-        if (status == SALTUS_OK && event.kind != SALTUS_REACHED)
-            see_event(system, flow, &event, motion);
-    }
-    write_label(motion, false);
+    if (status == SALTUS_OK)
+        status = saltus_lap_run(&lap, flow, (saltus_time){periods, 0}, true, message);
+    motion->largest = lap.largest;
+    motion->smallest = lap.smallest;
+    write_label(motion);
     /* The verdict stands without the last extremes. */
     return status == SALTUS_INTERRUPTED ? SALTUS_OK : status;
 }

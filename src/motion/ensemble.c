@@ -113,7 +113,7 @@ static saltus_status follow(saltus_ensemble *e, saltus_flow *flow, long long cyc
                                      message);
         saltus_flow_state(flow, 0, state);
         if (status == SALTUS_OK)
-            status = saltus_motion_bounded(e->system, state, saltus_flow_time(flow, 0).cycle, message);
+            status = saltus_state_bounded(e->system, state, saltus_flow_time(flow, 0).cycle, message);
     }
     saltus_flow_state(flow, 0, state);
     return status;
@@ -159,12 +159,12 @@ static saltus_status align(saltus_ensemble *e, saltus_message *message) {
 saltus_status saltus_ensemble_place(saltus_ensemble *e, const double *state, saltus_message *message) {
     memcpy(e->initial, state, (size_t)e->n * sizeof *state);
     if (e->options->seed)
-        saltus_motion_disturb(e->system, e->rng, disturbance, e->initial);
+        saltus_state_disturb(e->system, e->rng, disturbance, e->initial);
     saltus_status status = run_transient(e, message);
     for (int m = 0; m < e->members && status == SALTUS_OK; m++) {
         saltus_flow *flow = e->flows[m / e->width];
         if (m > 0)
-            saltus_motion_disturb(e->system, e->rng, disturbance, e->member[m].state);
+            saltus_state_disturb(e->system, e->rng, disturbance, e->member[m].state);
         status = saltus_flow_start(flow, m % e->width, (saltus_time){0, 0}, e->member[m].state, message);
         if (status == SALTUS_OK)
             saltus_growth_begin(&e->member[m].growth, flow, m % e->width, e->rng);
@@ -189,7 +189,7 @@ static saltus_status take_sample(saltus_ensemble *e, int m, saltus_message *mess
     saltus_flow_state(flow, m % e->width, self->state);
     if (m == 0 && e->points && self->samples <= e->room)
         memcpy(e->points + (self->samples - 1) * e->n, self->state, (size_t)e->n * sizeof *self->state);
-    return saltus_motion_bounded(e->system, self->state, saltus_flow_time(flow, m % e->width).cycle, message);
+    return saltus_state_bounded(e->system, self->state, saltus_flow_time(flow, m % e->width).cycle, message);
 }
 
 /* All lanes of one flow to their goals. */

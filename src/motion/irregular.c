@@ -8,10 +8,10 @@
  * that nothing irregular goes on and a period will show. A largest exponent of zero belongs to a torus if the
  * section points fill closed curves and have a spectrum of lines.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "motion/amid.h"
 #include "motion/ensemble.h"
 #include "motion/motion.h"
 #include "motion/opinions.h"
+#include "motion/stable_orbit.h"
 #include "saltus/series.h"
 
 #include <math.h>
@@ -125,13 +125,13 @@ static saltus_status ask_points(judge *j, saltus_message *message) {
     return saltus_opinions_ask(j->system, j->points, points_there(j), &j->motion->evidence, message);
 }
 
-/* Is there a stable orbit amid the points? */
+/* Is there a stable orbit among the points? */
 static saltus_status find_stable_orbit(judge *j, saltus_message *message) {
     saltus_evidence *evidence = &j->motion->evidence;
     saltus_motion orbit = {0};
     bool found;
-    saltus_status status = saltus_stable_orbit_amid(j->system, &j->how.flow, j->points, points_there(j),
-                                                    &orbit, &found, message);
+    saltus_status status = saltus_stable_orbit_among(j->system, &j->how.flow, j->points, points_there(j),
+                                                     &orbit, &found, message);
     if (status == SALTUS_OK && found)
         snprintf(evidence->stable_orbit, sizeof evidence->stable_orbit, "%s", orbit.label);
     saltus_motion_clear(&orbit);
@@ -139,8 +139,8 @@ static saltus_status find_stable_orbit(judge *j, saltus_message *message) {
     return status;
 }
 
-/* Chaos amid which there is a stable orbit may be a transient that has not ended yet: it is followed for as
- * long as may be, and not asserted. */
+/* Chaos among whose points there is a stable orbit may be a transient that has not ended yet: it is followed
+ * for as long as may be, and not asserted. */
 static saltus_status doubt_chaos(judge *j, saltus_outcome *result, saltus_message *message) {
     saltus_status status = j->searched ? SALTUS_OK : find_stable_orbit(j, message);
     if (j->motion->evidence.stable_orbit[0])

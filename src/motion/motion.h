@@ -3,14 +3,9 @@
 #ifndef SALTUS_MOTION_PRIVATE_H
 #define SALTUS_MOTION_PRIVATE_H
 
+#include "orbit/lap.h"
 #include "saltus/motion.h"
-
-#include <gsl/gsl_rng.h>
-
-enum { SALTUS_STATE_MAX = 160 };
-
-/* Largest difference of two states, each component relative to the system's scale. */
-double saltus_section_distance(const saltus_system *system, const double *a, const double *b);
+#include "system/state.h"
 
 /* Whether the caller has asked to stop. */
 bool saltus_motion_stopped(const saltus_flow_options *options);
@@ -18,32 +13,6 @@ bool saltus_motion_stopped(const saltus_flow_options *options);
 bool saltus_motion_orbit_stable(const saltus_orbit *orbit);
 /* Options of Newton's method that suit those of a classification. */
 saltus_orbit_options saltus_motion_shooting(const saltus_classify_options *options);
-
-/* A state drawn from the system's scales, beyond no stop. Errors: SALTUS_BAD_INPUT where none could be found.
- */
-saltus_status saltus_motion_random_state(const saltus_system *system, gsl_rng *rng, double *state,
-                                         saltus_message *message);
-
-/* Move a state by a random vector, `size` of the system's scales, unless that leads beyond a stop. */
-void saltus_motion_disturb(const saltus_system *system, gsl_rng *rng, double size, double *state);
-
-/* Whether a motion stays within 1e8 of its scales. Errors: SALTUS_STALLED, with the entry and the period. */
-saltus_status saltus_motion_bounded(const saltus_system *system, const double *state, long long periods,
-                                    saltus_message *message);
-
-/* The contact events of one orbit, counted (model.md, section 4). */
-typedef struct saltus_tally {
-    long long impacts, events;
-    long long by_face[SALTUS_FACES_MAX];
-    int sticks, releases;
-    bool rebounds; /* a stop that throws back holds for a while */
-    bool chatter;  /* infinitely many impacts ended in a sticking interval */
-} saltus_tally;
-
-/* Count an impact, a stick or a release; other events do not count. */
-void saltus_tally_event(saltus_tally *tally, const saltus_system *system, const saltus_event *event);
-/* Whether an event reverses the normal velocity: an impact, or a stick with which a chatter ends. */
-bool saltus_event_strikes(const saltus_event *event);
 
 /* Judge a motion that has not settled: fills kind, reason, exponent and evidence, and moves motion->state on
  * along the attractor. kind stays SALTUS_UNDECIDED where more time may bring a period: *regular tells that it
@@ -64,10 +33,10 @@ saltus_status saltus_motion_find_period(const saltus_system *system, const doubl
 
 /* An undecided motion with room for a state; false if there is no memory. */
 bool saltus_motion_open(const saltus_system *system, const saltus_flow_options *flow, saltus_motion *motion);
-/* Fill an open motion with what is said of a periodic orbit. */
+/* Fill an open motion with what is said of a periodic orbit; the lap around it becomes the motion's. */
 saltus_status saltus_motion_take(const saltus_system *system, saltus_flow *flow, const saltus_orbit *orbit,
-                                 const saltus_classify_options *options, saltus_motion *motion,
-                                 saltus_message *message);
+                                 saltus_lap *lap, const saltus_classify_options *options,
+                                 saltus_motion *motion, saltus_message *message);
 /* Fill an open motion, whose kind is known, from the flow's present state. */
 saltus_status saltus_motion_rest(const saltus_system *system, saltus_flow *flow,
                                  const saltus_classify_options *options, saltus_motion *motion,

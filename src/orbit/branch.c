@@ -80,11 +80,10 @@ static saltus_status open_parts(saltus_branch *b, saltus_message *message) {
     b->n = saltus_system_dimension(b->system);
     const saltus_system *system = b->system;
     b->state = calloc((size_t)b->n, sizeof *b->state);
-    if (!b->state)
+    b->lap.keeps_events = true;
+    if (!b->state || !saltus_lap_reserve(&b->lap, 1, b->n))
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch");
     status = saltus_flow_new(&system, 1, &flow, &b->flow, message);
-    if (status == SALTUS_OK)
-        status = saltus_itinerary_open(&b->itinerary, b->n, message);
     if (status == SALTUS_OK)
         status = saltus_pursuit_new(&b->spec, &b->direction, b->origin, b->unit, &b->options.orbit,
                                     &b->pursuit, message);
@@ -102,8 +101,7 @@ static saltus_status open_starts(saltus_branch *b, int periods, const double *st
     saltus_status status = saltus_orbit_find(b->system, periods, state, &options, &orbit, message);
     if (status == SALTUS_OK) {
         memcpy(b->state, orbit.state, (size_t)b->n * sizeof *b->state);
-        status =
-            saltus_itinerary_sequence(&b->itinerary, b->flow, periods, b->state, &start.sequence, message);
+        status = saltus_sequence_make(b->flow, periods, b->state, &b->lap, &start.sequence, message);
     }
     for (int heading = 1; heading >= -1 && status == SALTUS_OK; heading -= 2)
         if (b->options.direction * heading >= 0) {
@@ -162,7 +160,7 @@ void saltus_branch_free(saltus_branch *b) {
     saltus_pursuit_free(b->pursuit);
     saltus_flow_free(b->flow);
     saltus_system_free(b->system);
-    saltus_itinerary_close(&b->itinerary);
+    saltus_lap_close(&b->lap);
     free(b->state);
     free(b->first);
     free(b);
@@ -362,9 +360,9 @@ void saltus_solution_swap(saltus_solution *a, saltus_solution *c) {
 }
 
 void saltus_branch_remember(saltus_branch *b) {
-    memcpy(b->last_label, b->itinerary.label, sizeof b->last_label);
-    b->last_impacts = b->itinerary.impacts;
-    b->last_sticks = b->itinerary.sticking_intervals;
+    saltus_lap_label(&b->lap, b->last_label);
+    b->last_impacts = saltus_lap_impacts(&b->lap);
+    b->last_sticks = saltus_lap_sticking(&b->lap);
 }
 
 /* Special points do not count, unless there is no end of them. */
@@ -419,10 +417,11 @@ static bool shorten_to_breach(saltus_branch *b, double *accuracy) {
 /* Contacts that begin or end where the sequence is left to the flow are located; of the many impacts in the
  * tail of a long run, which come and go all the time, only the number is told. */
 static saltus_status settle_label(saltus_branch *b, saltus_message *message) {
-    const saltus_itinerary *it = &b->itinerary;
-    bool chatter = (it->impacts < 0) != (b->last_impacts < 0);
-    b->tail_changed = b->last_label[0] && strcmp(b->last_label, it->label) != 0;
-    if (!b->last_label[0] || (!chatter && it->sticking_intervals == b->last_sticks))
+    char label[SALTUS_LABEL_MAX];
+    bool chatter = (saltus_lap_impacts(&b->lap) < 0) != (b->last_impacts < 0);
+    saltus_lap_label(&b->lap, label);
+    b->tail_changed = b->last_label[0] && strcmp(b->last_label, label) != 0;
+    if (!b->last_label[0] || (!chatter && saltus_lap_sticking(&b->lap) == b->last_sticks))
         return SALTUS_OK;
     saltus_status status = saltus_branch_relabel(b, message);
     return status == SALTUS_OK ? saltus_branch_survey(b, &b->next, message) : status;
@@ -477,7 +476,7 @@ static saltus_status advance(saltus_branch *b, saltus_message *message) {
     }
     if (given)
         status = saltus_branch_survey(b, &b->next, message);
-    bool completes = b->last_label[0] && b->itinerary.impacts < 0 && b->last_impacts >= 0;
+    bool completes = b->last_label[0] && saltus_lap_impacts(&b->lap) < 0 && b->last_impacts >= 0;
     if (status == SALTUS_OK)
         status = settle_label(b, message);
     if (status == SALTUS_OK)

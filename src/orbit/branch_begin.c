@@ -45,7 +45,7 @@ static void point_tangent(saltus_solution *s, double sense) {
 
 /* Keep the section points of the orbit just walked as those of the branch's first. */
 static saltus_status keep_first(saltus_branch *b, double value, saltus_message *message) {
-    int n = b->n, periods = b->itinerary.periods;
+    int n = b->n, periods = b->lap.periods;
     saltus_event event;
     double *grown = realloc(b->first, (size_t)(n * periods) * sizeof *grown);
     if (!grown)
@@ -53,7 +53,7 @@ static saltus_status keep_first(saltus_branch *b, double value, saltus_message *
     b->first = grown;
     b->first_count = 1;
     b->first_value = value;
-    memcpy(grown, b->itinerary.state, (size_t)n * sizeof *grown);
+    memcpy(grown, b->lap.points, (size_t)n * sizeof *grown);
     saltus_message ignored;
     saltus_status status = saltus_flow_start(b->flow, 0, (saltus_time){0, 0}, grown, &ignored);
     for (int k = 1; k < periods && status == SALTUS_OK; k++) {
@@ -65,15 +65,7 @@ static saltus_status keep_first(saltus_branch *b, double value, saltus_message *
 }
 
 bool saltus_branch_is_first(const saltus_branch *b) {
-    const double *scale = saltus_system_scale(b->system);
-    for (int k = 0; k < b->first_count; k++) {
-        double largest = 0;
-        for (int i = 0; i < b->n; i++)
-            largest = fmax(largest, fabs(b->itinerary.state[i] - b->first[k * b->n + i]) / scale[i]);
-        if (largest < 1e-6)
-            return true;
-    }
-    return false;
+    return saltus_orbit_passes(b->system, b->first, b->first_count, b->lap.points, 1e-6);
 }
 
 saltus_status saltus_branch_begin(saltus_branch *b, const saltus_branch_start *start,
@@ -225,7 +217,7 @@ static saltus_status state_at(saltus_branch *b, const saltus_sequence *old, doub
     return status;
 }
 
-/* Leave the tail of a long run of ever slower impacts to the flow (itinerary.h). `order` follows. */
+/* Leave the tail of a long run of ever slower impacts to the flow (sequence.h). `order` follows. */
 static bool trim_runs(const saltus_branch *b, saltus_sequence *s, int *order) {
     double speed[SALTUS_MARKS_MAX];
     int count = s->count, kept = 0;

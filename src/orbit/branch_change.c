@@ -101,7 +101,7 @@ bool saltus_branch_go_on(saltus_branch *b, const double *old) {
 
 static void complete_label(saltus_branch *b, size_t index, const char *reason, bool back) {
     saltus_branch_point *point = &b->queue[index];
-    snprintf(point->label_after, sizeof point->label_after, "%s", b->itinerary.label);
+    saltus_lap_label(&b->lap, point->label_after);
     snprintf(point->reason, sizeof point->reason, "%s%s", reason,
              back ? "; the branch turns back (non-smooth fold)" : "");
 }
@@ -182,8 +182,8 @@ saltus_status saltus_branch_change(saltus_branch *b, double accuracy, saltus_mes
 
 /* Whether the walk has as much chatter and sticking as the last point given out. */
 static bool keeps_contacts(const saltus_branch *b) {
-    return (b->itinerary.impacts < 0) == (b->last_impacts < 0) &&
-           b->itinerary.sticking_intervals == b->last_sticks;
+    return (saltus_lap_impacts(&b->lap) < 0) == (b->last_impacts < 0) &&
+           saltus_lap_sticking(&b->lap) == b->last_sticks;
 }
 
 /* The last point before `ahead` that the flow follows, as `trial`, with the contacts of the last point given
@@ -218,17 +218,16 @@ static bool shoot_beyond(saltus_branch *b, double value, const double *state, co
         return false;
     if (saltus_branch_survey(b, &b->here, &ignored) != SALTUS_OK || !b->here.follows)
         return false;
-    memcpy(b->state, b->itinerary.state, (size_t)b->n * sizeof *b->state);
-    saltus_status status =
-        saltus_itinerary_sequence(&b->itinerary, b->flow, old->periods, b->state, fresh, &ignored);
+    memcpy(b->state, b->lap.points, (size_t)b->n * sizeof *b->state);
+    saltus_status status = saltus_sequence_make(b->flow, old->periods, b->state, &b->lap, fresh, &ignored);
     return saltus_branch_noted(b, status) == SALTUS_OK;
 }
 
 /* What changes between two labels and numbers of sticking intervals. */
-static saltus_point_kind kind_of_change(const saltus_branch_point *before, const saltus_itinerary *after) {
-    if ((before->impacts < 0) != (after->impacts < 0))
+static saltus_point_kind kind_of_change(const saltus_branch_point *before, const saltus_lap *after) {
+    if ((before->impacts < 0) != (saltus_lap_impacts(after) < 0))
         return SALTUS_POINT_CH;
-    return before->sticking_intervals != after->sticking_intervals ? SALTUS_POINT_ST : SALTUS_POINT_GR;
+    return before->sticking_intervals != saltus_lap_sticking(after) ? SALTUS_POINT_ST : SALTUS_POINT_GR;
 }
 
 /* `here` is a new beginning beyond a change. */
@@ -251,8 +250,9 @@ static saltus_status resettle(saltus_branch *b, double heading, saltus_message *
 }
 
 /* A leap over a difficulty of the continuation that is no change of events. */
-static bool same_events(const saltus_branch_point *before, const saltus_itinerary *after) {
-    return before->impacts == after->impacts && before->sticking_intervals == after->sticking_intervals;
+static bool same_events(const saltus_branch_point *before, const saltus_lap *after) {
+    return before->impacts == saltus_lap_impacts(after) &&
+           before->sticking_intervals == saltus_lap_sticking(after);
 }
 
 /* On the side where chatter is complete its end is the place where the contact after it vanishes: sharper
@@ -276,8 +276,8 @@ saltus_status saltus_branch_retrace(saltus_branch *b, saltus_message *message) {
     saltus_status status = saltus_branch_walk(b, &b->here, message);
     if (status != SALTUS_OK)
         return status;
-    memcpy(b->state, b->itinerary.state, (size_t)b->n * sizeof *b->state);
-    status = saltus_itinerary_sequence(&b->itinerary, b->flow, old.periods, b->state, &fresh, &why);
+    memcpy(b->state, b->lap.points, (size_t)b->n * sizeof *b->state);
+    status = saltus_sequence_make(b->flow, old.periods, b->state, &b->lap, &fresh, &why);
     if (status == SALTUS_OK)
         status = saltus_branch_place(b, &fresh, value, b->state, true, &why);
     m = b->here.unknowns;
@@ -295,9 +295,9 @@ saltus_status saltus_branch_retrace(saltus_branch *b, saltus_message *message) {
 }
 
 saltus_status saltus_branch_relabel(saltus_branch *b, saltus_message *message) {
-    bool chatter = (b->itinerary.impacts < 0) != (b->last_impacts < 0);
+    bool chatter = (saltus_lap_impacts(&b->lap) < 0) != (b->last_impacts < 0);
     char after[SALTUS_LABEL_MAX];
-    memcpy(after, b->itinerary.label, sizeof after);
+    saltus_lap_label(&b->lap, after);
     double width = bracket_change(b, b->next.ahead, true);
     if (isnan(width))
         return SALTUS_OK;
@@ -336,9 +336,9 @@ saltus_status saltus_branch_leap(saltus_branch *b, double ahead, const char *why
             guess[i] = fma(distance, rate[i], base[i]);
         found = shoot_beyond(b, at, guess, &old, &fresh);
         if (found) {
-            b->queue[index].kind = kind_of_change(&b->queue[index], &b->itinerary);
+            b->queue[index].kind = kind_of_change(&b->queue[index], &b->lap);
             complete_label(b, index, why, false);
-            nothing = same_events(&b->queue[index], &b->itinerary);
+            nothing = same_events(&b->queue[index], &b->lap);
             saltus_message ignored;
             found = saltus_branch_place(b, &fresh, at, b->state, true, &ignored) == SALTUS_OK;
             b->arclength += b->trial.ahead + reach[k];

@@ -67,18 +67,18 @@ static void prescribed_events(const saltus_branch *b, const saltus_sequence *s, 
 
 static void fill_motion(saltus_branch *b, const saltus_solution *s, saltus_branch_point *point) {
     saltus_sequence sequence;
-    const saltus_itinerary *it = &b->itinerary;
+    const saltus_lap *lap = &b->lap;
     size_t n = (size_t)b->n * sizeof(double);
     saltus_pursuit_extract(b->pursuit, s->u, &sequence, b->state);
     point->periods = sequence.periods;
     if (s->follows) {
-        point->impacts = it->impacts;
-        point->sticking_intervals = it->sticking_intervals;
-        point->event_count = it->count;
-        memcpy(point->label, it->label, sizeof point->label);
-        for (int k = 0; k < it->count; k++)
-            point->events[k] = it->events[k];
-        memcpy(point->state, it->state, n);
+        point->impacts = saltus_lap_impacts(lap);
+        point->sticking_intervals = saltus_lap_sticking(lap);
+        point->event_count = lap->event_count;
+        saltus_lap_label(lap, point->label);
+        for (int k = 0; k < lap->event_count; k++)
+            point->events[k] = lap->events[k];
+        memcpy(point->state, lap->points, n);
     } else {
         saltus_message ignored;
         saltus_pursuit_evaluate(b->pursuit, s->u, &ignored);
@@ -87,9 +87,9 @@ static void fill_motion(saltus_branch *b, const saltus_solution *s, saltus_branc
             point->impacts += sequence.mark[k].kind != SALTUS_RELEASE;
             point->sticking_intervals += sequence.mark[k].kind == SALTUS_STICK;
         }
-        snprintf(point->label, sizeof point->label, "%lld/%d", point->impacts, sequence.periods);
+        saltus_orbit_label(point->impacts, sequence.periods, point->label);
         prescribed_events(b, &sequence, point->events);
-        memcpy(point->state, sequence.base == 0 ? b->state : it->state, n);
+        memcpy(point->state, sequence.base == 0 ? b->state : lap->points, n);
     }
     fold_events(point->events, point->event_count, sequence.periods);
 }
@@ -106,7 +106,7 @@ saltus_status saltus_branch_emit(saltus_branch *b, const saltus_solution *s, sal
                                  double accuracy, const char *after, const char *reason,
                                  saltus_message *message) {
     saltus_branch_point *point = queue_place(b);
-    int events = b->itinerary.count > SALTUS_MARKS_MAX ? b->itinerary.count : SALTUS_MARKS_MAX;
+    int events = b->lap.event_count > SALTUS_MARKS_MAX ? b->lap.event_count : SALTUS_MARKS_MAX;
     if (!point)
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch");
     *point = (saltus_branch_point){.kind = kind,

@@ -3,7 +3,7 @@
 #ifndef SALTUS_ORBIT_BRANCH_PRIVATE_H
 #define SALTUS_ORBIT_BRANCH_PRIVATE_H
 
-#include "orbit/itinerary.h"
+#include "orbit/sequence.h"
 #include "saltus/branch.h"
 
 /* Functions whose zeros along a branch are special points. */
@@ -69,7 +69,7 @@ struct saltus_branch {
     saltus_pursuit *pursuit;
     saltus_flow *flow;     /* event-driven, without tangent vectors */
     saltus_system *system; /* of the flow */
-    saltus_itinerary itinerary;
+    saltus_lap lap;
     int n;
     const volatile sig_atomic_t *stop; /* asked for between steps, never within one */
     saltus_branch_start *starts;
@@ -114,7 +114,7 @@ saltus_status saltus_branch_walk(saltus_branch *b, saltus_solution *solution, sa
 /* Walk, and multipliers. */
 saltus_status saltus_branch_survey(saltus_branch *b, saltus_solution *solution, saltus_message *message);
 /* How far an orbit of an even period is from closing after half of it, scaled; INFINITY for an odd one.
- * Leaves another walk in the itinerary. */
+ * Leaves another lap behind. */
 double saltus_branch_half_distance(saltus_branch *b, const saltus_solution *solution, bool mirrored);
 /* The zero of a test between `here` and `ahead`, at which the test has the value `far`; `trial` becomes the
  * point there. False if it cannot be had. */

@@ -11,8 +11,7 @@ static saltus_status restore(saltus_branch *b, const saltus_branch_point *point,
     memcpy(b->state, point->state, (size_t)b->n * sizeof *b->state);
     saltus_status status = saltus_branch_tune(b, point->value[0], message);
     if (status == SALTUS_OK)
-        status =
-            saltus_itinerary_sequence(&b->itinerary, b->flow, point->periods, b->state, &sequence, message);
+        status = saltus_sequence_make(b->flow, point->periods, b->state, &b->lap, &sequence, message);
     if (status == SALTUS_OK)
         status = saltus_branch_place(b, &sequence, point->value[0], b->state, true, message);
     if (status != SALTUS_OK)

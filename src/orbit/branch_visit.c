@@ -131,9 +131,9 @@ saltus_status saltus_branch_walk(saltus_branch *b, saltus_solution *s, saltus_me
     if (status != SALTUS_OK)
         return saltus_branch_noted(b, status);
     saltus_pursuit_extract(b->pursuit, s->u, &sequence, b->state);
-    status = saltus_itinerary_walk_cuts(&b->itinerary, b->flow, &sequence,
-                                        saltus_pursuit_states(b->pursuit, s->u), &ignored);
-    s->follows = status == SALTUS_OK && saltus_itinerary_follows(&b->itinerary, &sequence);
+    status =
+        saltus_sequence_walk(&sequence, b->flow, saltus_pursuit_states(b->pursuit, s->u), &b->lap, &ignored);
+    s->follows = status == SALTUS_OK && saltus_sequence_follows(&sequence, &b->lap);
     saltus_branch_noted(b, status);
     return status == SALTUS_NO_MEMORY ? saltus_fail(message, status, "%s", ignored.text) : SALTUS_OK;
 }

@@ -6,8 +6,8 @@
  * unknowns; the orbit found so is accepted if the flow follows it. The two take turns. Strong growth of the
  * tangent vectors cuts the orbit into segments (multiple shooting).
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "orbit/itinerary.h"
 #include "orbit/multipliers.h"
+#include "orbit/sequence.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -29,7 +29,8 @@ saltus_orbit_options saltus_orbit_defaults(void) {
 typedef struct search {
     saltus_pursuit *pursuit;
     saltus_flow *flow; /* event-driven, without tangent vectors */
-    saltus_itinerary itinerary;
+    saltus_lap lap;
+    int n;
     saltus_sequence sequence;
     double *state, *start, *u; /* `start`: of a sequence under trial */
     int unknowns_room;
@@ -65,7 +66,7 @@ static void cut_sequence(saltus_sequence *sequence, int segments, double growth)
 static saltus_status check_size(const search *s, saltus_message *message) {
     const double *scale = saltus_system_scale(saltus_pursuit_system(s->pursuit));
     double size = 0;
-    for (int i = 0; i < s->itinerary.dimension; i++)
+    for (int i = 0; i < s->n; i++)
         size = fmax(size, fabs(s->state[i]) / scale[i]);
     if (size < size_max)
         return SALTUS_OK;
@@ -121,9 +122,8 @@ static saltus_status solve_sequence(search *s, const saltus_sequence *sequence,
     saltus_status status = solve(s, sequence, options, message);
     if (status != SALTUS_OK)
         return status;
-    status =
-        saltus_itinerary_walk(&s->itinerary, s->flow, sequence->base, s->state, sequence->periods, message);
-    bool follows = status == SALTUS_OK && saltus_itinerary_follows(&s->itinerary, &s->sequence);
+    status = saltus_sequence_walk(sequence, s->flow, s->state, &s->lap, message);
+    bool follows = status == SALTUS_OK && saltus_sequence_follows(&s->sequence, &s->lap);
     if (follows || status == SALTUS_NO_MEMORY)
         return status;
     return saltus_fail(message, SALTUS_NO_CONVERGENCE,
@@ -135,8 +135,7 @@ static saltus_status solve_sequence(search *s, const saltus_sequence *sequence,
 static saltus_status solve_prescribed(search *s, int periods, const saltus_orbit_options *options,
                                       saltus_message *message) {
     saltus_sequence sequence;
-    saltus_status status =
-        saltus_itinerary_sequence(&s->itinerary, s->flow, periods, s->state, &sequence, message);
+    saltus_status status = saltus_sequence_make(s->flow, periods, s->state, &s->lap, &sequence, message);
     return status == SALTUS_OK ? solve_sequence(s, &sequence, options, message) : status;
 }
 
@@ -148,7 +147,7 @@ static bool grazes(const saltus_message *message) {
 static double moved(const search *s) {
     const double *scale = saltus_system_scale(saltus_pursuit_system(s->pursuit));
     double largest = 0;
-    for (int i = 0; i < s->itinerary.dimension; i++)
+    for (int i = 0; i < s->n; i++)
         largest = fmax(largest, fabs(s->state[i] - s->start[i]) / scale[i]);
     return largest;
 }
@@ -159,12 +158,12 @@ static bool passes_through(search *s, int periods, const double *guess, const sa
                            saltus_message *message) {
     enum { tries = 8 };
     const double nearby = 0.3;
-    size_t bytes = (size_t)s->itinerary.dimension * sizeof *guess;
+    size_t bytes = (size_t)s->n * sizeof *guess;
     saltus_sequence met = {.periods = periods, .base = options->phase, .driven = true};
     memcpy(s->state, guess, bytes);
     s->sequence = met;
     if (to_section(s, 0, periods, message) != SALTUS_OK ||
-        saltus_itinerary_sequence(&s->itinerary, s->flow, periods, s->state, &met, message) != SALTUS_OK)
+        saltus_sequence_make(s->flow, periods, s->state, &s->lap, &met, message) != SALTUS_OK)
         return false;
     memcpy(s->start, s->state, bytes);
     for (int out = 0; out < met.count && out < tries; out++) {
@@ -194,7 +193,7 @@ static saltus_status hunt(search *s, int periods, const double *guess, const sal
     saltus_sequence driven = {.periods = periods, .base = options->phase, .driven = true};
     saltus_message plain = {""}, later = {""}, prescribed = {""};
     saltus_status first = SALTUS_OK;
-    memcpy(s->state, guess, (size_t)s->itinerary.dimension * sizeof *guess);
+    memcpy(s->state, guess, (size_t)s->n * sizeof *guess);
     for (int turn = 0; turn < turns_max; turn++) {
         saltus_status status = solve(s, &driven, options, turn ? &later : &plain);
         if (status == SALTUS_OK)
@@ -220,12 +219,12 @@ static saltus_status open_search(search *s, const saltus_system *system, const s
     int n = saltus_system_dimension(system);
     saltus_flow_options flow = options->flow;
     flow.columns = flow.directions = 0;
+    s->n = n;
+    s->lap.keeps_events = true;
     s->state = calloc(2 * (size_t)n, sizeof *s->state);
     s->start = s->state ? s->state + n : NULL;
     saltus_status status =
         s->state ? SALTUS_OK : saltus_fail(message, SALTUS_NO_MEMORY, "no memory for shooting");
-    if (status == SALTUS_OK)
-        status = saltus_itinerary_open(&s->itinerary, n, message);
     if (status == SALTUS_OK)
         status = saltus_flow_new(&system, 1, &flow, &s->flow, message);
     if (status == SALTUS_OK)
@@ -253,7 +252,7 @@ saltus_status saltus_orbit_find(const saltus_system *system, int periods, const 
     }
     saltus_pursuit_free(s.pursuit);
     saltus_flow_free(s.flow);
-    saltus_itinerary_close(&s.itinerary);
+    saltus_lap_close(&s.lap);
     free(s.state);
     free(s.u);
     if (status != SALTUS_OK)

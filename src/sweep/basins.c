@@ -51,10 +51,10 @@ void saltus_basins_free(saltus_basins *basins) {
 
 /* Distance of a state from a motion: from the nearest of its section points, or from where it rests. */
 static double distance_from(const saltus_system *system, const saltus_motion *motion, const double *state) {
-    double nearest = motion->periods ? INFINITY : saltus_section_distance(system, motion->state, state);
+    double nearest = motion->periods ? INFINITY : saltus_system_distance(system, motion->state, state);
     for (int k = 0; k < motion->periods; k++)
         nearest =
-            fmin(nearest, saltus_section_distance(
+            fmin(nearest, saltus_system_distance(
                               system, motion->section_states + (size_t)k * (size_t)motion->dimension, state));
     return nearest;
 }

@@ -87,9 +87,9 @@ static bool same_attractor(const saltus_system *system, const saltus_cell *a, co
     if (!saltus_sweep_settled(&a->row))
         return true;
     if (a->row.verdict != SALTUS_ROW_PERIODIC)
-        return saltus_section_distance(system, a->state, b->state) < same_point;
+        return saltus_system_distance(system, a->state, b->state) < same_point;
     for (int k = 0; k < a->row.periods; k++)
-        if (saltus_section_distance(system, a->orbit + (size_t)k * n, b->orbit) < same_point)
+        if (saltus_system_distance(system, a->orbit + (size_t)k * n, b->orbit) < same_point)
             return true;
     return false;
 }

@@ -85,7 +85,7 @@ static bool is_home(const saltus_trajectory *t, int periods) {
     const saltus_settling *s = &t->settling;
     int back = (int)((cycle_of(t) - t->home_cycle) % periods);
     const double *point = s->points + (size_t)((s->count - 1 - back) % s->size) * (size_t)s->n;
-    return saltus_section_distance(t->system, point, t->home) < home_again;
+    return saltus_system_distance(t->system, point, t->home) < home_again;
 }
 
 /* Go on from a motion that has been found otherwise. */
@@ -128,7 +128,7 @@ static bool stable_orbit(saltus_trajectory *t, int periods, saltus_motion *motio
     saltus_orbit orbit = {0};
     saltus_status status = saltus_orbit_find(t->system, periods, t->state, &shooting, &orbit, NULL);
     bool own = status == SALTUS_OK && saltus_motion_orbit_stable(&orbit) &&
-               saltus_section_distance(t->system, orbit.state, t->state) < same_orbit;
+               saltus_system_distance(t->system, orbit.state, t->state) < same_orbit;
     if (own)
         status = saltus_motion_describe(t->system, &orbit, &options, motion, NULL);
     saltus_orbit_clear(&orbit);
@@ -238,7 +238,7 @@ static bool closes_tightly(saltus_trajectory *t, int periods) {
         saltus_flow_state(flow, 0, end);
     saltus_flow_free(flow);
     return status == SALTUS_OK &&
-           saltus_section_distance(t->system, end, t->state) < fmax(home_again, 100 * t->settling.near);
+           saltus_system_distance(t->system, end, t->state) < fmax(home_again, 100 * t->settling.near);
 }
 
 /* What has been proven to return is the trajectory's orbit. */

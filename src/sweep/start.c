@@ -31,7 +31,7 @@ saltus_status saltus_sweep_initial(const saltus_sweep *sweep, long long point, i
                                    saltus_message *message) {
     if (seed > 0) {
         saltus_sweep_seed(rng, sweep->options.seed, point, seed);
-        return saltus_motion_random_state(system, rng, state, message);
+        return saltus_state_random(system, rng, state, message);
     }
     if (sweep->scene.initial_count == 0 && !sweep->moves_start)
         return saltus_system_default_state(system, state, message);

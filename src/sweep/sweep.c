@@ -288,12 +288,10 @@ void saltus_sweep_label(const saltus_sweep_row *row, char label[32]) {
         [SALTUS_ROW_HELD] = "held",           [SALTUS_ROW_QUASIPERIODIC] = "quasi-periodic",
         [SALTUS_ROW_CHAOTIC] = "chaotic",     [SALTUS_ROW_UNSETTLED] = "long-period",
         [SALTUS_ROW_UNDECIDED] = "undecided", [SALTUS_ROW_FAILED] = "failed"};
-    if (row->verdict != SALTUS_ROW_PERIODIC)
-        snprintf(label, 32, "%s", words[row->verdict]);
-    else if (row->impacts < 0)
-        snprintf(label, 32, "chatter/%d", row->periods);
+    if (row->verdict == SALTUS_ROW_PERIODIC)
+        saltus_orbit_label(row->impacts, row->periods, label);
     else
-        snprintf(label, 32, "%d/%d", row->impacts, row->periods);
+        snprintf(label, SALTUS_LABEL_MAX, "%s", words[row->verdict]);
 }
 
 bool saltus_sweep_settled(const saltus_sweep_row *row) {

@@ -7,6 +7,7 @@
 
 #include "motion/growth.h"
 #include "motion/motion.h"
+#include "motion/settle.h"
 
 #include <gsl/gsl_rng.h>
 
@@ -36,37 +37,6 @@ void saltus_sweep_admit(const saltus_system *system, double *state);
 /* A random number generator at a state that depends on these numbers alone. */
 void saltus_sweep_seed(gsl_rng *rng, unsigned long seed, long long point, int which);
 
-/* settle.c: has a trajectory settled, and on which period? */
-typedef struct saltus_settling {
-    const saltus_system *system;
-    int n, longest, size;
-    double near;                  /* remaining distance from the orbit that is small enough */
-    long long count;              /* points seen */
-    double *points;               /* the last `size` ones, n each */
-    double *weight;               /* 1 / scale */
-    long long *impacts, *contact; /* per point: impacts and other contact events until then */
-    int *streak;                  /* per period: points in a row that recur */
-} saltus_settling;
-
-bool saltus_settling_open(saltus_settling *settling, int dimension, const saltus_sweep_options *options);
-void saltus_settling_close(saltus_settling *settling);
-void saltus_settling_reset(saltus_settling *settling, const saltus_system *system);
-/* One more point at phase 0, with the numbers of impacts and of other contact events so far. */
-void saltus_settling_add(saltus_settling *settling, const double *state, long long impacts,
-                         long long contact_events);
-/* The least period whose orbit has been reached to within a distance, or 0. In doubt, the orbit may be one of
- * a part of that period. */
-int saltus_settling_period(const saltus_settling *settling, double limit, bool *doubt);
-/* The least period that recurs roughly at present, or 0. */
-int saltus_settling_candidate(const saltus_settling *settling);
-/* Impacts, and other contact events, in the last periods. */
-long long saltus_settling_impacts(const saltus_settling *settling, int period);
-long long saltus_settling_contacts(const saltus_settling *settling, int period);
-/* Largest distance between points a period apart, over the last one. */
-double saltus_settling_recurrence(const saltus_settling *settling, int period);
-/* Whether nothing has moved over the last periods. */
-bool saltus_settling_rests(const saltus_settling *settling);
-
 /* watch.c: what a trajectory does while it is recorded. */
 typedef struct saltus_cloud {
     double *values;
@@ -74,14 +44,13 @@ typedef struct saltus_cloud {
 } saltus_cloud;
 
 typedef struct saltus_watch {
-    const saltus_system *system;
-    unsigned keep; /* of SALTUS_KEEP_... */
+    saltus_lap lap; /* counts and extremes */
+    unsigned keep;  /* of SALTUS_KEEP_... */
     saltus_time begin, touched;
     bool touching;
     int heading;    /* sign of the observed velocity */
     double contact; /* periods in contact */
-    double largest, smallest, largest_speed;
-    saltus_tally tally;
+    double largest_speed;
     saltus_cloud turning, strobes, impacts; /* impacts: three numbers each */
     bool sound;                             /* no cloud has run out of memory */
 } saltus_watch;

@@ -26,8 +26,9 @@ bool saltus_trajectory_open(saltus_trajectory *t, const saltus_sweep *sweep) {
     t->orbit = calloc(n * (size_t)sweep->options.longest, sizeof *t->orbit);
     bool measurable = !measures_growth(t) || saltus_measuring_open(&t->measuring, sweep->dimension);
     t->rng = gsl_rng_alloc(gsl_rng_mt19937);
-    return saltus_settling_open(&t->settling, sweep->dimension, &sweep->options) && t->state && t->home &&
-           t->orbit && measurable && t->rng;
+    double near = fmax(1e-10, 10 * sweep->options.flow.rtol);
+    return saltus_settling_open(&t->settling, sweep->dimension, sweep->options.longest, near) && t->state &&
+           t->home && t->orbit && measurable && t->rng;
 }
 
 void saltus_trajectory_close(saltus_trajectory *t) {
@@ -261,10 +262,11 @@ static saltus_course measuring_on(saltus_trajectory *t) {
 
 /* Counts of one orbit, when it has been gone around. */
 static void count_orbit(saltus_trajectory *t) {
-    const saltus_tally *tally = &t->active->tally;
-    t->row.impacts = tally->chatter ? -1 : (int)tally->impacts;
-    t->row.sticking = tally->sticks;
-    if (tally->events == 0 && saltus_flow_contacts(t->flow, t->lane)) {
+    saltus_lap *lap = &t->active->lap;
+    lap->contacts = saltus_flow_contacts(t->flow, t->lane);
+    t->row.impacts = (int)saltus_lap_impacts(lap);
+    t->row.sticking = saltus_lap_sticking(lap);
+    if (saltus_lap_held(lap)) {
         t->row.verdict = SALTUS_ROW_HELD;
         t->row.periods = 0;
     }
@@ -289,7 +291,7 @@ static saltus_course recorded(saltus_trajectory *t) {
 static saltus_course at_section(saltus_trajectory *t) {
     bool ends = cycle_of(t) >= t->stage_end;
     saltus_flow_state(t->flow, t->lane, t->state);
-    if (saltus_motion_bounded(t->system, t->state, cycle_of(t), NULL) != SALTUS_OK) {
+    if (saltus_state_bounded(t->system, t->state, cycle_of(t), NULL) != SALTUS_OK) {
         saltus_trajectory_fail(t);
         return SALTUS_COURSE_OVER;
     }

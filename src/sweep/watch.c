@@ -21,35 +21,19 @@ static void add(saltus_watch *watch, saltus_cloud *cloud, const double *values, 
     cloud->count += count;
 }
 
-static void see(saltus_watch *watch, double displacement) {
-    watch->largest = fmax(watch->largest, displacement);
-    watch->smallest = fmin(watch->smallest, displacement);
-}
-
-/* Of the displacements, or of the velocities that follow them. */
-static double observed(const saltus_watch *watch, const double *vector) {
-    const double *observer = saltus_system_observer(watch->system);
-    double sum = 0;
-    for (int i = 0; i < saltus_system_dof(watch->system); i++)
-        sum = fma(observer[i], vector[i], sum);
-    return sum;
-}
-
 static int heading_of(const saltus_watch *watch, const double *state) {
-    double velocity = observed(watch, state + saltus_system_dof(watch->system));
+    const saltus_system *system = watch->lap.system;
+    double velocity = saltus_observed(system, state + saltus_system_dof(system));
     return (velocity > 0) - (velocity < 0);
 }
 
 void saltus_watch_begin(saltus_watch *watch, const saltus_system *system, unsigned keep, saltus_time time,
                         const double *state, bool touching) {
-    watch->system = system;
     watch->keep = keep;
     watch->begin = watch->touched = time;
     watch->touching = touching;
     watch->contact = watch->largest_speed = 0;
-    watch->largest = -INFINITY;
-    watch->smallest = INFINITY;
-    watch->tally = (saltus_tally){0};
+    saltus_lap_begin(&watch->lap, system, state);
     watch->turning.count = watch->strobes.count = watch->impacts.count = 0;
     watch->sound = true;
     watch->heading = heading_of(watch, state);
@@ -77,17 +61,16 @@ static void see_turn(saltus_watch *watch, const saltus_event *event, const doubl
     bool contact = event->kind != SALTUS_TURNING;
     int heading =
         contact ? heading_of(watch, state) : (event->velocity_before > 0) - (event->velocity_before < 0);
-    bool own = contact && saltus_system_face(watch->system, event->face).stop == 0;
+    bool own = contact && saltus_system_face(watch->lap.system, event->face).stop == 0;
     bool turns = !contact || (own ? saltus_event_strikes(event) : heading * watch->heading < 0);
-    double displacement = contact && !own ? observed(watch, state) : event->displacement;
-    see(watch, displacement);
+    double displacement = contact && !own ? saltus_observed(watch->lap.system, state) : event->displacement;
     if (turns && watch->keep & SALTUS_KEEP_TURNING)
         add(watch, &watch->turning, &displacement, 1);
     watch->heading = heading;
 }
 
 void saltus_watch_event(saltus_watch *watch, const saltus_event *event, const double *state, bool touching) {
-    saltus_tally_event(&watch->tally, watch->system, event);
+    saltus_lap_add(&watch->lap, event, state);
     if (saltus_event_strikes(event))
         see_strike(watch, event);
     see_turn(watch, event, state);
@@ -100,22 +83,21 @@ void saltus_watch_event(saltus_watch *watch, const saltus_event *event, const do
 }
 
 void saltus_watch_section(saltus_watch *watch, const double *state) {
-    see(watch, observed(watch, state));
     if (watch->keep & SALTUS_KEEP_STROBOSCOPIC)
-        add(watch, &watch->strobes, state, (size_t)saltus_system_dimension(watch->system));
+        add(watch, &watch->strobes, state, (size_t)saltus_system_dimension(watch->lap.system));
 }
 
 void saltus_watch_measure(const saltus_watch *watch, saltus_time end, const double *state,
                           saltus_sweep_row *row) {
     double length = periods_between(watch->begin, end), contact = watch->contact,
-           last = observed(watch, state);
+           last = saltus_observed(watch->lap.system, state);
     if (watch->touching)
         contact += periods_between(watch->touched, end);
     row->recorded = end.cycle - watch->begin.cycle;
-    row->largest = fmax(watch->largest, last);
-    row->smallest = fmin(watch->smallest, last);
+    row->largest = fmax(watch->lap.largest, last);
+    row->smallest = fmin(watch->lap.smallest, last);
     row->largest_speed = watch->largest_speed;
-    row->impact_rate = (double)watch->tally.impacts / length;
+    row->impact_rate = (double)watch->lap.impacts / length;
     row->contact_fraction = contact / length;
 }
 

@@ -288,6 +288,16 @@ const double *saltus_system_stop_normal(const saltus_system *system, int stop) {
 const double *saltus_system_scale(const saltus_system *system) {
     return system->scale;
 }
+/* The larger one, or the one that is no number: then states are not near each other. */
+static double larger(double a, double b) {
+    return b > a || isnan(b) ? b : a;
+}
+double saltus_system_distance(const saltus_system *system, const double *a, const double *b) {
+    double largest = 0;
+    for (int i = 0; i < system->dimension; i++)
+        largest = larger(largest, fabs(a[i] - b[i]) / system->scale[i]);
+    return largest;
+}
 const double *saltus_system_observer(const saltus_system *system) {
     return system->observer;
 }

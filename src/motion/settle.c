@@ -11,7 +11,7 @@
  * its period, or one that is about to and is approached slowly: iteration cannot tell, and the period is in
  * doubt.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "sweep/sweep.h"
+#include "motion/settle.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -26,15 +26,14 @@ static const double worth_a_look = 200; /* ... so that a recurrence leaves more 
 static const double least_turn = 1e-6;  /* squared sine of the angle between recurrences that turn */
 static const double at_rest = 1e-9;
 
-bool saltus_settling_open(saltus_settling *s, int dimension, const saltus_sweep_options *options) {
-    int size = 4 * options->longest + 8;
-    *s = (saltus_settling){.n = dimension, .longest = options->longest, .size = size};
-    s->near = fmax(1e-10, 10 * options->flow.rtol);
+bool saltus_settling_open(saltus_settling *s, int dimension, int longest, double near) {
+    int size = 4 * longest + 8;
+    *s = (saltus_settling){.n = dimension, .longest = longest, .size = size, .near = near};
     s->points = calloc((size_t)size * (size_t)dimension, sizeof *s->points);
     s->weight = calloc((size_t)dimension, sizeof *s->weight);
     s->impacts = calloc((size_t)size, sizeof *s->impacts);
     s->contact = calloc((size_t)size, sizeof *s->contact);
-    s->streak = calloc((size_t)options->longest + 1, sizeof *s->streak);
+    s->streak = calloc((size_t)longest + 1, sizeof *s->streak);
     return s->points && s->weight && s->impacts && s->contact && s->streak;
 }
 
@@ -56,7 +55,7 @@ void saltus_settling_reset(saltus_settling *s, const saltus_system *system) {
     memset(s->streak, 0, ((size_t)s->longest + 1) * sizeof *s->streak);
 }
 
-static const double *point_before(const saltus_settling *s, int back) {
+const double *saltus_settling_point(const saltus_settling *s, int back) {
     return s->points + (size_t)((s->count - 1 - back) % s->size) * (size_t)s->n;
 }
 
@@ -80,15 +79,16 @@ void saltus_settling_add(saltus_settling *s, const double *state, long long impa
     s->contact[slot] = contact_events;
     s->count++;
     for (int p = 1; p <= s->longest && p < s->count; p++)
-        s->streak[p] = distance(s, state, point_before(s, p), recurrence) < recurrence ? s->streak[p] + 1 : 0;
+        s->streak[p] =
+            distance(s, state, saltus_settling_point(s, p), recurrence) < recurrence ? s->streak[p] + 1 : 0;
 }
 
 /* Largest distance between points p apart, over p points that end `back` periods ago. */
 static double recurrence_over(const saltus_settling *s, int p, int points, int back) {
     double largest = 0;
     for (int k = 0; k < points; k++)
-        largest =
-            fmax(largest, distance(s, point_before(s, back + k), point_before(s, back + k + p), INFINITY));
+        largest = fmax(largest, distance(s, saltus_settling_point(s, back + k),
+                                         saltus_settling_point(s, back + k + p), INFINITY));
     return largest;
 }
 
@@ -96,7 +96,8 @@ static double recurrence_over(const saltus_settling *s, int p, int points, int b
 static double turning_cosine(const saltus_settling *s, int p) {
     double product = 0, now = 0, before = 0;
     for (int k = 0; k < p; k++) {
-        const double *x = point_before(s, k), *y = point_before(s, k + p), *z = point_before(s, k + 2 * p);
+        const double *x = saltus_settling_point(s, k), *y = saltus_settling_point(s, k + p),
+                     *z = saltus_settling_point(s, k + 2 * p);
         for (int i = 0; i < s->n; i++) {
             double last = (x[i] - y[i]) * s->weight[i], first = (y[i] - z[i]) * s->weight[i];
             product += last * first;
@@ -109,7 +110,7 @@ static double turning_cosine(const saltus_settling *s, int p) {
 
 /* The i-th entry of the recurrence of a cycle, `back` periods ago. */
 static double recurred(const saltus_settling *s, int p, int back, int i) {
-    return (point_before(s, back)[i] - point_before(s, back + p)[i]) * s->weight[i];
+    return (saltus_settling_point(s, back)[i] - saltus_settling_point(s, back + p)[i]) * s->weight[i];
 }
 
 /* Distance left where the recurrences turn as well: each is a times the one before it and b times the one
@@ -209,6 +210,13 @@ long long saltus_settling_contacts(const saltus_settling *s, int period) {
 
 double saltus_settling_recurrence(const saltus_settling *s, int period) {
     return recurrence_over(s, period, period, 0);
+}
+
+double saltus_settling_closest(const saltus_settling *s) {
+    double closest = INFINITY;
+    for (int p = 1; p <= s->longest && 2 * p + 2 < s->count; p++)
+        closest = fmin(closest, recurrence_over(s, p, p + 2, 0));
+    return closest;
 }
 
 int saltus_settling_candidate(const saltus_settling *s) {

@@ -1,4 +1,4 @@
-/* Stable orbits amid motions that look chaotic: one that may be their end forbids to assert chaos, one that
+/* Stable orbits among motions that look chaotic: one that may be their end forbids to assert chaos, one that
  * lies beside them does not. Oscillators x'' + c x' + x = cos(omega t) below a stop at d.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "closed_orbits.h"
@@ -50,7 +50,7 @@ static bool is_stable_in_closed_form(const struck *s) {
 }
 
 /* Largest exponents are positive, in some 1e4 periods and in both halves, and yet chaos is not asserted. */
-static void a_stable_orbit_amid_chaos_counts(void **unused) {
+static void a_stable_orbit_among_chaos_counts(void **unused) {
     (void)unused;
     static const struct struck scenes[] = {{0, 2.432, 0.07, 0.89, "1/1"}, {0.044, 2.702, 0, 0.84, "2/2"},
                                            {0, 3.087, 0, 0.84, "2/2"},    {0, 1.692, 0, 0.98, "1/1"},
@@ -131,7 +131,7 @@ static void those_who_leave_name_their_end(void **unused) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_stable_orbit_amid_chaos_counts),
+        cmocka_unit_test(a_stable_orbit_among_chaos_counts),
         cmocka_unit_test(a_stable_orbit_beside_chaos_does_not_count),
         cmocka_unit_test(those_who_leave_name_their_end),
     };

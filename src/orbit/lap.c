@@ -1,0 +1,190 @@
+/* Once around an orbit: counts, extremes, label, least period, mirror image.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "orbit/lap.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+bool saltus_event_strikes(const saltus_event *event) {
+    return (event->kind == SALTUS_IMPACT || event->kind == SALTUS_STICK) && event->velocity_before != 0;
+}
+
+double saltus_observed(const saltus_system *system, const double *vector) {
+    const double *observer = saltus_system_observer(system);
+    double sum = 0;
+    for (int i = 0; i < saltus_system_dof(system); i++)
+        sum = fma(observer[i], vector[i], sum);
+    return sum;
+}
+
+static void see(saltus_lap *lap, double displacement) {
+    lap->largest = fmax(lap->largest, displacement);
+    lap->smallest = fmin(lap->smallest, displacement);
+}
+
+void saltus_lap_begin(saltus_lap *lap, const saltus_system *system, const double *state) {
+    *lap = (saltus_lap){.system = system,
+                        .keeps_events = lap->keeps_events,
+                        .largest = -INFINITY,
+                        .smallest = INFINITY,
+                        .events = lap->events,
+                        .event_room = lap->event_room,
+                        .points = lap->points,
+                        .end = lap->end,
+                        .point_room = lap->point_room};
+    see(lap, saltus_observed(system, state));
+}
+
+static bool keep_event(saltus_lap *lap, const saltus_event *event) {
+    if (lap->event_count == lap->event_room) {
+        int room = lap->event_room ? 2 * lap->event_room : 32;
+        saltus_event *grown = realloc(lap->events, (size_t)room * sizeof *grown);
+        if (!grown)
+            return false;
+        lap->events = grown;
+        lap->event_room = room;
+    }
+    lap->events[lap->event_count++] = *event;
+    return true;
+}
+
+bool saltus_lap_add(saltus_lap *lap, const saltus_event *event, const double *state) {
+    bool turning = event->kind == SALTUS_TURNING;
+    if (!turning && !(1u << event->kind & SALTUS_WATCH_CONTACT))
+        return true;
+    /* On the observed point's own stop the event knows better than a sum what the displacement is. */
+    bool own = turning || saltus_system_face(lap->system, event->face).stop == 0;
+    see(lap, own ? event->displacement : saltus_observed(lap->system, state));
+    if (turning)
+        return true;
+    lap->contact_events++;
+    lap->sticks += event->kind == SALTUS_STICK;
+    lap->releases += event->kind == SALTUS_RELEASE;
+    lap->rebounding_contact |=
+        event->kind != SALTUS_IMPACT && saltus_system_face(lap->system, event->face).r > 0;
+    if (saltus_event_strikes(event)) {
+        lap->impacts++;
+        lap->impacts_by_face[event->face]++;
+    }
+    return !lap->keeps_events || keep_event(lap, event);
+}
+
+saltus_status saltus_lap_run(saltus_lap *lap, saltus_flow *flow, saltus_time until, bool turnings,
+                             saltus_message *message) {
+    unsigned watch = SALTUS_WATCH_CONTACT | (turnings ? SALTUS_WATCH_TURNING : 0);
+    double state[SALTUS_STATE_MAX];
+    saltus_event event = {.kind = SALTUS_STEP};
+    while (event.kind != SALTUS_REACHED) {
+        saltus_status status = saltus_flow_advance(flow, until, watch, &event, message);
+        if (status != SALTUS_OK)
+            return status;
+        saltus_flow_state(flow, 0, state);
+        if (!saltus_lap_add(lap, &event, state))
+            return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the events of an orbit");
+    }
+    lap->contacts = saltus_flow_contacts(flow, 0);
+    return SALTUS_OK;
+}
+
+bool saltus_lap_reserve(saltus_lap *lap, int periods, int n) {
+    if (periods <= lap->point_room)
+        return true;
+    free(lap->points);
+    lap->points = calloc((size_t)(periods + 1) * (size_t)n, sizeof *lap->points);
+    lap->point_room = lap->points ? periods : 0;
+    lap->end = lap->points ? lap->points + (size_t)periods * (size_t)n : NULL;
+    return lap->points;
+}
+
+saltus_status saltus_lap_around(saltus_lap *lap, saltus_flow *flow, const double *state, int periods,
+                                saltus_message *message) {
+    const saltus_system *system = saltus_flow_system(flow, 0);
+    int n = saltus_system_dimension(system);
+    if (!saltus_lap_reserve(lap, periods, n))
+        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for an orbit of %d periods", periods);
+    saltus_lap_begin(lap, system, state);
+    lap->periods = periods;
+    memcpy(lap->points, state, (size_t)n * sizeof *state);
+    saltus_status status = saltus_flow_start(flow, 0, (saltus_time){0, 0}, state, message);
+    for (int k = 1; k <= periods && status == SALTUS_OK; k++) {
+        status = saltus_lap_run(lap, flow, (saltus_time){k, 0}, true, message);
+        saltus_flow_state(flow, 0, k < periods ? lap->points + (size_t)(k * n) : lap->end);
+    }
+    return status;
+}
+
+void saltus_lap_close(saltus_lap *lap) {
+    free(lap->events);
+    free(lap->points);
+    *lap = (saltus_lap){0};
+}
+
+/* A contact that lasts on a face that throws back begins with infinitely many impacts, unless one impact too
+ * slow to rebound is all there is; impacts before it may lie at the lap's end. */
+static bool chatters(const saltus_lap *lap) {
+    return lap->rebounding_contact && lap->contact_events > 2;
+}
+
+long long saltus_lap_impacts(const saltus_lap *lap) {
+    return chatters(lap) ? -1 : lap->impacts;
+}
+
+int saltus_lap_sticking(const saltus_lap *lap) {
+    return lap->sticks > lap->releases ? lap->sticks : lap->releases;
+}
+
+bool saltus_lap_held(const saltus_lap *lap) {
+    return lap->contact_events == 0 && lap->contacts;
+}
+
+void saltus_lap_label(const saltus_lap *lap, char label[SALTUS_LABEL_MAX]) {
+    if (saltus_lap_held(lap))
+        snprintf(label, SALTUS_LABEL_MAX, "held");
+    else
+        saltus_orbit_label(saltus_lap_impacts(lap), lap->periods, label);
+}
+
+void saltus_orbit_label(long long impacts, int periods, char label[SALTUS_LABEL_MAX]) {
+    if (impacts < 0)
+        snprintf(label, SALTUS_LABEL_MAX, "chatter/%d", periods);
+    else
+        snprintf(label, SALTUS_LABEL_MAX, "%lld/%d", impacts, periods);
+}
+
+double saltus_orbit_accuracy(const saltus_flow_options *flow) {
+    return fmax(1e-8, 1e4 * flow->rtol);
+}
+
+int saltus_lap_least_period(const saltus_lap *lap, const saltus_flow_options *flow) {
+    int n = saltus_system_dimension(lap->system);
+    for (int p = 1; p <= lap->periods / 2; p++)
+        if (lap->periods % p == 0 && saltus_system_distance(lap->system, lap->points + (size_t)(p * n),
+                                                            lap->points) < saltus_orbit_accuracy(flow))
+            return p;
+    return lap->periods;
+}
+
+bool saltus_orbit_passes(const saltus_system *system, const double *points, int periods, const double *state,
+                         double distance) {
+    int n = saltus_system_dimension(system);
+    for (int k = 0; k < periods; k++)
+        if (saltus_system_distance(system, points + (size_t)(k * n), state) < distance)
+            return true;
+    return false;
+}
+
+saltus_status saltus_mirror_image(saltus_flow *flow, const double *state, saltus_time later, double *image,
+                                  saltus_message *message) {
+    saltus_event event;
+    saltus_status status = saltus_flow_start(flow, 0, (saltus_time){0, 0}, state, message);
+    if (status == SALTUS_OK && saltus_time_periods(later) > 0)
+        status = saltus_flow_advance(flow, later, 0, &event, message);
+    if (status != SALTUS_OK)
+        return status;
+    saltus_flow_state(flow, 0, image);
+    for (int i = 0; i < saltus_system_dimension(saltus_flow_system(flow, 0)); i++)
+        image[i] = -image[i];
+    return SALTUS_OK;
+}

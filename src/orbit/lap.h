@@ -1,0 +1,75 @@
+/* Private: once around an orbit.
+ *
+ * A lap is what happens on a motion between two times: its contact events counted, how far the observed
+ * displacement goes, and, where they are asked for, the events themselves and the section points. It is
+ * filled event by event, from a flow of one lane or of many. What it says of an orbit (chatter, label, least
+ * period) belongs to the cyclic sequence of events, wherever the lap begins.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef SALTUS_ORBIT_LAP_H
+#define SALTUS_ORBIT_LAP_H
+
+#include "saltus/orbit.h"
+
+typedef struct saltus_lap {
+    const saltus_system *system;
+    int periods;       /* of the orbit; set by saltus_lap_around */
+    bool keeps_events; /* `events` is filled too */
+    long long impacts; /* located one by one */
+    long long impacts_by_face[SALTUS_FACES_MAX];
+    long long contact_events; /* impacts, sticks and releases */
+    int sticks, releases;
+    bool rebounding_contact;  /* a face that throws back holds for a while */
+    double largest, smallest; /* observed displacement, at the start and at each event */
+    unsigned contacts;        /* lasting ones at the end; set by saltus_lap_around */
+    saltus_event *events;     /* event_count of them in order; times as the flow's */
+    int event_count, event_room;
+    double *points; /* section points, at the start and after each period but the last; periods x dimension */
+    double *end;    /* state at the end */
+    int point_room;
+} saltus_lap;
+
+/* Room for so many section points of n numbers, and the end. False without memory. */
+bool saltus_lap_reserve(saltus_lap *lap, int periods, int n);
+/* A lap begins at a state: nothing has happened yet. Memory of an earlier lap is kept. */
+void saltus_lap_begin(saltus_lap *lap, const saltus_system *system, const double *state);
+/* One more event, after which the flow is at `state`. False without memory. */
+bool saltus_lap_add(saltus_lap *lap, const saltus_event *event, const double *state);
+/* Run on to a time with lane 0 of a flow that has been started, adding what it meets: contact events, and
+ * turning points of the observed displacement if `turnings`. Errors: those of the flow, SALTUS_NO_MEMORY. */
+saltus_status saltus_lap_run(saltus_lap *lap, saltus_flow *flow, saltus_time until, bool turnings,
+                             saltus_message *message);
+/* Once around an orbit of so many periods, or along a trajectory for as many, from a state at section phase
+ * 0. The flow has no columns. Errors: those of the flow, SALTUS_NO_MEMORY. */
+saltus_status saltus_lap_around(saltus_lap *lap, saltus_flow *flow, const double *state, int periods,
+                                saltus_message *message);
+/* Free the memory; a zeroed lap is accepted. */
+void saltus_lap_close(saltus_lap *lap);
+
+/* Whether an event reverses the normal velocity: an impact, or a stick with which a chatter ends. */
+bool saltus_event_strikes(const saltus_event *event);
+/* Displacement, or velocity, of the point that diagrams show (saltus_system_observer), of such a vector. */
+double saltus_observed(const saltus_system *system, const double *vector);
+
+/* n per orbit: the impacts; -1 where complete chatter makes them infinitely many. */
+long long saltus_lap_impacts(const saltus_lap *lap);
+/* Sticking intervals per orbit: a lap may begin within one, or so near to one that only its end is seen. */
+int saltus_lap_sticking(const saltus_lap *lap);
+/* Whether the orbit is in contact all the time. */
+bool saltus_lap_held(const saltus_lap *lap);
+/* "n/p", "chatter/p" or "held". */
+void saltus_lap_label(const saltus_lap *lap, char label[SALTUS_LABEL_MAX]);
+
+/* How near section points of one orbit are to each other, as Newton's method finds them with such a flow,
+ * relative to the system's scales. */
+double saltus_orbit_accuracy(const saltus_flow_options *flow);
+/* The least divisor of the lap's periods after which its orbit already closes. */
+int saltus_lap_least_period(const saltus_lap *lap, const saltus_flow_options *flow);
+/* Whether an orbit passes through a state at section phase 0. */
+bool saltus_orbit_passes(const saltus_system *system, const double *points, int periods, const double *state,
+                         double distance);
+/* The mirror image of a state at section phase 0 after `later` of the flow; `image` may be `state`. The scene
+ * has that symmetry. Errors: those of the flow. */
+saltus_status saltus_mirror_image(saltus_flow *flow, const double *state, saltus_time later, double *image,
+                                  saltus_message *message);
+
+#endif

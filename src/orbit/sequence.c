@@ -1,0 +1,154 @@
+/* Sequences of events: made from what the flow does, and walked.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "orbit/sequence.h"
+
+#include <math.h>
+#include <string.h>
+
+static saltus_time as_time(double periods) {
+    double whole = floor(periods);
+    return (saltus_time){(long long)whole, periods - whole};
+}
+
+saltus_status saltus_sequence_walk(const saltus_sequence *s, saltus_flow *flow, const double *states,
+                                   saltus_lap *lap, saltus_message *message) {
+    const saltus_system *system = saltus_flow_system(flow, 0);
+    int n = saltus_system_dimension(system);
+    double section = ceil(s->base / s->periods) * s->periods;
+    if (!saltus_lap_reserve(lap, 1, n))
+        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory to walk an orbit");
+    saltus_lap_begin(lap, system, states);
+    lap->periods = s->periods;
+    saltus_status status = SALTUS_OK;
+    for (int cut = 0; cut < s->cuts && status == SALTUS_OK; cut++) {
+        const double *state = states + (size_t)cut * (size_t)n;
+        double from = s->cut[cut], to = cut + 1 < s->cuts ? s->cut[cut + 1] : s->base + s->periods;
+        if (section == from)
+            memcpy(lap->points, state, (size_t)n * sizeof *state);
+        status = saltus_flow_start(flow, 0, as_time(from), state, message);
+        if (status == SALTUS_OK && section > from && section <= to) {
+            status = saltus_lap_run(lap, flow, (saltus_time){(long long)section, 0}, false, message);
+            saltus_flow_state(flow, 0, lap->points);
+        }
+        if (status == SALTUS_OK)
+            status = saltus_lap_run(lap, flow, as_time(to), false, message);
+    }
+    saltus_flow_state(flow, 0, lap->end);
+    return status;
+}
+
+/* The middle of the longest free flight between events of a walk from section phase 0; the walk's own ends
+ * join into one flight. In contact all the time: 0. */
+static double longest_flight(const saltus_lap *lap) {
+    double best = -1, base = 0;
+    int held = 0;
+    for (int k = 0; k < lap->event_count; k++) {
+        const saltus_event *event = &lap->events[k], *next = &lap->events[(k + 1) % lap->event_count];
+        held += (event->kind == SALTUS_STICK) - (event->kind == SALTUS_RELEASE);
+        double time = saltus_time_periods(event->time), after = saltus_time_periods(next->time);
+        if (k + 1 == lap->event_count)
+            after += lap->periods;
+        bool free_flight = event->kind != SALTUS_STICK && held <= 0;
+        if (free_flight && after - time > best) {
+            best = after - time;
+            base = fmod(time + 0.5 * (after - time), lap->periods);
+        }
+    }
+    return base;
+}
+
+/* A stick that ends complete chatter belongs to the burst of impacts before it, which the flow must find
+ * itself: from the first impact on from which the speeds fall. */
+static void close_burst(saltus_sequence *s, const double *speed, const saltus_event *stick) {
+    int first = s->count;
+    while (first > 0 && s->mark[first - 1].kind == SALTUS_IMPACT && s->mark[first - 1].face == stick->face &&
+           (first == s->count || speed[first - 1] > speed[first]))
+        first--;
+    if (first == s->count) {
+        if (s->count)
+            s->mark[s->count - 1].driven = true;
+        else
+            s->driven = true;
+        return;
+    }
+    s->mark[first].driven = true;
+    s->count = first + 1;
+}
+
+bool saltus_sequence_in_tail(const saltus_sequence *s, const double *speed, int count, int face,
+                             double next_speed) {
+    enum { prescribed_at_most = 24 };
+    int run = 0;
+    while (run < count && s->mark[count - 1 - run].kind == SALTUS_IMPACT &&
+           s->mark[count - 1 - run].face == face && (run == 0 || speed[count - 1 - run] > speed[count - run]))
+        run++;
+    return run >= prescribed_at_most && s->mark[count - 1].face == face && next_speed < speed[count - 1];
+}
+
+static void make_marks(const saltus_lap *lap, saltus_sequence *s) {
+    double speed[SALTUS_MARKS_MAX];
+    s->count = 0;
+    s->driven = false;
+    for (int k = 0; k < lap->event_count; k++) {
+        const saltus_event *event = &lap->events[k];
+        bool prescribed = event->kind != SALTUS_STICK || saltus_system_face(lap->system, event->face).r == 0;
+        if (!prescribed) {
+            close_burst(s, speed, event);
+            continue;
+        }
+        bool tail = event->kind == SALTUS_IMPACT && s->count &&
+                    saltus_sequence_in_tail(s, speed, s->count, event->face, fabs(event->velocity_before));
+        if (tail || s->count == SALTUS_MARKS_MAX) {
+            s->mark[s->count - 1].driven = true;
+            if (!tail)
+                return;
+            continue;
+        }
+        speed[s->count] = fabs(event->velocity_before);
+        s->mark[s->count++] =
+            (saltus_mark){event->kind, event->face, saltus_time_periods(event->time), false};
+    }
+}
+
+saltus_status saltus_sequence_make(saltus_flow *flow, int periods, double *state, saltus_lap *lap,
+                                   saltus_sequence *s, saltus_message *message) {
+    saltus_event event;
+    *s = (saltus_sequence){.periods = periods, .cuts = 1};
+    saltus_status status = saltus_sequence_walk(s, flow, state, lap, message);
+    if (status != SALTUS_OK)
+        return status;
+    s->base = s->cut[0] = longest_flight(lap);
+    if (s->base > 0) {
+        status = saltus_flow_start(flow, 0, (saltus_time){0, 0}, state, message);
+        if (status == SALTUS_OK)
+            status = saltus_flow_advance(flow, as_time(s->base), 0, &event, message);
+        saltus_flow_state(flow, 0, state);
+        s->contacts = saltus_flow_contacts(flow, 0);
+        if (status == SALTUS_OK)
+            status = saltus_sequence_walk(s, flow, state, lap, message);
+    } else {
+        s->contacts = lap->event_count ? 0 : lap->contacts;
+    }
+    if (status == SALTUS_OK)
+        make_marks(lap, s);
+    return status;
+}
+
+bool saltus_sequence_follows(const saltus_sequence *s, const saltus_lap *lap) {
+    const double close = 1e-6 * s->periods;
+    bool driven = s->driven;
+    int k = 0;
+    for (int e = 0; e < lap->event_count; e++) {
+        const saltus_event *event = &lap->events[e];
+        const saltus_mark *mark = k < s->count ? &s->mark[k] : NULL;
+        bool release = event->kind == SALTUS_RELEASE;
+        if (mark && event->face == mark->face && release == (mark->kind == SALTUS_RELEASE) &&
+            fabs(saltus_time_periods(event->time) - mark->time) < close) {
+            driven = mark->driven;
+            k++;
+        } else if (!driven) {
+            return false;
+        }
+    }
+    return k == s->count;
+}

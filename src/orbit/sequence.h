@@ -1,0 +1,27 @@
+/* Private: sequences of events, made from laps of the event-driven flow and followed by it.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef SALTUS_ORBIT_SEQUENCE_H
+#define SALTUS_ORBIT_SEQUENCE_H
+
+#include "orbit/lap.h"
+#include "orbit/pursuit.h"
+
+/* Walk once around an orbit that is known at the cuts of its sequence: `states` has one state for each. The
+ * flow starts anew at each cut, so that strong growth does not lead it astray. The lap, which keeps events,
+ * has one section point: at phase 0, at the first whole number of orbits from the base on. */
+saltus_status saltus_sequence_walk(const saltus_sequence *sequence, saltus_flow *flow, const double *states,
+                                   saltus_lap *lap, saltus_message *message);
+/* The sequence of a motion near an orbit of `periods` periods through `state` at section phase 0: base in the
+ * middle of the longest free flight, marks from the lap from there. `state` becomes the one at the base. */
+saltus_status saltus_sequence_make(saltus_flow *flow, int periods, double *state, saltus_lap *lap,
+                                   saltus_sequence *sequence, saltus_message *message);
+/* Whether one more impact belongs to the tail of a long run of ever slower impacts on one face, chatter that
+ * nearly completes, where impacts come and go with the slightest change: it is left to the flow. `speed`
+ * belongs to the first `count` marks. */
+bool saltus_sequence_in_tail(const saltus_sequence *sequence, const double *speed, int count, int face,
+                             double next_speed);
+/* Whether the lap met the sequence's marks, in order and at their times; between a driven mark and the next
+ * anything may happen. */
+bool saltus_sequence_follows(const saltus_sequence *sequence, const saltus_lap *lap);
+
+#endif

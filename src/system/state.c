@@ -1,0 +1,51 @@
+/* States of a system: drawn at random, disturbed, watched for growing without bound.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "system/state.h"
+
+#include <gsl/gsl_randist.h>
+#include <math.h>
+#include <string.h>
+
+saltus_status saltus_state_random(const saltus_system *system, gsl_rng *rng, double *state,
+                                  saltus_message *message) {
+    enum { tries_max = 10000 };
+    const double *scale = saltus_system_scale(system);
+    for (int k = 0; k < tries_max; k++) {
+        for (int i = 0; i < saltus_system_dimension(system); i++)
+            state[i] = gsl_ran_gaussian(rng, scale[i]);
+        if (saltus_system_check_state(system, state, NULL) == SALTUS_OK)
+            return SALTUS_OK;
+    }
+    /* Clearances far below the scales: start from the admissible default, disturbed. */
+    saltus_status status = saltus_system_default_state(system, state, message);
+    for (int i = saltus_system_dof(system); i < 2 * saltus_system_dof(system) && status == SALTUS_OK; i++)
+        state[i] = gsl_ran_gaussian(rng, scale[i]);
+    return status;
+}
+
+void saltus_state_disturb(const saltus_system *system, gsl_rng *rng, double size, double *state) {
+    const double *scale = saltus_system_scale(system);
+    double vector[SALTUS_STATE_MAX], moved[SALTUS_STATE_MAX];
+    int n = saltus_system_dimension(system);
+    for (int i = 0; i < n; i++)
+        vector[i] = gsl_ran_gaussian(rng, size * scale[i]);
+    for (int sign = 1; sign >= -1; sign -= 2) {
+        for (int i = 0; i < n; i++)
+            moved[i] = state[i] + sign * vector[i];
+        if (saltus_system_check_state(system, moved, NULL) == SALTUS_OK) {
+            memcpy(state, moved, (size_t)n * sizeof *state);
+            return;
+        }
+    }
+}
+
+saltus_status saltus_state_bounded(const saltus_system *system, const double *state, long long periods,
+                                   saltus_message *message) {
+    const double *scale = saltus_system_scale(system);
+    for (int i = 0; i < saltus_system_dimension(system); i++)
+        if (!(fabs(state[i]) < 1e8 * scale[i]))
+            return saltus_fail(message, SALTUS_STALLED,
+                               "the motion grows without bound: state entry %d is %.3g after %lld periods",
+                               i + 1, state[i], periods);
+    return SALTUS_OK;
+}

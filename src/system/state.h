@@ -1,0 +1,20 @@
+/* Private: states of a system, drawn at random, disturbed, watched for growing without bound.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef SALTUS_SYSTEM_STATE_H
+#define SALTUS_SYSTEM_STATE_H
+
+#include "saltus/system.h"
+
+#include <gsl/gsl_rng.h>
+
+/* A state drawn from the system's scales, beyond no stop. Errors: SALTUS_BAD_INPUT where none could be found.
+ */
+saltus_status saltus_state_random(const saltus_system *system, gsl_rng *rng, double *state,
+                                  saltus_message *message);
+/* Move a state by a random vector, `size` of the system's scales, unless that leads beyond a stop. */
+void saltus_state_disturb(const saltus_system *system, gsl_rng *rng, double size, double *state);
+/* Whether a state is within 1e8 of the scales. Errors: SALTUS_STALLED, with the entry and the period. */
+saltus_status saltus_state_bounded(const saltus_system *system, const double *state, long long periods,
+                                   saltus_message *message);
+
+#endif
