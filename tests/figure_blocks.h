@@ -62,6 +62,8 @@ typedef struct figure_panel {
     double tics[2][40]; /* or the places of each */
     int tic_count[2];
     int key_rows; /* most rows of the legend, where it is told */
+    bool key;     /* whether a legend is asked for */
+    char format[2][24];
 } figure_panel;
 
 typedef struct figure {
@@ -379,6 +381,13 @@ static inline void figure_set(figure *f, figure_panel *now, const char *line) {
     const char *key_rows = figure_begins(line, "set key ") ? strstr(line, "maxrows ") : NULL;
     if (key_rows)
         now->key_rows = atoi(key_rows + 8);
+    if (figure_begins(line, "set key "))
+        now->key = strcmp(line, "set key off") != 0;
+    for (int k = 0; k < 2; k++) {
+        snprintf(word, sizeof word, "set format %c ", 'x' + k);
+        if (figure_begins(line, word) || figure_begins(line, "set format '"))
+            figure_quoted(line, now->format[k], sizeof now->format[k]);
+    }
     if (figure_begins(line, "set terminal"))
         snprintf(f->terminal, sizeof f->terminal, "%s", line + 13);
     if (figure_begins(line, "cut(x) = "))
@@ -634,6 +643,14 @@ static inline void figure_check_page(const figure *f) {
             assert_true(a[1] <= b[0] || b[1] <= a[0] || a[3] <= b[2] || b[3] <= a[2]);
         }
     }
+}
+
+/* The k-th command that begins so, outside blocks; NULL: there are not so many. */
+static inline const char *figure_command(const figure *f, const char *words, int k) {
+    for (const char *line = f->script; line < f->script + f->length; line += strcspn(line, "\n") + 1)
+        if (figure_begins(line, words) && k-- == 0)
+            return line;
+    return NULL;
 }
 
 /* How many things the legend explains. */
