@@ -500,6 +500,56 @@ static void small_exponents_have_room_for_their_digits(void **state) {
     saltus_system_free(system);
 }
 
+/* Where a stop's line crosses the picture of both masses it does so from edge to edge, whatever the stop's
+ * coordinate and wherever the masses are; the picture is of the motion with a little room about it. */
+static void a_stop_crosses_the_picture_of_both_masses(void **state) {
+    (void)state;
+    static made_up m;
+    static const double weights[][2] = {{1, 0}, {0, 1}, {1, -1}, {1, 0.002}, {-0.002, 1}, {3, 4}};
+    static const double middles[][2] = {{0.1, 0.2}, {10, 0}, {-10, 0}, {0, 10}, {0, -10}, {-7, 7}};
+    for (int k = 0; k < 36; k++) {
+        const double *w = weights[k % 6], *middle = middles[k / 6];
+        double d = w[0] * middle[0] + w[1] * middle[1], low[2], high[2];
+        saltus_spec spec = oscillator_spec(0.125, 1.75, 1.5, 0.625);
+        set_parameter(&spec, "N", 2);
+        add_stop(&spec, fmax(fabs(d), 0.001), 0.75, d < 0 ? SALTUS_LOWER : SALTUS_UPPER);
+        memcpy(spec.stops[0].weight, w, sizeof spec.stops[0].weight);
+        saltus_system *system = build(&spec);
+        saltus_motion motion = orbit_of(1);
+        make_record(&m, system, 1, NULL, 0);
+        for (int i = 0; i < 2; i++) {
+            low[i] = INFINITY;
+            high[i] = -INFINITY;
+            for (long long row = 0; row < m.record.samples; row++) {
+                double *x = &m.states[4 * row + i];
+                *x = middle[i] + 10 * *x;
+                low[i] = fmin(low[i], *x);
+                high[i] = fmax(high[i], *x);
+            }
+        }
+        const saltus_diagnosis diagnosis = {.motion = &motion, .record = &m.record};
+        figure f = draw(system, &diagnosis);
+        const figure_panel *panel = figure_panel_of(&f, "both masses");
+        double from = -INFINITY, to = INFINITY;
+        for (int i = 0; i < 2; i++) {
+            figure_sum sum = {.at = panel->element[i].text, .t = 0},
+                       end = {.at = panel->element[i].text, .t = 1};
+            double foot = figure_choice(&sum), slope = figure_choice(&end) - foot;
+            const double *range = panel->range[i];
+            check_near(range[0], low[i] - 0.08 * (high[i] - low[i]), 1e-6);
+            check_near(range[1], high[i] + 0.08 * (high[i] - low[i]), 1e-6);
+            if (fabs(slope) > 1e-12) {
+                double a = (range[0] - foot) / slope, b = (range[1] - foot) / slope;
+                from = fmax(from, fmin(a, b));
+                to = fmin(to, fmax(a, b));
+            }
+        }
+        assert_true(from < to && from >= -1 && to <= 1);
+        figure_free(&f);
+        saltus_system_free(system);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_page_has_all_there_is),
@@ -511,6 +561,7 @@ int main(void) {
         cmocka_unit_test(the_circle_has_room_about_it),
         cmocka_unit_test(shapes_are_spread_over_two_periods),
         cmocka_unit_test(blocks_are_shown_where_they_are_near),
+        cmocka_unit_test(a_stop_crosses_the_picture_of_both_masses),
         cmocka_unit_test(small_exponents_have_room_for_their_digits),
     };
     return cmocka_run_group_tests(tests, open_folder, close_folder);
