@@ -31,14 +31,6 @@ void saltus_raster_set(saltus_raster *raster, int x, int y, uint32_t colour, dou
     pixel[3] = (unsigned char)lround(255 * opacity);
 }
 
-void saltus_raster_over(saltus_raster *raster, int x, int y, uint32_t colour, double opacity) {
-    unsigned char *pixel = pixel_at(raster, x, y);
-    double under = (1 - opacity) * pixel[3] / 255, whole = opacity + under;
-    for (int k = 0; k < 3 && whole > 0; k++)
-        pixel[k] = (unsigned char)lround((opacity * part_of(colour, k) + under * pixel[k]) / whole);
-    pixel[3] = (unsigned char)lround(255 * whole);
-}
-
 void saltus_raster_element(FILE *script, const saltus_raster *raster, const char *axes) {
     fprintf(script,
             "'-' binary array=(%d,%d) dx=1 dy=1 origin=(0.5,0.5) format='%%uchar%%uchar%%uchar%%uchar' "
