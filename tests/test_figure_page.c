@@ -139,16 +139,17 @@ static void a_page_has_all_there_is(void **state) {
     static made_up m;
     for (int kind = 0; kind < 3; kind++) {
         saltus_system *system = structure_of(kind);
+        int few = kind == 2 ? 1 : 2; /* multipliers, or estimates of the exponent */
         part_words[structure] = kind == 2 ? "shapes of the pipe" : "both masses";
         for (int k = 0; k < 16; k++) {
             bool settled = k & 1, struck = k & 2, moving = k & 4, more = k & 8;
             saltus_spectra spectra = made_spectra(settled);
             saltus_motion motion = settled ? orbit_of(1) : irregular();
-            motion.multiplier_count = more && settled ? 2 : 0;
+            motion.multiplier_count = more && settled ? few : 0;
             motion.lyapunov = motion.lyapunov_error = 0.5625;
             /* An orbit's exponent is that of its multipliers; a history of it is not drawn. */
             motion.evidence.history = estimates;
-            motion.evidence.history_count = more || settled ? 3 : 0;
+            motion.evidence.history_count = more || settled ? few : 0;
             make_record(&m, system, settled ? 1 : 3, two_impacts, struck ? 2 : 0);
             if (!moving)
                 spectra.spectra[0] = (saltus_spectrum){.kind = SALTUS_SPECTRUM_CONSTANT};
