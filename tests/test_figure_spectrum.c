@@ -270,6 +270,196 @@ static void densities_are_drawn_with_their_band(void **state) {
     figure_free(&f);
 }
 
+/* A density that falls off, with lines at random places in it, some of equal height. */
+static saltus_spectra scattered_lines(saltus_spectral_line *lines, int count, unsigned seed) {
+    static double density[129];
+    for (int k = 0; k < 129; k++)
+        density[k] = pow(10, -0.04 * k);
+    for (int k = 0; k < count; k++) {
+        seed = seed * 1103515245u + 12345u;
+        double decibels = -(double)(seed >> 16 & 15) * 5;
+        lines[k] = (saltus_spectral_line){.frequency = 0.2 + 0.16 * k + 0.1 * (seed >> 24 & 1),
+                                          .amplitude = pow(10, decibels / 20),
+                                          .decibels = decibels};
+    }
+    return (saltus_spectra){.count = 1,
+                            .per_period = 32,
+                            .analysed = 40,
+                            .spectra = {{.kind = SALTUS_SPECTRUM_WELCH,
+                                         .per_period = 32,
+                                         .bins = 129,
+                                         .resolution = 0.125,
+                                         .density = density,
+                                         .segments = 3,
+                                         .segment_periods = 8,
+                                         .confidence = 0.9,
+                                         .low = 0.5,
+                                         .high = 2.25,
+                                         .lines = lines,
+                                         .line_count = count,
+                                         .between = NAN,
+                                         .trustworthy = 8}}};
+}
+
+/* Every line of a continuum within 60 dB of the highest has its mark, save where a stronger one is nearer
+ * than 1.5 percent of the axis; lines that are equal both have theirs. */
+static void strong_lines_are_marked_where_they_stand_apart(void **state) {
+    (void)state;
+    enum { count = 90 };
+    for (unsigned seed = 1; seed <= 4; seed++) {
+        saltus_spectral_line lines[count];
+        saltus_spectra spectra = scattered_lines(lines, count, seed);
+        figure f = draw_spectra(&spectra, "chaotic");
+        const figure_panel *low = &f.panel[0];
+        double end = low->range[0][1];
+        int marks = 0, wanted = 0;
+        const figure_mark *mark;
+        for (; (mark = figure_mark_of(low, 'l', "▾", marks)) != NULL && !strstr(mark->text, "Bold"); marks++)
+            assert_true(mark->system[0][1] == 'g' && mark->place[0][1] == 1);
+        for (int k = 0; k < count; k++) {
+            bool strong = lines[k].frequency < end && lines[k].decibels > -60, found = false;
+            for (int o = 0; o < count; o++)
+                strong = strong && !(fabs(lines[o].frequency - lines[k].frequency) < 0.015 * end &&
+                                     lines[o].amplitude > lines[k].amplitude);
+            wanted += strong;
+            for (int m = 0; (mark = figure_mark_of(low, 'l', "▾", m)) != NULL; m++)
+                found = found || fabs(mark->place[0][0] - lines[k].frequency) < 1e-7;
+            assert_true(found == strong);
+        }
+        for (int m = marks; (mark = figure_mark_of(low, 'l', "▾", m)) != NULL; m++)
+            marks += !strstr(mark->text, "Bold");
+        assert_int_equal(marks, wanted);
+        assert_true(wanted > 20 && wanted < count - 10);
+        figure_free(&f);
+    }
+}
+
+static void check_heading(const figure_panel *panel, int letter, const char *words) {
+    char text[300];
+    const figure_mark *heading = figure_mark_of(panel, 'l', "{/:Bold (", 0);
+    snprintf(text, sizeof text, "{/:Bold (%c)}  %s", 'a' + letter, words);
+    assert_non_null(heading);
+    assert_string_equal(heading->text, text);
+    assert_true(heading->system[0][0] == 'g' && heading->place[0][0] == 0 && heading->place[0][1] == 1);
+}
+
+/* Headings name what their panels show, and no more. One quantity has the width of the page, two a row each.
+ */
+static void spectra_are_headed_by_what_they_show(void **state) {
+    (void)state;
+    static saltus_spectral_line lines[2][lines_most];
+    static const struct {
+        int periods, orbits, lines, quantities;
+        double trustworthy;
+        const char *low, *whole;
+    } cases[] = {
+        {3, 2, 1, 1, 9, ":  lines at multiples of {/:Italic ω}/3; red: of {/:Italic ω}",
+         "all lines; dashed: largest between them; grey: not trustworthy"},
+        {1, 1, 1, 1, 64, ":  lines at multiples of {/:Italic ω}", "all lines"},
+        {1, 2, 1, 2, NAN, ":  lines at multiples of {/:Italic ω}", "all lines; dashed: largest between them"},
+        {2, 1, 1, 2, 0, ":  lines at multiples of {/:Italic ω}/2; red: of {/:Italic ω}",
+         "all lines; grey: not trustworthy"},
+        {0, 1, 5, 1, 8, ":  density; pale: 90 % confidence; ▾ strong lines",
+         "the whole density; grey: not trustworthy"},
+        {0, 1, 0, 1, 16, ":  density; pale: 90 % confidence", "the whole density"},
+    };
+    for (int k = 0; k < 6; k++) {
+        saltus_spectra spectra = scattered_lines(lines[0], cases[k].lines, 1);
+        spectra.periods = cases[k].periods;
+        spectra.count = cases[k].quantities;
+        spectra.quantities[1] = (saltus_quantity){1, true};
+        for (int q = 0; q < 2; q++) {
+            if (cases[k].periods > 0)
+                make_lines(&spectra.spectra[q], lines[q], cases[k].periods, 128, 1);
+            spectra.spectra[q].orbits = cases[k].orbits;
+            spectra.spectra[q].between = cases[k].orbits > 1 ? 1e-9 : NAN;
+            spectra.spectra[q].trustworthy = cases[k].trustworthy;
+        }
+        figure f = draw_spectra(&spectra, "label");
+        char words[200];
+        assert_int_equal(f.panel_count, 2 * cases[k].quantities);
+        for (int q = 0; q < cases[k].quantities; q++) {
+            const figure_panel *low = &f.panel[2 * q], *whole = low + 1;
+            const char *name = q ? "mass 1, {/:Italic x}′_{1}" : "displacement {/:Italic x}_1";
+            snprintf(words, sizeof words, "%s%s", name, cases[k].low);
+            check_heading(low, 2 * q, words);
+            check_heading(whole, 2 * q + 1, cases[k].whole);
+            assert_true((figure_mark_of(whole, 'a', "dt (6,5)", 0) != NULL) == (cases[k].orbits > 1));
+            /* Grey begins at the begin of the axis where nothing is to be trusted. */
+            const figure_mark *grey = figure_mark_of(whole, 'o', "rectangle", 0);
+            assert_true((grey != NULL) == (cases[k].trustworthy < whole->range[0][1]));
+            char edge[40];
+            snprintf(edge, sizeof edge, "%.3g {/:Italic ω}", cases[k].trustworthy);
+            const figure_mark *at = figure_mark_of(whole, 'l', edge, 0);
+            assert_true((at != NULL) == (grey && cases[k].trustworthy > 0));
+            if (at)
+                figure_near(at->place[0][0], cases[k].trustworthy, 1e-8);
+            if (grey)
+                figure_near(grey->place[0][0], fmax(cases[k].trustworthy, whole->range[0][0]), 1e-8);
+            const double *a = low->frame, *b = whole->frame;
+            if (cases[k].quantities == 1)
+                assert_true(a[0] == b[0] && a[1] == b[1] && a[2] > b[3] && a[1] - a[0] > 0.85);
+            else
+                assert_true(a[2] == b[2] && a[3] == b[3] && a[1] < b[0] && (q == 0) == (a[2] > 0.4));
+            check_near(a[3] - a[2], b[3] - b[2], 1e-5);
+        }
+        figure_free(&f);
+    }
+}
+
+/* Axes end a little beyond what they show: the low frequencies behind the last strong line, between 4 and 16;
+ * the decibels 10 to 30 below the lowest that is to be trusted; tics are three to seven. */
+static void spectra_end_where_they_have_nothing_left(void **state) {
+    (void)state;
+    static saltus_spectral_line lines[lines_most];
+    static double density[200];
+    for (int k = 0; k < 40; k++) {
+        bool welch = k % 2;
+        double slope = 0.3 + 0.45 * k, last = 4, lowest = 0;
+        saltus_spectra spectra = scattered_lines(lines, 0, 1);
+        saltus_spectrum *s = &spectra.spectra[0];
+        if (welch) {
+            s->density = density;
+            s->bins = 200;
+            s->per_period = 50;
+            for (int b = 0; b < 200; b++) {
+                density[b] = 3 * pow(10, -0.006 * slope * b);
+                double decibels = 10 * log10(density[b] / density[0]);
+                last = decibels > -60 ? fmax(last, 0.125 * b) : last;
+                lowest = b ? fmin(lowest, decibels + 10 * log10(s->low)) : lowest;
+            }
+        } else {
+            spectra.periods = 2;
+            make_lines(s, lines, 2, 64, slope);
+            s->between = k % 4 ? NAN : 1e-16;
+            s->trustworthy = 12;
+            lowest = k % 4 ? 0 : -320;
+            for (int l = 0; l < s->line_count; l++) {
+                last = lines[l].decibels > -60 ? fmax(last, lines[l].frequency) : last;
+                lowest = lines[l].frequency <= 12 ? fmin(lowest, lines[l].decibels) : lowest;
+            }
+        }
+        figure f = draw_spectra(&spectra, "label");
+        const figure_panel *low = &f.panel[0], *whole = &f.panel[1];
+        double most = fmin(16, s->per_period / 2.0), end = low->range[0][1], deepest = welch ? -200 : -320;
+        assert_true(end == most || (end >= last + 0.25 && end < last + 1.25));
+        assert_true(end < most || last + 1.25 > most);
+        double floor = whole->range[1][0];
+        assert_true(floor == deepest || (floor <= lowest - 10 && floor > lowest - 30));
+        assert_true(floor > deepest || lowest < deepest + 30);
+        assert_true(low->range[1][0] == fmax(floor, -100));
+        assert_true(low->tic[0] == (end > 10 ? 2 : 1));
+        for (int p = 0; p < 2; p++) {
+            const double *range = f.panel[p].range[1];
+            check_near(range[1], -0.04 * range[0], 1e-4);
+            assert_true(-range[0] / f.panel[p].tic[1] >= (range[0] < -20 ? 3 : 2));
+            assert_true(-range[0] / f.panel[p].tic[1] <= 6);
+        }
+        assert_true(whole->range[0][0] == (welch ? 0.125 : 0.4));
+        figure_free(&f);
+    }
+}
+
 /* Convergence */
 
 static figure draw_convergence(const saltus_lyapunov *l) {
@@ -739,6 +929,9 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(lines_are_drawn_where_they_are),
         cmocka_unit_test(densities_are_drawn_with_their_band),
+        cmocka_unit_test(strong_lines_are_marked_where_they_stand_apart),
+        cmocka_unit_test(spectra_are_headed_by_what_they_show),
+        cmocka_unit_test(spectra_end_where_they_have_nothing_left),
         cmocka_unit_test(histories_converge_to_their_end),
         cmocka_unit_test(diagnose_draws_the_data_that_it_keeps),
         cmocka_unit_test(diagnose_looks_longer_at_what_has_no_period),
