@@ -9,6 +9,7 @@ static saltus_scene made_scene(void) {
     saltus_scene scene = {.spec = oscillator_spec(0.125, 1.75, 1.5, 0.625), .initial_count = 0};
     add_stop(&scene.spec, 0.25, 0.75, SALTUS_UPPER);
     strcpy(scene.name, "made_up");
+    strcpy(scene.title, "it's {made} up");
     return scene;
 }
 
@@ -31,6 +32,9 @@ static figure draw_spectra(const saltus_spectra *spectra, const char *label) {
     figure_says(&f, "made\\_up:  spectrum");
     figure_says(&f, label);
     figure_says(&f, "{/:Italic ω} = 0.625");
+    static const char *const begins[] = {"{/=20:Bold made\\_up:  spectrum", "it's \\{made\\} up",
+                                         "oscillator: "};
+    figure_check_lines(&f, begins, (const long[]){-1, 0x606060, 0x202020}, 3);
     return f;
 }
 
@@ -584,6 +588,94 @@ static void histories_converge_to_their_end(void **state) {
     figure_free(&f);
 }
 
+/* What is wrong with a measurement is the last that is said of it, in red; nothing else is. */
+static void convergence_tells_its_doubts(void **state) {
+    (void)state;
+    static const char *const begins[] = {"{/=20:Bold made\\_up:  largest Lyapunov exponent",
+                                         "it's \\{made\\} up", "oscillator: ", "0.500 ± 0.020 per period",
+                                         NULL};
+    static const long colours[] = {-1, 0x606060, 0x202020, 0x202020, 0xc44e2a};
+    static const char *const doubts[] = {
+        "", "the precision asked for, 1 %, was not reached",
+        "the trajectories do not agree: they do not measure the same motion",
+        "the precision asked for, 1 %, was not reached;  the trajectories do not agree: they do not measure"};
+    for (int k = 0; k < 8; k++) {
+        double exponent = k < 4 ? 0.25 : -INFINITY, error = k < 4 ? 0.01 : 0;
+        saltus_lyapunov_progress history[] = {{10, 0.25, 0.02}, {20, 0.25, 0.01}};
+        const saltus_lyapunov l = {.dimension = 2,
+                                   .count = 1,
+                                   .exponents = &exponent,
+                                   .standard_errors = &error,
+                                   .period = 2,
+                                   .periods = 345,
+                                   .transient = 67,
+                                   .members = k % 2 ? 1 : 5,
+                                   .agree = !(k & 2),
+                                   .precise = !(k & 1),
+                                   .history = history,
+                                   .history_count = 2};
+        const char *lines[5];
+        figure f = draw_convergence(&l);
+        memcpy(lines, begins, sizeof begins);
+        lines[3] = k < 4 ? begins[3] : "345 periods measured by ";
+        lines[4] = doubts[k % 4];
+        figure_check_lines(&f, lines, colours, k % 4 ? 5 : 4);
+        figure_says(&f, k % 2 ? "345 periods measured by 1 trajectory after a transient of 67; "
+                              : "345 periods measured by 5 trajectories together after a transient of 67; ");
+        for (int m = 0; m < f.panel[0].mark_count; m++)
+            assert_true(k % 4 || f.panel[0].mark[m].kind != 'l' ||
+                        figure_colour(f.panel[0].mark[m].style) != 0xc44e2a);
+        figure_free(&f);
+    }
+}
+
+/* Few estimates are marked; those that differ by less than three thousandths are drawn as differences; tics
+ * of times are numbers over up to 3000 fold, powers of ten beyond. An axis of times is never empty. */
+static void histories_choose_their_axes(void **state) {
+    (void)state;
+    static saltus_lyapunov_progress history[31];
+    static const struct {
+        int count;
+        double width, last; /* of all estimates in parts of the exponent, of the time */
+    } cases[] = {{29, 0.1, 100},  {30, 0.1, 100}, {30, 0.00265, 100}, {30, 0.0024, 100}, {30, 0.1, 2999},
+                 {30, 0.1, 3001}, {2, 0.1, 1.21}, {2, 0.1, 1.19},     {30, 1e-13, 50}};
+    for (int k = 0; k < 18; k++) {
+        int c = k / 2, count = cases[c].count;
+        double exponent = k % 2 ? -0.5 : 0.5, error = 0.001, width = cases[c].width * 0.5;
+        for (int i = 0; i < count; i++)
+            history[i] = (saltus_lyapunov_progress){20 * pow(cases[c].last, i / (count - 1.0)),
+                                                    exponent + (i == 1 ? width : 0), 0};
+        const saltus_lyapunov l = {.dimension = 2,
+                                   .count = 1,
+                                   .exponents = &exponent,
+                                   .standard_errors = &error,
+                                   .period = 2,
+                                   .members = 1,
+                                   .agree = true,
+                                   .precise = true,
+                                   .history = history,
+                                   .history_count = count};
+        figure f = draw_convergence(&l);
+        const figure_panel *panel = &f.panel[0];
+        assert_true((figure_element_of(panel, "pt 7", 0) != NULL) == (count < 30));
+        assert_true((strstr(panel->label[1], "final value") != NULL) == (cases[c].width < 0.0025));
+        assert_true((panel->tic_count[0] > 0) == (cases[c].last <= 3000));
+        assert_string_equal(panel->label[0], "time {/:Italic t} measured, all trajectories together");
+        double first = history[0].time, last = history[count - 1].time, *range = f.panel[0].range[0];
+        bool narrow = cases[c].last < 1.2;
+        figure_near(range[0], narrow ? first / 2 : first, 1e-8);
+        figure_near(range[1], narrow ? 2 * last : last, 1e-8);
+        assert_true(panel->range[1][1] - panel->range[1][0] >= 1.15 * width);
+        assert_true(panel->range[1][1] - panel->range[1][0] <= fmax(1.17 * width, 2e-12));
+        for (int tic = 0; tic < panel->tic_count[0]; tic++)
+            assert_true(tic == 0 || panel->tics[0][tic] <= 2.6 * panel->tics[0][tic - 1]);
+        if (panel->tic_count[0])
+            assert_true(panel->tics[0][0] <= 2.6 * range[0] &&
+                        panel->tics[0][panel->tic_count[0] - 1] * 2.6 >= range[1]);
+        figure_free(&f);
+    }
+}
+
 /* Commands */
 
 /* Run the program in the folder; its standard output goes to `out`. */
@@ -933,6 +1025,8 @@ int main(void) {
         cmocka_unit_test(spectra_are_headed_by_what_they_show),
         cmocka_unit_test(spectra_end_where_they_have_nothing_left),
         cmocka_unit_test(histories_converge_to_their_end),
+        cmocka_unit_test(convergence_tells_its_doubts),
+        cmocka_unit_test(histories_choose_their_axes),
         cmocka_unit_test(diagnose_draws_the_data_that_it_keeps),
         cmocka_unit_test(diagnose_looks_longer_at_what_has_no_period),
         cmocka_unit_test(spectrum_draws_its_table),

@@ -452,26 +452,12 @@ static void captions_have_an_order(void **state) {
     static const char *const begins[] = {
         "{/=20:Bold made\\_up:", "it's \\{made\\} up", "oscillator: ", "largest exponent",
         "1.625 impacts",         "intermittent",       "shown: "};
+    static const long colours[] = {-1, 0x606060, 0x202020, 0x202020, 0x202020, 0x202020, 0x606060};
     saltus_system *system = between_stops(0.5);
     saltus_motion motion = chaotic();
     motion.evidence.laminar_period = 1;
     figure f = draw_motion(system, &motion);
-    double below = 2, distance = 0;
-    for (int line = 0; line < 7; line++) {
-        const figure_mark *mark = NULL;
-        for (int k = 0; k < f.panel[0].mark_count && !mark; k++)
-            if (f.panel[0].mark[k].kind == 'l' && figure_begins(f.panel[0].mark[k].text, begins[line]))
-                mark = &f.panel[0].mark[k];
-        assert_true(mark && mark->place[0][0] == 0.03 && mark->place[0][1] < below);
-        if (line == 2)
-            distance = below - mark->place[0][1];
-        if (line > 2)
-            check_near(below - mark->place[0][1], distance, 2e-4);
-        below = mark->place[0][1];
-        if (line > 0)
-            assert_true(figure_colour(mark->style) == (line == 1 || line == 6 ? 0x606060 : 0x202020));
-    }
-    assert_true(distance > 0.02 && distance < 0.03);
+    figure_check_lines(&f, begins, colours, 7);
     figure_free(&f);
     saltus_system_free(system);
 }
