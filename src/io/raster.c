@@ -4,6 +4,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 bool saltus_raster_open(saltus_raster *raster, int width, int height) {
     *raster = (saltus_raster){.width = width, .height = height};
@@ -47,7 +48,7 @@ long long saltus_raster_changes(const saltus_raster *raster) {
     for (int y = 0; y < raster->height; y++)
         for (int x = 1; x < raster->width; x++) {
             const unsigned char *pixel = pixel_at(raster, x, y);
-            count += pixel[0] != pixel[-4] || pixel[1] != pixel[-3] || pixel[3] != pixel[-1];
+            count += memcmp(pixel, pixel - 4, 4) != 0;
         }
     return count;
 }
