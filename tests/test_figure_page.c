@@ -551,6 +551,110 @@ static void a_stop_crosses_the_picture_of_both_masses(void **state) {
     }
 }
 
+/* The kept script is that which was drawn, and says where its picture goes, whatever that is called; the
+ * record beside it is the one shown. */
+static void the_script_kept_is_the_one_drawn(void **state) {
+    (void)state;
+    static made_up m;
+    static const char *const names[][2] = {{"it's.svg", "set output 'it''s.svg'\n"},
+                                           {"''.pdf", "set output '''''.pdf'\n"},
+                                           {"plain.png", "set output 'plain.png'\n"}};
+    saltus_system *system = between_stops(0.033);
+    saltus_motion motion = orbit_of(1);
+    saltus_flow_options options = saltus_flow_defaults();
+    saltus_scene scene = scene_of(system);
+    make_record(&m, system, 2, two_impacts, 2);
+    const saltus_diagnosis diagnosis = {.motion = &motion, .record = &m.record};
+    for (int k = 0; k < 3; k++) {
+        saltus_message message = {""};
+        char picture[path_size], data[path_size], path[path_size];
+        size_t length, other;
+        check_ok(saltus_write_sheet(&scene, system, &diagnosis, &options, path_in(names[k][0], picture),
+                                    path_in("d.x.h5", data), &message),
+                 &message);
+        char *kept = read_all(path_in("d.x.gp", path), &length),
+             *drawn = read_all(path_in("script", path), &other), *at = strstr(kept, names[k][1]);
+        size_t own = strlen(names[k][1]);
+        assert_true(at && length == other + own && !strstr(drawn, "set output"));
+        assert_true(strstr(kept, "set terminal") < at && at[-1] == '\n');
+        assert_memory_equal(kept, drawn, (size_t)(at - kept));
+        assert_string_equal(at + own, drawn + (at - kept));
+        free(kept);
+        free(drawn);
+        assert_int_equal(access(picture, F_OK), 0);
+        remove(picture);
+    }
+    saltus_system_free(system);
+}
+
+/* What cannot be a page is refused, with nothing left behind. */
+static void what_is_no_page_is_refused(void **state) {
+    (void)state;
+    static made_up m, other, one;
+    saltus_system *system = between_stops(0.033), *masses = structure_of(1);
+    saltus_motion motion = irregular();
+    saltus_flow_options options = saltus_flow_defaults();
+    saltus_scene scene = scene_of(system);
+    make_record(&m, system, 2, two_impacts, 2);
+    make_record(&other, masses, 2, NULL, 0);
+    make_record(&one, system, 2, NULL, 0);
+    one.record.samples = 1;
+    const struct {
+        const saltus_record *record, *section;
+        const char *picture, *data, *words;
+    } cases[] = {{&m.record, &m.record, "s.svg", "d.h5", NULL},
+                 {&m.record, NULL, "s.jpg", NULL, "s.jpg: the ending must be .png, .pdf or .svg"},
+                 {&m.record, NULL, "s.svg", "d.csv", "d.csv: the ending must be .h5"},
+                 {&one.record, NULL, "s.svg", NULL, "the record does not belong to the system"},
+                 {&other.record, NULL, "s.svg", NULL, "the record does not belong to the system"},
+                 {&m.record, &other.record, "s.svg", NULL, "the record does not belong to the system"}};
+    for (int k = 0; k < 6; k++) {
+        saltus_message message = {""};
+        char picture[path_size], data[path_size];
+        const saltus_diagnosis diagnosis = {
+            .motion = &motion, .record = cases[k].record, .section = cases[k].section};
+        saltus_status status =
+            saltus_write_sheet(&scene, system, &diagnosis, &options, path_in(cases[k].picture, picture),
+                               cases[k].data ? path_in(cases[k].data, data) : NULL, &message);
+        assert_int_equal(status, cases[k].words ? SALTUS_BAD_INPUT : SALTUS_OK);
+        assert_true(!cases[k].words || strstr(message.text, cases[k].words));
+        assert_int_equal(access(picture, F_OK) == 0, !cases[k].words);
+        if (cases[k].data)
+            assert_int_equal(access(data, F_OK) == 0, !cases[k].words);
+        remove(picture);
+    }
+    saltus_system_free(system);
+    saltus_system_free(masses);
+}
+
+/* An orbit has no use for a long record, and a first quantity that does not move is no spectrum. */
+static void an_orbit_is_shown_by_itself(void **state) {
+    (void)state;
+    static made_up m, lasting;
+    saltus_system *system = between_stops(0.033);
+    saltus_motion motion = orbit_of(1);
+    saltus_spectra spectra = made_spectra(true);
+    make_record(&m, system, 1, two_impacts, 2);
+    make_record(&lasting, system, 5, two_impacts, 5);
+    spectra.spectra[1] = spectra.spectra[0];
+    const saltus_diagnosis diagnosis = {
+        .motion = &motion, .record = &m.record, .section = &lasting.record, .spectra = &spectra};
+    for (int k = 0; k < 3; k++) {
+        spectra.count = k == 2 ? 0 : 2;
+        spectra.spectra[0].kind = k == 1 ? SALTUS_SPECTRUM_CONSTANT : SALTUS_SPECTRUM_LINES;
+        figure f = draw(system, &diagnosis);
+        assert_int_equal(f.panel_count, k == 0 ? 5 : 4);
+        assert_true((figure_find(&f, "$low1") != NULL) == (k == 0));
+        const figure_panel *panel = map_of(&f);
+        int shown = 0;
+        for (int e = 0; e < panel->element_count; e++)
+            shown += panel->element[e].values.count;
+        assert_int_equal(shown, 2);
+        figure_free(&f);
+    }
+    saltus_system_free(system);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_page_has_all_there_is),
@@ -563,6 +667,9 @@ int main(void) {
         cmocka_unit_test(shapes_are_spread_over_two_periods),
         cmocka_unit_test(blocks_are_shown_where_they_are_near),
         cmocka_unit_test(a_stop_crosses_the_picture_of_both_masses),
+        cmocka_unit_test(the_script_kept_is_the_one_drawn),
+        cmocka_unit_test(what_is_no_page_is_refused),
+        cmocka_unit_test(an_orbit_is_shown_by_itself),
         cmocka_unit_test(small_exponents_have_room_for_their_digits),
     };
     return cmocka_run_group_tests(tests, open_folder, close_folder);
