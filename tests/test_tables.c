@@ -1,9 +1,10 @@
-/* What stands above a table: trajectories, spectra and exponents of one scene say the same of it, in numbers
- * that give the scene back, and each with what it was run.
+/* What stands above a table, and what an object of JSON begins with: trajectories, spectra and exponents of
+ * one scene say the same of it, in numbers that give the scene back, and each with what it was run.
  * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "json.h"
 #include "made_record.h"
 
-enum { tables = 3 };
+enum { tables = 3, objects = 4 };
 
 /* A line of a head behind these words, without its end; to be freed. NULL: there is none. */
 static char *told(const char *text, const char *words) {
@@ -154,6 +155,83 @@ static void tables_tell_their_scene(void **state) {
     }
 }
 
+/* One object of JSON by each writer, of a result with nothing in it but what is needed. */
+static void write_objects(const saltus_scene *scene, const saltus_system *system, char *text[objects]) {
+    double state[16] = {0}, exponent = 0.5, error = 0.25;
+    int dimension = saltus_system_dimension(system);
+    saltus_lyapunov_options options = saltus_lyapunov_defaults();
+    saltus_lyapunov lyapunov = lyapunov_of(&exponent, &error);
+    saltus_motion motion = {
+        .kind = SALTUS_HELD, .label = "held", .dimension = dimension, .state = state, .lyapunov = NAN};
+    saltus_equilibrium rest = {.dimension = dimension, .state = state};
+    saltus_spectra spectra = {.count = 1, .spectra = {{.kind = SALTUS_SPECTRUM_CONSTANT}}};
+    assert_true(dimension <= 16);
+    lyapunov.members = 1;
+    lyapunov.member_exponents = &exponent;
+    lyapunov.state = state;
+    lyapunov.dimension = dimension;
+    for (int k = 0; k < objects; k++) {
+        size_t length;
+        FILE *stream = open_memstream(&text[k], &length);
+        assert_non_null(stream);
+        if (k == 0)
+            saltus_write_motion_json(stream, scene, system, &motion);
+        else if (k == 1)
+            saltus_write_equilibrium_json(stream, scene, system, &rest);
+        else if (k == 2)
+            saltus_write_lyapunov_json(stream, scene, system, &options, &lyapunov);
+        else
+            saltus_write_spectra_json(stream, scene, system, &motion, &spectra);
+        fclose(stream);
+    }
+}
+
+static void check_stop_object(const json *o, const saltus_spec *spec, int s) {
+    static const char *const sides[] = {"", "upper", "lower", "both"};
+    const saltus_stop *stop = &spec->stops[s];
+    if (strcmp(saltus_model_name(spec->model), "pipe") == 0)
+        assert_true(json_number_at(o, "xi") == stop->xi && !json_find(o, "weight"));
+    else
+        assert_true(json_number_at(o, "weight.0") == stop->weight[0] &&
+                    json_number_at(o, "weight.1") == stop->weight[1] && !json_find(o, "xi"));
+    assert_true(json_number_at(o, "d") == stop->d && json_number_at(o, "r") == stop->r);
+    assert_string_equal(json_text_at(o, "sides"), sides[stop->sides]);
+}
+
+/* So do all objects of JSON; the first stop's numbers stand among the parameters, too. */
+static void objects_tell_their_scene(void **state) {
+    (void)state;
+    for (int k = 0; k < 2 * (SALTUS_STOPS_MAX + 1); k++) {
+        int stops = k / 2, count;
+        saltus_scene scene = scene_with(k % 2, stops);
+        saltus_system *system = build(&scene.spec);
+        const saltus_parameter *p = saltus_model_parameters(scene.spec.model, &count);
+        char *text[objects], path[40];
+        write_objects(&scene, system, text);
+        for (int t = 0; t < objects; t++) {
+            json *o = json_read(text[t]);
+            assert_string_equal(json_text_at(o, "version"), SALTUS_VERSION);
+            assert_string_equal(json_text_at(o, "scene"), scene.name);
+            const json *own = json_at(o, "parameters");
+            assert_string_equal(json_text_at(own, "model"), k % 2 ? "pipe" : "oscillator");
+            for (int i = 0; i < count; i++)
+                assert_true(json_number_at(own, p[i].name) == saltus_spec_get(&scene.spec, p[i].name));
+            assert_int_equal(json_count(json_at(own, "stops")), stops);
+            for (int s = 0; s < stops; s++) {
+                snprintf(path, sizeof path, "stops.%d", s);
+                check_stop_object(json_at(own, path), &scene.spec, s);
+            }
+            if (stops)
+                check_stop_object(own, &scene.spec, 0);
+            else
+                assert_null(json_find(own, "sides"));
+            json_free(o);
+            free(text[t]);
+        }
+        saltus_system_free(system);
+    }
+}
+
 /* The options of a run are those that it was given, the integrator that which was used. */
 static void tables_tell_their_options(void **state) {
     (void)state;
@@ -236,6 +314,7 @@ static void tables_tell_what_is_not_known(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(tables_tell_their_scene),
+        cmocka_unit_test(objects_tell_their_scene),
         cmocka_unit_test(tables_tell_their_options),
         cmocka_unit_test(tables_tell_what_is_not_known),
     };
