@@ -4,6 +4,9 @@
 #include "json.h"
 #include "made_record.h"
 
+#include <signal.h>
+#include <sys/resource.h>
+
 enum { tables = 3, objects = 4 };
 
 /* A line of a head behind these words, without its end; to be freed. NULL: there is none. */
@@ -311,12 +314,51 @@ static void tables_tell_what_is_not_known(void **state) {
     saltus_system_free(system);
 }
 
+/* What does not fit leaves nothing behind, and what was there before stays. */
+static void what_does_not_fit_leaves_nothing(void **state) {
+    (void)state;
+    static made_up m;
+    saltus_scene scene = scene_with(false, 1);
+    saltus_system *system = build(&scene.spec);
+    saltus_flow_options flow = saltus_flow_defaults();
+    struct rlimit before, small;
+    char path[path_size];
+    size_t length;
+    make_record(&m, system, 4, NULL, 0);
+    int others = folder_files(folder, false);
+    assert_int_equal(getrlimit(RLIMIT_FSIZE, &before), 0);
+    void (*action)(int) = signal(SIGXFSZ, SIG_IGN);
+    for (int there = 0; there < 2; there++) {
+        saltus_message message = {""};
+        path_in("full.csv", path);
+        if (there) {
+            FILE *file = fopen(path, "w");
+            assert_true(file && fputs("kept", file) >= 0);
+            fclose(file);
+        }
+        small = before;
+        small.rlim_cur = 2000;
+        setrlimit(RLIMIT_FSIZE, &small);
+        saltus_status status = saltus_record_write(&m.record, &scene, system, &flow, path, &message);
+        setrlimit(RLIMIT_FSIZE, &before);
+        assert_int_equal(status, SALTUS_IO);
+        assert_non_null(strstr(message.text, "could not be written completely: File too large"));
+        assert_int_equal(folder_files(folder, false), others + there);
+        if (there) {
+            char *text = read_all(path, &length);
+            assert_string_equal(text, "kept");
+            free(text);
+        }
+    }
+    signal(SIGXFSZ, action);
+    saltus_system_free(system);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(tables_tell_their_scene),
-        cmocka_unit_test(objects_tell_their_scene),
-        cmocka_unit_test(tables_tell_their_options),
-        cmocka_unit_test(tables_tell_what_is_not_known),
+        cmocka_unit_test(tables_tell_their_scene),          cmocka_unit_test(objects_tell_their_scene),
+        cmocka_unit_test(tables_tell_their_options),        cmocka_unit_test(tables_tell_what_is_not_known),
+        cmocka_unit_test(what_does_not_fit_leaves_nothing),
     };
     return cmocka_run_group_tests(tests, open_folder, close_folder);
 }
