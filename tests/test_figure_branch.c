@@ -793,6 +793,75 @@ static void branches_lie_over_clouds(void **state) {
     assert_string_equal(message.text, expected);
 }
 
+/* Where lines have long names, those of curves of special points or of several files, fewer stand in a row.
+ */
+static void long_names_leave_room_for_fewer(void **state) {
+    (void)state;
+    static const saltus_point_kind marks[] = {SALTUS_POINT_PD, SALTUS_POINT_NS, SALTUS_POINT_BP,
+                                              SALTUS_POINT_GR, SALTUS_POINT_CH, SALTUS_POINT_ST,
+                                              SALTUS_POINT_UZ};
+    static const char *const names[] = {"0.h5", "1.h5"};
+    const saltus_plot_options how = saltus_plot_defaults();
+    for (int count = 2; count <= 7; count++)
+        for (int kind = 0; kind < 3; kind++) {
+            if (kind == 2)
+                make_locus(SALTUS_POINT_LP);
+            else
+                make_branch();
+            for (int k = 0; k < count; k++)
+                made.point[3 + 2 * k].kind = marks[k];
+            write_branch(names[0]);
+            if (kind == 1)
+                write_branch(names[1]);
+            figure f = draw_files(names, kind == 1 ? 2 : 1, &how);
+            assert_int_equal(figure_titles(&f.panel[0]), count + (kind == 1 ? 4 : 2));
+            check_rows_of_legend(&f.panel[0], kind == 0 ? 8 : 5);
+            figure_free(&f);
+        }
+}
+
+/* The name of a tip stands beyond it, where there is no curve: above one that points up, at the right of one
+ * that points there. */
+static void tips_have_their_names_beyond_them(void **state) {
+    (void)state;
+    for (int way = 0; way < 2; way++) {
+        saltus_plot_options how = saltus_plot_defaults();
+        how.show = SALTUS_SHOW_DISPLACEMENT;
+        make_branch();
+        for (int k = 0; k < points; k++) {
+            double along = (k % 30 - 15) / 15.0, away = 1 - fabs(along);
+            made.point[k].value[0] = way == 0 ? 2 + along : 1.7 + 0.3 * away;
+            made.state[k][0] = way == 0 ? away : along;
+            if (k >= 60) { /* far below, over all of the page */
+                made.point[k].value[0] = 2 + along;
+                made.state[k][0] = -1.5;
+            }
+            set_parameter(&made.point[k].spec, "omega", made.point[k].value[0]);
+        }
+        made.point[15].kind = SALTUS_POINT_LP;
+        write_branch("b.h5");
+        figure f = draw(&how);
+        const figure_panel *panel = &f.panel[0];
+        const figure_mark *name = NULL;
+        for (int k = 0; k < panel->mark_count; k++)
+            if (panel->mark[k].kind == 'l' && strcmp(panel->mark[k].text, "LP") == 0)
+                name = &panel->mark[k];
+        double at[2], width = panel->range[0][1] - panel->range[0][0],
+                      height = panel->range[1][1] - panel->range[1][0];
+        assert_non_null(name);
+        place_of(panel, name, at);
+        if (way == 0) {
+            check_near(at[0], 2, 1e-3 * width);
+            assert_true(at[1] > 1 + 0.02 * height && at[1] < 1 + 0.06 * height);
+        } else {
+            double beyond = at[0] - 2;
+            assert_true(beyond > 0.015 * width && beyond < 0.06 * width);
+            assert_true(fabs(at[1]) < 0.05 * height);
+        }
+        figure_free(&f);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(curves_are_the_rows_of_the_file),
@@ -804,6 +873,8 @@ int main(void) {
         cmocka_unit_test(files_over_each_other_have_their_own_colour),
         cmocka_unit_test(loci_are_solid_where_they_bound_stable_orbits),
         cmocka_unit_test(planes_turn_and_clip),
+        cmocka_unit_test(long_names_leave_room_for_fewer),
+        cmocka_unit_test(tips_have_their_names_beyond_them),
         cmocka_unit_test(kinds_of_loci_have_their_own_colours),
         cmocka_unit_test(branches_lie_over_clouds),
     };
