@@ -762,6 +762,25 @@ static void a_pixel_shows_what_most_of_its_cells_are(void **state) {
     figure_free(&f);
 }
 
+/* A colour's lightness, and its strength and hue in degrees, in Ottosson's Oklab. */
+static void oklab_of(unsigned colour, double *lightness, double *chroma, double *hue) {
+    double linear[3], cone[3], a, b;
+    static const double cones[3][3] = {{0.4122214708, 0.5363325363, 0.0514459929},
+                                       {0.2119034982, 0.6806995451, 0.1073969566},
+                                       {0.0883024619, 0.2817188376, 0.6299787005}};
+    for (int k = 0; k < 3; k++) {
+        double c = (colour >> (16 - 8 * k) & 0xff) / 255.0;
+        linear[k] = c <= 0.04045 ? c / 12.92 : pow((c + 0.055) / 1.055, 2.4);
+    }
+    for (int k = 0; k < 3; k++)
+        cone[k] = cbrt(cones[k][0] * linear[0] + cones[k][1] * linear[1] + cones[k][2] * linear[2]);
+    *lightness = 0.2104542553 * cone[0] + 0.7936177850 * cone[1] - 0.0040720468 * cone[2];
+    a = 1.9779984951 * cone[0] - 2.4285922050 * cone[1] + 0.4505937099 * cone[2];
+    b = 0.0259040371 * cone[0] + 0.7827717662 * cone[1] - 0.8086757660 * cone[2];
+    *chroma = hypot(a, b);
+    *hue = atan2(b, a) * 180 / acos(-1.0);
+}
+
 /* Basins: the colour of a start tells its attractor, whose orbit lies there as dots; paler the sooner. */
 static void basins_show_where_each_start_goes(void **state) {
     (void)state;
@@ -789,6 +808,13 @@ static void basins_show_where_each_start_goes(void **state) {
                              *dots = figure_element_of(panel, name, 1);
         assert_true(rim && dots && k < 8);
         own[k] = (unsigned)figure_colour(dots->style);
+        /* Strong colours, blue and orange first, lighter and darker by turns. */
+        double lightness, chroma, hue;
+        oklab_of(own[k], &lightness, &chroma, &hue);
+        check_near(lightness, k % 2 ? 0.66 : 0.56, 0.01);
+        assert_true(chroma > 0.1 && chroma < 0.125);
+        if (k < 2)
+            check_near(remainder(hue - (k ? 60 : 250), 360), 0, 2);
         const figure_mark *words = entry_of(panel, own[k], &figures);
         assert_non_null(words);
         assert_string_equal(words->text, file.attractor_label[k]);
