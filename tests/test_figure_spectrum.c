@@ -417,9 +417,9 @@ static void spectra_end_where_they_have_nothing_left(void **state) {
     (void)state;
     static saltus_spectral_line lines[lines_most];
     static double density[200];
-    for (int k = 0; k < 40; k++) {
+    for (int k = 0; k < 24; k++) {
         bool welch = k % 2;
-        double slope = 0.3 + 0.45 * k, last = 4, lowest = 0;
+        double slope = 0.3 + 0.75 * k, last = 4, lowest = 0;
         saltus_spectra spectra = scattered_lines(lines, 0, 1);
         saltus_spectrum *s = &spectra.spectra[0];
         if (welch) {
