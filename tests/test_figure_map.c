@@ -475,6 +475,228 @@ static void names_stand_in_their_regions(void **state) {
     figure_free(&f);
 }
 
+/* Whatever is rarer than the motions with an entry of their own, chaos and the like keep theirs; what is
+ * lumped together has the hue of its family, and every colour can be told from all others and from the paper.
+ */
+enum { crowd = 12, crowd_rows = 15 };
+
+static int crowded; /* how many kinds of periodic motion there are */
+
+static const int other_verdicts[] = {SALTUS_ROW_EQUILIBRIUM,   SALTUS_ROW_HELD,      SALTUS_ROW_UNDECIDED,
+                                     SALTUS_ROW_QUASIPERIODIC, SALTUS_ROW_UNSETTLED, SALTUS_ROW_CHAOTIC,
+                                     SALTUS_ROW_FAILED};
+
+static saltus_sweep_row crowded_row(long long point) {
+    static const int family[] = {1, 2, 3, 4};
+    if (point >= crowd * crowd_rows - 7)
+        return made_other(other_verdicts[crowd * crowd_rows - 1 - point]);
+    int kind = (int)(point % crowded);
+    return made_periodic(1 + kind / 4, family[kind % 4]);
+}
+
+static void fill_crowd(made_place *m) {
+    m->row[0] = crowded_row(m->point);
+}
+
+static void the_rarest_chaos_keeps_its_entry(void **state) {
+    static const char *const names[] = {"at rest, no contact",
+                                        "held by the stop",
+                                        "no period up to 20",
+                                        "quasi-periodic",
+                                        "long period, or slow",
+                                        "chaotic",
+                                        "failed"};
+    (void)state;
+    saltus_scene scene = made_scene();
+    saltus_sweep_options options = saltus_sweep_defaults();
+    saltus_sweep_view how = {.view = SALTUS_VIEW_CLASS};
+    saltus_axis axes[2] = {{.key = "omega", .count = crowd, .low = 0.5, .high = 1.5},
+                           {.key = "d", .count = crowd_rows, .low = 1, .high = 2}};
+    char path[path_size];
+    for (crowded = 14; crowded <= 20; crowded += crowded < 17 ? 1 : 3) {
+        made_write(path_in("s.h5", path), &scene, axes, 2, &options, fill_crowd, 1000);
+        figure f = draw(&how, "s.png");
+        int entries = 0, own = 0, others = 0, plain = 0;
+        double colour[32][2], hue_of[5] = {0};
+        unsigned seen[32];
+        for (int m = 0; m < f.panel[0].mark_count; m++) {
+            const figure_mark *mark = &f.panel[0].mark[m];
+            const char *figures;
+            long found = mark->kind == 'o' ? figure_colour(mark->text) : -1;
+            if (found < 0)
+                continue;
+            const char *words = entry_of(&f.panel[0], (unsigned)found, &figures)->text;
+            int impacts, periods, lumped;
+            assert_true(entries < 32);
+            seen[entries] = (unsigned)found;
+            looks((unsigned)found, &colour[entries][0], &colour[entries][1]);
+            assert_true(colour[entries][0] < 0.97);
+            for (int k = 0; k < entries; k++)
+                assert_true(seen[k] != seen[entries]);
+            for (int k = 0; k < 7; k++)
+                if (strcmp(words, names[k]) == 0) {
+                    assert_string_equal(figures, "0.6 %");
+                    plain++;
+                }
+            if (sscanf(words, "%d other {/:Italic n}/%d", &lumped, &periods) == 2) {
+                others += lumped;
+                assert_true(apart(colour[entries][1], hue_of[periods]) < 40);
+                assert_true(colour[entries][0] < 0.85);
+            } else if (sscanf(words, "%d/%d", &impacts, &periods) == 2) {
+                own++;
+                if (impacts == 2)
+                    hue_of[periods] = colour[entries][1];
+            }
+            entries++;
+        }
+        assert_int_equal(plain, 7);
+        assert_int_equal(own, crowded < 15 ? crowded : 15);
+        assert_int_equal(others, crowded < 15 ? 0 : crowded - 15);
+        figure_free(&f);
+    }
+}
+
+/* How far it is from each place to the nearest of another kind, or off the map: the least sum of steps to the
+ * eight neighbours, of which one up or down counts `tall` and one across 1. */
+static void measure_room(const unsigned *kind, int wide, int high, double tall, double *room) {
+    for (int k = 0; k < wide * high; k++)
+        room[k] = INFINITY;
+    for (bool changed = true; changed;) {
+        changed = false;
+        for (int n = 0; n < 2 * wide * high; n++) {
+            int k = n < wide * high ? n : 2 * wide * high - 1 - n;
+            double least = room[k];
+            for (int i = 0; i < 9; i++) {
+                int x = k % wide + i % 3 - 1, y = k / wide + i / 3 - 1;
+                bool same = x >= 0 && x < wide && y >= 0 && y < high && kind[y * wide + x] == kind[k];
+                if (i != 4)
+                    least = fmin(least, (same ? room[y * wide + x] : 0) + (i / 3 != 1 ? tall : 1));
+            }
+            changed = changed || least < room[k];
+            room[k] = least;
+        }
+    }
+}
+
+/* The places that hang together with one, as marks in `region`; their number and middle. */
+static int hang_together(const unsigned *kind, int wide, int high, int start, bool *region,
+                         double middle[2]) {
+    int count = 1, known = 0;
+    memset(region, 0, (size_t)wide * (size_t)high * sizeof *region);
+    region[start] = true;
+    while (known != count) {
+        known = count;
+        for (int n = 0; n < 2 * wide * high; n++) {
+            int k = n < wide * high ? n : 2 * wide * high - 1 - n, x = k % wide, y = k / wide;
+            if (region[k] || kind[k] != kind[start])
+                continue;
+            region[k] = (x > 0 && region[k - 1]) || (x + 1 < wide && region[k + 1]) ||
+                        (y > 0 && region[k - wide]) || (y + 1 < high && region[k + wide]);
+            count += region[k];
+        }
+    }
+    middle[0] = middle[1] = 0;
+    for (int k = 0; k < wide * high; k++)
+        if (region[k]) {
+            middle[0] += (double)(k % wide) / count;
+            middle[1] += (double)(k / wide) / count;
+        }
+    return count;
+}
+
+/* Regions of many shapes: bent, in a ring, of two parts, one cell, at the edges. */
+static const char *const shapes[] = {"kaaaaaaaacccc", "abbbbbbbaaccc", "abdddddbaeecc",
+                                     "abdbbbdbaeecc", "abdddddbaeeac", "abbbbbbbaeeaa",
+                                     "aaaffaaaaeeag", "ahhhhhhhhhhag", "aaaaaaaaaaaag"};
+
+static void fill_shapes(made_place *m) {
+    int columns_here = (int)strlen(shapes[0]);
+    char c = shapes[m->point / columns_here][m->point % columns_here];
+    m->row[0] = c == 'g'   ? made_other(SALTUS_ROW_HELD)
+                : c == 'd' ? made_other(SALTUS_ROW_CHAOTIC)
+                : c == 'h' ? made_other(SALTUS_ROW_QUASIPERIODIC)
+                : c == 'f' ? made_periodic(123, 7)
+                : c == 'k' ? made_periodic(1234, 56)
+                           : made_periodic(1 + c - 'a', 1 + (c - 'a') % 3);
+}
+
+/* A region's name stands where it has most room, nearest to the middle of the region, in letters that fill
+ * this room as far as they are of a readable size; regions with less room have none. */
+static void names_stand_where_there_is_most_room(void **state) {
+    (void)state;
+    enum { step = 4 };
+    const double tall = 1.9, letter = 0.8, least = 10, most = 17;
+    saltus_scene scene = made_scene();
+    saltus_sweep_options options = saltus_sweep_defaults();
+    saltus_sweep_view how = {.view = SALTUS_VIEW_CLASS};
+    saltus_axis axes[2] = {
+        {.key = "omega", .count = (int)strlen(shapes[0]), .low = 0.5, .high = 1.5},
+        {.key = "d", .count = (int)(sizeof shapes / sizeof shapes[0]), .low = 1, .high = 2}};
+    char path[path_size];
+    made_write(path_in("s.h5", path), &scene, axes, 2, &options, fill_shapes, 1000);
+    figure f = draw(&how, "s.png");
+    const figure_panel *panel = &f.panel[0];
+    const figure_element *e = figure_element_of(panel, "binary", 0);
+    int wide = e->width / step, high = e->height / step, named = 0, unnamed = 0, smaller = 0;
+    unsigned *kind = calloc((size_t)wide * (size_t)high, sizeof *kind);
+    double *room = calloc((size_t)wide * (size_t)high, sizeof *room);
+    bool *region = calloc((size_t)wide * (size_t)high, sizeof *region),
+         *done = calloc((size_t)wide * (size_t)high, sizeof *done);
+    assert_true(kind && room && region && done);
+    for (int k = 0; k < wide * high; k++)
+        kind[k] = figure_pixel(e, k % wide * step + step / 2, k / wide * step + step / 2, NULL);
+    measure_room(kind, wide, high, tall, room);
+    for (int start = 0; start < wide * high; start++) {
+        double middle[2], widest = 0, nearest = INFINITY, at[2] = {0}, there = 0;
+        const char *figures;
+        if (done[start])
+            continue;
+        hang_together(kind, wide, high, start, region, middle);
+        const char *text = entry_of(panel, kind[start], &figures)->text;
+        for (int k = 0; k < wide * high; k++)
+            if (region[k])
+                widest = fmax(widest, room[k]);
+        for (int k = 0; k < wide * high; k++) {
+            double away = hypot(k % wide - middle[0], tall * ((int)(k / wide) - middle[1]));
+            done[k] = done[k] || region[k];
+            if (!region[k] || room[k] < 0.9 * widest - 1e-3 || away >= nearest - 1e-9)
+                continue;
+            nearest = away;
+            there = room[k];
+            at[0] = (k % wide + 0.5) / wide;
+            at[1] = ((int)(k / wide) + 0.5) / high;
+        }
+        double size = 2 * step * there / (letter * ((double)strlen(text) + 0.6));
+        bool nameless = strcmp(text, "held by the stop") == 0 || size < least;
+        int found = 0;
+        for (int m = 0; m < panel->mark_count; m++) {
+            const figure_mark *mark = &panel->mark[m];
+            if (mark->kind != 'l' || mark->system[0][0] != 'g')
+                continue;
+            int x = (int)(mark->place[0][0] * wide), y = (int)(mark->place[0][1] * high);
+            if (!region[y * wide + x])
+                continue;
+            const char *font = strstr(mark->style, ":Bold,");
+            found++;
+            assert_string_equal(mark->text, text);
+            check_near(mark->place[0][0], at[0], 1e-5);
+            check_near(mark->place[0][1], at[1], 1e-5);
+            assert_non_null(font);
+            check_near(strtod(font + 6, NULL), fmin(most, size), 0.06);
+        }
+        assert_int_equal(found, !nameless);
+        named += found;
+        smaller += found && size < most;
+        unnamed += !found;
+    }
+    assert_true(named > 5 && unnamed > 1 && smaller > 0);
+    free(kind);
+    free(room);
+    free(region);
+    free(done);
+    figure_free(&f);
+}
+
 /* Numbers */
 
 static double number_of(long long a, long long b) {
@@ -889,6 +1111,8 @@ int main(void) {
         cmocka_unit_test(passes_that_differ_are_two_attractors),
         cmocka_unit_test(rare_motions_are_counted_together),
         cmocka_unit_test(names_stand_in_their_regions),
+        cmocka_unit_test(the_rarest_chaos_keeps_its_entry),
+        cmocka_unit_test(names_stand_where_there_is_most_room),
         cmocka_unit_test(colours_read_back_from_the_bar),
         cmocka_unit_test(zero_is_the_palest_of_exponents),
         cmocka_unit_test(cut_ranges_say_so),
