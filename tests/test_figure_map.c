@@ -616,7 +616,7 @@ static void fill_shapes(made_place *m) {
                 : c == 'd' ? made_other(SALTUS_ROW_CHAOTIC)
                 : c == 'h' ? made_other(SALTUS_ROW_QUASIPERIODIC)
                 : c == 'f' ? made_periodic(123, 7)
-                : c == 'k' ? made_periodic(1234, 56)
+                : c == 'k' ? made_periodic(12345678, 17)
                            : made_periodic(1 + c - 'a', 1 + (c - 'a') % 3);
 }
 
