@@ -555,6 +555,59 @@ static void damaged_journals_do_no_harm(void **state) {
     folder_files(f->folder, true);
 }
 
+/* A length that goes beyond the file by one byte or by as much as can be written down, or ends in the padding
+ * that is not there: of the head it is damage, of a record it is the end of what is whole. */
+static void lengths_beyond_the_file_are_seen(void **state) {
+    enum { length_at = 16, head_bytes = 32 };
+    const fixture *f = *state;
+    char path[path_size], journal[path_size];
+    size_t length, whole;
+    unsigned char *expected = finished_bytes(f, f->sweep, "a.h5", &length);
+    unsigned char *bytes = journal_bytes(f, path, journal, &whole), *copy = malloc(whole);
+    unsigned long long text, left;
+    assert_non_null(copy);
+    memcpy(&text, bytes + length_at, sizeof text);
+    for (size_t torn = 0; torn < 6; torn += 5) {
+        size_t record = head_bytes + (size_t)(text + 7) / 8 * 8;
+        for (int k = -9; k < 10; k++) {
+            saltus_message message = {""};
+            saltus_sweep_output *output = NULL;
+            memcpy(copy, bytes, whole);
+            left = whole - torn - head_bytes;
+            left = k < 0 ? 0ULL + (unsigned long long)k : left - 3 + (unsigned long long)k;
+            memcpy(copy + length_at, &left, sizeof left);
+            write_all(journal, copy, whole - torn);
+            assert_int_equal(saltus_sweep_output_open(path, f->sweep, false, true, &output, &message),
+                             SALTUS_BAD_INPUT);
+            if (!strstr(message.text, "b.h5.journal: is damaged at its begin"))
+                fail_msg("%d: %s", k, message.text);
+            check_same_bytes(journal, copy, whole - torn);
+        }
+        for (int k = -9; k < 10; k += 2) {
+            memcpy(copy, bytes, whole);
+            left = whole - torn - record - 16;
+            left = k < 0 ? 0ULL + (unsigned long long)k : left - 3 + (unsigned long long)k;
+            left = k == 9 ? 0 : left;
+            memcpy(copy + record, &left, sizeof left);
+            write_all(journal, copy, whole - torn);
+            saltus_sweep_output *output = open_output(path, f->sweep, true);
+            for (long long place = 0; place < f->places; place++)
+                assert_false(saltus_sweep_output_has(output, place));
+            if (k == 9) {
+                take_some(output, f->sweep, f->places, 1);
+                close_output(output);
+                check_same_bytes(path, expected, length);
+                free(journal_bytes(f, path, journal, &whole));
+            } else
+                close_output(output);
+        }
+    }
+    free(copy);
+    free(expected);
+    free(bytes);
+    folder_files(f->folder, true);
+}
+
 /* Opening fails with a sentence in which all the words stand. */
 static void check_refused(const char *path, const saltus_sweep *sweep, bool basins, bool resume,
                           saltus_status expected, const char *const words[3]) {
@@ -1347,6 +1400,7 @@ int main(void) {
         cmocka_unit_test(killed_runs_lose_nothing),
         cmocka_unit_test(torn_journals_are_cut_back),
         cmocka_unit_test(damaged_journals_do_no_harm),
+        cmocka_unit_test(lengths_beyond_the_file_are_seen),
         cmocka_unit_test(another_sweep_is_refused),
         cmocka_unit_test(finished_files_count_as_done),
         cmocka_unit_test(resuming_needs_the_journal),
