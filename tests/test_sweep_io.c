@@ -3,6 +3,7 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "check.h"
 #include "folder.h"
+#include "foreign_text.h"
 
 #include <hdf5.h>
 #include <signal.h>
@@ -969,6 +970,52 @@ static void wrong_contents_are_refused(void **state) {
     free(bytes);
 }
 
+static saltus_status read_text(const char *path, const char *name, char again[600], saltus_message *message) {
+    saltus_sweep_file file;
+    saltus_status status = saltus_sweep_file_read(path, &file, message);
+    if (status == SALTUS_OK)
+        strcpy(again, name[0] == 'v' ? file.version : name[0] == 's' ? file.scene : file.title);
+    saltus_sweep_file_clear(&file);
+    return status;
+}
+
+/* A text is read whole or not at all, however another program stored it. Some of the lists here are right up
+ * to where they would be cut. */
+static void long_texts_are_not_cut(void **state) {
+    static const struct {
+        const char *group, *name, *text;
+    } words[] = {{"sweep", "keep", "lyapunov,lyapunov,lyapunov,lyapunov,lyapunov,lyapunov,strobosco,x"},
+                 {"sweep", "keep", "turning,turning,turning,turning,turning,impacts,turning,turning,x"},
+                 {"sweep", "passes", "reset,down,reset,down,reset,down,reset,down,reset,up,reset,down,x"},
+                 {"sweep", "key1", "omegaomegaomegaomega"},
+                 {"sweep", "key2", "ddddddddddddddddd"},
+                 {"sweep", "spacing1", "logarithmically spaced"},
+                 {"sweep", "spacing2", "list of numbers of any size"},
+                 {"sweep", "integrator", "automaticautomatic"}};
+    const fixture *f = *state;
+    saltus_sweep_file file;
+    char path[path_size], what[64], text[101];
+    size_t length;
+    unsigned char *bytes = finished_bytes(f, f->sweep, "a.h5", &length);
+    path_in(f, "b.h5", path);
+    foreign_check(path, bytes, length, "version", sizeof file.version - 1, read_text);
+    foreign_check(path, bytes, length, "scene", sizeof file.scene - 1, read_text);
+    foreign_check(path, bytes, length, "title", sizeof file.title - 1, read_text);
+    for (size_t k = 0; k < sizeof words / sizeof words[0]; k++) {
+        write_all(path, bytes, length);
+        foreign_text(path, words[k].group, words[k].name, words[k].text, FOREIGN_PADDED);
+        snprintf(what, sizeof what, "%s/%s", words[k].group, words[k].name);
+        check_unsound(path, strcmp(words[k].name, "integrator") == 0 ? "integrator" : what);
+    }
+    memset(text, 'x', sizeof text);
+    text[100] = '\0';
+    write_all(path, bytes, length);
+    foreign_text(path, "/", "model", text, FOREIGN_TIGHT);
+    check_unsound(path, "its attribute model must be a text");
+    folder_files(f->folder, true);
+    free(bytes);
+}
+
 static void wrong_options_are_refused(void **state) {
     const fixture *f = *state;
     char path[path_size];
@@ -1411,6 +1458,7 @@ int main(void) {
         cmocka_unit_test(damaged_files_are_refused),
         cmocka_unit_test(wrong_contents_are_refused),
         cmocka_unit_test(files_of_before),
+        cmocka_unit_test(long_texts_are_not_cut),
         cmocka_unit_test(wrong_options_are_refused),
         cmocka_unit_test(tables_hold_all_rows),
         cmocka_unit_test(tables_can_be_resumed),
