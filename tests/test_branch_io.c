@@ -436,6 +436,57 @@ static void unsound_contents_are_named(void **state) {
     folder_files(f->folder, true);
 }
 
+/* One number of one point, in place of what it was. */
+static void change_number(const char *path, const char *name, int row, double value) {
+    hid_t file = H5Fopen(path, H5F_ACC_RDWR, H5P_DEFAULT), set = H5Dopen2(file, name, H5P_DEFAULT);
+    hid_t space = H5Dget_space(set);
+    int entries = (int)H5Sget_simple_extent_npoints(space);
+    double *values = calloc((size_t)entries, sizeof *values);
+    assert_true(values && entries >= point_count);
+    assert_true(H5Dread(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) >= 0);
+    values[row * (entries / point_count)] = value;
+    assert_true(H5Dwrite(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) >= 0);
+    free(values);
+    H5Sclose(space);
+    H5Dclose(set);
+    H5Fclose(file);
+}
+
+/* What a point is computed from must be numbers; what is told of it may be none. */
+static void endless_numbers_are_no_points(void **state) {
+    static const struct {
+        const char *name;
+        bool needed;
+    } columns[] = {{"points/state", true},
+                   {"points/parameters", true},
+                   {"points/value", true},
+                   {"points/multipliers", false},
+                   {"points/sum_rule", false}};
+    static const double values[] = {NAN, INFINITY, -INFINITY};
+    const fixture *f = *state;
+    char path[160], word[40];
+    size_t length;
+    write_branch(f, path_in(f, "b.h5", path), point_count, true);
+    char *bytes = read_all(path, &length);
+    for (size_t k = 0; k < sizeof columns / sizeof columns[0]; k++)
+        for (int v = 0; v < 3; v++) {
+            saltus_branch_file file;
+            saltus_message message = {""};
+            int row = v == 1 ? point_count - 1 : 3 * v;
+            write_all(path, bytes, length);
+            change_number(path, columns[k].name, row, values[v]);
+            snprintf(word, sizeof word, "row %d of /points", row + 1);
+            if (columns[k].needed) {
+                refuse_file(path, word);
+                continue;
+            }
+            check_ok(saltus_branch_file_read(path, &file, &message), &message);
+            saltus_branch_file_clear(&file);
+        }
+    free(bytes);
+    folder_files(f->folder, true);
+}
+
 static saltus_status read_text(const char *path, const char *name, char again[600], saltus_message *message) {
     saltus_branch_file file;
     saltus_status status = saltus_branch_file_read(path, &file, message);
@@ -866,6 +917,7 @@ int main(void) {
         cmocka_unit_test(damage_is_noticed),
         cmocka_unit_test(foreign_files_are_named),
         cmocka_unit_test(unsound_contents_are_named),
+        cmocka_unit_test(endless_numbers_are_no_points),
         cmocka_unit_test(long_texts_are_not_cut),
         cmocka_unit_test(starts_come_from_branches),
         cmocka_unit_test(starts_come_from_json),

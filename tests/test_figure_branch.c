@@ -700,6 +700,26 @@ static void no_more_than_four_hundred_names(void **state) {
     assert_true(plenty > 2);
 }
 
+/* Branches of scenes with other stops have no page in common. */
+static void other_structures_have_other_pages(void **state) {
+    (void)state;
+    const saltus_plot_options how = saltus_plot_defaults();
+    char a[path_size], b[path_size], out[path_size];
+    make_branch();
+    write_branch("a.h5");
+    add_stop(&made.scene.spec, 0.5, 0.75, SALTUS_UPPER);
+    made.scene.spec.stops[0].sides = SALTUS_LOWER;
+    write_branch("b.h5");
+    for (int turned = 0; turned < 2; turned++) {
+        const char *const paths[2] = {path_in(turned ? "b.h5" : "a.h5", a),
+                                      path_in(turned ? "a.h5" : "b.h5", b)};
+        saltus_message message = {""};
+        assert_int_equal(saltus_plot(paths, 2, &how, path_in("b.svg", out), &message), SALTUS_BAD_INPUT);
+        if (strncmp(message.text, paths[1], strlen(paths[1])) != 0 || !strstr(message.text, "stops differ"))
+            fail_msg("%s", message.text);
+    }
+}
+
 /* Curves of several kinds in one plane: each has its own colour, and the legend names it. */
 static void kinds_of_loci_have_their_own_colours(void **state) {
     (void)state;
@@ -843,6 +863,7 @@ int main(void) {
         cmocka_unit_test(files_over_each_other_have_their_own_colour),
         cmocka_unit_test(loci_are_solid_where_they_bound_stable_orbits),
         cmocka_unit_test(planes_turn_and_clip),
+        cmocka_unit_test(other_structures_have_other_pages),
         cmocka_unit_test(no_more_than_four_hundred_names),
         cmocka_unit_test(kinds_of_loci_have_their_own_colours),
         cmocka_unit_test(branches_lie_over_clouds),

@@ -989,6 +989,62 @@ static void a_pixel_shows_what_most_of_its_cells_are(void **state) {
     figure_free(&f);
 }
 
+/* ... and the mean of their numbers, those left aside that have none. */
+static void fill_fine_numbers(made_place *m) {
+    long long k = m->point % fine;
+    m->row[0] = made_periodic(1, 1);
+    m->row[0].largest = k % 7 == 3 ? 4 : (double)(k % 5);
+    if (k % 13 == 6 || (k > 2000 && k < 2100))
+        m->row[0] = made_other(SALTUS_ROW_FAILED);
+}
+
+static void a_pixel_shows_the_mean_of_its_cells(void **state) {
+    (void)state;
+    saltus_scene scene = made_scene();
+    saltus_sweep_options options = saltus_sweep_defaults();
+    saltus_sweep_view how = {.view = SALTUS_VIEW_LARGEST};
+    saltus_axis axes[2] = {{.key = "omega", .count = fine, .low = 0.5, .high = 1.5},
+                           {.key = "d", .count = 1, .low = 1, .high = 1}};
+    char path[path_size];
+    made_write(path_in("s.h5", path), &scene, axes, 2, &options, fill_fine_numbers, 2 * fine);
+    saltus_sweep_file file = made_read(path);
+    figure f = draw(&how, "s.png");
+    const figure_panel *panel = &f.panel[0], *bar = &f.panel[1];
+    const figure_element *e = figure_element_of(panel, "binary", 0);
+    int asked = 0, nothing = 0;
+    for (int x = 0; x < e->width; x++) {
+        double low = panel->range[0][0], wide = (panel->range[0][1] - low) / e->width, sum = 0, width;
+        int count = 0;
+        bool clear = true;
+        for (int k = (int)floor((double)x / e->width * fine) - 2; k < (x + 1.0) / e->width * fine + 2; k++) {
+            double place = (0.5 + k / (fine - 1.0) - low) / wide - x;
+            if (k < 0 || k >= fine)
+                continue;
+            clear = clear && fabs(place) > 1e-6 && fabs(place - 1) > 1e-6;
+            if (place < 0 || place >= 1 || file.rows[k].verdict == SALTUS_ROW_FAILED)
+                continue;
+            sum += file.rows[k].largest;
+            count++;
+        }
+        unsigned colour = figure_pixel(e, x, e->height / 2, NULL);
+        if (!clear)
+            continue;
+        if (!count) {
+            const char *figures;
+            const figure_mark *words = entry_of(panel, colour, &figures);
+            assert_string_equal(words ? words->text : "", "failed");
+            nothing++;
+            continue;
+        }
+        double read = read_bar(bar, colour, &width), wanted = sum / count;
+        check_near(read, wanted, width * (bar->range[3][1] - bar->range[3][0]));
+        asked++;
+    }
+    assert_true(asked > 1000 && nothing > 10);
+    figure_free(&f);
+    saltus_sweep_file_clear(&file);
+}
+
 /* Basins: the colour of a start tells its attractor, whose orbit lies there as dots; paler the sooner. */
 static void basins_show_where_each_start_goes(void **state) {
     (void)state;
@@ -1123,6 +1179,7 @@ int main(void) {
         cmocka_unit_test(cut_ranges_say_so),
         cmocka_unit_test(far_numbers_do_not_stretch_the_colours),
         cmocka_unit_test(a_pixel_shows_what_most_of_its_cells_are),
+        cmocka_unit_test(a_pixel_shows_the_mean_of_its_cells),
         cmocka_unit_test(basins_show_where_each_start_goes),
         cmocka_unit_test(forces_have_their_axis),
     };

@@ -1016,6 +1016,20 @@ static void long_texts_are_not_cut(void **state) {
     free(bytes);
 }
 
+/* What another version has computed is not gone on with. */
+static void another_version_is_another_sweep(void **state) {
+    const fixture *f = *state;
+    char path[path_size];
+    size_t length;
+    unsigned char *bytes = finished_bytes(f, f->sweep, "a.h5", &length);
+    write_all(path_in(f, "b.h5", path), bytes, length);
+    foreign_text(path, "/", "version", "98.7.6", FOREIGN_TIGHT);
+    check_refused(path, f->sweep, false, true, SALTUS_BAD_INPUT,
+                  (const char *const[3]){path, "version is 98.7.6 there and"});
+    folder_files(f->folder, true);
+    free(bytes);
+}
+
 static void wrong_options_are_refused(void **state) {
     const fixture *f = *state;
     char path[path_size];
@@ -1459,6 +1473,7 @@ int main(void) {
         cmocka_unit_test(wrong_contents_are_refused),
         cmocka_unit_test(files_of_before),
         cmocka_unit_test(long_texts_are_not_cut),
+        cmocka_unit_test(another_version_is_another_sweep),
         cmocka_unit_test(wrong_options_are_refused),
         cmocka_unit_test(tables_hold_all_rows),
         cmocka_unit_test(tables_can_be_resumed),
