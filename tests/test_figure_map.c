@@ -561,6 +561,68 @@ static void the_rarest_chaos_keeps_its_entry(void **state) {
     }
 }
 
+/* Fifteen motions, seven that are none of these, and so many families of rarer ones. */
+static int families;
+
+static void fill_families(made_place *m) {
+    int k = (int)m->point, family = (k - 156) / 2;
+    m->row[0] = k < 135              ? made_periodic(1 + k / 9, 1 + k / 9 % 3)
+                : k < 156            ? made_other(other_verdicts[(k - 135) / 3])
+                : family >= families ? made_periodic(1, 1)
+                : family == 0        ? made_periodic(60, 11)
+                : family == 9        ? made_periodic(-1, 3)
+                                     : made_periodic(50 + family, family);
+}
+
+/* The legend has room for the 26 most frequent kinds, most frequent first. */
+static void the_legend_ends_on_the_page(void **state) {
+    (void)state;
+    static const int numbers[] = {3, 4, 5, 10};
+    saltus_scene scene = made_scene();
+    saltus_sweep_options options = saltus_sweep_defaults();
+    saltus_sweep_view how = {.view = SALTUS_VIEW_CLASS};
+    saltus_axis axes[2] = {{.key = "omega", .count = crowd, .low = 0.5, .high = 1.5},
+                           {.key = "d", .count = crowd_rows, .low = 1, .high = 2}};
+    char path[path_size];
+    for (int n = 0; n < 4; n++) {
+        int entries = 0, kinds = 22 + numbers[n];
+        double below = 1, share = 100, part, sum = 0;
+        families = numbers[n];
+        made_write(path_in("s.h5", path), &scene, axes, 2, &options, fill_families, 1000);
+        figure f = draw(&how, "s.png");
+        for (int m = 0; m < f.panel[0].mark_count; m++) {
+            const figure_mark *mark = &f.panel[0].mark[m];
+            const char *figures;
+            if (mark->kind == 'o' && figure_colour(mark->text) >= 0) {
+                entry_of(&f.panel[0], (unsigned)figure_colour(mark->text), &figures);
+                assert_true(mark->place[0][1] > 0 && mark->place[1][1] > 0);
+                sum += strtod(figures, NULL);
+                entries++;
+            }
+        }
+        assert_int_equal(entries, kinds < 26 ? kinds : 26);
+        check_near(sum, 100 - (kinds < 26 ? 0 : (kinds - 26) * 200.0 / 180), 1.5);
+        /* From top to bottom. */
+        for (int k = 0; k < entries; k++) {
+            const figure_mark *next = NULL;
+            const char *figures;
+            for (int m = 0; m < f.panel[0].mark_count; m++) {
+                const figure_mark *mark = &f.panel[0].mark[m];
+                if (mark->kind == 'o' && figure_colour(mark->text) >= 0 && mark->place[0][1] < below &&
+                    (!next || mark->place[0][1] > next->place[0][1]))
+                    next = mark;
+            }
+            assert_non_null(next);
+            below = next->place[0][1];
+            entry_of(&f.panel[0], (unsigned)figure_colour(next->text), &figures);
+            part = strtod(figures, NULL);
+            assert_true(part <= share);
+            share = part;
+        }
+        figure_free(&f);
+    }
+}
+
 /* How far it is from each place to the nearest of another kind, or off the map: the least sum of steps to the
  * eight neighbours, of which one up or down counts `tall` and one across 1. */
 static void measure_room(const unsigned *kind, int wide, int high, double tall, double *room) {
@@ -1173,6 +1235,7 @@ int main(void) {
         cmocka_unit_test(rare_motions_are_counted_together),
         cmocka_unit_test(names_stand_in_their_regions),
         cmocka_unit_test(the_rarest_chaos_keeps_its_entry),
+        cmocka_unit_test(the_legend_ends_on_the_page),
         cmocka_unit_test(names_stand_where_there_is_most_room),
         cmocka_unit_test(colours_read_back_from_the_bar),
         cmocka_unit_test(zero_is_the_palest_of_exponents),
