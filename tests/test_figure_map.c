@@ -522,6 +522,7 @@ static void the_rarest_chaos_keeps_its_entry(void **state) {
         made_write(path_in("s.h5", path), &scene, axes, 2, &options, fill_crowd, 1000);
         figure f = draw(&how, "s.png");
         int entries = 0, own = 0, others = 0, plain = 0;
+        unsigned told = 0;
         double colour[32][2], hue_of[5] = {0};
         unsigned seen[32];
         for (int m = 0; m < f.panel[0].mark_count; m++) {
@@ -541,6 +542,8 @@ static void the_rarest_chaos_keeps_its_entry(void **state) {
             for (int k = 0; k < 7; k++)
                 if (strcmp(words, names[k]) == 0) {
                     assert_string_equal(figures, flooded ? "6.1 %" : "0.6 %");
+                    assert_false(told & 1u << k);
+                    told |= 1u << k;
                     plain++;
                 }
             if (sscanf(words, "%d other {/:Italic n}/%d", &lumped, &periods) == 2) {
@@ -619,6 +622,133 @@ static void the_legend_ends_on_the_page(void **state) {
             assert_true(part <= share);
             share = part;
         }
+        figure_free(&f);
+    }
+}
+
+/* Fifteen motions of periods 1 to 3; then some of each family that are rarer and have fewer impacts. */
+static saltus_sweep_row lumped_row(long long point) {
+    if (point < 135)
+        return made_periodic(30 + (int)point / 9, 1 + (int)point / 9 % 3);
+    int k = (int)(point - 135) / 2;
+    for (int family = 0; family < 10; family++)
+        for (int i = 0; i < (family ? 1 + family % 3 : 3); i++)
+            if (k-- == 0)
+                return family == 0   ? made_periodic(1, 9 + i)
+                       : family == 9 ? made_periodic(-1, 2 + i)
+                                     : made_periodic(1 + i, family);
+    return made_periodic(30, 1);
+}
+
+static void fill_lumped(made_place *m) {
+    m->row[0] = lumped_row(m->point);
+}
+
+/* What is lumped together is named by its family and counted; the shades are for the others alone, in equal
+ * steps from light to dark. */
+static void each_family_has_its_words(void **state) {
+    (void)state;
+    saltus_scene scene = made_scene();
+    saltus_sweep_options options = saltus_sweep_defaults();
+    saltus_sweep_view how = {.view = SALTUS_VIEW_CLASS};
+    saltus_axis axes[2] = {{.key = "omega", .count = crowd, .low = 0.5, .high = 1.5},
+                           {.key = "d", .count = crowd_rows, .low = 1, .high = 2}};
+    char path[path_size];
+    double light[15], hue;
+    int families_found = 0, own = 0;
+    made_write(path_in("s.h5", path), &scene, axes, 2, &options, fill_lumped, 1000);
+    figure f = draw(&how, "s.png");
+    for (int m = 0; m < f.panel[0].mark_count; m++) {
+        const figure_mark *mark = &f.panel[0].mark[m];
+        const char *figures;
+        int impacts, periods;
+        if (mark->kind != 'o' || figure_colour(mark->text) < 0)
+            continue;
+        const char *text = entry_of(&f.panel[0], (unsigned)figure_colour(mark->text), &figures)->text;
+        for (int family = 0; family < 10; family++) {
+            char words[64], name[32] = "{/:Italic p}";
+            if (family)
+                snprintf(name, sizeof name, "%d", family);
+            snprintf(words, sizeof words, family == 9 ? "%d other chatter" : "%d other {/:Italic n}/%s",
+                     family ? 1 + family % 3 : 3, name);
+            families_found += strcmp(text, words) == 0;
+        }
+        if (sscanf(text, "%d/%d", &impacts, &periods) != 2)
+            continue;
+        assert_true(impacts >= 30 && impacts < 45);
+        looks((unsigned)figure_colour(mark->text), &light[impacts - 30], &hue);
+        own++;
+    }
+    assert_true(families_found == 10 && own == 15);
+    for (int period = 0; period < 3; period++) {
+        double step = (light[period] - light[period + 12]) / 4;
+        assert_true(light[period] > 0.8 && light[period + 12] < 0.42);
+        for (int k = 1; k < 5; k++)
+            check_near(light[period + 3 * k - 3] - light[period + 3 * k], step, 0.012);
+    }
+    figure_free(&f);
+}
+
+/* What hardly occurs, less than 3 % as often as the most frequent, takes less of the shades than the others.
+ */
+static int rare_points;
+
+static void fill_rare(made_place *m) {
+    m->row[0] = made_periodic(m->point < 1000 ? 1 : m->point < 1000 + rare_points ? 3 : 2, 1);
+}
+
+static void rare_motions_take_little_of_the_shades(void **state) {
+    (void)state;
+    saltus_scene scene = made_scene();
+    saltus_sweep_options options = saltus_sweep_defaults();
+    saltus_sweep_view how = {.view = SALTUS_VIEW_CLASS};
+    saltus_axis axes[2] = {{.key = "omega", .count = 40, .low = 0.5, .high = 1.5},
+                           {.key = "d", .count = 50, .low = 1, .high = 2}};
+    char path[path_size];
+    for (rare_points = 28; rare_points < 34; rare_points += 4) {
+        double light[4], hue;
+        made_write(path_in("s.h5", path), &scene, axes, 2, &options, fill_rare, 2000);
+        figure f = draw(&how, "s.png");
+        for (int m = 0; m < f.panel[0].mark_count; m++) {
+            const figure_mark *mark = &f.panel[0].mark[m];
+            const char *figures;
+            if (mark->kind != 'o' || figure_colour(mark->text) < 0)
+                continue;
+            const char *text = entry_of(&f.panel[0], (unsigned)figure_colour(mark->text), &figures)->text;
+            looks((unsigned)figure_colour(mark->text), &light[(text[0] - '0') & 3], &hue);
+        }
+        /* The steps from middle to middle are as wide as half of both shades. */
+        double ratio = (light[2] - light[3]) / (light[1] - light[2]);
+        assert_true(rare_points < 30 ? ratio > 0.5 && ratio < 0.8 : ratio > 0.95 && ratio < 1.05);
+        figure_free(&f);
+    }
+}
+
+/* Shares have two digits or, from a tenth on, as many as whole numbers have. */
+static int few_points;
+
+static void fill_few(made_place *m) {
+    m->row[0] = made_periodic(m->point < few_points ? 2 : 1, 1);
+}
+
+static void shares_have_two_digits(void **state) {
+    (void)state;
+    static const struct {
+        int columns, rows, few;
+        const char *share;
+    } grids[] = {{11, 11, 12, "9.9 %"}, {7, 43, 30, "10 %"}, {10, 10, 1, "1.0 %"}, {20, 20, 39, "9.8 %"}};
+    saltus_scene scene = made_scene();
+    saltus_sweep_options options = saltus_sweep_defaults();
+    saltus_sweep_view how = {.view = SALTUS_VIEW_CLASS};
+    char path[path_size];
+    for (int g = 0; g < 4; g++) {
+        saltus_axis axes[2] = {{.key = "omega", .count = grids[g].columns, .low = 0.5, .high = 1.5},
+                               {.key = "d", .count = grids[g].rows, .low = 1, .high = 2}};
+        few_points = grids[g].few;
+        made_write(path_in("s.h5", path), &scene, axes, 2, &options, fill_few, 1000);
+        figure f = draw(&how, "s.png");
+        assert_non_null(figure_mark_of(&f.panel[0], 'l', grids[g].share, 0));
+        assert_string_equal(figure_mark_of(&f.panel[0], 'l', grids[g].share, 0)->text, grids[g].share);
         figure_free(&f);
     }
 }
@@ -1236,6 +1366,9 @@ int main(void) {
         cmocka_unit_test(names_stand_in_their_regions),
         cmocka_unit_test(the_rarest_chaos_keeps_its_entry),
         cmocka_unit_test(the_legend_ends_on_the_page),
+        cmocka_unit_test(each_family_has_its_words),
+        cmocka_unit_test(rare_motions_take_little_of_the_shades),
+        cmocka_unit_test(shares_have_two_digits),
         cmocka_unit_test(names_stand_where_there_is_most_room),
         cmocka_unit_test(colours_read_back_from_the_bar),
         cmocka_unit_test(zero_is_the_palest_of_exponents),
