@@ -753,6 +753,33 @@ static void shares_have_two_digits(void **state) {
     }
 }
 
+/* Where no exponent is measured, a motion that is not decided has no period; otherwise it may be anything. */
+static void fill_undecided(made_place *m) {
+    m->row[0] = m->point ? made_other(SALTUS_ROW_UNDECIDED) : made_periodic(1, 1);
+}
+
+static void undecided_is_more_than_no_period(void **state) {
+    (void)state;
+    saltus_scene scene = made_scene();
+    saltus_sweep_options options = saltus_sweep_defaults();
+    saltus_sweep_view how = {.view = SALTUS_VIEW_CLASS};
+    saltus_axis axes[2];
+    char path[path_size];
+    make_axes(axes, SALTUS_LINEAR);
+    for (int k = 0; k < 4; k++) {
+        options.keep = k % 2 ? SALTUS_KEEP_LYAPUNOV : 0;
+        options.measure = k / 2;
+        made_write(path_in("s.h5", path), &scene, axes, 2, &options, fill_undecided, 100);
+        figure f = draw(&how, "s.png");
+        assert_true((figure_mark_of(&f.panel[0], 'l', "no period up to 20", 0) != NULL) == (k < 3));
+        int told = 0;
+        for (int m = 0; m < f.panel[0].mark_count; m++)
+            told += strcmp(f.panel[0].mark[m].text, "undecided") == 0;
+        assert_int_equal(told, k == 3);
+        figure_free(&f);
+    }
+}
+
 /* How far it is from each place to the nearest of another kind, or off the map: the least sum of steps to the
  * eight neighbours, of which one up or down counts `tall` and one across 1. */
 static void measure_room(const unsigned *kind, int wide, int high, double tall, double *room) {
@@ -1049,6 +1076,12 @@ static void colours_read_back_from_the_bar(void **state) {
         check_near(f.panel[1].range[3][0], part.low, 1e-6 * fabs(part.low));
         check_near(f.panel[1].range[3][1], part.high, 1e-6 * fabs(part.high));
         assert_non_null(strstr(f.panel[1].label[2], "(colours end at the range)"));
+        assert_true(f.panel[1].logarithmic[3] == (view == SALTUS_VIEW_SETTLED));
+        figure_free(&f);
+        /* From zero on there are no equal ratios. */
+        part.low = 0;
+        f = draw(&how, "s.png");
+        assert_false(f.panel[1].logarithmic[3]);
         figure_free(&f);
     }
     saltus_sweep_file_clear(&file);
@@ -1369,6 +1402,7 @@ int main(void) {
         cmocka_unit_test(each_family_has_its_words),
         cmocka_unit_test(rare_motions_take_little_of_the_shades),
         cmocka_unit_test(shares_have_two_digits),
+        cmocka_unit_test(undecided_is_more_than_no_period),
         cmocka_unit_test(names_stand_where_there_is_most_room),
         cmocka_unit_test(colours_read_back_from_the_bar),
         cmocka_unit_test(zero_is_the_palest_of_exponents),
