@@ -517,7 +517,7 @@ static void the_rarest_chaos_keeps_its_entry(void **state) {
     saltus_axis axes[2] = {{.key = "omega", .count = crowd, .low = 0.5, .high = 1.5},
                            {.key = "d", .count = crowd_rows, .low = 1, .high = 2}};
     char path[path_size];
-    for (crowded = 14; crowded <= 20; crowded += crowded < 17 ? 1 : 3) {
+    for (crowded = 14; crowded <= 20; crowded += crowded < 16 ? 1 : 4) {
         flooded = crowded == 20;
         made_write(path_in("s.h5", path), &scene, axes, 2, &options, fill_crowd, 1000);
         figure f = draw(&how, "s.png");
