@@ -88,6 +88,14 @@ if [ -z "${SALTUS_SANITIZED:-}" ] && command -v mpirun >/dev/null && ldd "$saltu
     [ "$(number rows) $(number computed) $(number ranks)" = '120 120 3' ] && classes | cmp -s - told_whole ||
         fail "the summary of three ranks is $(cat summary)"
     same whole.h5 ranks.h5 "three ranks"
+    # More tasks than a rank's inbox has room for: it goes round, and none is lost.
+    many="impact-oscillator --over omega=2:3:160 --over F=0.1:1:120 --transient 1 --record 1 --longest 1 --rtol 1e-3 --atol 1e-4 --quiet"
+    # shellcheck disable=SC2086
+    "$saltus" sweep $many -o many.h5 --threads 2 >/dev/null || fail "a sweep of many points does not run"
+    # shellcheck disable=SC2086
+    $together -n 2 "$saltus" sweep $many -o inbox.h5 --threads 1 --json >summary || fail "many points on two ranks do not run"
+    [ "$(number rows) $(number computed) $(number ranks)" = '19200 19200 2' ] || fail "many points on two ranks: $(cat summary)"
+    same many.h5 inbox.h5 "many points on two ranks"
     # A signal that only the last of them gets ends all; the run goes on later.
     # shellcheck disable=SC2086
     $together -n 2 "$saltus" $sweep --record 800 -o ended.h5 >/dev/null 2>err &

@@ -661,6 +661,65 @@ static void planes_turn_and_clip(void **state) {
     }
 }
 
+/* All names that are asked for are written, those beyond the page's edges left out; the curves' own share
+ * with them the room that there is for four hundred. */
+static void no_more_than_four_hundred_names(void **state) {
+    (void)state;
+    enum { most = 400, names = most + 2 };
+    static const double beyond[4][2] = {{0.4, 0.5}, {3.1, 0.5}, {2, 0.05}, {2, 1.05}};
+    static const int counts[] = {0, 4, most + 2, most + 3, most + 4, most + 5};
+    static saltus_plot_label labels[4 + names];
+    saltus_plot_part parts[2] = {{"omega", 0.5, 3}, {"d", 0.1, 1}};
+    saltus_plot_options how = saltus_plot_defaults();
+    int plenty = 0;
+    make_locus(SALTUS_POINT_LP);
+    write_branch("b.h5");
+    for (int k = 0; k < 4 + names; k++) {
+        labels[k] = (saltus_plot_label){{"omega", "d"}, {0.75, 0.9}, "Here"};
+        if (k < 4)
+            memcpy(labels[k].value, beyond[k], sizeof beyond[k]);
+    }
+    how.labels = labels;
+    how.parts = parts;
+    how.part_count = 2;
+    for (size_t c = 0; c < sizeof counts / sizeof counts[0]; c++) {
+        how.label_count = counts[c];
+        int asked = counts[c] < 4 ? 0 : counts[c] - 4, here = 0, own = 0;
+        figure f = draw(&how);
+        for (int m = 0; m < f.panel[0].mark_count; m++) {
+            const figure_mark *label = &f.panel[0].mark[m];
+            here += label->kind == 'l' && strcmp(label->text, "Here") == 0;
+            own += label->kind == 'l' && strncmp(label->text, "LP ", 3) == 0;
+        }
+        assert_int_equal(here, asked);
+        if (c == 0)
+            plenty = own;
+        assert_int_equal(own, asked + plenty <= most ? plenty : asked < most ? most - asked : 0);
+        figure_free(&f);
+    }
+    assert_true(plenty > 2);
+}
+
+/* Branches of scenes with other stops have no page in common. */
+static void other_structures_have_other_pages(void **state) {
+    (void)state;
+    const saltus_plot_options how = saltus_plot_defaults();
+    char a[path_size], b[path_size], out[path_size];
+    make_branch();
+    write_branch("a.h5");
+    add_stop(&made.scene.spec, 0.5, 0.75, SALTUS_UPPER);
+    made.scene.spec.stops[0].sides = SALTUS_LOWER;
+    write_branch("b.h5");
+    for (int turned = 0; turned < 2; turned++) {
+        const char *const paths[2] = {path_in(turned ? "b.h5" : "a.h5", a),
+                                      path_in(turned ? "a.h5" : "b.h5", b)};
+        saltus_message message = {""};
+        assert_int_equal(saltus_plot(paths, 2, &how, path_in("b.svg", out), &message), SALTUS_BAD_INPUT);
+        if (strncmp(message.text, paths[1], strlen(paths[1])) != 0 || !strstr(message.text, "stops differ"))
+            fail_msg("%s", message.text);
+    }
+}
+
 /* Curves of several kinds in one plane: each has its own colour, and the legend names it. */
 static void kinds_of_loci_have_their_own_colours(void **state) {
     (void)state;
@@ -875,6 +934,8 @@ int main(void) {
         cmocka_unit_test(planes_turn_and_clip),
         cmocka_unit_test(long_names_leave_room_for_fewer),
         cmocka_unit_test(tips_have_their_names_beyond_them),
+        cmocka_unit_test(other_structures_have_other_pages),
+        cmocka_unit_test(no_more_than_four_hundred_names),
         cmocka_unit_test(kinds_of_loci_have_their_own_colours),
         cmocka_unit_test(branches_lie_over_clouds),
     };
