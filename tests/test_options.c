@@ -660,6 +660,64 @@ static void without_scene(const char *command, char line[160]) {
              scene + strlen("impact-oscillator"));
 }
 
+/* What each number may be. An option of the same name and line of help is the same in all commands: it stands
+ * here with the first of them. */
+static const struct {
+    const char *command, *name;
+    double low, high;
+} promised[] = {
+    {"classify", "--seeds", 1, 1000000},
+    {"classify", "--seed", 0, 4294967295.0},
+    {"classify", "--transient", 1, 1e12},
+    {"classify", "--longest", 1, 1024},
+    {"classify", "--measure", 0, 1e12},
+    {"classify", "--rtol", 1e-15, 1e-3},
+    {"classify", "--atol", 0, 1},
+    {"simulate", "--periods", 1, 1e6},
+    {"simulate", "--transient", 0, 1e12},
+    {"simulate", "--samples", 1, 1e5},
+    {"orbit", "--periods", 1, 1e6},
+    {"orbit", "--transient", 0, 1e12},
+    {"orbit", "--search", 10, 1e9},
+    {"orbit", "--most", 1, 1e6},
+    {"orbit", "--segments", 0, 1e5},
+    {"continue", "--periods", 1, 1e6},
+    {"continue", "--step", 1e-9, 1},
+    {"continue", "--step-max", 1e-9, 1},
+    {"continue", "--points", 1, 1e7},
+    {"continue", "--switch", 0, 1000},
+    {"sweep", "--seeds", 1, 10000},
+    {"sweep", "--at-most", 1, 1e9},
+    {"sweep", "--longest", 1, 256},
+    {"sweep", "--transient", 0, 1e9},
+    {"sweep", "--record", 1, 1e9},
+    {"sweep", "--measure", 0, 1e9},
+    {"sweep", "--lanes", 1, 64},
+    {"sweep", "--threads", 1, 4096},
+    {"sweep", "--rtol", 1e-15, 1e-3},
+    {"sweep", "--atol", 0, 1},
+    {"lyapunov", "--exponents", 1, 1000},
+    {"lyapunov", "--precision", 1e-9, 1},
+    {"lyapunov", "--transient", 0, 1e12},
+    {"lyapunov", "--periods", 1, 1e15},
+    {"lyapunov", "--members", 1, 64},
+    {"lyapunov", "--interval", 0, 1000},
+    {"lyapunov", "--seed", 0, 4294967295.0},
+    {"spectrum", "--periods", 1, 1e6},
+    {"spectrum", "--segment", 1, 1e6},
+    {"spectrum", "--samples", 16, 65536},
+};
+
+static void check_promised(const listed *o, const double bound[2]) {
+    for (size_t k = 0; k < sizeof promised / sizeof promised[0]; k++)
+        if (strcmp(promised[k].command, o->command) == 0 && strcmp(promised[k].name, o->name) == 0) {
+            if (bound[0] != promised[k].low || bound[1] != promised[k].high)
+                fail_msg("%s %s takes %.17g to %.17g", o->command, o->name, bound[0], bound[1]);
+            return;
+        }
+    fail_msg("nothing is promised of %s %s", o->command, o->name);
+}
+
 /* The bounds are those that the sentence tells: what lies beyond them is refused. */
 static void check_beyond(const fixture *f, const listed *o, const char *sentence, bounds *known) {
     const char *at = strstr(sentence, "number from ");
@@ -668,6 +726,7 @@ static void check_beyond(const fixture *f, const listed *o, const char *sentence
     if (!at)
         return;
     assert_int_equal(sscanf(at, "number from %lf to %lf", &bound[0], &bound[1]), 2);
+    check_promised(o, bound);
     without_scene(o->command, line);
     for (int k = 0; k < 2; k++) {
         double step = whole ? 1 : fmax(fabs(bound[k]), 1e-300) * 1e-9, beyond = bound[k] + (k ? step : -step);
@@ -744,6 +803,57 @@ static void bad_values_are_refused_by_name(void **state) {
         free(sentence);
     }
     check_accepted(f, options[count - 1].command, &known);
+}
+
+/* What may be repeated has room for so many: all of them are heeded, one more is refused by its text. */
+static void lists_are_taken_up_to_their_room(void **state) {
+    static const struct {
+        const char *line, *before, *item, *last, *refused;
+        int room;
+    } lists[] = {
+        {"check impact-oscillator --set", " ", "F=0.25", "F=0.75", "--set F=0.75: only 256 ", 256},
+        {"plot ../in/branch.h5 -o x.png", " --label ", "r=1,omega=1,a", "r=1,omega=1",
+         "--label r=1,omega=1: only 64 ", 64},
+        {"plot ../in/branch.h5 -o x.png", " --range ", "omega=1:2", "omega=3", "--range omega=3: only 64 ",
+         64},
+        {"plot -o x.png", " ", "../in/branch.h5", "nothere.h5", "nothere.h5: only 256 files ", 256},
+        {"continue impact-oscillator --in omega=0.99:1.01 -o x.h5 --at 1", ",", "1", "2", "--at 2: only 256 ",
+         256},
+    };
+    const fixture *f = *state;
+    ((fixture *)*state)->last[0] = ((fixture *)*state)->with[0] = '\0';
+    for (size_t k = 0; k < sizeof lists / sizeof lists[0]; k++) {
+        const char *items = lists[k].before;
+        for (int more = 0; more < 2; more++) {
+            char line[8192];
+            /* The first value of --at stands in the line. */
+            int count = lists[k].room + more - (items[0] == ','),
+                used = snprintf(line, sizeof line, "%s", lists[k].line);
+            for (int i = 0; i < count; i++)
+                used += snprintf(line + used, sizeof line - (size_t)used, "%s%s", items,
+                                 i == count - 1 ? lists[k].last : lists[k].item);
+            assert_true(used < (int)sizeof line);
+            put_text(f, "in/line", line);
+            clear(f, "with");
+            char text[512];
+            size_t length;
+            snprintf(text, sizeof text, "cd %s/with && %s $(cat ../in/line) >out 2>err", f->folder,
+                     SALTUS_COMMAND);
+            int outcome = system(text);
+            char *err = text_of(f, "with", "err", &length), *out = text_of(f, "with", "out", &length);
+            assert_true(WIFEXITED(outcome));
+            /* The last one is wrong, or it is the setting that holds. */
+            bool setting = strcmp(items, " ") == 0 && strstr(line, "--set");
+            bool refused = strncmp(err, "saltus: ", 8) == 0 &&
+                           strncmp(err + 8, lists[k].refused, strlen(lists[k].refused)) == 0;
+            if (refused != (more == 1) || WEXITSTATUS(outcome) != (setting && !more ? 0 : 2) ||
+                (setting && !more && !strstr(out, "0.75")))
+                fail_msg("%d times%s: status %d, %s%s", lists[k].room + more, items, WEXITSTATUS(outcome),
+                         out, err);
+            free(err);
+            free(out);
+        }
+    }
 }
 
 static void unknown_options_are_refused_by_every_command(void **state) {
@@ -997,6 +1107,7 @@ int main(void) {
         cmocka_unit_test(each_listed_option_has_a_case),
         cmocka_unit_test(each_option_takes_effect),
         cmocka_unit_test(bad_values_are_refused_by_name),
+        cmocka_unit_test(lists_are_taken_up_to_their_room),
         cmocka_unit_test(unknown_options_are_refused_by_every_command),
         cmocka_unit_test(of_a_repeated_option_the_last_value_holds),
         cmocka_unit_test(quiet_commands_are_silent),
