@@ -83,8 +83,11 @@ export OMPI_ALLOW_RUN_AS_ROOT OMPI_ALLOW_RUN_AS_ROOT_CONFIRM
 if [ -z "${SALTUS_SANITIZED:-}" ] && command -v mpirun >/dev/null && ldd "$saltus" | grep -q libmpi; then
     # What the MPI library leaves behind is not looked at.
     together="env LSAN_OPTIONS=detect_leaks=0 mpirun --oversubscribe"
+    # More ranks than threads, and where the C library can watch over its blocks, none is written past its end.
+    # The MPI library's word about an abort would wait for memory for ever.
+    watched="env OMPI_MCA_opal_signal= GLIBC_TUNABLES=glibc.malloc.check=3 LD_PRELOAD=libc_malloc_debug.so.0"
     # shellcheck disable=SC2086
-    $together -n 3 "$saltus" $sweep -o ranks.h5 --json >summary || fail "three ranks do not run"
+    $together -n 3 $watched "$saltus" $sweep -o ranks.h5 --threads 1 --json >summary 2>err || fail "three ranks do not run: $(cat err)"
     [ "$(number rows) $(number computed) $(number ranks)" = '120 120 3' ] && classes | cmp -s - told_whole ||
         fail "the summary of three ranks is $(cat summary)"
     same whole.h5 ranks.h5 "three ranks"
@@ -196,7 +199,7 @@ fi
     echo $? >full.status
 )
 [ "$(cat full.status)" -eq 1 ] || fail "a full disk gives exit status $(cat full.status)"
-[ "$(wc -l <full.err)" -eq 1 ] || fail "a full disk gives $(cat full.err)"
+[ "$(wc -l <full.err)" -eq 1 ] && ! grep -q interrupted full.err || fail "a full disk gives $(cat full.err)"
 run full.h5 --resume >/dev/null 2>err || fail "resumed after a full disk: $(cat err)"
 same whole.h5 full.h5 "resumed after a full disk"
 
