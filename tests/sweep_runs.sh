@@ -204,6 +204,20 @@ fi
 run full.h5 --resume >/dev/null 2>err || fail "resumed after a full disk: $(cat err)"
 same whole.h5 full.h5 "resumed after a full disk"
 
+# Of a table there is but the journal until the end: told is that it is full, not what goes wrong on the way out.
+run table.csv --what max --json >summary || fail "the table does not run"
+(
+    trap '' XFSZ
+    ulimit -f 16
+    run full.csv --what max >/dev/null 2>full.err
+    echo $? >full.status
+)
+[ "$(cat full.status)" -eq 1 ] && [ "$(wc -l <full.err)" -eq 1 ] && grep -q '^saltus: full.csv.journal: .*--resume' full.err ||
+    fail "a full disk gives exit status $(cat full.status), $(cat full.err)"
+run full.csv --what max --resume --json >summary 2>err || fail "a table after a full disk: $(cat err)"
+[ "$(number computed)" -gt 0 ] && [ "$(number computed)" -lt 120 ] || fail "after a full disk the summary says $(cat summary)"
+same table.csv full.csv "a table after a full disk"
+
 # Places that cannot be written are refused before anything is computed.
 for target in absent/sweep.h5 . /dev/null; do
     run "$target" >/dev/null 2>err && fail "$target is accepted"
