@@ -957,15 +957,99 @@ static void quiet_commands_are_silent(void **state) {
     }
 }
 
+/* Whether a number is that of a text with so many digits. */
+static bool is_rounded(double value, double exact, int digits) {
+    return fabs(value - exact) <= 0.51 * pow(10, 1 - digits) * fmax(fabs(exact), fabs(value));
+}
+
+/* What is told on the way is of the points that are found, one after the other, and of the work that is done.
+ */
+static void progress_lines_tell_what_is_found(void **state) {
+    static char said[65536];
+    size_t length;
+    clear(*state, "with");
+    words_on_terminal(
+        *state, "continue impact-oscillator --in omega=0.99:1.01 --points 3 --at 1.00005,0.99993 -o x.h5",
+        "--json", said, sizeof said);
+    char *text = text_of(*state, "with", "out", &length), label[16], mark[16];
+    const char *at = text, *line = said;
+    int points = 0, marked = 0;
+    for (; *at; at += *at == '\n', points++) {
+        int branch, step, used = 0;
+        double omega, multiplier;
+        json *point = json_value(&at);
+        const char *kind = json_text_at(point, "label");
+        line = strstr(line, "\rbranch ");
+        assert_non_null(line);
+        assert_int_equal(sscanf(++line, "branch %d  step %d  omega = %lf  %15s  largest multiplier %lf%n",
+                                &branch, &step, &omega, label, &multiplier, &used),
+                         5);
+        assert_true(branch == json_number_at(point, "branch") && step == json_number_at(point, "step"));
+        assert_true(is_rounded(omega, json_number_at(point, "values.0"), 9));
+        assert_string_equal(label, json_text_at(point, "motion"));
+        assert_true(is_rounded(multiplier, exp(json_number_at(point, "log_moduli.0")), 4));
+        snprintf(mark, sizeof mark, "%s%.2s\033[K", kind[0] ? "  " : "", kind);
+        assert_int_equal(strncmp(line + used, mark, strlen(mark)), 0);
+        marked += kind[0] != '\0';
+        json_free(point);
+    }
+    assert_true(points > 8 && marked >= 4 && !strstr(line, "\rbranch "));
+    free(text);
+    /* The periods of a search and of a measurement only grow, up to those that are allowed. */
+    words_on_terminal(*state, "classify " CHAOS, "--transient 300 --measure 4000", said, sizeof said);
+    double last = 0, most = 0;
+    int lines = 0;
+    for (line = said; (line = strstr(line, " of at most ")); line++, lines++) {
+        const char *number = line;
+        while (number[-1] != '\r')
+            number--;
+        double done = strtod(number, NULL), allowed = strtod(line + 12, NULL);
+        assert_true(done <= allowed &&
+                    (allowed == most ? done >= last : allowed == (most == 0 ? 300 : 4000)));
+        last = done;
+        most = allowed;
+    }
+    assert_true(lines >= 3 && most == 4000);
+    words_on_terminal(*state, LYAPUNOV, "", said, sizeof said);
+    assert_int_equal(strncmp(said, "settling: 20 periods", 20), 0);
+    double value = NAN, error = NAN;
+    last = -1;
+    for (line = said; (line = strstr(line, "\rmeasuring: ")); line++) {
+        double done, allowed;
+        int told = sscanf(line, "\rmeasuring: %lf of at most %lf periods, exponent %lf +- %lf", &done,
+                          &allowed, &value, &error);
+        assert_true(told == (last < 0 ? 2 : 4) && done > last && done <= allowed && allowed == 1800);
+        last = done;
+    }
+    text = text_of(*state, "with", "out", &length);
+    json *result = json_read(text);
+    assert_true(last == json_number_at(result, "periods"));
+    assert_true(is_rounded(value, json_number_at(result, "largest"), 5));
+    assert_true(is_rounded(error, json_number_at(result, "standard_error"), 2));
+    json_free(result);
+    free(text);
+    /* A search's share of its work. */
+    words_on_terminal(*state, "orbit " CHAOS " --periods 2 --unstable", "--search 500", said, sizeof said);
+    last = 0;
+    lines = 0;
+    for (line = said; (line = strstr(line, "\rsearching: ")); line++, lines++) {
+        double share = strtod(line + 12, NULL);
+        assert_true(share >= last && share <= 100);
+        last = share;
+    }
+    assert_true(lines >= 3 && last >= 50);
+}
+
 /* The bar of a sweep is as long as the part that is done, the part grows, the time left is what is left at
  * the speed told; at the end the line is wiped. */
 static void a_progress_bar_tells_the_part_done(void **state) {
     static char said[65536];
     int seen = 0;
-    /* The first picture comes after a quarter of a second. */
-    for (int points = 3000; points < 1000000 && seen == 0; points *= 4) {
+    /* Pictures are a quarter of a second apart. */
+    for (int points = 3000; points < 1000000 && seen < 2; points *= 3) {
         char line[160];
         double last = 0;
+        seen = 0;
         snprintf(line, sizeof line,
                  "sweep " CHAOS " --over F=0.9:1.1:%d --transient 40 --record 10 --threads 1 --lanes 1 "
                  "--what class -o x.h5",
@@ -985,10 +1069,12 @@ static void a_progress_bar_tells_the_part_done(void **state) {
             assert_true(left >= wanted - slack && left < wanted + 1 + slack);
             last = part;
             seen++;
+            /* What was done at this speed was done since the beginning. */
+            assert_true(part / 100 * points / speed >= 0.2 * seen);
         }
         assert_true(strcmp(said + strlen(said) - 4, "\r\033[K") == 0);
     }
-    assert_true(seen >= 1);
+    assert_true(seen >= 2);
 }
 
 /* Begin the paper's second figure, end it when its sweep has begun, and read what it was told to do. */
@@ -1111,6 +1197,7 @@ int main(void) {
         cmocka_unit_test(unknown_options_are_refused_by_every_command),
         cmocka_unit_test(of_a_repeated_option_the_last_value_holds),
         cmocka_unit_test(quiet_commands_are_silent),
+        cmocka_unit_test(progress_lines_tell_what_is_found),
         cmocka_unit_test(a_progress_bar_tells_the_part_done),
         cmocka_unit_test(paper_is_quick_and_resumes),
         cmocka_unit_test(each_key_of_a_scene_changes_the_motion),
