@@ -92,6 +92,10 @@ if [ -z "${SALTUS_SANITIZED:-}" ] && command -v mpirun >/dev/null && ldd "$saltu
     [ "$(number rows) $(number computed) $(number ranks)" = '120 120 3' ] && classes | cmp -s - told_whole ||
         fail "the summary of three ranks is $(cat summary)"
     same whole.h5 ranks.h5 "three ranks"
+    # One point is done by one of them, the others learn that there is nothing to do.
+    # shellcheck disable=SC2086
+    timeout -k 5 120 $together -n 3 "$saltus" sweep impact-oscillator --over omega=1 --quiet -o one.h5 --json >summary 2>err &&
+        [ "$(number rows) $(number computed) $(number ranks)" = '1 1 3' ] || fail "three ranks and one point: $(cat summary err)"
     # A signal that only the last of them gets ends all; the run goes on later.
     # shellcheck disable=SC2086
     $together -n 2 "$saltus" $sweep --record 800 -o ended.h5 >/dev/null 2>err &

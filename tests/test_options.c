@@ -9,6 +9,7 @@
 #include <fcntl.h>
 #include <hdf5.h>
 #include <signal.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -1040,6 +1041,10 @@ static void progress_lines_tell_what_is_found(void **state) {
     assert_true(lines >= 3 && last >= 50);
 }
 
+static double seconds_of(struct timeval time) {
+    return (double)time.tv_sec + 1e-6 * (double)time.tv_usec;
+}
+
 /* The bar of a sweep is as long as the part that is done, the part grows, the time left is what is left at
  * the speed told; at the end the line is wiped. */
 static void a_progress_bar_tells_the_part_done(void **state) {
@@ -1055,7 +1060,14 @@ static void a_progress_bar_tells_the_part_done(void **state) {
                  "--what class -o x.h5",
                  points);
         clear(*state, "with");
+        struct rusage before, after;
+        getrusage(RUSAGE_CHILDREN, &before);
         assert_true(words_on_terminal(*state, line, "", said, sizeof said) > 0);
+        getrusage(RUSAGE_CHILDREN, &after);
+        /* The thread that tells of it sleeps meanwhile, and does not ask the system all the time. */
+        double user = seconds_of(after.ru_utime) - seconds_of(before.ru_utime),
+               asking = seconds_of(after.ru_stime) - seconds_of(before.ru_stime);
+        assert_true(asking <= 0.1 + 0.25 * user);
         for (const char *at = said; (at = strstr(at, "\r[")); at++) {
             double part, speed, left;
             int cells = (int)strspn(at + 2, "#"), dots = (int)strspn(at + 2 + cells, ".");
