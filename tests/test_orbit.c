@@ -14,6 +14,7 @@ enum { history_max = 256, size_max = 16 };
 typedef struct history {
     int count;
     double residual[history_max];
+    int step[history_max];
     int last; /* the largest number of a step */
     bool prescribed;
 } history;
@@ -22,8 +23,10 @@ static void remember(void *context, int iteration, double residual, const char *
     history *h = context;
     h->last = iteration > h->last ? iteration : h->last;
     h->prescribed |= strcmp(what, "stroboscopic map") != 0;
-    if (h->count < history_max)
+    if (h->count < history_max) {
+        h->step[h->count] = iteration;
         h->residual[h->count++] = residual;
+    }
 }
 
 /* Once small, a residual is at most a constant times the square of the one before it, down to rounding. */
@@ -339,7 +342,14 @@ static void check_fails(const saltus_spec *spec, int periods, double x, double v
     saltus_message message = {""};
     saltus_orbit orbit;
     double guess[2] = {x, v};
+    history h = {0};
+    options.history = remember;
+    options.context = &h;
     saltus_status found = saltus_orbit_find(system, periods, guess, &options, &orbit, &message);
+    /* Each formulation goes on while its steps help; the one that does not is its last. */
+    for (int k = 1; k + 1 < h.count; k++)
+        if (h.step[k] > 0 && h.step[k + 1] > 0)
+            assert_true(h.step[k + 1] == h.step[k] + 1 && h.residual[k] < h.residual[k - 1]);
     assert_string_equal(saltus_status_name(found), saltus_status_name(status));
     if (!strstr(message.text, cause))
         fail_msg("\"%s\" does not speak of \"%s\"", message.text, cause);
