@@ -69,7 +69,7 @@ static void same_time(saltus_time a, saltus_time b) {
 
 static void same_number(double one, double other, double unit) {
     if (!(fabs(other / unit - one) <= slack * (1 + fabs(one))) && other != unit * one)
-        fail_msg("%.17g times %g is not %.17g slack %g", one, unit, other, slack);
+        fail_msg("%.17g times %g is not %.17g", one, unit, other);
 }
 
 /* States, tangent vectors and contact forces of two flows. */
