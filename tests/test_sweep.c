@@ -435,6 +435,38 @@ static void chaos_and_its_exponent(void **unused) {
     close_single(&s);
 }
 
+/* Each step of the flow leaves an error of its tolerance in an exponent: where nothing else does, as in a
+ * linear motion without damping, the standard error is that of the steps counted along a flow, however often
+ * the trajectory has been disturbed on the way. */
+static void steps_leave_their_error(void **unused) {
+    (void)unused;
+    static const double omegas[] = {1, 0.5};
+    for (int k = 0; k < 8; k++) {
+        double omega = omegas[k / 4], rtol = k & 1 ? 1e-5 : 1e-7, state[2] = {1, 0};
+        enum { periods = 100 };
+        saltus_scene scene = scene_of("impact-oscillator", "c=0 d=30 F=0 q1=1");
+        saltus_sweep_options options = measured(1000);
+        options.adaptive = k & 2;
+        options.transient = 100;
+        options.record = 50;
+        options.flow.rtol = rtol;
+        options.flow.atol = 1e-4 * rtol;
+        single s = run_single(&scene, "omega", omega, &options);
+        saltus_system *system = system_at(s.sweep, 0);
+        saltus_flow *flow = open_flow(system, &options.flow, 0, state);
+        for (int p = 1; p <= periods; p++)
+            advance(flow, p, 0);
+        double steps = (double)saltus_flow_information(flow, 0).steps / periods,
+               error = steps * rtol / saltus_system_period(system);
+        assert_string_equal(s.label, "undecided");
+        check_near(s.result.rows->lyapunov, 0, error);
+        check_near(s.result.rows->lyapunov_error, error, 0.1 * error);
+        saltus_flow_free(flow);
+        saltus_system_free(system);
+        close_single(&s);
+    }
+}
+
 static void check_verdict(const char *name, const char *settings, const char *key, double value,
                           const char *label, double exponent, double errors) {
     saltus_scene scene = scene_of(name, settings);
@@ -1118,6 +1150,7 @@ int main(void) {
         cmocka_unit_test(loose_tolerances_count_right),
         cmocka_unit_test(exponents_of_what_has_settled),
         cmocka_unit_test(chaos_and_its_exponent),
+        cmocka_unit_test(steps_leave_their_error),
         cmocka_unit_test(verdicts_without_a_period),
         cmocka_unit_test(exponents_leave_the_rest_alone),
         cmocka_unit_test(verdicts_are_those_of_classification),

@@ -219,6 +219,40 @@ static void a_part_that_does_not_close_leaves_doubt(void **unused) {
     saltus_system_free(system);
 }
 
+static int gcd(int a, int b) {
+    return b ? gcd(b, a % b) : a;
+}
+
+/* Points that recur nearly after a time that does not divide the period, as those do that wander up and down
+ * in steps of that time: it is no part of the period, which is looked at each time and is in no doubt. */
+static void what_divides_no_period_is_no_part(void **unused) {
+    (void)unused;
+    static const int periods[] = {7, 8, 10, 11, 13};
+    saltus_spec spec = oscillator_spec(0.1, 1, 1, 1);
+    saltus_system *system = build(&spec);
+    for (int k = 0; k < 5; k++)
+        for (int step = 3; step <= periods[k] / 2; step++) {
+            double place[13];
+            if (gcd(periods[k], step) > 1)
+                continue;
+            for (int turn = 0; turn < periods[k]; turn++)
+                place[turn * step % periods[k]] = 0.8e-3 * (2 * turn < periods[k] ? turn : periods[k] - turn);
+            series s = open_series(system);
+            for (int count = 1; count <= 8 * periods[k]; count++) {
+                bool doubt;
+                s.impacts++;
+                add(&s, place[count % periods[k]], 0.1);
+                if (count < 5 * periods[k])
+                    continue;
+                assert_true(saltus_settling_recurrence(&s.settling, step) < 1e-3);
+                assert_int_equal(saltus_settling_period(&s.settling, 1e-9, &doubt), periods[k]);
+                assert_false(doubt);
+            }
+            saltus_settling_close(&s.settling);
+        }
+    saltus_system_free(system);
+}
+
 /* Four periods and two points are looked at before a period is said to be reached, a period and two points
  * that recur before it is hoped for; what was before the last reset does not count. */
 static void a_period_is_seen_often_enough(void **unused) {
@@ -334,6 +368,7 @@ int main(void) {
         cmocka_unit_test(a_free_motions_exponent_is_its_decay),
         cmocka_unit_test(counts_must_recur_as_points_do),
         cmocka_unit_test(a_part_that_does_not_close_leaves_doubt),
+        cmocka_unit_test(what_divides_no_period_is_no_part),
         cmocka_unit_test(a_period_is_seen_often_enough),
         cmocka_unit_test(a_rest_is_still),
         cmocka_unit_test(the_distance_left_of_a_series_is_its_rest),
