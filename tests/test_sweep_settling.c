@@ -276,6 +276,53 @@ static void a_period_is_seen_often_enough(void **unused) {
     saltus_system_free(system);
 }
 
+/* Where the points have jumped what was before counts no more: a period and two points more must recur. */
+static void a_jump_begins_anew(void **unused) {
+    (void)unused;
+    enum { before = 100 };
+    saltus_spec spec = oscillator_spec(0.1, 1, 1, 1);
+    saltus_system *system = build(&spec);
+    for (int period = 1; period <= 5; period++) {
+        series s = open_series(system);
+        for (int count = 0; count < before + 3 * period + 3; count++) {
+            bool doubt;
+            add(&s, 0.1 * (count % period) + (count < before ? 0 : 0.01), 0.2);
+            bool again = count >= before + 2 * period + 1;
+            if (count >= before - 1)
+                assert_int_equal(saltus_settling_period(&s.settling, 1e-9, &doubt),
+                                 count < before || again ? period : 0);
+        }
+        saltus_settling_close(&s.settling);
+    }
+    saltus_system_free(system);
+}
+
+/* Of the last two cycles the one in which the recurrences have shrunk less tells how they will: one good step
+ * brings nothing near, nor does one that was good before. */
+static void one_good_step_is_not_trusted(void **unused) {
+    (void)unused;
+    static const double steps[][2] = {{0.9, 0.1}, {0.1, 0.9}, {0.6, 0.02}, {0.02, 0.6}, {0.5, 0.5}};
+    saltus_spec spec = oscillator_spec(0.1, 1, 1, 1);
+    saltus_system *system = build(&spec);
+    for (int period = 1; period <= 3; period++)
+        for (int k = 0; k < 5; k++) {
+            series s = open_series(system);
+            double x = 0, step = 1e-4, slower = fmax(steps[k][0], steps[k][1]), left;
+            for (int turn = 0; turn < 8; turn++) {
+                step *= turn < 6 ? 0.95 : steps[k][turn - 6];
+                x += step;
+                for (int phase = 0; phase < period; phase++)
+                    add(&s, x + 0.1 * phase, 0);
+            }
+            bool doubt;
+            left = step * slower / (1 - slower);
+            assert_int_equal(saltus_settling_period(&s.settling, 1.001 * left, &doubt), period);
+            assert_int_equal(saltus_settling_period(&s.settling, 0.999 * left, &doubt), 0);
+            saltus_settling_close(&s.settling);
+        }
+    saltus_system_free(system);
+}
+
 /* At rest nothing moves and nothing happens, over three periods. */
 static void a_rest_is_still(void **unused) {
     (void)unused;
@@ -370,6 +417,8 @@ int main(void) {
         cmocka_unit_test(a_part_that_does_not_close_leaves_doubt),
         cmocka_unit_test(what_divides_no_period_is_no_part),
         cmocka_unit_test(a_period_is_seen_often_enough),
+        cmocka_unit_test(a_jump_begins_anew),
+        cmocka_unit_test(one_good_step_is_not_trusted),
         cmocka_unit_test(a_rest_is_still),
         cmocka_unit_test(the_distance_left_of_a_series_is_its_rest),
         cmocka_unit_test(a_made_up_spiral_is_not_left_early),
