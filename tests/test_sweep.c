@@ -343,6 +343,24 @@ static void loose_tolerances_count_right(void **unused) {
         }
 }
 
+/* With a loose tolerance less is asked of an orbit: one that chatters and sticks, too, is the same and has
+ * settled no later than with a tighter one. */
+static void loose_tolerances_settle_no_later(void **unused) {
+    (void)unused;
+    long long before = 0;
+    for (double rtol = 1e-3; rtol > 1e-10; rtol /= 100) {
+        saltus_scene scene = scene_of("chatter", "");
+        saltus_sweep_options options = saltus_sweep_defaults();
+        options.flow.rtol = rtol;
+        options.flow.atol = 1e-4 * rtol;
+        single s = run_single(&scene, "d", 0.025, &options);
+        assert_string_equal(s.label, "chatter/2");
+        assert_true(s.result.rows->settled >= before);
+        before = s.result.rows->settled;
+        close_single(&s);
+    }
+}
+
 /* With the exponent, measured over so many periods at most. */
 static saltus_sweep_options measured(long long periods) {
     saltus_sweep_options options = saltus_sweep_defaults();
@@ -1150,6 +1168,7 @@ int main(void) {
         cmocka_unit_test(damaged_blocks_are_refused),
         cmocka_unit_test(classes_and_clouds_of_random_points),
         cmocka_unit_test(loose_tolerances_count_right),
+        cmocka_unit_test(loose_tolerances_settle_no_later),
         cmocka_unit_test(exponents_of_what_has_settled),
         cmocka_unit_test(chaos_and_its_exponent),
         cmocka_unit_test(steps_leave_their_error),
