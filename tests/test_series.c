@@ -1178,6 +1178,29 @@ static void laminar_phases_are_counted(void **unused) {
     gsl_rng_free(rng);
 }
 
+/* Phases are relative to the extent of the points: another unit, and another origin, tell the same. */
+static void phases_know_no_unit(void **unused) {
+    (void)unused;
+    static const long long runs[][2] = {{100, 60}, {300, 150}};
+    enum { count = 600, period = 3 };
+    double values[count], other[count];
+    gsl_rng *rng = gsl_rng_alloc(gsl_rng_taus2);
+    repeat_runs(values, count, period, 0, runs, 2, rng);
+    saltus_series_points points = {.values = values, .count = count, .dimension = 1};
+    saltus_series_phases own = saltus_series_laminar_phases(&points, 6);
+    assert_true(own.period == period && own.laminar > 0.3);
+    for (int power = -60; power <= 60; power += 10)
+        for (int k = 0; k < 2; k++) {
+            for (int j = 0; j < count; j++)
+                other[j] = ldexp(values[j] + 4 * k, power);
+            points.values = other;
+            saltus_series_phases same = saltus_series_laminar_phases(&points, 6);
+            assert_true(same.period == own.period && same.longest == own.longest);
+            assert_true(same.laminar == own.laminar);
+        }
+    gsl_rng_free(rng);
+}
+
 static void unsuitable_points(void **unused) {
     (void)unused;
     static const double negative[2] = {1, -1}, infinite[2] = {1, INFINITY};
@@ -1369,6 +1392,7 @@ int main(void) {
         cmocka_unit_test(curves_are_counted),
         cmocka_unit_test(neighbours_that_part),
         cmocka_unit_test(laminar_phases_are_counted),
+        cmocka_unit_test(phases_know_no_unit),
         cmocka_unit_test(the_shortest_period_is_laminar),
         cmocka_unit_test(equal_input_gives_equal_results),
         cmocka_unit_test(unsuitable_points),
