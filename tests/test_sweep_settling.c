@@ -219,6 +219,30 @@ static void a_part_that_does_not_close_leaves_doubt(void **unused) {
     saltus_system_free(system);
 }
 
+/* An orbit that iteration would not reach in the time given is found where the recurrences shrink: its
+ * multiplier is known, and so is the time that would be needed. */
+static void slow_orbits_are_found_in_time(void **unused) {
+    (void)unused;
+    for (int k = 0; k < 3; k++) {
+        closed_oscillator o = turning_by(0.995, (double)CLOSED_PI * k / 2);
+        saltus_spec spec = closed_spec(&o);
+        saltus_scene scene = scene_with(&spec);
+        saltus_sweep_options options = settling_options(1e-10);
+        assert_true(options.transient < log(promised(&options)) / log(0.995));
+        single s = run_single(&scene, "omega", (double)o.omega, &options);
+        saltus_system *system = system_at(s.sweep, 0);
+        long double steady[2];
+        closed_steady(&o, 0, steady);
+        assert_string_equal(s.label, "0/1");
+        assert_true(s.result.rows->settled < options.transient);
+        for (int i = 0; i < 2; i++)
+            check_near(s.result.strobes[i], (double)steady[i],
+                       promised(&options) * saltus_system_scale(system)[i]);
+        saltus_system_free(system);
+        close_single(&s);
+    }
+}
+
 static int gcd(int a, int b) {
     return b ? gcd(b, a % b) : a;
 }
@@ -411,6 +435,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(an_orbit_is_reached_when_it_is_near),
         cmocka_unit_test(a_spiral_is_not_left_early),
+        cmocka_unit_test(slow_orbits_are_found_in_time),
         cmocka_unit_test(orbits_with_impacts_are_near_too),
         cmocka_unit_test(a_free_motions_exponent_is_its_decay),
         cmocka_unit_test(counts_must_recur_as_points_do),
