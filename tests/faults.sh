@@ -77,6 +77,12 @@ said() {
     [ "$(wc -l <err)" -eq 1 ] && grep -q '^saltus: ' err || fail "$2: says '$(cat err)'"
 }
 
+# failed WHAT: by itself, which is not told as an interruption.
+failed() {
+    said 1 "$1"
+    ! grep -q interrupted err || fail "$1: nobody interrupts it, but it says '$(cat err)'"
+}
+
 # clean WHAT: nothing but whole files and journals, which a later run takes up.
 clean() {
     left=$(find . \( -name '*.part*' -o -path './temporary/*' \) -print)
@@ -90,7 +96,7 @@ full() {
     # shellcheck disable=SC2086
     "$saltus" $1 >/dev/full 2>err
     got=$?
-    said 1 "$1 >/dev/full"
+    failed "$1 >/dev/full"
     grep -q 'standard output' err || fail "$1 >/dev/full says '$(cat err)'"
     clean "$1 >/dev/full"
 }
@@ -99,7 +105,7 @@ closed() {
     # shellcheck disable=SC2086
     "$saltus" $1 >&- 2>err
     got=$?
-    said 1 "$1 >&-"
+    failed "$1 >&-"
     [ -z "$(find out -name '*.csv' -exec grep -l '^figure: \|^out/' {} +)" ] || fail "$1 >&- prints into its file"
     clean "$1 >&-"
 }
@@ -134,13 +140,13 @@ absent() {
     # shellcheck disable=SC2086
     "$saltus" ${1%-o *}-o absent/"$target" >stdout 2>err
     got=$?
-    said 1 "$1 (absent folder)"
+    failed "$1 (absent folder)"
     grep -q "absent" err || fail "$1 (absent folder) says '$(cat err)'"
     mkdir "out/$target"
     # shellcheck disable=SC2086
     "$saltus" $1 >stdout 2>err
     got=$?
-    [ "$got" -eq 2 ] || said 1 "$1 (a folder)"
+    [ "$got" -eq 2 ] || failed "$1 (a folder)"
     rmdir "out/$target"
     clean "$1 (a folder)"
 }
@@ -151,7 +157,7 @@ no_room() {
     # shellcheck disable=SC2086
     (ulimit -f 1 && exec "$saltus" $1 >stdout 2>err)
     got=$?
-    said 1 "$1 (no room)"
+    failed "$1 (no room)"
     # A sweep that begins anew replaces what was there.
     case $1 in
     sweep* | basins*) ;;

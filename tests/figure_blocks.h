@@ -15,7 +15,7 @@
 enum {
     FIGURE_COLUMNS = 6,
     FIGURE_BLOCKS = 80,
-    FIGURE_MARKS = 400,
+    FIGURE_MARKS = 600,
     FIGURE_ELEMENTS = 80,
     FIGURE_PANELS = 8,
     FIGURE_TEXT = 700
@@ -62,6 +62,8 @@ typedef struct figure_panel {
     double tics[2][40]; /* or the places of each */
     int tic_count[2];
     int key_rows; /* most rows of the legend, where it is told */
+    bool key;     /* whether a legend is asked for */
+    char format[2][24];
 } figure_panel;
 
 typedef struct figure {
@@ -379,6 +381,13 @@ static inline void figure_set(figure *f, figure_panel *now, const char *line) {
     const char *key_rows = figure_begins(line, "set key ") ? strstr(line, "maxrows ") : NULL;
     if (key_rows)
         now->key_rows = atoi(key_rows + 8);
+    if (figure_begins(line, "set key "))
+        now->key = strcmp(line, "set key off") != 0;
+    for (int k = 0; k < 2; k++) {
+        snprintf(word, sizeof word, "set format %c ", 'x' + k);
+        if (figure_begins(line, word) || figure_begins(line, "set format '"))
+            figure_quoted(line, now->format[k], sizeof now->format[k]);
+    }
     if (figure_begins(line, "set terminal"))
         snprintf(f->terminal, sizeof f->terminal, "%s", line + 13);
     if (figure_begins(line, "cut(x) = "))
@@ -588,6 +597,36 @@ static inline void figure_says(const figure *f, const char *words) {
         fail_msg("the caption does not say '%s': %s", words, text);
 }
 
+/* The colour that a style names, -1 for none. */
+static inline long figure_colour(const char *style) {
+    size_t at = 0;
+    while (style[at] && style[at] != '#')
+        at++;
+    return style[at] ? strtol(style + at + 1, NULL, 16) : -1;
+}
+
+/* The caption's lines begin so, from top to bottom at equal distances below the heading, in these colours. */
+static inline void figure_check_lines(const figure *f, const char *const *begins, const long *colours,
+                                      int count) {
+    double below = 2, distance = 0;
+    for (int line = 0; line < count; line++) {
+        const figure_mark *mark = NULL;
+        for (int k = 0; k < f->panel[0].mark_count && !mark; k++)
+            if (f->panel[0].mark[k].kind == 'l' && figure_begins(f->panel[0].mark[k].text, begins[line]))
+                mark = &f->panel[0].mark[k];
+        if (!mark)
+            fail_msg("no line of the caption begins with '%s'", begins[line]);
+        assert_true(mark->place[0][0] == 0.03 && mark->place[0][1] < below);
+        distance = line == 2 ? below - mark->place[0][1] : distance;
+        if (line > 2)
+            check_near(below - mark->place[0][1], distance, 2e-4);
+        below = mark->place[0][1];
+        if (figure_colour(mark->style) != colours[line])
+            fail_msg("'%s' is in another colour: %s", begins[line], mark->style);
+    }
+    assert_true(count < 3 || (distance > 0.02 && distance < 0.03));
+}
+
 /* Tics are at round numbers, neither too few nor too many, and named ones are in the range; what is written
  * has as many braces that open as close. */
 static inline void figure_check_tics(const figure_panel *panel) {
@@ -636,6 +675,14 @@ static inline void figure_check_page(const figure *f) {
     }
 }
 
+/* The k-th command that begins so, outside blocks; NULL: there are not so many. */
+static inline const char *figure_command(const figure *f, const char *words, int k) {
+    for (const char *line = f->script; line < f->script + f->length; line += strcspn(line, "\n") + 1)
+        if (figure_begins(line, words) && k-- == 0)
+            return line;
+    return NULL;
+}
+
 /* How many things the legend explains. */
 static inline int figure_titles(const figure_panel *panel) {
     int count = 0;
@@ -669,14 +716,6 @@ static inline unsigned figure_pixel(const figure_element *e, int x, int y, int *
     if (opacity)
         *opacity = p[3];
     return (unsigned)p[0] << 16 | (unsigned)p[1] << 8 | p[2];
-}
-
-/* The colour that a style names, -1 for none. */
-static inline long figure_colour(const char *style) {
-    size_t at = 0;
-    while (style[at] && style[at] != '#')
-        at++;
-    return style[at] ? strtol(style + at + 1, NULL, 16) : -1;
 }
 
 #endif

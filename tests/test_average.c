@@ -373,6 +373,47 @@ static void means_of_one_kind_add_up(void **unused) {
     assert_false(saltus_average_estimate(&one).weighted || saltus_average_estimate(&one).regular);
 }
 
+/* +1 and -1 in turns, at random times: the sums stay bounded, but over stretches longer than any correlation
+ * that is looked for, so that their standard error is far too large. */
+static void add_alternations(saltus_average *average, double rate, uint64_t random) {
+    double sign = 1;
+    for (int n = 0; n < 1000; n++) {
+        bool now = uniform(&random) < rate;
+        saltus_average_add(average, now ? sign : 0);
+        sign = now ? -sign : sign;
+    }
+}
+
+/* The weighted mean is not taken where its parts disagree by more than the plain mean's error: neither of
+ * what stays bounded nor of what does not. Whatever is taken is known as well as it says. */
+static void the_better_mean_is_taken(void **unused) {
+    (void)unused;
+    int better = 0, worse = 0;
+    for (int kind = 0; kind < 3; kind++)
+        for (int seed = 0; seed < 40; seed++) {
+            saltus_average average = {0};
+            uint64_t random = 77 * (uint64_t)seed + 1;
+            if (kind == 0)
+                add_alternations(&average, 4e-3 * (1 + seed % 8), random);
+            else
+                for (int n = 0; n < 1000; n++)
+                    saltus_average_add(&average,
+                                       kind == 1 ? cos((0.5 + 0.06 * seed) * n + seed) : normal(&random));
+            saltus_estimate taken = saltus_average_estimate(&average), plain = saltus_average_plain(&average),
+                            weighted = saltus_average_weighted(&average), other = plain;
+            if (taken.weighted)
+                other = weighted;
+            assert_true(taken.mean == other.mean && taken.standard_error == other.standard_error);
+            assert_true(taken.regular == plain.regular);
+            if (weighted.standard_error >= plain.standard_error)
+                assert_false(taken.weighted);
+            check_near(taken.mean, 0, 4 * taken.standard_error);
+            better += taken.weighted;
+            worse += kind == 0 && weighted.standard_error >= plain.standard_error;
+        }
+    assert_true(better >= 8 && worse >= 20);
+}
+
 /* Parts are of whole batches and of nothing else; of fewer than 16 there is a mean and no error. */
 static void parts_are_whole_batches(void **unused) {
     (void)unused;
@@ -458,6 +499,7 @@ int main(void) {
         cmocka_unit_test(one_run_is_itself),
         cmocka_unit_test(independent_values),
         cmocka_unit_test(means_of_one_kind_add_up),
+        cmocka_unit_test(the_better_mean_is_taken),
         cmocka_unit_test(runs_join),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -2,6 +2,7 @@
  * up: what is tested is that nothing of them is lost, and that nothing else is taken for them.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "folder.h"
+#include "foreign_text.h"
 #include "reference.h"
 
 #include <hdf5.h>
@@ -435,6 +436,117 @@ static void unsound_contents_are_named(void **state) {
     folder_files(f->folder, true);
 }
 
+/* One number of one point, in place of what it was. */
+static void change_number(const char *path, const char *name, int row, double value) {
+    hid_t file = H5Fopen(path, H5F_ACC_RDWR, H5P_DEFAULT), set = H5Dopen2(file, name, H5P_DEFAULT);
+    hid_t space = H5Dget_space(set);
+    int entries = (int)H5Sget_simple_extent_npoints(space);
+    double *values = calloc((size_t)entries, sizeof *values);
+    assert_true(values && entries >= point_count);
+    assert_true(H5Dread(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) >= 0);
+    values[row * (entries / point_count)] = value;
+    assert_true(H5Dwrite(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) >= 0);
+    free(values);
+    H5Sclose(space);
+    H5Dclose(set);
+    H5Fclose(file);
+}
+
+/* What a point is computed from must be numbers; what is told of it may be none. */
+static void endless_numbers_are_no_points(void **state) {
+    static const struct {
+        const char *name;
+        bool needed;
+    } columns[] = {{"points/state", true},
+                   {"points/parameters", true},
+                   {"points/value", true},
+                   {"points/multipliers", false},
+                   {"points/sum_rule", false}};
+    static const double values[] = {NAN, INFINITY, -INFINITY};
+    const fixture *f = *state;
+    char path[160], word[40];
+    size_t length;
+    write_branch(f, path_in(f, "b.h5", path), point_count, true);
+    char *bytes = read_all(path, &length);
+    for (size_t k = 0; k < sizeof columns / sizeof columns[0]; k++)
+        for (int v = 0; v < 3; v++) {
+            saltus_branch_file file;
+            saltus_message message = {""};
+            int row = v == 1 ? point_count - 1 : 3 * v;
+            write_all(path, bytes, length);
+            change_number(path, columns[k].name, row, values[v]);
+            snprintf(word, sizeof word, "row %d of /points", row + 1);
+            if (columns[k].needed) {
+                refuse_file(path, word);
+                continue;
+            }
+            check_ok(saltus_branch_file_read(path, &file, &message), &message);
+            saltus_branch_file_clear(&file);
+        }
+    free(bytes);
+    folder_files(f->folder, true);
+}
+
+static saltus_status read_text(const char *path, const char *name, char again[600], saltus_message *message) {
+    saltus_branch_file file;
+    saltus_status status = saltus_branch_file_read(path, &file, message);
+    if (status == SALTUS_OK)
+        strcpy(again, name[0] == 'v' ? file.version : name[0] == 's' ? file.scene : file.title);
+    saltus_branch_file_clear(&file);
+    return status;
+}
+
+/* A text is read whole or not at all, however another program stored it. */
+static void long_texts_are_not_cut(void **state) {
+    static const struct {
+        const char *group, *name, *word;
+    } words[] = {{"/continuation", "key1", "continuation/key1"},
+                 {"/continuation", "locus", "continuation/locus"},
+                 {"/parameters/stop_1", "sides", "parameters/stop_1/d, r, sides"},
+                 {"/", "kind", "not one of Saltus"},
+                 {"/", "model", "its attribute model must be a text"}};
+    static const struct {
+        const char *name;
+        size_t most;
+    } columns[] = {{"points/motion", SALTUS_LABEL_MAX - 1},
+                   {"points/motion_after", SALTUS_LABEL_MAX - 1},
+                   {"points/reason", SALTUS_REASON_MAX - 1}};
+    const fixture *f = *state;
+    saltus_branch_file file;
+    saltus_message message = {""};
+    char path[160], text[600];
+    size_t length;
+    write_branch(f, path_in(f, "b.h5", path), point_count, true);
+    char *bytes = read_all(path, &length);
+    foreign_check(path, bytes, length, "version", sizeof file.version - 1, read_text);
+    foreign_check(path, bytes, length, "scene", sizeof file.scene - 1, read_text);
+    foreign_check(path, bytes, length, "title", sizeof file.title - 1, read_text);
+    memset(text, 'x', sizeof text);
+    text[100] = '\0';
+    for (size_t k = 0; k < sizeof words / sizeof words[0]; k++) {
+        write_all(path, bytes, length);
+        foreign_text(path, words[k].group, words[k].name, text, FOREIGN_TIGHT);
+        refuse_file(path, words[k].word);
+    }
+    for (size_t k = 0; k < sizeof columns / sizeof columns[0]; k++)
+        for (int more = 0; more < 2; more++) {
+            memset(text, 'x', sizeof text);
+            text[columns[k].most + (size_t)more] = '\0';
+            write_all(path, bytes, length);
+            foreign_column(path, columns[k].name, text);
+            if (more) {
+                refuse_file(path, "row 1 of /points");
+                continue;
+            }
+            check_ok(saltus_branch_file_read(path, &file, &message), &message);
+            const saltus_branch_point *p = &file.points[point_count - 1];
+            assert_string_equal(k == 0 ? p->label : k == 1 ? p->label_after : p->reason, text);
+            saltus_branch_file_clear(&file);
+        }
+    free(bytes);
+    folder_files(f->folder, true);
+}
+
 static void check_start(const char *source, const saltus_spec *spec, int periods, const double *x) {
     saltus_message message = {""};
     saltus_start start;
@@ -805,6 +917,8 @@ int main(void) {
         cmocka_unit_test(damage_is_noticed),
         cmocka_unit_test(foreign_files_are_named),
         cmocka_unit_test(unsound_contents_are_named),
+        cmocka_unit_test(endless_numbers_are_no_points),
+        cmocka_unit_test(long_texts_are_not_cut),
         cmocka_unit_test(starts_come_from_branches),
         cmocka_unit_test(starts_come_from_json),
         cmocka_unit_test(unsound_json_is_named),

@@ -153,6 +153,40 @@ static void members_make_the_whole(void **unused) {
         saltus_system_free(systems[k]);
 }
 
+/* Trajectories that share the work start at times of their own in the last half of the transient: of a free
+ * motion whose impacts cease as it decays each sees the fewer impacts the later it starts. */
+static void members_start_apart(void **unused) {
+    (void)unused;
+    static const int members[] = {1, 2, 4, 9};
+    saltus_spec spec = oscillator_spec(0.02, 1, 0, 1);
+    add_stop(&spec, 1e-3, 1, SALTUS_UPPER);
+    saltus_system *system = build(&spec);
+    const double start[2] = {-100, 0.3};
+    for (int k = 0; k < 4; k++) {
+        saltus_lyapunov_options options = saltus_lyapunov_defaults();
+        long long count = members[k], impacts = 0;
+        options.members = members[k];
+        options.transient = 100;
+        options.periods = 200 * count;
+        saltus_lyapunov l = measure(system, start, &options);
+        long long lead = l.transient - options.transient; /* in which the vectors turn, the same for all */
+        assert_true(l.periods == options.periods && lead < 60);
+        for (int m = 0; m < count; m++) {
+            long long from = options.transient - options.transient / 2 * m / count + lead;
+            saltus_flow *flow = open_flow(system, &options.flow, 0, start);
+            advance(flow, (double)from, 0);
+            impacts -= saltus_flow_information(flow, 0).impacts;
+            advance(flow, (double)(from + 200), 0);
+            impacts += saltus_flow_information(flow, 0).impacts;
+            saltus_flow_free(flow);
+        }
+        assert_true(impacts > 40 * count);
+        check_near(l.impacts_per_period * (double)l.periods, (double)impacts, 2);
+        saltus_lyapunov_clear(&l);
+    }
+    saltus_system_free(system);
+}
+
 /* Of several trajectories on a chaotic transient some have left for an orbit, whose exponent is negative:
  * they do not measure the same thing, and no mean of theirs is precise, unless so much is asked for that
  * their distance does not matter. */
@@ -662,6 +696,21 @@ static void laminar_phases_are_recounted(void **unused) {
     saltus_system_free(system);
 }
 
+/* What has settled on nothing is told where it is: as far as it has been followed from the default state. */
+static void check_course(const saltus_system *system, const saltus_motion *motion) {
+    saltus_classify_options options = saltus_classify_defaults();
+    saltus_message message = {""};
+    double state[4];
+    check_ok(saltus_system_default_state(system, state, &message), &message);
+    saltus_flow *flow = open_flow(system, &options.flow, 0, state);
+    for (long long k = 1; k <= motion->transient; k++)
+        advance(flow, (double)k, 0);
+    saltus_flow_state(flow, 0, state);
+    for (int i = 0; i < 4; i++)
+        assert_true(motion->state[i] == state[i]);
+    saltus_flow_free(flow);
+}
+
 /* A trajectory that has left a chaotic transient is betrayed, and what it has left for is an orbit of the
  * system; the orbit that was found amid the points is it. */
 static void those_who_left_are_named(void **unused) {
@@ -682,6 +731,7 @@ static void those_who_left_are_named(void **unused) {
         } else
             assert_string_equal(m.evidence.stable_orbit, end.label);
         assert_true(m.evidence.stable_orbit[0] == 0 || strcmp(m.evidence.stable_orbit, end.label) == 0);
+        check_course(system, &m);
         saltus_motion_clear(&m);
     }
     saltus_motion_clear(&end);
@@ -876,6 +926,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(events_of_a_run_are_recounted),
         cmocka_unit_test(members_make_the_whole),
+        cmocka_unit_test(members_start_apart),
         cmocka_unit_test(members_that_part_do_not_agree),
         cmocka_unit_test(precision_is_what_was_asked_for),
         cmocka_unit_test(progress_is_told),

@@ -661,6 +661,65 @@ static void planes_turn_and_clip(void **state) {
     }
 }
 
+/* All names that are asked for are written, those beyond the page's edges left out; the curves' own share
+ * with them the room that there is for four hundred. */
+static void no_more_than_four_hundred_names(void **state) {
+    (void)state;
+    enum { most = 400, names = most + 2 };
+    static const double beyond[4][2] = {{0.4, 0.5}, {3.1, 0.5}, {2, 0.05}, {2, 1.05}};
+    static const int counts[] = {0, 4, most + 2, most + 3, most + 4, most + 5};
+    static saltus_plot_label labels[4 + names];
+    saltus_plot_part parts[2] = {{"omega", 0.5, 3}, {"d", 0.1, 1}};
+    saltus_plot_options how = saltus_plot_defaults();
+    int plenty = 0;
+    make_locus(SALTUS_POINT_LP);
+    write_branch("b.h5");
+    for (int k = 0; k < 4 + names; k++) {
+        labels[k] = (saltus_plot_label){{"omega", "d"}, {0.75, 0.9}, "Here"};
+        if (k < 4)
+            memcpy(labels[k].value, beyond[k], sizeof beyond[k]);
+    }
+    how.labels = labels;
+    how.parts = parts;
+    how.part_count = 2;
+    for (size_t c = 0; c < sizeof counts / sizeof counts[0]; c++) {
+        how.label_count = counts[c];
+        int asked = counts[c] < 4 ? 0 : counts[c] - 4, here = 0, own = 0;
+        figure f = draw(&how);
+        for (int m = 0; m < f.panel[0].mark_count; m++) {
+            const figure_mark *label = &f.panel[0].mark[m];
+            here += label->kind == 'l' && strcmp(label->text, "Here") == 0;
+            own += label->kind == 'l' && strncmp(label->text, "LP ", 3) == 0;
+        }
+        assert_int_equal(here, asked);
+        if (c == 0)
+            plenty = own;
+        assert_int_equal(own, asked + plenty <= most ? plenty : asked < most ? most - asked : 0);
+        figure_free(&f);
+    }
+    assert_true(plenty > 2);
+}
+
+/* Branches of scenes with other stops have no page in common. */
+static void other_structures_have_other_pages(void **state) {
+    (void)state;
+    const saltus_plot_options how = saltus_plot_defaults();
+    char a[path_size], b[path_size], out[path_size];
+    make_branch();
+    write_branch("a.h5");
+    add_stop(&made.scene.spec, 0.5, 0.75, SALTUS_UPPER);
+    made.scene.spec.stops[0].sides = SALTUS_LOWER;
+    write_branch("b.h5");
+    for (int turned = 0; turned < 2; turned++) {
+        const char *const paths[2] = {path_in(turned ? "b.h5" : "a.h5", a),
+                                      path_in(turned ? "a.h5" : "b.h5", b)};
+        saltus_message message = {""};
+        assert_int_equal(saltus_plot(paths, 2, &how, path_in("b.svg", out), &message), SALTUS_BAD_INPUT);
+        if (strncmp(message.text, paths[1], strlen(paths[1])) != 0 || !strstr(message.text, "stops differ"))
+            fail_msg("%s", message.text);
+    }
+}
+
 /* Curves of several kinds in one plane: each has its own colour, and the legend names it. */
 static void kinds_of_loci_have_their_own_colours(void **state) {
     (void)state;
@@ -793,6 +852,75 @@ static void branches_lie_over_clouds(void **state) {
     assert_string_equal(message.text, expected);
 }
 
+/* Where lines have long names, those of curves of special points or of several files, fewer stand in a row.
+ */
+static void long_names_leave_room_for_fewer(void **state) {
+    (void)state;
+    static const saltus_point_kind marks[] = {SALTUS_POINT_PD, SALTUS_POINT_NS, SALTUS_POINT_BP,
+                                              SALTUS_POINT_GR, SALTUS_POINT_CH, SALTUS_POINT_ST,
+                                              SALTUS_POINT_UZ};
+    static const char *const names[] = {"0.h5", "1.h5"};
+    const saltus_plot_options how = saltus_plot_defaults();
+    for (int count = 2; count <= 7; count++)
+        for (int kind = 0; kind < 3; kind++) {
+            if (kind == 2)
+                make_locus(SALTUS_POINT_LP);
+            else
+                make_branch();
+            for (int k = 0; k < count; k++)
+                made.point[3 + 2 * k].kind = marks[k];
+            write_branch(names[0]);
+            if (kind == 1)
+                write_branch(names[1]);
+            figure f = draw_files(names, kind == 1 ? 2 : 1, &how);
+            assert_int_equal(figure_titles(&f.panel[0]), count + (kind == 1 ? 4 : 2));
+            check_rows_of_legend(&f.panel[0], kind == 0 ? 8 : 5);
+            figure_free(&f);
+        }
+}
+
+/* The name of a tip stands beyond it, where there is no curve: above one that points up, at the right of one
+ * that points there. */
+static void tips_have_their_names_beyond_them(void **state) {
+    (void)state;
+    for (int way = 0; way < 2; way++) {
+        saltus_plot_options how = saltus_plot_defaults();
+        how.show = SALTUS_SHOW_DISPLACEMENT;
+        make_branch();
+        for (int k = 0; k < points; k++) {
+            double along = (k % 30 - 15) / 15.0, away = 1 - fabs(along);
+            made.point[k].value[0] = way == 0 ? 2 + along : 1.7 + 0.3 * away;
+            made.state[k][0] = way == 0 ? away : along;
+            if (k >= 60) { /* far below, over all of the page */
+                made.point[k].value[0] = 2 + along;
+                made.state[k][0] = -1.5;
+            }
+            set_parameter(&made.point[k].spec, "omega", made.point[k].value[0]);
+        }
+        made.point[15].kind = SALTUS_POINT_LP;
+        write_branch("b.h5");
+        figure f = draw(&how);
+        const figure_panel *panel = &f.panel[0];
+        const figure_mark *name = NULL;
+        for (int k = 0; k < panel->mark_count; k++)
+            if (panel->mark[k].kind == 'l' && strcmp(panel->mark[k].text, "LP") == 0)
+                name = &panel->mark[k];
+        double at[2], width = panel->range[0][1] - panel->range[0][0],
+                      height = panel->range[1][1] - panel->range[1][0];
+        assert_non_null(name);
+        place_of(panel, name, at);
+        if (way == 0) {
+            check_near(at[0], 2, 1e-3 * width);
+            assert_true(at[1] > 1 + 0.02 * height && at[1] < 1 + 0.06 * height);
+        } else {
+            double beyond = at[0] - 2;
+            assert_true(beyond > 0.015 * width && beyond < 0.06 * width);
+            assert_true(fabs(at[1]) < 0.05 * height);
+        }
+        figure_free(&f);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(curves_are_the_rows_of_the_file),
@@ -804,6 +932,10 @@ int main(void) {
         cmocka_unit_test(files_over_each_other_have_their_own_colour),
         cmocka_unit_test(loci_are_solid_where_they_bound_stable_orbits),
         cmocka_unit_test(planes_turn_and_clip),
+        cmocka_unit_test(long_names_leave_room_for_fewer),
+        cmocka_unit_test(tips_have_their_names_beyond_them),
+        cmocka_unit_test(other_structures_have_other_pages),
+        cmocka_unit_test(no_more_than_four_hundred_names),
         cmocka_unit_test(kinds_of_loci_have_their_own_colours),
         cmocka_unit_test(branches_lie_over_clouds),
     };

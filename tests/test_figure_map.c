@@ -475,6 +475,452 @@ static void names_stand_in_their_regions(void **state) {
     figure_free(&f);
 }
 
+/* However rare or frequent, chaos and the like keep an entry of their own beside fifteen periodic motions;
+ * what is lumped together has the hue of its family, and every colour can be told from all others and from
+ * the paper.
+ */
+enum { crowd = 12, crowd_rows = 15 };
+
+static int crowded;  /* how many kinds of periodic motion there are */
+static bool flooded; /* whether others are more frequent than any of them */
+
+static const int other_verdicts[] = {SALTUS_ROW_EQUILIBRIUM,   SALTUS_ROW_HELD,      SALTUS_ROW_UNDECIDED,
+                                     SALTUS_ROW_QUASIPERIODIC, SALTUS_ROW_UNSETTLED, SALTUS_ROW_CHAOTIC,
+                                     SALTUS_ROW_FAILED};
+
+static saltus_sweep_row crowded_row(long long point) {
+    static const int family[] = {1, 2, 3, 4};
+    if (point >= crowd * crowd_rows - 7)
+        return made_other(other_verdicts[crowd * crowd_rows - 1 - point]);
+    if (flooded && point < 70)
+        return made_other(other_verdicts[point % 7]);
+    int kind = (int)(point % crowded);
+    return made_periodic(1 + kind / 4, family[kind % 4]);
+}
+
+static void fill_crowd(made_place *m) {
+    m->row[0] = crowded_row(m->point);
+}
+
+static void the_rarest_chaos_keeps_its_entry(void **state) {
+    static const char *const names[] = {"at rest, no contact",
+                                        "held by the stop",
+                                        "no period up to 20",
+                                        "quasi-periodic",
+                                        "long period, or slow",
+                                        "chaotic",
+                                        "failed"};
+    (void)state;
+    saltus_scene scene = made_scene();
+    saltus_sweep_options options = saltus_sweep_defaults();
+    saltus_sweep_view how = {.view = SALTUS_VIEW_CLASS};
+    saltus_axis axes[2] = {{.key = "omega", .count = crowd, .low = 0.5, .high = 1.5},
+                           {.key = "d", .count = crowd_rows, .low = 1, .high = 2}};
+    char path[path_size];
+    for (crowded = 14; crowded <= 20; crowded += crowded < 16 ? 1 : 4) {
+        flooded = crowded == 20;
+        made_write(path_in("s.h5", path), &scene, axes, 2, &options, fill_crowd, 1000);
+        figure f = draw(&how, "s.png");
+        int entries = 0, own = 0, others = 0, plain = 0;
+        unsigned told = 0;
+        double colour[32][2], hue_of[5] = {0};
+        unsigned seen[32];
+        for (int m = 0; m < f.panel[0].mark_count; m++) {
+            const figure_mark *mark = &f.panel[0].mark[m];
+            const char *figures;
+            long found = mark->kind == 'o' ? figure_colour(mark->text) : -1;
+            if (found < 0)
+                continue;
+            const char *words = entry_of(&f.panel[0], (unsigned)found, &figures)->text;
+            int impacts, periods, lumped;
+            assert_true(entries < 32);
+            seen[entries] = (unsigned)found;
+            looks((unsigned)found, &colour[entries][0], &colour[entries][1]);
+            assert_true(colour[entries][0] < 0.97);
+            for (int k = 0; k < entries; k++)
+                assert_true(seen[k] != seen[entries]);
+            for (int k = 0; k < 7; k++)
+                if (strcmp(words, names[k]) == 0) {
+                    assert_string_equal(figures, flooded ? "6.1 %" : "0.6 %");
+                    assert_false(told & 1u << k);
+                    told |= 1u << k;
+                    plain++;
+                }
+            if (sscanf(words, "%d other {/:Italic n}/%d", &lumped, &periods) == 2) {
+                others += lumped;
+                assert_true(hue_of[periods] == 0 || apart(colour[entries][1], hue_of[periods]) < 40);
+                assert_true(colour[entries][0] < 0.85);
+            } else if (sscanf(words, "%d/%d", &impacts, &periods) == 2) {
+                own++;
+                if (impacts == 2)
+                    hue_of[periods] = colour[entries][1];
+            }
+            entries++;
+        }
+        assert_int_equal(plain, 7);
+        assert_int_equal(own, crowded < 15 ? crowded : 15);
+        assert_int_equal(others, crowded < 15 ? 0 : crowded - 15);
+        figure_free(&f);
+    }
+}
+
+/* Fifteen motions, seven that are none of these, and so many families of rarer ones. */
+static int families;
+
+static void fill_families(made_place *m) {
+    int k = (int)m->point, family = (k - 156) / 2;
+    m->row[0] = k < 135              ? made_periodic(1 + k / 9, 1 + k / 9 % 3)
+                : k < 156            ? made_other(other_verdicts[(k - 135) / 3])
+                : family >= families ? made_periodic(1, 1)
+                : family == 0        ? made_periodic(60, 11)
+                : family == 9        ? made_periodic(-1, 3)
+                                     : made_periodic(50 + family, family);
+}
+
+/* The legend has room for the 26 most frequent kinds, most frequent first. */
+static void the_legend_ends_on_the_page(void **state) {
+    (void)state;
+    static const int numbers[] = {3, 4, 5, 10};
+    saltus_scene scene = made_scene();
+    saltus_sweep_options options = saltus_sweep_defaults();
+    saltus_sweep_view how = {.view = SALTUS_VIEW_CLASS};
+    saltus_axis axes[2] = {{.key = "omega", .count = crowd, .low = 0.5, .high = 1.5},
+                           {.key = "d", .count = crowd_rows, .low = 1, .high = 2}};
+    char path[path_size];
+    for (int n = 0; n < 4; n++) {
+        int entries = 0, kinds = 22 + numbers[n];
+        double below = 1, share = 100, part, sum = 0;
+        families = numbers[n];
+        made_write(path_in("s.h5", path), &scene, axes, 2, &options, fill_families, 1000);
+        figure f = draw(&how, "s.png");
+        for (int m = 0; m < f.panel[0].mark_count; m++) {
+            const figure_mark *mark = &f.panel[0].mark[m];
+            const char *figures;
+            if (mark->kind == 'o' && figure_colour(mark->text) >= 0) {
+                entry_of(&f.panel[0], (unsigned)figure_colour(mark->text), &figures);
+                assert_true(mark->place[0][1] > 0 && mark->place[1][1] > 0);
+                sum += strtod(figures, NULL);
+                entries++;
+            }
+        }
+        assert_int_equal(entries, kinds < 26 ? kinds : 26);
+        check_near(sum, 100 - (kinds < 26 ? 0 : (kinds - 26) * 200.0 / 180), 1.5);
+        /* From top to bottom. */
+        for (int k = 0; k < entries; k++) {
+            const figure_mark *next = NULL;
+            const char *figures;
+            for (int m = 0; m < f.panel[0].mark_count; m++) {
+                const figure_mark *mark = &f.panel[0].mark[m];
+                if (mark->kind == 'o' && figure_colour(mark->text) >= 0 && mark->place[0][1] < below &&
+                    (!next || mark->place[0][1] > next->place[0][1]))
+                    next = mark;
+            }
+            assert_non_null(next);
+            below = next->place[0][1];
+            entry_of(&f.panel[0], (unsigned)figure_colour(next->text), &figures);
+            part = strtod(figures, NULL);
+            assert_true(part <= share);
+            share = part;
+        }
+        figure_free(&f);
+    }
+}
+
+/* Fifteen motions of periods 1 to 3; then some of each family that are rarer and have fewer impacts. */
+static saltus_sweep_row lumped_row(long long point) {
+    if (point < 135)
+        return made_periodic(30 + (int)point / 9, 1 + (int)point / 9 % 3);
+    int k = (int)(point - 135) / 2;
+    for (int family = 0; family < 10; family++)
+        for (int i = 0; i < (family ? 1 + family % 3 : 3); i++)
+            if (k-- == 0)
+                return family == 0   ? made_periodic(1, 9 + i)
+                       : family == 9 ? made_periodic(-1, 2 + i)
+                                     : made_periodic(1 + i, family);
+    return made_periodic(30, 1);
+}
+
+static void fill_lumped(made_place *m) {
+    m->row[0] = lumped_row(m->point);
+}
+
+/* What is lumped together is named by its family and counted; the shades are for the others alone, in equal
+ * steps from light to dark. */
+static void each_family_has_its_words(void **state) {
+    (void)state;
+    saltus_scene scene = made_scene();
+    saltus_sweep_options options = saltus_sweep_defaults();
+    saltus_sweep_view how = {.view = SALTUS_VIEW_CLASS};
+    saltus_axis axes[2] = {{.key = "omega", .count = crowd, .low = 0.5, .high = 1.5},
+                           {.key = "d", .count = crowd_rows, .low = 1, .high = 2}};
+    char path[path_size];
+    double light[15], hue;
+    int families_found = 0, own = 0;
+    made_write(path_in("s.h5", path), &scene, axes, 2, &options, fill_lumped, 1000);
+    figure f = draw(&how, "s.png");
+    for (int m = 0; m < f.panel[0].mark_count; m++) {
+        const figure_mark *mark = &f.panel[0].mark[m];
+        const char *figures;
+        int impacts, periods;
+        if (mark->kind != 'o' || figure_colour(mark->text) < 0)
+            continue;
+        const char *text = entry_of(&f.panel[0], (unsigned)figure_colour(mark->text), &figures)->text;
+        for (int family = 0; family < 10; family++) {
+            char words[64], name[32] = "{/:Italic p}";
+            if (family)
+                snprintf(name, sizeof name, "%d", family);
+            snprintf(words, sizeof words, family == 9 ? "%d other chatter" : "%d other {/:Italic n}/%s",
+                     family ? 1 + family % 3 : 3, name);
+            families_found += strcmp(text, words) == 0;
+        }
+        if (sscanf(text, "%d/%d", &impacts, &periods) != 2)
+            continue;
+        assert_true(impacts >= 30 && impacts < 45);
+        looks((unsigned)figure_colour(mark->text), &light[impacts - 30], &hue);
+        own++;
+    }
+    assert_true(families_found == 10 && own == 15);
+    for (int period = 0; period < 3; period++) {
+        double step = (light[period] - light[period + 12]) / 4;
+        assert_true(light[period] > 0.8 && light[period + 12] < 0.42);
+        for (int k = 1; k < 5; k++)
+            check_near(light[period + 3 * k - 3] - light[period + 3 * k], step, 0.012);
+    }
+    figure_free(&f);
+}
+
+/* What hardly occurs, less than 3 % as often as the most frequent, takes less of the shades than the others.
+ */
+static int rare_points;
+
+static void fill_rare(made_place *m) {
+    m->row[0] = made_periodic(m->point < 1000 ? 1 : m->point < 1000 + rare_points ? 3 : 2, 1);
+}
+
+static void rare_motions_take_little_of_the_shades(void **state) {
+    (void)state;
+    saltus_scene scene = made_scene();
+    saltus_sweep_options options = saltus_sweep_defaults();
+    saltus_sweep_view how = {.view = SALTUS_VIEW_CLASS};
+    saltus_axis axes[2] = {{.key = "omega", .count = 40, .low = 0.5, .high = 1.5},
+                           {.key = "d", .count = 50, .low = 1, .high = 2}};
+    char path[path_size];
+    for (rare_points = 28; rare_points < 34; rare_points += 4) {
+        double light[4], hue;
+        made_write(path_in("s.h5", path), &scene, axes, 2, &options, fill_rare, 2000);
+        figure f = draw(&how, "s.png");
+        for (int m = 0; m < f.panel[0].mark_count; m++) {
+            const figure_mark *mark = &f.panel[0].mark[m];
+            const char *figures;
+            if (mark->kind != 'o' || figure_colour(mark->text) < 0)
+                continue;
+            const char *text = entry_of(&f.panel[0], (unsigned)figure_colour(mark->text), &figures)->text;
+            looks((unsigned)figure_colour(mark->text), &light[(text[0] - '0') & 3], &hue);
+        }
+        /* The steps from middle to middle are as wide as half of both shades. */
+        double ratio = (light[2] - light[3]) / (light[1] - light[2]);
+        assert_true(rare_points < 30 ? ratio > 0.5 && ratio < 0.8 : ratio > 0.95 && ratio < 1.05);
+        figure_free(&f);
+    }
+}
+
+/* Shares have two digits or, from a tenth on, as many as whole numbers have. */
+static int few_points;
+
+static void fill_few(made_place *m) {
+    m->row[0] = made_periodic(m->point < few_points ? 2 : 1, 1);
+}
+
+static void shares_have_two_digits(void **state) {
+    (void)state;
+    static const struct {
+        int columns, rows, few;
+        const char *share;
+    } grids[] = {{11, 11, 12, "9.9 %"}, {7, 43, 30, "10 %"}, {10, 10, 1, "1.0 %"}, {20, 20, 39, "9.8 %"}};
+    saltus_scene scene = made_scene();
+    saltus_sweep_options options = saltus_sweep_defaults();
+    saltus_sweep_view how = {.view = SALTUS_VIEW_CLASS};
+    char path[path_size];
+    for (int g = 0; g < 4; g++) {
+        saltus_axis axes[2] = {{.key = "omega", .count = grids[g].columns, .low = 0.5, .high = 1.5},
+                               {.key = "d", .count = grids[g].rows, .low = 1, .high = 2}};
+        few_points = grids[g].few;
+        made_write(path_in("s.h5", path), &scene, axes, 2, &options, fill_few, 1000);
+        figure f = draw(&how, "s.png");
+        assert_non_null(figure_mark_of(&f.panel[0], 'l', grids[g].share, 0));
+        assert_string_equal(figure_mark_of(&f.panel[0], 'l', grids[g].share, 0)->text, grids[g].share);
+        figure_free(&f);
+    }
+}
+
+/* Where no exponent is measured, a motion that is not decided has no period; otherwise it may be anything. */
+static void fill_undecided(made_place *m) {
+    m->row[0] = m->point ? made_other(SALTUS_ROW_UNDECIDED) : made_periodic(1, 1);
+}
+
+static void undecided_is_more_than_no_period(void **state) {
+    (void)state;
+    saltus_scene scene = made_scene();
+    saltus_sweep_options options = saltus_sweep_defaults();
+    saltus_sweep_view how = {.view = SALTUS_VIEW_CLASS};
+    saltus_axis axes[2];
+    char path[path_size];
+    make_axes(axes, SALTUS_LINEAR);
+    for (int k = 0; k < 4; k++) {
+        options.keep = k % 2 ? SALTUS_KEEP_LYAPUNOV : 0;
+        options.measure = k / 2;
+        made_write(path_in("s.h5", path), &scene, axes, 2, &options, fill_undecided, 100);
+        figure f = draw(&how, "s.png");
+        assert_true((figure_mark_of(&f.panel[0], 'l', "no period up to 20", 0) != NULL) == (k < 3));
+        int told = 0;
+        for (int m = 0; m < f.panel[0].mark_count; m++)
+            told += strcmp(f.panel[0].mark[m].text, "undecided") == 0;
+        assert_int_equal(told, k == 3);
+        figure_free(&f);
+    }
+}
+
+/* How far it is from each place to the nearest of another kind, or off the map: the least sum of steps to the
+ * eight neighbours, of which one up or down counts `tall` and one across 1. */
+static void measure_room(const unsigned *kind, int wide, int high, double tall, double *room) {
+    for (int k = 0; k < wide * high; k++)
+        room[k] = INFINITY;
+    for (bool changed = true; changed;) {
+        changed = false;
+        for (int n = 0; n < 2 * wide * high; n++) {
+            int k = n < wide * high ? n : 2 * wide * high - 1 - n;
+            double least = room[k];
+            for (int i = 0; i < 9; i++) {
+                int x = k % wide + i % 3 - 1, y = k / wide + i / 3 - 1;
+                bool same = x >= 0 && x < wide && y >= 0 && y < high && kind[y * wide + x] == kind[k];
+                if (i != 4)
+                    least = fmin(least, (same ? room[y * wide + x] : 0) + (i / 3 != 1 ? tall : 1));
+            }
+            changed = changed || least < room[k];
+            room[k] = least;
+        }
+    }
+}
+
+/* The places that hang together with one, as marks in `region`; their number and middle. */
+static int hang_together(const unsigned *kind, int wide, int high, int start, bool *region,
+                         double middle[2]) {
+    int count = 1, known = 0;
+    memset(region, 0, (size_t)wide * (size_t)high * sizeof *region);
+    region[start] = true;
+    while (known != count) {
+        known = count;
+        for (int n = 0; n < 2 * wide * high; n++) {
+            int k = n < wide * high ? n : 2 * wide * high - 1 - n, x = k % wide, y = k / wide;
+            if (region[k] || kind[k] != kind[start])
+                continue;
+            region[k] = (x > 0 && region[k - 1]) || (x + 1 < wide && region[k + 1]) ||
+                        (y > 0 && region[k - wide]) || (y + 1 < high && region[k + wide]);
+            count += region[k];
+        }
+    }
+    middle[0] = middle[1] = 0;
+    for (int k = 0; k < wide * high; k++)
+        if (region[k]) {
+            middle[0] += (double)(k % wide) / count;
+            middle[1] += (double)(k / wide) / count;
+        }
+    return count;
+}
+
+/* Regions of many shapes: bent, in a ring, of two parts, one cell, at the edges. */
+static const char *const shapes[] = {"kaaaaaaaacccc", "abbbbbbbaaccc", "abdddddbaeecc",
+                                     "abdbbbdbaeecc", "abdddddbaeeac", "abbbbbbbaeeaa",
+                                     "aaaffaaaaeeag", "ahhhhhhhhhhag", "aaaaaaaaaaaag"};
+
+static void fill_shapes(made_place *m) {
+    int columns_here = (int)strlen(shapes[0]);
+    char c = shapes[m->point / columns_here][m->point % columns_here];
+    m->row[0] = c == 'g'   ? made_other(SALTUS_ROW_HELD)
+                : c == 'd' ? made_other(SALTUS_ROW_CHAOTIC)
+                : c == 'h' ? made_other(SALTUS_ROW_QUASIPERIODIC)
+                : c == 'f' ? made_periodic(123, 7)
+                : c == 'k' ? made_periodic(12345678, 17)
+                           : made_periodic(1 + c - 'a', 1 + (c - 'a') % 3);
+}
+
+/* A region's name stands where it has most room, nearest to the middle of the region, in letters that fill
+ * this room as far as they are of a readable size; regions with less room have none. */
+static void names_stand_where_there_is_most_room(void **state) {
+    (void)state;
+    enum { step = 4 };
+    const double tall = 1.9, letter = 0.8, least = 10, most = 17;
+    saltus_scene scene = made_scene();
+    saltus_sweep_options options = saltus_sweep_defaults();
+    saltus_sweep_view how = {.view = SALTUS_VIEW_CLASS};
+    saltus_axis axes[2] = {
+        {.key = "omega", .count = (int)strlen(shapes[0]), .low = 0.5, .high = 1.5},
+        {.key = "d", .count = (int)(sizeof shapes / sizeof shapes[0]), .low = 1, .high = 2}};
+    char path[path_size];
+    made_write(path_in("s.h5", path), &scene, axes, 2, &options, fill_shapes, 1000);
+    figure f = draw(&how, "s.png");
+    const figure_panel *panel = &f.panel[0];
+    const figure_element *e = figure_element_of(panel, "binary", 0);
+    int wide = e->width / step, high = e->height / step, named = 0, unnamed = 0, smaller = 0;
+    unsigned *kind = calloc((size_t)wide * (size_t)high, sizeof *kind);
+    double *room = calloc((size_t)wide * (size_t)high, sizeof *room);
+    bool *region = calloc((size_t)wide * (size_t)high, sizeof *region),
+         *done = calloc((size_t)wide * (size_t)high, sizeof *done);
+    assert_true(kind && room && region && done);
+    for (int k = 0; k < wide * high; k++)
+        kind[k] = figure_pixel(e, k % wide * step + step / 2, k / wide * step + step / 2, NULL);
+    measure_room(kind, wide, high, tall, room);
+    for (int start = 0; start < wide * high; start++) {
+        double middle[2], widest = 0, nearest = INFINITY, at[2] = {0}, there = 0;
+        const char *figures;
+        if (done[start])
+            continue;
+        hang_together(kind, wide, high, start, region, middle);
+        const char *text = entry_of(panel, kind[start], &figures)->text;
+        for (int k = 0; k < wide * high; k++)
+            if (region[k])
+                widest = fmax(widest, room[k]);
+        for (int k = 0; k < wide * high; k++) {
+            double away = hypot(k % wide - middle[0], tall * ((int)(k / wide) - middle[1]));
+            done[k] = done[k] || region[k];
+            if (!region[k] || room[k] < 0.9 * widest - 1e-3 || away >= nearest - 1e-9)
+                continue;
+            nearest = away;
+            there = room[k];
+            at[0] = (k % wide + 0.5) / wide;
+            at[1] = ((int)(k / wide) + 0.5) / high;
+        }
+        double size = 2 * step * there / (letter * ((double)strlen(text) + 0.6));
+        bool nameless = strcmp(text, "held by the stop") == 0 || size < least;
+        int found = 0;
+        for (int m = 0; m < panel->mark_count; m++) {
+            const figure_mark *mark = &panel->mark[m];
+            if (mark->kind != 'l' || mark->system[0][0] != 'g')
+                continue;
+            int x = (int)(mark->place[0][0] * wide), y = (int)(mark->place[0][1] * high);
+            if (!region[y * wide + x])
+                continue;
+            const char *font = strstr(mark->style, ":Bold,");
+            found++;
+            assert_string_equal(mark->text, text);
+            check_near(mark->place[0][0], at[0], 1e-5);
+            check_near(mark->place[0][1], at[1], 1e-5);
+            assert_non_null(font);
+            check_near(strtod(font + 6, NULL), fmin(most, size), 0.06);
+        }
+        assert_int_equal(found, !nameless);
+        named += found;
+        smaller += found && size < most;
+        unnamed += !found;
+    }
+    assert_true(named > 5 && unnamed > 1 && smaller > 0);
+    free(kind);
+    free(room);
+    free(region);
+    free(done);
+    figure_free(&f);
+}
+
 /* Numbers */
 
 static double number_of(long long a, long long b) {
@@ -630,6 +1076,12 @@ static void colours_read_back_from_the_bar(void **state) {
         check_near(f.panel[1].range[3][0], part.low, 1e-6 * fabs(part.low));
         check_near(f.panel[1].range[3][1], part.high, 1e-6 * fabs(part.high));
         assert_non_null(strstr(f.panel[1].label[2], "(colours end at the range)"));
+        assert_true(f.panel[1].logarithmic[3] == (view == SALTUS_VIEW_SETTLED));
+        figure_free(&f);
+        /* From zero on there are no equal ratios. */
+        part.low = 0;
+        f = draw(&how, "s.png");
+        assert_false(f.panel[1].logarithmic[3]);
         figure_free(&f);
     }
     saltus_sweep_file_clear(&file);
@@ -762,6 +1214,81 @@ static void a_pixel_shows_what_most_of_its_cells_are(void **state) {
     figure_free(&f);
 }
 
+/* A colour's lightness, and its strength and hue in degrees, in Ottosson's Oklab. */
+static void oklab_of(unsigned colour, double *lightness, double *chroma, double *hue) {
+    double linear[3], cone[3], a, b;
+    static const double cones[3][3] = {{0.4122214708, 0.5363325363, 0.0514459929},
+                                       {0.2119034982, 0.6806995451, 0.1073969566},
+                                       {0.0883024619, 0.2817188376, 0.6299787005}};
+    for (int k = 0; k < 3; k++) {
+        double c = (colour >> (16 - 8 * k) & 0xff) / 255.0;
+        linear[k] = c <= 0.04045 ? c / 12.92 : pow((c + 0.055) / 1.055, 2.4);
+    }
+    for (int k = 0; k < 3; k++)
+        cone[k] = cbrt(cones[k][0] * linear[0] + cones[k][1] * linear[1] + cones[k][2] * linear[2]);
+    *lightness = 0.2104542553 * cone[0] + 0.7936177850 * cone[1] - 0.0040720468 * cone[2];
+    a = 1.9779984951 * cone[0] - 2.4285922050 * cone[1] + 0.4505937099 * cone[2];
+    b = 0.0259040371 * cone[0] + 0.7827717662 * cone[1] - 0.8086757660 * cone[2];
+    *chroma = hypot(a, b);
+    *hue = atan2(b, a) * 180 / acos(-1.0);
+}
+
+/* ... and the mean of their numbers, those left aside that have none. */
+static void fill_fine_numbers(made_place *m) {
+    long long k = m->point % fine;
+    m->row[0] = made_periodic(1, 1);
+    m->row[0].largest = k % 7 == 3 ? 4 : (double)(k % 5);
+    if (k % 13 == 6 || (k > 2000 && k < 2100))
+        m->row[0] = made_other(SALTUS_ROW_FAILED);
+}
+
+static void a_pixel_shows_the_mean_of_its_cells(void **state) {
+    (void)state;
+    saltus_scene scene = made_scene();
+    saltus_sweep_options options = saltus_sweep_defaults();
+    saltus_sweep_view how = {.view = SALTUS_VIEW_LARGEST};
+    saltus_axis axes[2] = {{.key = "omega", .count = fine, .low = 0.5, .high = 1.5},
+                           {.key = "d", .count = 1, .low = 1, .high = 1}};
+    char path[path_size];
+    made_write(path_in("s.h5", path), &scene, axes, 2, &options, fill_fine_numbers, 2 * fine);
+    saltus_sweep_file file = made_read(path);
+    figure f = draw(&how, "s.png");
+    const figure_panel *panel = &f.panel[0], *bar = &f.panel[1];
+    const figure_element *e = figure_element_of(panel, "binary", 0);
+    int asked = 0, nothing = 0;
+    for (int x = 0; x < e->width; x++) {
+        double low = panel->range[0][0], wide = (panel->range[0][1] - low) / e->width, sum = 0, width;
+        int count = 0;
+        bool clear = true;
+        for (int k = (int)floor((double)x / e->width * fine) - 2; k < (x + 1.0) / e->width * fine + 2; k++) {
+            double place = (0.5 + k / (fine - 1.0) - low) / wide - x;
+            if (k < 0 || k >= fine)
+                continue;
+            clear = clear && fabs(place) > 1e-6 && fabs(place - 1) > 1e-6;
+            if (place < 0 || place >= 1 || file.rows[k].verdict == SALTUS_ROW_FAILED)
+                continue;
+            sum += file.rows[k].largest;
+            count++;
+        }
+        unsigned colour = figure_pixel(e, x, e->height / 2, NULL);
+        if (!clear)
+            continue;
+        if (!count) {
+            const char *figures;
+            const figure_mark *words = entry_of(panel, colour, &figures);
+            assert_string_equal(words ? words->text : "", "failed");
+            nothing++;
+            continue;
+        }
+        double read = read_bar(bar, colour, &width), wanted = sum / count;
+        check_near(read, wanted, width * (bar->range[3][1] - bar->range[3][0]));
+        asked++;
+    }
+    assert_true(asked > 1000 && nothing > 10);
+    figure_free(&f);
+    saltus_sweep_file_clear(&file);
+}
+
 /* Basins: the colour of a start tells its attractor, whose orbit lies there as dots; paler the sooner. */
 static void basins_show_where_each_start_goes(void **state) {
     (void)state;
@@ -789,6 +1316,13 @@ static void basins_show_where_each_start_goes(void **state) {
                              *dots = figure_element_of(panel, name, 1);
         assert_true(rim && dots && k < 8);
         own[k] = (unsigned)figure_colour(dots->style);
+        /* Strong colours, blue and orange first, lighter and darker by turns. */
+        double lightness, chroma, hue;
+        oklab_of(own[k], &lightness, &chroma, &hue);
+        check_near(lightness, k % 2 ? 0.66 : 0.56, 0.01);
+        assert_true(chroma > 0.1 && chroma < 0.125);
+        if (k < 2)
+            check_near(remainder(hue - (k ? 60 : 250), 360), 0, 2);
         const figure_mark *words = entry_of(panel, own[k], &figures);
         assert_non_null(words);
         assert_string_equal(words->text, file.attractor_label[k]);
@@ -889,11 +1423,19 @@ int main(void) {
         cmocka_unit_test(passes_that_differ_are_two_attractors),
         cmocka_unit_test(rare_motions_are_counted_together),
         cmocka_unit_test(names_stand_in_their_regions),
+        cmocka_unit_test(the_rarest_chaos_keeps_its_entry),
+        cmocka_unit_test(the_legend_ends_on_the_page),
+        cmocka_unit_test(each_family_has_its_words),
+        cmocka_unit_test(rare_motions_take_little_of_the_shades),
+        cmocka_unit_test(shares_have_two_digits),
+        cmocka_unit_test(undecided_is_more_than_no_period),
+        cmocka_unit_test(names_stand_where_there_is_most_room),
         cmocka_unit_test(colours_read_back_from_the_bar),
         cmocka_unit_test(zero_is_the_palest_of_exponents),
         cmocka_unit_test(cut_ranges_say_so),
         cmocka_unit_test(far_numbers_do_not_stretch_the_colours),
         cmocka_unit_test(a_pixel_shows_what_most_of_its_cells_are),
+        cmocka_unit_test(a_pixel_shows_the_mean_of_its_cells),
         cmocka_unit_test(basins_show_where_each_start_goes),
         cmocka_unit_test(forces_have_their_axis),
     };

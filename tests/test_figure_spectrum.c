@@ -9,6 +9,7 @@ static saltus_scene made_scene(void) {
     saltus_scene scene = {.spec = oscillator_spec(0.125, 1.75, 1.5, 0.625), .initial_count = 0};
     add_stop(&scene.spec, 0.25, 0.75, SALTUS_UPPER);
     strcpy(scene.name, "made_up");
+    strcpy(scene.title, "it's {made} up");
     return scene;
 }
 
@@ -31,6 +32,9 @@ static figure draw_spectra(const saltus_spectra *spectra, const char *label) {
     figure_says(&f, "made\\_up:  spectrum");
     figure_says(&f, label);
     figure_says(&f, "{/:Italic ω} = 0.625");
+    static const char *const begins[] = {"{/=20:Bold made\\_up:  spectrum", "it's \\{made\\} up",
+                                         "oscillator: "};
+    figure_check_lines(&f, begins, (const long[]){-1, 0x606060, 0x202020}, 3);
     return f;
 }
 
@@ -270,6 +274,200 @@ static void densities_are_drawn_with_their_band(void **state) {
     figure_free(&f);
 }
 
+/* A density that falls off, with lines at random places in it, some of equal height. */
+static saltus_spectra scattered_lines(saltus_spectral_line *lines, int count, unsigned seed) {
+    static double density[129];
+    for (int k = 0; k < 129; k++)
+        density[k] = pow(10, -0.04 * k);
+    for (int k = 0; k < count; k++) {
+        seed = seed * 1103515245u + 12345u;
+        double decibels = -(double)(seed >> 16 & 15) * 5;
+        lines[k] = (saltus_spectral_line){.frequency = 0.2 + 0.16 * k + 0.1 * (seed >> 24 & 1),
+                                          .amplitude = pow(10, decibels / 20),
+                                          .decibels = decibels};
+    }
+    return (saltus_spectra){.count = 1,
+                            .per_period = 32,
+                            .analysed = 40,
+                            .spectra = {{.kind = SALTUS_SPECTRUM_WELCH,
+                                         .per_period = 32,
+                                         .bins = 129,
+                                         .resolution = 0.125,
+                                         .density = density,
+                                         .segments = 3,
+                                         .segment_periods = 8,
+                                         .confidence = 0.9,
+                                         .low = 0.5,
+                                         .high = 2.25,
+                                         .lines = lines,
+                                         .line_count = count,
+                                         .between = NAN,
+                                         .trustworthy = 8}}};
+}
+
+/* Every line of a continuum within 60 dB of the highest has its mark, save where a stronger one is nearer
+ * than 1.5 percent of the axis; lines that are equal both have theirs. */
+static void strong_lines_are_marked_where_they_stand_apart(void **state) {
+    (void)state;
+    enum { count = 90 };
+    for (unsigned seed = 1; seed <= 4; seed++) {
+        saltus_spectral_line lines[count];
+        saltus_spectra spectra = scattered_lines(lines, count, seed);
+        figure f = draw_spectra(&spectra, "chaotic");
+        const figure_panel *low = &f.panel[0];
+        double end = low->range[0][1];
+        int marks = 0, wanted = 0;
+        const figure_mark *mark;
+        for (; (mark = figure_mark_of(low, 'l', "▾", marks)) != NULL && !strstr(mark->text, "Bold"); marks++)
+            assert_true(mark->system[0][1] == 'g' && mark->place[0][1] == 1);
+        for (int k = 0; k < count; k++) {
+            bool strong = lines[k].frequency < end && lines[k].decibels > -60, found = false;
+            for (int o = 0; o < count; o++)
+                strong = strong && !(fabs(lines[o].frequency - lines[k].frequency) < 0.015 * end &&
+                                     lines[o].amplitude > lines[k].amplitude);
+            wanted += strong;
+            for (int m = 0; (mark = figure_mark_of(low, 'l', "▾", m)) != NULL; m++)
+                found = found || fabs(mark->place[0][0] - lines[k].frequency) < 1e-7;
+            assert_true(found == strong);
+        }
+        for (int m = marks; (mark = figure_mark_of(low, 'l', "▾", m)) != NULL; m++)
+            marks += !strstr(mark->text, "Bold");
+        assert_int_equal(marks, wanted);
+        assert_true(wanted > 20 && wanted < count - 10);
+        figure_free(&f);
+    }
+}
+
+static void check_heading(const figure_panel *panel, int letter, const char *words) {
+    char text[300];
+    const figure_mark *heading = figure_mark_of(panel, 'l', "{/:Bold (", 0);
+    snprintf(text, sizeof text, "{/:Bold (%c)}  %s", 'a' + letter, words);
+    assert_non_null(heading);
+    assert_string_equal(heading->text, text);
+    assert_true(heading->system[0][0] == 'g' && heading->place[0][0] == 0 && heading->place[0][1] == 1);
+}
+
+/* Headings name what their panels show, and no more. One quantity has the width of the page, two a row each.
+ */
+static void spectra_are_headed_by_what_they_show(void **state) {
+    (void)state;
+    static saltus_spectral_line lines[2][lines_most];
+    static const struct {
+        int periods, orbits, lines, quantities;
+        double trustworthy;
+        const char *low, *whole;
+    } cases[] = {
+        {3, 2, 1, 1, 9, ":  lines at multiples of {/:Italic ω}/3; red: of {/:Italic ω}",
+         "all lines; dashed: largest between them; grey: not trustworthy"},
+        {1, 1, 1, 1, 64, ":  lines at multiples of {/:Italic ω}", "all lines"},
+        {1, 2, 1, 2, NAN, ":  lines at multiples of {/:Italic ω}", "all lines; dashed: largest between them"},
+        {2, 1, 1, 2, 0, ":  lines at multiples of {/:Italic ω}/2; red: of {/:Italic ω}",
+         "all lines; grey: not trustworthy"},
+        {0, 1, 5, 1, 8, ":  density; pale: 90 % confidence; ▾ strong lines",
+         "the whole density; grey: not trustworthy"},
+        {0, 1, 0, 1, 16, ":  density; pale: 90 % confidence", "the whole density"},
+    };
+    for (int k = 0; k < 6; k++) {
+        saltus_spectra spectra = scattered_lines(lines[0], cases[k].lines, 1);
+        spectra.periods = cases[k].periods;
+        spectra.count = cases[k].quantities;
+        spectra.quantities[1] = (saltus_quantity){1, true};
+        for (int q = 0; q < 2; q++) {
+            if (cases[k].periods > 0)
+                make_lines(&spectra.spectra[q], lines[q], cases[k].periods, 128, 1);
+            spectra.spectra[q].orbits = cases[k].orbits;
+            spectra.spectra[q].between = cases[k].orbits > 1 ? 1e-9 : NAN;
+            spectra.spectra[q].trustworthy = cases[k].trustworthy;
+        }
+        figure f = draw_spectra(&spectra, "label");
+        char words[200];
+        assert_int_equal(f.panel_count, 2 * cases[k].quantities);
+        for (int q = 0; q < cases[k].quantities; q++) {
+            const figure_panel *low = &f.panel[2 * q], *whole = low + 1;
+            const char *name = q ? "mass 1, {/:Italic x}′_{1}" : "displacement {/:Italic x}_1";
+            snprintf(words, sizeof words, "%s%s", name, cases[k].low);
+            check_heading(low, 2 * q, words);
+            check_heading(whole, 2 * q + 1, cases[k].whole);
+            assert_true((figure_mark_of(whole, 'a', "dt (6,5)", 0) != NULL) == (cases[k].orbits > 1));
+            /* Grey begins at the begin of the axis where nothing is to be trusted. */
+            const figure_mark *grey = figure_mark_of(whole, 'o', "rectangle", 0);
+            assert_true((grey != NULL) == (cases[k].trustworthy < whole->range[0][1]));
+            char edge[40];
+            snprintf(edge, sizeof edge, "%.3g {/:Italic ω}", cases[k].trustworthy);
+            const figure_mark *at = figure_mark_of(whole, 'l', edge, 0);
+            assert_true((at != NULL) == (grey && cases[k].trustworthy > 0));
+            if (at)
+                figure_near(at->place[0][0], cases[k].trustworthy, 1e-8);
+            if (grey)
+                figure_near(grey->place[0][0], fmax(cases[k].trustworthy, whole->range[0][0]), 1e-8);
+            const double *a = low->frame, *b = whole->frame;
+            if (cases[k].quantities == 1)
+                assert_true(a[0] == b[0] && a[1] == b[1] && a[2] > b[3] && a[1] - a[0] > 0.85);
+            else
+                assert_true(a[2] == b[2] && a[3] == b[3] && a[1] < b[0] && (q == 0) == (a[2] > 0.4));
+            check_near(a[3] - a[2], b[3] - b[2], 1e-5);
+        }
+        figure_free(&f);
+    }
+}
+
+/* Axes end a little beyond what they show: the low frequencies behind the last strong line, between 4 and 16;
+ * the decibels 10 to 30 below the lowest that is to be trusted; tics are three to seven. */
+static void spectra_end_where_they_have_nothing_left(void **state) {
+    (void)state;
+    static saltus_spectral_line lines[lines_most];
+    static double density[200];
+    for (int k = 0; k < 24; k++) {
+        bool welch = k % 2;
+        double slope = 0.3 + 0.75 * k, last = 4, lowest = 0;
+        saltus_spectra spectra = scattered_lines(lines, 0, 1);
+        saltus_spectrum *s = &spectra.spectra[0];
+        if (welch) {
+            s->density = density;
+            s->bins = 200;
+            s->per_period = 50;
+            for (int b = 0; b < 200; b++) {
+                density[b] = 3 * pow(10, -0.006 * slope * b);
+                double decibels = 10 * log10(density[b] / density[0]);
+                last = decibels > -60 ? fmax(last, 0.125 * b) : last;
+                lowest = b ? fmin(lowest, decibels + 10 * log10(s->low)) : lowest;
+            }
+        } else {
+            spectra.periods = 2;
+            make_lines(s, lines, 2, 64, slope);
+            s->between = k % 4 ? NAN : 1e-16;
+            s->trustworthy = 12;
+            lowest = k % 4 ? 0 : -320;
+            if (k % 3 == 0) /* a line that is not there by symmetry deepens nothing */
+                lines[3].decibels = -INFINITY;
+            for (int l = 0; l < s->line_count; l++) {
+                last = lines[l].decibels > -60 ? fmax(last, lines[l].frequency) : last;
+                lowest = lines[l].frequency <= 12 && isfinite(lines[l].decibels)
+                             ? fmin(lowest, lines[l].decibels)
+                             : lowest;
+            }
+        }
+        figure f = draw_spectra(&spectra, "label");
+        const figure_panel *low = &f.panel[0], *whole = &f.panel[1];
+        double most = fmin(16, s->per_period / 2.0), end = low->range[0][1], deepest = welch ? -200 : -320;
+        assert_true(end == most || (end >= last + 0.25 && end < last + 1.25));
+        assert_true(end < most || last + 1.25 > most);
+        double floor = whole->range[1][0];
+        assert_true(floor == deepest || (floor <= lowest - 10 && floor > lowest - 30));
+        assert_true(floor > deepest || lowest < deepest + 30);
+        assert_true(low->range[1][0] == fmax(floor, -100));
+        assert_true(low->tic[0] == (end > 10 ? 2 : 1));
+        for (int p = 0; p < 2; p++) {
+            const double *range = f.panel[p].range[1];
+            check_near(range[1], -0.04 * range[0], 1e-4);
+            assert_true(-range[0] / f.panel[p].tic[1] >= (range[0] < -20 ? 3 : 2));
+            assert_true(-range[0] / f.panel[p].tic[1] <= 6);
+        }
+        assert_true(whole->range[0][0] == (welch ? 0.125 : 0.4));
+        figure_free(&f);
+    }
+}
+
 /* Convergence */
 
 static figure draw_convergence(const saltus_lyapunov *l) {
@@ -392,6 +590,94 @@ static void histories_converge_to_their_end(void **state) {
     assert_non_null(figure_mark_of(&f.panel[0], 'l', "too few values", 0));
     assert_null(figure_element_of(&f.panel[0], "$convergence", 0));
     figure_free(&f);
+}
+
+/* What is wrong with a measurement is the last that is said of it, in red; nothing else is. */
+static void convergence_tells_its_doubts(void **state) {
+    (void)state;
+    static const char *const begins[] = {"{/=20:Bold made\\_up:  largest Lyapunov exponent",
+                                         "it's \\{made\\} up", "oscillator: ", "0.500 ± 0.020 per period",
+                                         NULL};
+    static const long colours[] = {-1, 0x606060, 0x202020, 0x202020, 0xc44e2a};
+    static const char *const doubts[] = {
+        "", "the precision asked for, 1 %, was not reached",
+        "the trajectories do not agree: they do not measure the same motion",
+        "the precision asked for, 1 %, was not reached;  the trajectories do not agree: they do not measure"};
+    for (int k = 0; k < 8; k++) {
+        double exponent = k < 4 ? 0.25 : -INFINITY, error = k < 4 ? 0.01 : 0;
+        saltus_lyapunov_progress history[] = {{10, 0.25, 0.02}, {20, 0.25, 0.01}};
+        const saltus_lyapunov l = {.dimension = 2,
+                                   .count = 1,
+                                   .exponents = &exponent,
+                                   .standard_errors = &error,
+                                   .period = 2,
+                                   .periods = 345,
+                                   .transient = 67,
+                                   .members = k % 2 ? 1 : 5,
+                                   .agree = !(k & 2),
+                                   .precise = !(k & 1),
+                                   .history = history,
+                                   .history_count = 2};
+        const char *lines[5];
+        figure f = draw_convergence(&l);
+        memcpy(lines, begins, sizeof begins);
+        lines[3] = k < 4 ? begins[3] : "345 periods measured by ";
+        lines[4] = doubts[k % 4];
+        figure_check_lines(&f, lines, colours, k % 4 ? 5 : 4);
+        figure_says(&f, k % 2 ? "345 periods measured by 1 trajectory after a transient of 67; "
+                              : "345 periods measured by 5 trajectories together after a transient of 67; ");
+        for (int m = 0; m < f.panel[0].mark_count; m++)
+            assert_true(k % 4 || f.panel[0].mark[m].kind != 'l' ||
+                        figure_colour(f.panel[0].mark[m].style) != 0xc44e2a);
+        figure_free(&f);
+    }
+}
+
+/* Few estimates are marked; those that differ by less than three thousandths are drawn as differences; tics
+ * of times are numbers over up to 3000 fold, powers of ten beyond. An axis of times is never empty. */
+static void histories_choose_their_axes(void **state) {
+    (void)state;
+    static saltus_lyapunov_progress history[31];
+    static const struct {
+        int count;
+        double width, last; /* of all estimates in parts of the exponent, of the time */
+    } cases[] = {{29, 0.1, 100},  {30, 0.1, 100}, {30, 0.00265, 100}, {30, 0.0024, 100}, {30, 0.1, 2999},
+                 {30, 0.1, 3001}, {2, 0.1, 1.21}, {2, 0.1, 1.19},     {30, 1e-13, 50}};
+    for (int k = 0; k < 18; k++) {
+        int c = k / 2, count = cases[c].count;
+        double exponent = k % 2 ? -0.5 : 0.5, error = 0.001, width = cases[c].width * 0.5;
+        for (int i = 0; i < count; i++)
+            history[i] = (saltus_lyapunov_progress){20 * pow(cases[c].last, i / (count - 1.0)),
+                                                    exponent + (i == 1 ? width : 0), 0};
+        const saltus_lyapunov l = {.dimension = 2,
+                                   .count = 1,
+                                   .exponents = &exponent,
+                                   .standard_errors = &error,
+                                   .period = 2,
+                                   .members = 1,
+                                   .agree = true,
+                                   .precise = true,
+                                   .history = history,
+                                   .history_count = count};
+        figure f = draw_convergence(&l);
+        const figure_panel *panel = &f.panel[0];
+        assert_true((figure_element_of(panel, "pt 7", 0) != NULL) == (count < 30));
+        assert_true((strstr(panel->label[1], "final value") != NULL) == (cases[c].width < 0.0025));
+        assert_true((panel->tic_count[0] > 0) == (cases[c].last <= 3000));
+        assert_string_equal(panel->label[0], "time {/:Italic t} measured, all trajectories together");
+        double first = history[0].time, last = history[count - 1].time, *range = f.panel[0].range[0];
+        bool narrow = cases[c].last < 1.2;
+        figure_near(range[0], narrow ? first / 2 : first, 1e-8);
+        figure_near(range[1], narrow ? 2 * last : last, 1e-8);
+        assert_true(panel->range[1][1] - panel->range[1][0] >= 1.15 * width);
+        assert_true(panel->range[1][1] - panel->range[1][0] <= fmax(1.17 * width, 2e-12));
+        for (int tic = 0; tic < panel->tic_count[0]; tic++)
+            assert_true(tic == 0 || panel->tics[0][tic] <= 2.6 * panel->tics[0][tic - 1]);
+        if (panel->tic_count[0])
+            assert_true(panel->tics[0][0] <= 2.6 * range[0] &&
+                        panel->tics[0][panel->tic_count[0] - 1] * 2.6 >= range[1]);
+        figure_free(&f);
+    }
 }
 
 /* Commands */
@@ -739,7 +1025,12 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(lines_are_drawn_where_they_are),
         cmocka_unit_test(densities_are_drawn_with_their_band),
+        cmocka_unit_test(strong_lines_are_marked_where_they_stand_apart),
+        cmocka_unit_test(spectra_are_headed_by_what_they_show),
+        cmocka_unit_test(spectra_end_where_they_have_nothing_left),
         cmocka_unit_test(histories_converge_to_their_end),
+        cmocka_unit_test(convergence_tells_its_doubts),
+        cmocka_unit_test(histories_choose_their_axes),
         cmocka_unit_test(diagnose_draws_the_data_that_it_keeps),
         cmocka_unit_test(diagnose_looks_longer_at_what_has_no_period),
         cmocka_unit_test(spectrum_draws_its_table),

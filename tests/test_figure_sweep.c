@@ -688,6 +688,12 @@ static void check_strip(const figure_panel *panel, const saltus_sweep_file *file
                 continue;
             unsigned colour = figure_pixel(e, x, y, &opacity);
             assert_int_equal(opacity, 255);
+            /* A band is filled up to the line that separates it from the next one. */
+            int high = e->height / passes, bottom = (passes - 1 - pass) * high;
+            for (int up = 0; up < high; up++) {
+                figure_pixel(e, x, bottom + up, &opacity);
+                assert_int_equal(opacity, passes > 1 && up == high - 1 ? 0 : 255);
+            }
             check_legend(l, &file->rows[row_at(file, pass, order[cell], 0)], colour);
         }
     }

@@ -609,6 +609,56 @@ static void a_failing_lane_leaves_the_others_alone(void **unused) {
     saltus_system_free(systems[1]);
 }
 
+/* A motion without bound ends where numbers end: with either integrator the lane stays at the last time at
+ * which its state was one of numbers, however often it is asked to go on, and can be started anew. */
+static void what_flies_away_stays_where_numbers_end(void **unused) {
+    (void)unused;
+    static const int modes[] = {1, 3, 12};
+    for (int k = 0; k < 6; k++) {
+        const int n = 2 * modes[k % 3];
+        const double start[24] = {1e-3};
+        double there[24], state[24], largest = 0;
+        saltus_spec spec = pipe_spec(modes[k % 3], 3);
+        set_parameter(&spec, "kappa", 0);
+        set_parameter(&spec, "u0", 90);
+        saltus_system *system = build(&spec);
+        saltus_flow_options options = saltus_flow_defaults();
+        options.integrator = k < 3 ? SALTUS_TAYLOR : SALTUS_RADAU;
+        saltus_flow *flow = open_flow(system, &options, 0, start);
+        saltus_time time = {0, 0};
+        for (int again = 0; again < 3; again++) {
+            saltus_message message = {""};
+            saltus_event event;
+            assert_int_equal(saltus_flow_advance(flow, (saltus_time){5, 0}, 0, &event, &message),
+                             SALTUS_STALLED);
+            assert_true(message.text[0]);
+            saltus_flow_state(flow, 0, again ? state : there);
+            if (again) {
+                assert_memory_equal(state, there, (size_t)n * sizeof *state);
+                assert_true(saltus_flow_time(flow, 0).phase == time.phase);
+            }
+            time = saltus_flow_time(flow, 0);
+        }
+        assert_true(saltus_time_periods(time) > 0 && saltus_time_periods(time) < 5);
+        for (int i = 0; i < n; i++) {
+            assert_true(isfinite(there[i]));
+            largest = fmax(largest, fabs(there[i]));
+        }
+        assert_true(largest > 1e200);
+        saltus_message message = {""};
+        check_ok(saltus_flow_start(flow, 0, (saltus_time){0, 0}, start, &message), &message);
+        advance(flow, 0.01, 0);
+        saltus_flow_state(flow, 0, state);
+        saltus_flow_free(flow);
+        flow = open_flow(system, &options, 0, start);
+        advance(flow, 0.01, 0);
+        saltus_flow_state(flow, 0, there);
+        assert_memory_equal(state, there, (size_t)n * sizeof *state);
+        saltus_flow_free(flow);
+        saltus_system_free(system);
+    }
+}
+
 /* A lane that has been told of stays where it is while others run, until it is aimed again; then it goes on
  * as if it had not waited. */
 static void a_lane_waits_until_it_is_aimed_again(void **unused) {
@@ -849,6 +899,7 @@ int main(void) {
         cmocka_unit_test(lanes_are_flows_of_their_own),
         cmocka_unit_test(unlike_lanes_are_refused),
         cmocka_unit_test(a_failing_lane_leaves_the_others_alone),
+        cmocka_unit_test(what_flies_away_stays_where_numbers_end),
         cmocka_unit_test(a_lane_waits_until_it_is_aimed_again),
         cmocka_unit_test(a_started_lane_begins_anew),
         cmocka_unit_test(an_impact_at_the_start_acts_on_tangents),

@@ -5,11 +5,14 @@
  * gnuplot sends reaches it while it waits for a figure; the growing journal tells when a sweep is near its
  * end.
  * SPDX-License-Identifier: GPL-3.0-or-later */
+#define _GNU_SOURCE
 #include "folder.h"
 
 #include <errno.h>
 #include <fcntl.h>
 #include <signal.h>
+#include <sys/ioctl.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <time.h>
@@ -135,6 +138,19 @@ static int end_of(pid_t child) {
     return outcome;
 }
 
+/* Whether a process catches a signal; false where that cannot be learnt. */
+static bool catches(pid_t process, int number) {
+    char path[64], line[256];
+    unsigned long long caught = 0;
+    snprintf(path, sizeof path, "/proc/%d/status", (int)process);
+    FILE *file = fopen(path, "r");
+    while (file && fgets(line, sizeof line, file))
+        sscanf(line, "SigCgt: %llx", &caught);
+    if (file)
+        fclose(file);
+    return caught >> (number - 1) & 1;
+}
+
 static int close_fixture(void **state) {
     fixture *f = *state;
     if (f->late_child)
@@ -170,6 +186,17 @@ static void check_interrupted(const fixture *f, int outcome, const char *what) {
         fail_msg("%s says: %s", what, text);
     free(text);
     assert_int_equal(folder_files(f->nameless, true), 0);
+}
+
+/* Whether there is a result yet is said as it is: some commands print what they have. */
+static void check_sentence(const fixture *f, const char *what) {
+    char *out = said(f, "out"), *err = said(f, "err");
+    bool none = strstr(err, "there is no result yet") != NULL, part = strstr(err, "so far") != NULL;
+    bool page = strstr(err, "no figure was drawn") != NULL, figure = strstr(out, "figure: ") != NULL;
+    if ((none && out[0]) || (page && (figure || !out[0])) || (none + part + page > 1))
+        fail_msg("%s prints '%s' and says '%s'", what, out, err);
+    free(out);
+    free(err);
 }
 
 static bool is_there(const fixture *f, const char *name) {
@@ -214,6 +241,7 @@ static void a_signal_before_the_work_ends_every_command(void **state) {
     for (size_t k = 0; k < sizeof lines / sizeof lines[0]; k++) {
         int number = signals[k % 3];
         check_interrupted(f, end_of(start(f, lines[k], pending, number)), lines[k]);
+        check_sentence(f, lines[k]);
         assert_int_equal(named(f->folder, "never"), 0);
         assert_int_equal(named(f->folder, ".part"), 0);
         assert_int_equal(named(f->paper, ".h5"), 0);
@@ -281,6 +309,37 @@ static void a_late_second_signal_ends_the_program(void **state) {
     assert_true(WIFSIGNALED(outcome) && WTERMSIG(outcome) == SIGTERM);
     assert_false(is_there(f->late, "late.png"));
     assert_int_equal(folder_files(f->late->nameless, true), 0);
+}
+
+/* Where the figure is all that is left to do it is finished, and the command has done what it was asked for.
+ */
+static void a_signal_during_the_last_figure_is_too_late(void **state) {
+    static const char *const lines[] = {
+        "diagnose impact-oscillator -o late.png",
+        "lyapunov impact-oscillator --transient 20 --periods 1800 -o late.svg",
+        "spectrum impact-oscillator --samples 64 -o late.pdf", "plot s.h5 -o late.png",
+        "plot s.h5 --title late -o late.svg"};
+    const fixture *f = *state;
+    assert_int_equal(
+        end_of(start(f, "sweep impact-oscillator --over omega=0.9:1.1:3 --quiet -o s.h5", plainly, SIGTERM)),
+        0);
+    for (size_t k = 0; k < sizeof lines / sizeof lines[0]; k++) {
+        const char *name = strstr(lines[k], "late.");
+        make_gnuplot(f, ":");
+        assert_int_equal(end_of(start(f, lines[k], plainly, SIGTERM)), 0);
+        char *undisturbed = said(f, "out"), path[320];
+        assert_int_equal(remove(path_in(f, name, path)), 0);
+        make_gnuplot(f, "kill -TERM $PPID");
+        int outcome = end_of(start(f, lines[k], plainly, SIGTERM));
+        char *out = said(f, "out"), *err = said(f, "err");
+        if (outcome != 0 || err[0] || strcmp(out, undisturbed) != 0 || !strstr(out, name))
+            fail_msg("%s: status %#x: %s%s", lines[k], (unsigned)outcome, out, err);
+        assert_int_equal(remove(path), 0);
+        assert_int_equal(folder_files(f->nameless, true), 0);
+        free(undisturbed);
+        free(out);
+        free(err);
+    }
 }
 
 /* While a figure is drawn: it is finished, what follows is not begun, and --resume makes the rest. */
@@ -352,6 +411,64 @@ static void a_signal_at_the_end_of_a_sweep_ends_paper(void **state) {
     }
 }
 
+/* No other signal is taken: it does what it does to any program. */
+static void other_signals_end_the_program_at_once(void **state) {
+    static const int signals[] = {SIGQUIT, SIGUSR1, SIGUSR2, SIGALRM, SIGVTALRM, SIGPROF, SIGPIPE, SIGIO};
+    const struct rlimit none = {0, 0};
+    const fixture *f = *state;
+    setrlimit(RLIMIT_CORE, &none);
+    for (size_t k = 0; k < sizeof signals / sizeof signals[0]; k++) {
+        pid_t child = start(f, "lyapunov fig7c --transient 1000000000", plainly, SIGTERM);
+        int outcome = 0;
+        /* Once a signal that is asked about is caught, all of them have been seen to. */
+        for (int waited = 0; waited < patience_ms && !catches(child, SIGHUP); waited++)
+            pause_ms(1);
+        kill(child, signals[k]);
+        outcome = end_of(child);
+        if (!WIFSIGNALED(outcome) || WTERMSIG(outcome) != signals[k])
+            fail_msg("signal %d: status %#x", signals[k], (unsigned)outcome);
+    }
+}
+
+/* A command that waits until more of its words are read loses none of them to a signal. */
+static void a_signal_while_nobody_reads_loses_nothing(void **state) {
+    static char block[1 << 16];
+    const fixture *f = *state;
+    char whole[320], *plain;
+    size_t length, heard = 0;
+    int ends[2], waiting = 0;
+    assert_int_equal(end_of(start(f, "spectrum impact-oscillator --json", plainly, SIGTERM)), 0);
+    plain = read_all(path_in(f, "out", whole), &length);
+    /* More than a pipe of one page and a buffer beside it hold. */
+    assert_true(length > 20000);
+    assert_int_equal(pipe(ends), 0);
+    assert_true(fcntl(ends[1], F_SETPIPE_SZ, 4096) > 0);
+    pid_t child = fork();
+    if (child == 0) {
+        dup2(ends[1], STDOUT_FILENO);
+        close(ends[0]);
+        close(ends[1]);
+        execl(SALTUS_COMMAND, "saltus", "spectrum", "impact-oscillator", "--json", (char *)NULL);
+        _exit(99);
+    }
+    close(ends[1]);
+    for (int tries = 0; tries < patience_ms && waiting < 4096; tries++) {
+        pause_ms(1);
+        assert_int_equal(ioctl(ends[0], FIONREAD, &waiting), 0);
+    }
+    for (int k = 0; k < 2; k++) {
+        pause_ms(3);
+        kill(child, SIGTERM);
+    }
+    pause_ms(3);
+    for (ssize_t got; (got = read(ends[0], block, sizeof block)) > 0; heard += (size_t)got)
+        assert_true(heard + (size_t)got <= length && memcmp(plain + heard, block, (size_t)got) == 0);
+    close(ends[0]);
+    assert_int_equal(end_of(child), 0);
+    assert_int_equal(heard, length);
+    free(plain);
+}
+
 /* At any moment: done with the whole file, interrupted with a sentence, or ended before there was anything.
  */
 static void a_signal_at_any_moment_leaves_whole_files(void **state) {
@@ -397,6 +514,9 @@ int main(void) {
         cmocka_unit_test(a_transient_that_is_cut_off_is_not_told_as_run),
         cmocka_unit_test(a_signal_before_a_sweep_leaves_what_was_there),
         cmocka_unit_test(ignored_signals_stay_ignored),
+        cmocka_unit_test(other_signals_end_the_program_at_once),
+        cmocka_unit_test(a_signal_while_nobody_reads_loses_nothing),
+        cmocka_unit_test(a_signal_during_the_last_figure_is_too_late),
         cmocka_unit_test(a_signal_during_a_figure_ends_paper),
         cmocka_unit_test(a_signal_at_the_end_of_a_sweep_ends_paper),
         cmocka_unit_test(a_signal_at_any_moment_leaves_whole_files),

@@ -514,6 +514,47 @@ static void least_periods_are_told(void **unused) {
     }
 }
 
+/* An orbit that repeats after a part of its period, but cannot be found with that period - one of a family,
+ * or one that drifts too slowly to be seen, where there is no orbit - is not described: the failure is that
+ * of finding it, and nothing is left to be freed. With the period it repeats after it is described as it is.
+ */
+static void a_least_period_that_is_not_found(void **unused) {
+    (void)unused;
+    for (int k = 0; k < 2; k++) {
+        saltus_spec spec = oscillator_spec(0, k, k ? 1e-10 : 0.5, 1);
+        if (k)
+            add_stop(&spec, 1, 0.5, SALTUS_UPPER);
+        saltus_system *system = build(&spec);
+        double state[2] = {0.2, 0}, monodromy[4] = {1, 0, 0, 1};
+        saltus_multiplier multipliers[2] = {{1, 0, 0}, {1, 0, 0}};
+        saltus_orbit orbit = {.dimension = 2,
+                              .state = state,
+                              .monodromy = monodromy,
+                              .multipliers = multipliers},
+                     found;
+        saltus_orbit_options shooting = saltus_orbit_defaults();
+        saltus_classify_options options = saltus_classify_defaults();
+        saltus_message finding = {""}, message = {""};
+        saltus_motion motion;
+        shooting.tolerance = 1e-11;
+        const saltus_status status = saltus_orbit_find(system, 1, state, &shooting, &found, &finding);
+        assert_true(k ? status != SALTUS_OK : status == SALTUS_SINGULAR);
+        for (orbit.periods = 1; orbit.periods <= 3; orbit.periods++) {
+            const saltus_status expected = orbit.periods == 1 ? SALTUS_OK : status;
+            assert_int_equal(saltus_motion_describe(system, &orbit, &options, &motion, &message), expected);
+            if (orbit.periods == 1) {
+                check_label(&motion, "0/1");
+                assert_memory_equal(motion.state, state, sizeof state);
+            } else {
+                assert_string_equal(message.text, finding.text);
+                assert_true(!motion.state && !motion.events && motion.dimension == 0 && !motion.label[0]);
+            }
+            saltus_motion_clear(&motion);
+        }
+        saltus_system_free(system);
+    }
+}
+
 /* Along a branch each point's label, counts and events are those of the same orbit described by itself. */
 static void branches_say_it_as_classification_does(void **unused) {
     (void)unused;
@@ -726,6 +767,7 @@ int main(void) {
         cmocka_unit_test(little_rebound_is_chatter),
         cmocka_unit_test(assorted_orbits_are_recounted),
         cmocka_unit_test(least_periods_are_told),
+        cmocka_unit_test(a_least_period_that_is_not_found),
         cmocka_unit_test(branches_say_it_as_classification_does),
         cmocka_unit_test(rests_are_told),
         cmocka_unit_test(a_pulsating_load_holds),

@@ -241,6 +241,19 @@ static void text_says_what_it_means(void **state) {
     f->exponents[0] = 0.125;
     text = written(f, saltus_write_lyapunov_text);
     check_says(text, "zero within the error");
+    /* The precision asked for is reached where it is met. */
+    f->exponents[0] = 0.5;
+    f->errors[0] = 0.125;
+    f->options.precision = 0.25;
+    text = written(f, saltus_write_lyapunov_text);
+    check_says(text, "reached: the standard error is 25 % of the exponent\n");
+    f->result.precise = false;
+    text = written(f, saltus_write_lyapunov_text);
+    check_says(text, "NOT reached: too few values, though the standard error is 25 % of the exponent\n");
+    f->result.precise = true;
+    f->options.precision = 0.249;
+    text = written(f, saltus_write_lyapunov_text);
+    check_says(text, "reached: the standard error is 2.5e-01 per period\n");
 }
 
 static void text_says_what_is_wrong(void **state) {

@@ -65,6 +65,50 @@ static void rests_are_tested(void **unused) {
     saltus_motion_clear(&motion);
 }
 
+/* A rest is where Newton's method leads from where the trajectory is, and what is told of it is what that
+ * method tells. */
+static void a_rest_is_what_newtons_method_finds(void **unused) {
+    (void)unused;
+    static const double loads[] = {0.4, -0.2, 0.2 + 1e-7};
+    for (int k = 0; k < 6; k++) {
+        saltus_spec spec = k < 3 ? oscillator_spec(0.3, 1, 0, 1.1) : pipe_spec(2, 42);
+        if (k < 3) {
+            set_parameter(&spec, "F0", loads[k]);
+            add_stop(&spec, 0.2, 0.5, SALTUS_UPPER);
+        } else {
+            set_parameter(&spec, "sigma", 0);
+            set_parameter(&spec, "u0", 2.5 + 0.7 * (k - 3));
+        }
+        saltus_system *system = build(&spec);
+        saltus_classify_options options = saltus_classify_defaults();
+        saltus_orbit_options shooting = saltus_orbit_defaults();
+        saltus_message message = {""};
+        saltus_orbit rest;
+        double state[4];
+        check_ok(saltus_system_default_state(system, state, &message), &message);
+        saltus_motion motion = classify(&spec, state, 20000);
+        assert_true(motion.kind == SALTUS_HELD || motion.kind == SALTUS_EQUILIBRIUM);
+        saltus_flow *flow = open_flow(system, &options.flow, 0, state);
+        for (long long p = 1; p <= motion.transient; p++)
+            advance(flow, (double)p, 0);
+        saltus_flow_state(flow, 0, state);
+        shooting.flow = options.flow;
+        check_ok(saltus_orbit_find(system, 1, state, &shooting, &rest, &message), &message);
+        for (int i = 0; i < motion.dimension; i++)
+            check_near(motion.state[i], rest.state[i], 1e-15);
+        assert_int_equal(motion.iterations, rest.iterations);
+        assert_true(motion.iterations >= 1 && motion.residual <= shooting.tolerance);
+        check_near(motion.residual, rest.residual, 1e-15);
+        double exponent = rest.multipliers[0].log_modulus / saltus_system_period(system);
+        assert_true(motion.lyapunov == exponent || fabs(motion.lyapunov - exponent) < 1e-9);
+        assert_true(motion.lyapunov_error == 0 && motion.stable);
+        saltus_orbit_clear(&rest);
+        saltus_motion_clear(&motion);
+        saltus_flow_free(flow);
+        saltus_system_free(system);
+    }
+}
+
 /* The straight pipe is stable below u0 = pi, whatever the number of modes. */
 static void straight_pipe_rests(void **unused) {
     (void)unused;
@@ -208,11 +252,11 @@ static void chaos_is_undecided(void **unused) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(buckled_and_held),       cmocka_unit_test(straight_pipe_rests),
-        cmocka_unit_test(rests_are_tested),       cmocka_unit_test(held_under_pulsation),
-        cmocka_unit_test(free_response),          cmocka_unit_test(product_rule),
-        cmocka_unit_test(seeds_are_reproducible), cmocka_unit_test(mirror_pairs_are_two),
-        cmocka_unit_test(chaos_is_undecided),
+        cmocka_unit_test(buckled_and_held),     cmocka_unit_test(straight_pipe_rests),
+        cmocka_unit_test(rests_are_tested),     cmocka_unit_test(a_rest_is_what_newtons_method_finds),
+        cmocka_unit_test(held_under_pulsation), cmocka_unit_test(free_response),
+        cmocka_unit_test(product_rule),         cmocka_unit_test(seeds_are_reproducible),
+        cmocka_unit_test(mirror_pairs_are_two), cmocka_unit_test(chaos_is_undecided),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

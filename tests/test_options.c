@@ -9,6 +9,7 @@
 #include <fcntl.h>
 #include <hdf5.h>
 #include <signal.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -660,6 +661,64 @@ static void without_scene(const char *command, char line[160]) {
              scene + strlen("impact-oscillator"));
 }
 
+/* What each number may be. An option of the same name and line of help is the same in all commands: it stands
+ * here with the first of them. */
+static const struct {
+    const char *command, *name;
+    double low, high;
+} promised[] = {
+    {"classify", "--seeds", 1, 1000000},
+    {"classify", "--seed", 0, 4294967295.0},
+    {"classify", "--transient", 1, 1e12},
+    {"classify", "--longest", 1, 1024},
+    {"classify", "--measure", 0, 1e12},
+    {"classify", "--rtol", 1e-15, 1e-3},
+    {"classify", "--atol", 0, 1},
+    {"simulate", "--periods", 1, 1e6},
+    {"simulate", "--transient", 0, 1e12},
+    {"simulate", "--samples", 1, 1e5},
+    {"orbit", "--periods", 1, 1e6},
+    {"orbit", "--transient", 0, 1e12},
+    {"orbit", "--search", 10, 1e9},
+    {"orbit", "--most", 1, 1e6},
+    {"orbit", "--segments", 0, 1e5},
+    {"continue", "--periods", 1, 1e6},
+    {"continue", "--step", 1e-9, 1},
+    {"continue", "--step-max", 1e-9, 1},
+    {"continue", "--points", 1, 1e7},
+    {"continue", "--switch", 0, 1000},
+    {"sweep", "--seeds", 1, 10000},
+    {"sweep", "--at-most", 1, 1e9},
+    {"sweep", "--longest", 1, 256},
+    {"sweep", "--transient", 0, 1e9},
+    {"sweep", "--record", 1, 1e9},
+    {"sweep", "--measure", 0, 1e9},
+    {"sweep", "--lanes", 1, 64},
+    {"sweep", "--threads", 1, 4096},
+    {"sweep", "--rtol", 1e-15, 1e-3},
+    {"sweep", "--atol", 0, 1},
+    {"lyapunov", "--exponents", 1, 1000},
+    {"lyapunov", "--precision", 1e-9, 1},
+    {"lyapunov", "--transient", 0, 1e12},
+    {"lyapunov", "--periods", 1, 1e15},
+    {"lyapunov", "--members", 1, 64},
+    {"lyapunov", "--interval", 0, 1000},
+    {"lyapunov", "--seed", 0, 4294967295.0},
+    {"spectrum", "--periods", 1, 1e6},
+    {"spectrum", "--segment", 1, 1e6},
+    {"spectrum", "--samples", 16, 65536},
+};
+
+static void check_promised(const listed *o, const double bound[2]) {
+    for (size_t k = 0; k < sizeof promised / sizeof promised[0]; k++)
+        if (strcmp(promised[k].command, o->command) == 0 && strcmp(promised[k].name, o->name) == 0) {
+            if (bound[0] != promised[k].low || bound[1] != promised[k].high)
+                fail_msg("%s %s takes %.17g to %.17g", o->command, o->name, bound[0], bound[1]);
+            return;
+        }
+    fail_msg("nothing is promised of %s %s", o->command, o->name);
+}
+
 /* The bounds are those that the sentence tells: what lies beyond them is refused. */
 static void check_beyond(const fixture *f, const listed *o, const char *sentence, bounds *known) {
     const char *at = strstr(sentence, "number from ");
@@ -668,6 +727,7 @@ static void check_beyond(const fixture *f, const listed *o, const char *sentence
     if (!at)
         return;
     assert_int_equal(sscanf(at, "number from %lf to %lf", &bound[0], &bound[1]), 2);
+    check_promised(o, bound);
     without_scene(o->command, line);
     for (int k = 0; k < 2; k++) {
         double step = whole ? 1 : fmax(fabs(bound[k]), 1e-300) * 1e-9, beyond = bound[k] + (k ? step : -step);
@@ -744,6 +804,57 @@ static void bad_values_are_refused_by_name(void **state) {
         free(sentence);
     }
     check_accepted(f, options[count - 1].command, &known);
+}
+
+/* What may be repeated has room for so many: all of them are heeded, one more is refused by its text. */
+static void lists_are_taken_up_to_their_room(void **state) {
+    static const struct {
+        const char *line, *before, *item, *last, *refused;
+        int room;
+    } lists[] = {
+        {"check impact-oscillator --set", " ", "F=0.25", "F=0.75", "--set F=0.75: only 256 ", 256},
+        {"plot ../in/branch.h5 -o x.png", " --label ", "r=1,omega=1,a", "r=1,omega=1",
+         "--label r=1,omega=1: only 64 ", 64},
+        {"plot ../in/branch.h5 -o x.png", " --range ", "omega=1:2", "omega=3", "--range omega=3: only 64 ",
+         64},
+        {"plot -o x.png", " ", "../in/branch.h5", "nothere.h5", "nothere.h5: only 256 files ", 256},
+        {"continue impact-oscillator --in omega=0.99:1.01 -o x.h5 --at 1", ",", "1", "2", "--at 2: only 256 ",
+         256},
+    };
+    const fixture *f = *state;
+    ((fixture *)*state)->last[0] = ((fixture *)*state)->with[0] = '\0';
+    for (size_t k = 0; k < sizeof lists / sizeof lists[0]; k++) {
+        const char *items = lists[k].before;
+        for (int more = 0; more < 2; more++) {
+            char line[8192];
+            /* The first value of --at stands in the line. */
+            int count = lists[k].room + more - (items[0] == ','),
+                used = snprintf(line, sizeof line, "%s", lists[k].line);
+            for (int i = 0; i < count; i++)
+                used += snprintf(line + used, sizeof line - (size_t)used, "%s%s", items,
+                                 i == count - 1 ? lists[k].last : lists[k].item);
+            assert_true(used < (int)sizeof line);
+            put_text(f, "in/line", line);
+            clear(f, "with");
+            char text[512];
+            size_t length;
+            snprintf(text, sizeof text, "cd %s/with && %s $(cat ../in/line) >out 2>err", f->folder,
+                     SALTUS_COMMAND);
+            int outcome = system(text);
+            char *err = text_of(f, "with", "err", &length), *out = text_of(f, "with", "out", &length);
+            assert_true(WIFEXITED(outcome));
+            /* The last one is wrong, or it is the setting that holds. */
+            bool setting = strcmp(items, " ") == 0 && strstr(line, "--set");
+            bool refused = strncmp(err, "saltus: ", 8) == 0 &&
+                           strncmp(err + 8, lists[k].refused, strlen(lists[k].refused)) == 0;
+            if (refused != (more == 1) || WEXITSTATUS(outcome) != (setting && !more ? 0 : 2) ||
+                (setting && !more && !strstr(out, "0.75")))
+                fail_msg("%d times%s: status %d, %s%s", lists[k].room + more, items, WEXITSTATUS(outcome),
+                         out, err);
+            free(err);
+            free(out);
+        }
+    }
 }
 
 static void unknown_options_are_refused_by_every_command(void **state) {
@@ -847,21 +958,116 @@ static void quiet_commands_are_silent(void **state) {
     }
 }
 
+/* Whether a number is that of a text with so many digits. */
+static bool is_rounded(double value, double exact, int digits) {
+    return fabs(value - exact) <= 0.51 * pow(10, 1 - digits) * fmax(fabs(exact), fabs(value));
+}
+
+/* What is told on the way is of the points that are found, one after the other, and of the work that is done.
+ */
+static void progress_lines_tell_what_is_found(void **state) {
+    static char said[65536];
+    size_t length;
+    clear(*state, "with");
+    words_on_terminal(
+        *state, "continue impact-oscillator --in omega=0.99:1.01 --points 3 --at 1.00005,0.99993 -o x.h5",
+        "--json", said, sizeof said);
+    char *text = text_of(*state, "with", "out", &length), label[16], mark[16];
+    const char *at = text, *line = said;
+    int points = 0, marked = 0;
+    for (; *at; at += *at == '\n', points++) {
+        int branch, step, used = 0;
+        double omega, multiplier;
+        json *point = json_value(&at);
+        const char *kind = json_text_at(point, "label");
+        line = strstr(line, "\rbranch ");
+        assert_non_null(line);
+        assert_int_equal(sscanf(++line, "branch %d  step %d  omega = %lf  %15s  largest multiplier %lf%n",
+                                &branch, &step, &omega, label, &multiplier, &used),
+                         5);
+        assert_true(branch == json_number_at(point, "branch") && step == json_number_at(point, "step"));
+        assert_true(is_rounded(omega, json_number_at(point, "values.0"), 9));
+        assert_string_equal(label, json_text_at(point, "motion"));
+        assert_true(is_rounded(multiplier, exp(json_number_at(point, "log_moduli.0")), 4));
+        snprintf(mark, sizeof mark, "%s%.2s\033[K", kind[0] ? "  " : "", kind);
+        assert_int_equal(strncmp(line + used, mark, strlen(mark)), 0);
+        marked += kind[0] != '\0';
+        json_free(point);
+    }
+    assert_true(points > 8 && marked >= 4 && !strstr(line, "\rbranch "));
+    free(text);
+    /* The periods of a search and of a measurement only grow, up to those that are allowed. */
+    words_on_terminal(*state, "classify " CHAOS, "--transient 300 --measure 4000", said, sizeof said);
+    double last = 0, most = 0;
+    int lines = 0;
+    for (line = said; (line = strstr(line, " of at most ")); line++, lines++) {
+        const char *number = line;
+        while (number[-1] != '\r')
+            number--;
+        double done = strtod(number, NULL), allowed = strtod(line + 12, NULL);
+        assert_true(done <= allowed &&
+                    (allowed == most ? done >= last : allowed == (most == 0 ? 300 : 4000)));
+        last = done;
+        most = allowed;
+    }
+    assert_true(lines >= 3 && most == 4000);
+    words_on_terminal(*state, LYAPUNOV, "", said, sizeof said);
+    assert_int_equal(strncmp(said, "settling: 20 periods", 20), 0);
+    double value = NAN, error = NAN;
+    last = -1;
+    for (line = said; (line = strstr(line, "\rmeasuring: ")); line++) {
+        double done, allowed;
+        int told = sscanf(line, "\rmeasuring: %lf of at most %lf periods, exponent %lf +- %lf", &done,
+                          &allowed, &value, &error);
+        assert_true(told == (last < 0 ? 2 : 4) && done > last && done <= allowed && allowed == 1800);
+        last = done;
+    }
+    text = text_of(*state, "with", "out", &length);
+    json *result = json_read(text);
+    assert_true(last == json_number_at(result, "periods"));
+    assert_true(is_rounded(value, json_number_at(result, "largest"), 5));
+    assert_true(is_rounded(error, json_number_at(result, "standard_error"), 2));
+    json_free(result);
+    free(text);
+    /* A search's share of its work. */
+    words_on_terminal(*state, "orbit " CHAOS " --periods 2 --unstable", "--search 500", said, sizeof said);
+    last = 0;
+    lines = 0;
+    for (line = said; (line = strstr(line, "\rsearching: ")); line++, lines++) {
+        double share = strtod(line + 12, NULL);
+        assert_true(share >= last && share <= 100);
+        last = share;
+    }
+    assert_true(lines >= 3 && last >= 50);
+}
+
+static double seconds_of(struct timeval time) {
+    return (double)time.tv_sec + 1e-6 * (double)time.tv_usec;
+}
+
 /* The bar of a sweep is as long as the part that is done, the part grows, the time left is what is left at
  * the speed told; at the end the line is wiped. */
 static void a_progress_bar_tells_the_part_done(void **state) {
     static char said[65536];
     int seen = 0;
-    /* The first picture comes after a quarter of a second. */
-    for (int points = 3000; points < 1000000 && seen == 0; points *= 4) {
+    /* Pictures are a quarter of a second apart. */
+    for (int points = 3000; points < 1000000 && seen < 2; points *= 3) {
         char line[160];
         double last = 0;
+        seen = 0;
         snprintf(line, sizeof line,
                  "sweep " CHAOS " --over F=0.9:1.1:%d --transient 40 --record 10 --threads 1 --lanes 1 "
                  "--what class -o x.h5",
                  points);
         clear(*state, "with");
+        struct rusage before, after;
+        getrusage(RUSAGE_CHILDREN, &before);
         assert_true(words_on_terminal(*state, line, "", said, sizeof said) > 0);
+        getrusage(RUSAGE_CHILDREN, &after);
+        /* The thread that tells of it sleeps meanwhile, and does not ask the system all the time. */
+        double user = seconds_of(after.ru_utime) - seconds_of(before.ru_utime),
+               asking = seconds_of(after.ru_stime) - seconds_of(before.ru_stime);
+        assert_true(asking <= 0.1 + 0.25 * user);
         for (const char *at = said; (at = strstr(at, "\r[")); at++) {
             double part, speed, left;
             int cells = (int)strspn(at + 2, "#"), dots = (int)strspn(at + 2 + cells, ".");
@@ -875,10 +1081,12 @@ static void a_progress_bar_tells_the_part_done(void **state) {
             assert_true(left >= wanted - slack && left < wanted + 1 + slack);
             last = part;
             seen++;
+            /* What was done at this speed was done since the beginning. */
+            assert_true(part / 100 * points / speed >= 0.2 * seen);
         }
         assert_true(strcmp(said + strlen(said) - 4, "\r\033[K") == 0);
     }
-    assert_true(seen >= 1);
+    assert_true(seen >= 2);
 }
 
 /* Begin the paper's second figure, end it when its sweep has begun, and read what it was told to do. */
@@ -997,9 +1205,11 @@ int main(void) {
         cmocka_unit_test(each_listed_option_has_a_case),
         cmocka_unit_test(each_option_takes_effect),
         cmocka_unit_test(bad_values_are_refused_by_name),
+        cmocka_unit_test(lists_are_taken_up_to_their_room),
         cmocka_unit_test(unknown_options_are_refused_by_every_command),
         cmocka_unit_test(of_a_repeated_option_the_last_value_holds),
         cmocka_unit_test(quiet_commands_are_silent),
+        cmocka_unit_test(progress_lines_tell_what_is_found),
         cmocka_unit_test(a_progress_bar_tells_the_part_done),
         cmocka_unit_test(paper_is_quick_and_resumes),
         cmocka_unit_test(each_key_of_a_scene_changes_the_motion),

@@ -14,6 +14,7 @@ enum { history_max = 256, size_max = 16 };
 typedef struct history {
     int count;
     double residual[history_max];
+    int step[history_max];
     int last; /* the largest number of a step */
     bool prescribed;
 } history;
@@ -22,8 +23,10 @@ static void remember(void *context, int iteration, double residual, const char *
     history *h = context;
     h->last = iteration > h->last ? iteration : h->last;
     h->prescribed |= strcmp(what, "stroboscopic map") != 0;
-    if (h->count < history_max)
+    if (h->count < history_max) {
+        h->step[h->count] = iteration;
         h->residual[h->count++] = residual;
+    }
 }
 
 /* Once small, a residual is at most a constant times the square of the one before it, down to rounding. */
@@ -339,7 +342,14 @@ static void check_fails(const saltus_spec *spec, int periods, double x, double v
     saltus_message message = {""};
     saltus_orbit orbit;
     double guess[2] = {x, v};
+    history h = {0};
+    options.history = remember;
+    options.context = &h;
     saltus_status found = saltus_orbit_find(system, periods, guess, &options, &orbit, &message);
+    /* Each formulation goes on while its steps help; the one that does not is its last. */
+    for (int k = 1; k + 1 < h.count; k++)
+        if (h.step[k] > 0 && h.step[k + 1] > 0)
+            assert_true(h.step[k + 1] == h.step[k] + 1 && h.residual[k] < h.residual[k - 1]);
     assert_string_equal(saltus_status_name(found), saltus_status_name(status));
     if (!strstr(message.text, cause))
         fail_msg("\"%s\" does not speak of \"%s\"", message.text, cause);
@@ -570,6 +580,58 @@ static void iterations_are_limited(void **unused) {
     assert_int_equal(options.segments, 0);
 }
 
+/* At the limit of rounding a step may make the residual grow: then it is taken back. What is told is the
+ * least residual of the search, and it is the orbit's own, as a search from it that may make no step finds.
+ */
+static void a_step_that_does_not_help_is_taken_back(void **unused) {
+    (void)unused;
+    static const closed_example examples[] = {closed_one_period, closed_two_periods};
+    static const double omegas[] = {1.1, 0.85};
+    gsl_rng *random = gsl_rng_alloc(gsl_rng_mt19937);
+    int found = 0;
+    for (int k = 0; k < 40; k++) {
+        closed_oscillator o = closed_example_of(examples[k % 2]);
+        closed_orbit closed;
+        o.omega = omegas[k % 2];
+        assert_true(closed_orbit_at(&o, 1, &closed));
+        saltus_spec spec = closed_spec(&o);
+        saltus_system *system = build(&spec);
+        saltus_orbit_options options = saltus_orbit_defaults();
+        saltus_message message = {""};
+        saltus_orbit orbit, again;
+        history h = {0};
+        const double state[2] = {(double)closed.state[0], (double)closed.state[1]};
+        double guess[2];
+        disturb(random, 1e-3, 2, state, guess);
+        options.history = remember;
+        options.context = &h;
+        options.tolerance = k % 4 < 2 ? 1e-15 : 3e-16;
+        const bool cut = k % 3 > 0;
+        options.segments = 1 + k % 3;
+        saltus_status status = saltus_orbit_find(system, o.periods, guess, &options, &orbit, &message);
+        if (status == SALTUS_OK && !h.prescribed) {
+            double least = INFINITY;
+            for (int j = 0; j < h.count; j++)
+                least = fmin(least, h.residual[j]);
+            assert_true(orbit.residual == least && least <= options.tolerance);
+            options.iterations = 0;
+            options.tolerance = 1;
+            options.segments = 1;
+            options.history = NULL;
+            check_ok(saltus_orbit_find(system, o.periods, orbit.state, &options, &again, &message), &message);
+            assert_true(cut ? again.residual < 1e-14 : again.residual == orbit.residual);
+            saltus_orbit_clear(&again);
+            found++;
+        } else {
+            assert_true(status == SALTUS_OK || status == SALTUS_NO_CONVERGENCE);
+        }
+        saltus_orbit_clear(&orbit);
+        saltus_system_free(system);
+    }
+    assert_true(found >= 10);
+    gsl_rng_free(random);
+}
+
 /* A request that no search can fulfil is refused by its number, with and without forcing; what is at the
  * border of the ranges is sought. */
 static void requests_out_of_range_are_refused(void **unused) {
@@ -695,6 +757,7 @@ int main(void) {
         cmocka_unit_test(searches_at_random),
         cmocka_unit_test(results_found_anew),
         cmocka_unit_test(iterations_are_limited),
+        cmocka_unit_test(a_step_that_does_not_help_is_taken_back),
         cmocka_unit_test(requests_out_of_range_are_refused),
         cmocka_unit_test(period_unknown),
     };

@@ -325,6 +325,14 @@ static void add_keys(const char *layout, int which, const site *s) {
     snprintf(pair, sizeof pair, "%s:%s%sweird: 1", s->written, s->value, between);
     write_layout(layout, which, pair, text, &again);
     check_refusal(text, s->line + inner + 2, "\"weird\": unknown key; the keys here are ");
+    /* Of two faults the first is told, though its key comes again. */
+    snprintf(pair, sizeof pair, "weird: 1%sweird: 2%s%s:%s", between, between, s->written, s->value);
+    write_layout(layout, which, pair, text, &again);
+    check_refusal(text, s->line, "\"weird\": unknown key; the keys here are ");
+    snprintf(pair, sizeof pair, "%s: {a: 1}%s%s:%s", s->written, between, s->written, s->value);
+    write_layout(layout, which, pair, text, &again);
+    snprintf(words, sizeof words, "%s: must be a ", s->key);
+    check_refusal(text, s->line, words);
 }
 
 static void check_same(const saltus_scene *a, const saltus_scene *b) {
@@ -404,10 +412,12 @@ static void keys_in_the_wrong_place_are_sent_home(void **state) {
             check_refusal(text, 1, words);
         }
     }
-    /* Without a model, or with one that is not known, its keys cannot be listed. */
-    static const char *const models[] = {"", "model: beam\n",
-                                         "model: pipes-of-a-very-long-name-indeed-it-is\n", "model:\n"};
-    for (int k = 0; k < 4; k++) {
+    /* Without a model, or with one that is not known, its keys cannot be listed; what comes next is not taken
+     * for it. */
+    static const char *const models[] = {
+        "",         "model: beam\n",     "model: pipes-of-a-very-long-name-indeed-it-is\n",
+        "model:\n", "model:\npipe: 1\n", "model: # none\n\"pipe\": 1\n"};
+    for (int k = 0; k < 6; k++) {
         snprintf(text, sizeof text, "weird: 1\n%s", models[k]);
         check_refusal(text, 1, "\"weird\": unknown key; a scene names its model");
     }

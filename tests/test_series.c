@@ -527,6 +527,56 @@ static void finest_scale_counts(void **unused) {
     drop(&s);
 }
 
+/* A circle in the plane with ever less noise: as long as a decade of radii below the noise has pairs enough
+ * its two dimensions count, however much better known the one of the circle is. */
+static void noise_below_a_curve_counts(void **unused) {
+    (void)unused;
+    sample s = make(circle, 4000, 2);
+    for (double noise = 4e-3; noise > 9e-4; noise /= 2) {
+        circle(&s);
+        for (long long i = 0; i < s.count * s.dimension; i++)
+            s.values[i] += gsl_ran_gaussian(s.rng, noise);
+        saltus_series_dimension d = measure(&s, NULL);
+        assert_true(d.decade && d.radius[1] < 5 * noise);
+        check_near(d.dimension, 2, 1.5 * d.error);
+        assert_true(d.dimension > 1.7 && d.error < 0.3);
+    }
+    drop(&s);
+}
+
+/* Few points of many dimensions have no decade of radii: what is shorter says so, and holds with its error.
+ * The more points the longer the range; where even the shortest one lacks pairs there is no answer. */
+static void few_points_have_short_ranges(void **unused) {
+    (void)unused;
+    int decades = 0, answers = 0;
+    for (int dimension = 1; dimension <= 8; dimension += dimension < 4 ? 1 : 2) {
+        double length = 0;
+        for (int count = 200; count <= 800; count *= 2) {
+            sample s = make(gaussian, count, dimension);
+            saltus_series_points points = points_of(&s);
+            saltus_series_options options = saltus_series_defaults();
+            saltus_series_dimension d;
+            saltus_status status = saltus_series_correlation_dimension(&points, &options, &d, NULL);
+            drop(&s);
+            if (status != SALTUS_OK) {
+                assert_int_equal(status, SALTUS_NO_CONVERGENCE);
+                assert_true(dimension > 3 && length == 0 && d.dimension == 0 && !d.decade);
+                continue;
+            }
+            double longer = d.radius[1] / d.radius[0];
+            assert_true(longer >= 2 && longer >= length * (1 - 1e-9));
+            assert_int_equal(d.decade, longer > 10 * (1 - 1e-9));
+            assert_true(count < 800 || dimension > 4 || longer > 4 * (1 - 1e-9));
+            assert_true(20 * d.within <= d.pairs && d.within >= 32);
+            check_near(d.dimension, dimension, 0.1 * dimension + d.error);
+            length = longer;
+            decades += d.decade;
+            answers++;
+        }
+    }
+    assert_true(decades >= 3 && answers >= decades + 8);
+}
+
 /* Scaled components with weights that undo it are the same set, to rounding. */
 static void weights_undo_scales(void **unused) {
     (void)unused;
@@ -1128,6 +1178,29 @@ static void laminar_phases_are_counted(void **unused) {
     gsl_rng_free(rng);
 }
 
+/* Phases are relative to the extent of the points: another unit, and another origin, tell the same. */
+static void phases_know_no_unit(void **unused) {
+    (void)unused;
+    static const long long runs[][2] = {{100, 60}, {300, 150}};
+    enum { count = 600, period = 3 };
+    double values[count], other[count];
+    gsl_rng *rng = gsl_rng_alloc(gsl_rng_taus2);
+    repeat_runs(values, count, period, 0, runs, 2, rng);
+    saltus_series_points points = {.values = values, .count = count, .dimension = 1};
+    saltus_series_phases own = saltus_series_laminar_phases(&points, 6);
+    assert_true(own.period == period && own.laminar > 0.3);
+    for (int power = -60; power <= 60; power += 10)
+        for (int k = 0; k < 2; k++) {
+            for (int j = 0; j < count; j++)
+                other[j] = ldexp(values[j] + 4 * k, power);
+            points.values = other;
+            saltus_series_phases same = saltus_series_laminar_phases(&points, 6);
+            assert_true(same.period == own.period && same.longest == own.longest);
+            assert_true(same.laminar == own.laminar);
+        }
+    gsl_rng_free(rng);
+}
+
 static void unsuitable_points(void **unused) {
     (void)unused;
     static const double negative[2] = {1, -1}, infinite[2] = {1, INFINITY};
@@ -1297,6 +1370,8 @@ int main(void) {
         cmocka_unit_test(henon_attractor),
         cmocka_unit_test(points_that_recur),
         cmocka_unit_test(finest_scale_counts),
+        cmocka_unit_test(noise_below_a_curve_counts),
+        cmocka_unit_test(few_points_have_short_ranges),
         cmocka_unit_test(weights_undo_scales),
         cmocka_unit_test(drawn_pairs),
         cmocka_unit_test(ceiling_is_told),
@@ -1317,6 +1392,7 @@ int main(void) {
         cmocka_unit_test(curves_are_counted),
         cmocka_unit_test(neighbours_that_part),
         cmocka_unit_test(laminar_phases_are_counted),
+        cmocka_unit_test(phases_know_no_unit),
         cmocka_unit_test(the_shortest_period_is_laminar),
         cmocka_unit_test(equal_input_gives_equal_results),
         cmocka_unit_test(unsuitable_points),

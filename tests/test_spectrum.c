@@ -5,6 +5,7 @@
 
 #include <complex.h>
 #include <gsl/gsl_cdf.h>
+#include <gsl/gsl_fft_halfcomplex.h>
 #include <gsl/gsl_randist.h>
 #include <gsl/gsl_rng.h>
 
@@ -781,6 +782,76 @@ static void lines_within_limits(void **unused) {
     gsl_rng_free(rng);
 }
 
+/* Sines of amplitude 1 in every so many bins of a signal, with phases of all kinds. */
+static void fill_comb(double *samples, int count, int first, int spacing, int lines, unsigned long seed) {
+    gsl_rng *rng = gsl_rng_alloc(gsl_rng_taus2);
+    gsl_rng_set(rng, seed);
+    memset(samples, 0, (size_t)count * sizeof *samples);
+    for (int k = 0; k < lines; k++) {
+        double phase = 2 * M_PI * gsl_rng_uniform(rng);
+        samples[first + k * spacing] = 0.5 * count * cos(phase);
+        samples[count - first - k * spacing] = 0.5 * count * sin(phase);
+    }
+    gsl_fft_halfcomplex_radix2_inverse(samples, 1, (size_t)count);
+    gsl_rng_free(rng);
+}
+
+/* 512 lines of a series, 4096 of a density: as many are found, and of one more its part of the variance is
+ * left. */
+static void as_many_lines_as_promised(void **unused) {
+    (void)unused;
+    enum { few = 1 << 13, many = 1 << 17 };
+    double *samples = room(many);
+    for (int lines = 511; lines <= 514; lines++) {
+        fill_comb(samples, few, 20, 7, lines, (unsigned long)lines);
+        double left = lines > 512 ? (lines - 512.0) / lines : 0;
+        check_near(broadband_of(samples, few), left, 1e-9);
+    }
+    for (int lines = 4095; lines <= 4097; lines++) {
+        fill_comb(samples, many, 200, 7, lines, (unsigned long)lines);
+        saltus_spectrum s = welch_of(samples, many, 32, 1024);
+        assert_int_equal(s.line_count, lines < 4096 ? lines : 4096);
+        check_near(s.broadband, lines > 4096 ? 1.0 / lines : 0, 1e-9);
+        assert_true(s.trustworthy > (200 + 7 * lines) * 32.0 / many); /* all of them are looked at */
+        saltus_spectrum_clear(&s);
+    }
+    free(samples);
+}
+
+/* Two lines are told apart from 4 over the signal's length on, many equal ones from 6 on, wherever between
+ * the bins they lie. Nearer than 3, whatever the bins, they stay in the continuum. */
+static void near_lines_are_told_apart(void **unused) {
+    (void)unused;
+    enum { count = 1024, most = 40 };
+    double samples[count], fraction;
+    saltus_spectral_line lines[most];
+    saltus_signal signal = {.samples = samples, .count = count, .per_period = 1};
+    saltus_message message = {""};
+    int found;
+    for (int several = 0; several <= 1; several++)
+        for (int eighths = 0; eighths < 8; eighths++)
+            for (int k = 0; k < 5; k++) {
+                double apart = k == 0 ? 2.9 : (several ? 6 : 4) + 0.3 * (k - 1), first = 60 + 0.125 * eighths;
+                int made = several ? 30 : 2;
+                for (int j = 0; j < count; j++) {
+                    samples[j] = 0;
+                    for (int l = 0; l < made; l++)
+                        samples[j] += cos(2 * M_PI * (first + l * apart) * j / count + l * l);
+                }
+                check_ok(saltus_signal_lines(&signal, 0, most, lines, &found, &fraction, &message), &message);
+                if (k == 0) {
+                    assert_true(found < made && fraction > 0.3);
+                    continue;
+                }
+                assert_int_equal(found, made);
+                assert_true(fraction < 1e-6);
+                for (int l = 0; l < made; l++) {
+                    check_near(lines[l].frequency * count, first + l * apart, 1e-3);
+                    check_near(lines[l].amplitude, 1, 1e-4);
+                }
+            }
+}
+
 /* What counts as rounding: a part of the largest value, or what the signal says. */
 static void rounding_is_no_motion(void **unused) {
     (void)unused;
@@ -1486,6 +1557,8 @@ int main(void) {
         cmocka_unit_test(trust_in_densities_by_definition),
         cmocka_unit_test(short_signals),
         cmocka_unit_test(lines_within_limits),
+        cmocka_unit_test(as_many_lines_as_promised),
+        cmocka_unit_test(near_lines_are_told_apart),
         cmocka_unit_test(rounding_is_no_motion),
         cmocka_unit_test(samples_are_those_of_the_flow),
         cmocka_unit_test(a_sample_at_a_jump_is_the_mean),

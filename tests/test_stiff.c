@@ -248,6 +248,52 @@ static void the_linear_part_takes_one_sweep(void **unused) {
         }
 }
 
+/* A relaxation that nothing else feels: beside a mass too heavy to move, the Maxwell element's force decays
+ * as exp(-t / tz), in the trajectory or in a tangent vector alone. Inside steps it is as exact as was asked
+ * for; and each step tells how long the next one can be, so that hardly any is tried in vain. */
+static void a_decay_alone_sets_the_steps(void **unused) {
+    (void)unused;
+    const double decay[] = {0.004, 0.05, 0.6}, along[] = {1, 0, 0, 0, 0, 1};
+    for (int k = 0; k < 12; k++) {
+        const double tz = decay[k % 3], start[] = {1, 0, k / 3 % 2 ? 0 : 1};
+        saltus_spec spec = oscillator_spec(0, 0, 0, 1);
+        set_parameter(&spec, "m", 1e12);
+        set_parameter(&spec, "kz", 1e-9);
+        set_parameter(&spec, "tz", tz);
+        saltus_system *system = build(&spec);
+        saltus_flow_options options = saltus_flow_defaults();
+        options.integrator = SALTUS_RADAU;
+        options.rtol = k < 6 ? 1e-12 : 1e-14;
+        options.columns = 2;
+        saltus_flow *flow = open_flow(system, &options, 0, start);
+        saltus_flow_set_tangents(flow, 0, along);
+        const double period = saltus_system_period(system);
+        for (int step = 0; step < 12; step++) {
+            double inside[3], tangents[6];
+            advance(flow, 1e6, SALTUS_WATCH_STEP);
+            const double begin = saltus_time_periods(saltus_flow_step_begin(flow, 0)) * period,
+                         end = saltus_time_periods(saltus_flow_time(flow, 0)) * period;
+            for (int j = 1; j <= 4; j++) {
+                const double since = saltus_flow_step_length(flow, 0) * (0.27 * j - 0.14);
+                saltus_flow_dense(flow, 0, since, inside);
+                const double time = begin + since, left = exp(-time / tz);
+                check_near(inside[0], 1 - 1e-12 * tz * start[2] * (time - tz * (1 - left)),
+                           30 * options.rtol);
+                check_near(inside[2], start[2] * left, 30 * options.rtol);
+            }
+            saltus_flow_tangents(flow, 0, tangents);
+            check_near(tangents[2], 0, 30 * options.rtol);
+            check_near(tangents[5], exp(-end / tz), 30 * options.rtol);
+        }
+        const saltus_flow_info info = saltus_flow_information(flow, 0);
+        const double sweeps = (double)info.field_evaluations / 16 / (double)info.steps;
+        if (!(sweeps < 28))
+            fail_msg("tz = %g, rtol %g: %.3g sweeps a step", tz, options.rtol, sweeps);
+        saltus_flow_free(flow);
+        saltus_system_free(system);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(agrees_at_five_modes),
@@ -255,6 +301,7 @@ int main(void) {
         cmocka_unit_test(steps_follow_the_tolerance),
         cmocka_unit_test(the_last_step_guesses_the_next),
         cmocka_unit_test(the_linear_part_takes_one_sweep),
+        cmocka_unit_test(a_decay_alone_sets_the_steps),
         cmocka_unit_test(tolerance_at_many_modes),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -343,6 +343,24 @@ static void loose_tolerances_count_right(void **unused) {
         }
 }
 
+/* With a loose tolerance less is asked of an orbit: one that chatters and sticks, too, is the same and has
+ * settled no later than with a tighter one. */
+static void loose_tolerances_settle_no_later(void **unused) {
+    (void)unused;
+    long long before = 0;
+    for (double rtol = 1e-3; rtol > 1e-10; rtol /= 100) {
+        saltus_scene scene = scene_of("chatter", "");
+        saltus_sweep_options options = saltus_sweep_defaults();
+        options.flow.rtol = rtol;
+        options.flow.atol = 1e-4 * rtol;
+        single s = run_single(&scene, "d", 0.025, &options);
+        assert_string_equal(s.label, "chatter/2");
+        assert_true(s.result.rows->settled >= before);
+        before = s.result.rows->settled;
+        close_single(&s);
+    }
+}
+
 /* With the exponent, measured over so many periods at most. */
 static saltus_sweep_options measured(long long periods) {
     saltus_sweep_options options = saltus_sweep_defaults();
@@ -435,6 +453,38 @@ static void chaos_and_its_exponent(void **unused) {
     close_single(&s);
 }
 
+/* Each step of the flow leaves an error of its tolerance in an exponent: where nothing else does, as in a
+ * linear motion without damping, the standard error is that of the steps counted along a flow, however often
+ * the trajectory has been disturbed on the way. */
+static void steps_leave_their_error(void **unused) {
+    (void)unused;
+    static const double omegas[] = {1, 0.5};
+    for (int k = 0; k < 8; k++) {
+        double omega = omegas[k / 4], rtol = k & 1 ? 1e-10 : 1e-7, state[2] = {1, 0};
+        enum { periods = 100 };
+        saltus_scene scene = scene_of("impact-oscillator", "c=0 d=30 F=0 q1=1");
+        saltus_sweep_options options = measured(1000);
+        options.adaptive = k & 2;
+        options.transient = 100;
+        options.record = 50;
+        options.flow.rtol = rtol;
+        options.flow.atol = 1e-4 * rtol;
+        single s = run_single(&scene, "omega", omega, &options);
+        saltus_system *system = system_at(s.sweep, 0);
+        saltus_flow *flow = open_flow(system, &options.flow, 0, state);
+        for (int p = 1; p <= periods; p++)
+            advance(flow, p, 0);
+        double steps = (double)saltus_flow_information(flow, 0).steps / periods,
+               error = steps * rtol / saltus_system_period(system);
+        assert_string_equal(s.label, "undecided");
+        check_near(s.result.rows->lyapunov, 0, error);
+        check_near(s.result.rows->lyapunov_error, error, 0.1 * error);
+        saltus_flow_free(flow);
+        saltus_system_free(system);
+        close_single(&s);
+    }
+}
+
 static void check_verdict(const char *name, const char *settings, const char *key, double value,
                           const char *label, double exponent, double errors) {
     saltus_scene scene = scene_of(name, settings);
@@ -454,6 +504,8 @@ static void verdicts_without_a_period(void **unused) {
     check_verdict("impact-oscillator", "c=0 d=30 q1=1", "omega", 1.7320508, "quasi-periodic", 0, 5);
     check_verdict("impact-oscillator", "c=0 d=30 F0=0.3 q1=0.4", "omega", 0.61803, "quasi-periodic", 0, 5);
     check_verdict("pipe", "d=0.030875", "omega", 53.305084745762713, "quasi-periodic", 0, 5);
+    /* Two free oscillations and the forcing: section points fill a surface, not a curve. */
+    check_verdict("two-mass", "free c=0 c2=0 q1=0.4 q2=-0.3", "omega", 1.7133, "undecided", 0, 5);
     check_verdict("pipe", "d=0.035", "omega", 50.035535535, "long-period", -0.425140947, 5);
     check_verdict("pipe", "d=0.035", "omega", 50.744744745, "long-period", -0.7023903178, 5);
     check_verdict("pipe", "d=0.035", "omega", 53.254254254, "long-period", -0.3887199749, 5);
@@ -1116,8 +1168,10 @@ int main(void) {
         cmocka_unit_test(damaged_blocks_are_refused),
         cmocka_unit_test(classes_and_clouds_of_random_points),
         cmocka_unit_test(loose_tolerances_count_right),
+        cmocka_unit_test(loose_tolerances_settle_no_later),
         cmocka_unit_test(exponents_of_what_has_settled),
         cmocka_unit_test(chaos_and_its_exponent),
+        cmocka_unit_test(steps_leave_their_error),
         cmocka_unit_test(verdicts_without_a_period),
         cmocka_unit_test(exponents_leave_the_rest_alone),
         cmocka_unit_test(verdicts_are_those_of_classification),

@@ -3,6 +3,7 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "check.h"
 #include "folder.h"
+#include "foreign_text.h"
 
 #include <hdf5.h>
 #include <signal.h>
@@ -555,6 +556,59 @@ static void damaged_journals_do_no_harm(void **state) {
     folder_files(f->folder, true);
 }
 
+/* A length that goes beyond the file by one byte or by as much as can be written down, or ends in the padding
+ * that is not there: of the head it is damage, of a record it is the end of what is whole. */
+static void lengths_beyond_the_file_are_seen(void **state) {
+    enum { length_at = 16, head_bytes = 32 };
+    const fixture *f = *state;
+    char path[path_size], journal[path_size];
+    size_t length, whole;
+    unsigned char *expected = finished_bytes(f, f->sweep, "a.h5", &length);
+    unsigned char *bytes = journal_bytes(f, path, journal, &whole), *copy = malloc(whole);
+    unsigned long long text, left;
+    assert_non_null(copy);
+    memcpy(&text, bytes + length_at, sizeof text);
+    for (size_t torn = 0; torn < 6; torn += 5) {
+        size_t record = head_bytes + (size_t)(text + 7) / 8 * 8;
+        for (int k = -9; k < 10; k++) {
+            saltus_message message = {""};
+            saltus_sweep_output *output = NULL;
+            memcpy(copy, bytes, whole);
+            left = whole - torn - head_bytes;
+            left = k < 0 ? 0ULL + (unsigned long long)k : left - 3 + (unsigned long long)k;
+            memcpy(copy + length_at, &left, sizeof left);
+            write_all(journal, copy, whole - torn);
+            assert_int_equal(saltus_sweep_output_open(path, f->sweep, false, true, &output, &message),
+                             SALTUS_BAD_INPUT);
+            if (!strstr(message.text, "b.h5.journal: is damaged at its begin"))
+                fail_msg("%d: %s", k, message.text);
+            check_same_bytes(journal, copy, whole - torn);
+        }
+        for (int k = -9; k < 10; k += 2) {
+            memcpy(copy, bytes, whole);
+            left = whole - torn - record - 16;
+            left = k < 0 ? 0ULL + (unsigned long long)k : left - 3 + (unsigned long long)k;
+            left = k == 9 ? 0 : left;
+            memcpy(copy + record, &left, sizeof left);
+            write_all(journal, copy, whole - torn);
+            saltus_sweep_output *output = open_output(path, f->sweep, true);
+            for (long long place = 0; place < f->places; place++)
+                assert_false(saltus_sweep_output_has(output, place));
+            if (k == 9) {
+                take_some(output, f->sweep, f->places, 1);
+                close_output(output);
+                check_same_bytes(path, expected, length);
+                free(journal_bytes(f, path, journal, &whole));
+            } else
+                close_output(output);
+        }
+    }
+    free(copy);
+    free(expected);
+    free(bytes);
+    folder_files(f->folder, true);
+}
+
 /* Opening fails with a sentence in which all the words stand. */
 static void check_refused(const char *path, const saltus_sweep *sweep, bool basins, bool resume,
                           saltus_status expected, const char *const words[3]) {
@@ -912,6 +966,66 @@ static void wrong_contents_are_refused(void **state) {
     write_all(path, bytes, length);
     spoil(path, "axes/axis1", H5T_NATIVE_DOUBLE, &nan);
     check_unsound(path, "axes/axis1");
+    folder_files(f->folder, true);
+    free(bytes);
+}
+
+static saltus_status read_text(const char *path, const char *name, char again[600], saltus_message *message) {
+    saltus_sweep_file file;
+    saltus_status status = saltus_sweep_file_read(path, &file, message);
+    if (status == SALTUS_OK)
+        strcpy(again, name[0] == 'v' ? file.version : name[0] == 's' ? file.scene : file.title);
+    saltus_sweep_file_clear(&file);
+    return status;
+}
+
+/* A text is read whole or not at all, however another program stored it. Some of the lists here are right up
+ * to where they would be cut. */
+static void long_texts_are_not_cut(void **state) {
+    static const struct {
+        const char *group, *name, *text;
+    } words[] = {{"sweep", "keep", "lyapunov,lyapunov,lyapunov,lyapunov,lyapunov,lyapunov,strobosco,x"},
+                 {"sweep", "keep", "turning,turning,turning,turning,turning,impacts,turning,turning,x"},
+                 {"sweep", "passes", "reset,down,reset,down,reset,down,reset,down,reset,up,reset,down,x"},
+                 {"sweep", "key1", "omegaomegaomegaomega"},
+                 {"sweep", "key2", "ddddddddddddddddd"},
+                 {"sweep", "spacing1", "logarithmically spaced"},
+                 {"sweep", "spacing2", "list of numbers of any size"},
+                 {"sweep", "integrator", "automaticautomatic"}};
+    const fixture *f = *state;
+    saltus_sweep_file file;
+    char path[path_size], what[64], text[101];
+    size_t length;
+    unsigned char *bytes = finished_bytes(f, f->sweep, "a.h5", &length);
+    path_in(f, "b.h5", path);
+    foreign_check(path, bytes, length, "version", sizeof file.version - 1, read_text);
+    foreign_check(path, bytes, length, "scene", sizeof file.scene - 1, read_text);
+    foreign_check(path, bytes, length, "title", sizeof file.title - 1, read_text);
+    for (size_t k = 0; k < sizeof words / sizeof words[0]; k++) {
+        write_all(path, bytes, length);
+        foreign_text(path, words[k].group, words[k].name, words[k].text, FOREIGN_PADDED);
+        snprintf(what, sizeof what, "%s/%s", words[k].group, words[k].name);
+        check_unsound(path, strcmp(words[k].name, "integrator") == 0 ? "integrator" : what);
+    }
+    memset(text, 'x', sizeof text);
+    text[100] = '\0';
+    write_all(path, bytes, length);
+    foreign_text(path, "/", "model", text, FOREIGN_TIGHT);
+    check_unsound(path, "its attribute model must be a text");
+    folder_files(f->folder, true);
+    free(bytes);
+}
+
+/* What another version has computed is not gone on with. */
+static void another_version_is_another_sweep(void **state) {
+    const fixture *f = *state;
+    char path[path_size];
+    size_t length;
+    unsigned char *bytes = finished_bytes(f, f->sweep, "a.h5", &length);
+    write_all(path_in(f, "b.h5", path), bytes, length);
+    foreign_text(path, "/", "version", "98.7.6", FOREIGN_TIGHT);
+    check_refused(path, f->sweep, false, true, SALTUS_BAD_INPUT,
+                  (const char *const[3]){path, "version is 98.7.6 there and"});
     folder_files(f->folder, true);
     free(bytes);
 }
@@ -1347,6 +1461,7 @@ int main(void) {
         cmocka_unit_test(killed_runs_lose_nothing),
         cmocka_unit_test(torn_journals_are_cut_back),
         cmocka_unit_test(damaged_journals_do_no_harm),
+        cmocka_unit_test(lengths_beyond_the_file_are_seen),
         cmocka_unit_test(another_sweep_is_refused),
         cmocka_unit_test(finished_files_count_as_done),
         cmocka_unit_test(resuming_needs_the_journal),
@@ -1357,6 +1472,8 @@ int main(void) {
         cmocka_unit_test(damaged_files_are_refused),
         cmocka_unit_test(wrong_contents_are_refused),
         cmocka_unit_test(files_of_before),
+        cmocka_unit_test(long_texts_are_not_cut),
+        cmocka_unit_test(another_version_is_another_sweep),
         cmocka_unit_test(wrong_options_are_refused),
         cmocka_unit_test(tables_hold_all_rows),
         cmocka_unit_test(tables_can_be_resumed),

@@ -218,6 +218,64 @@ static void a_part_that_does_not_close_leaves_doubt(void **unused) {
     saltus_system_free(system);
 }
 
+/* An orbit that iteration would not reach in the time given is found where the recurrences shrink: its
+ * multiplier is known, and so is the time that would be needed. */
+static void slow_orbits_are_found_in_time(void **unused) {
+    (void)unused;
+    for (int k = 0; k < 3; k++) {
+        closed_oscillator o = turning_by(0.995, (double)CLOSED_PI * k / 2);
+        saltus_spec spec = closed_spec(&o);
+        saltus_scene scene = scene_with(&spec);
+        saltus_sweep_options options = settling_options(1e-10);
+        assert_true(options.transient < log(promised(&options)) / log(0.995));
+        single s = run_single(&scene, "omega", (double)o.omega, &options);
+        saltus_system *system = system_at(s.sweep, 0);
+        long double steady[2];
+        closed_steady(&o, 0, steady);
+        assert_string_equal(s.label, "0/1");
+        assert_true(s.result.rows->settled < options.transient);
+        for (int i = 0; i < 2; i++)
+            check_near(s.result.strobes[i], (double)steady[i],
+                       promised(&options) * saltus_system_scale(system)[i]);
+        saltus_system_free(system);
+        close_single(&s);
+    }
+}
+
+static int gcd(int a, int b) {
+    return b ? gcd(b, a % b) : a;
+}
+
+/* Points that recur nearly after a time that does not divide the period, as those do that wander up and down
+ * in steps of that time: it is no part of the period, which is looked at each time and is in no doubt. */
+static void what_divides_no_period_is_no_part(void **unused) {
+    (void)unused;
+    static const int periods[] = {7, 8, 10, 11, 13};
+    saltus_spec spec = oscillator_spec(0.1, 1, 1, 1);
+    saltus_system *system = build(&spec);
+    for (int k = 0; k < 5; k++)
+        for (int step = 3; step <= periods[k] / 2; step++) {
+            double place[13];
+            if (gcd(periods[k], step) > 1)
+                continue;
+            for (int turn = 0; turn < periods[k]; turn++)
+                place[turn * step % periods[k]] = 0.8e-3 * (2 * turn < periods[k] ? turn : periods[k] - turn);
+            series s = open_series(system);
+            for (int count = 1; count <= 8 * periods[k]; count++) {
+                bool doubt;
+                s.impacts++;
+                add(&s, place[count % periods[k]], 0.1);
+                if (count < 5 * periods[k])
+                    continue;
+                assert_true(saltus_settling_recurrence(&s.settling, step) < 1e-3);
+                assert_int_equal(saltus_settling_period(&s.settling, 1e-9, &doubt), periods[k]);
+                assert_false(doubt);
+            }
+            saltus_settling_close(&s.settling);
+        }
+    saltus_system_free(system);
+}
+
 /* Four periods and two points are looked at before a period is said to be reached, a period and two points
  * that recur before it is hoped for; what was before the last reset does not count. */
 static void a_period_is_seen_often_enough(void **unused) {
@@ -238,6 +296,53 @@ static void a_period_is_seen_often_enough(void **unused) {
         }
     }
     saltus_settling_close(&s.settling);
+    saltus_system_free(system);
+}
+
+/* Where the points have jumped what was before counts no more: a period and two points more must recur. */
+static void a_jump_begins_anew(void **unused) {
+    (void)unused;
+    enum { before = 100 };
+    saltus_spec spec = oscillator_spec(0.1, 1, 1, 1);
+    saltus_system *system = build(&spec);
+    for (int period = 1; period <= 5; period++) {
+        series s = open_series(system);
+        for (int count = 0; count < before + 3 * period + 3; count++) {
+            bool doubt;
+            add(&s, 0.1 * (count % period) + (count < before ? 0 : 0.01), 0.2);
+            bool again = count >= before + 2 * period + 1;
+            if (count >= before - 1)
+                assert_int_equal(saltus_settling_period(&s.settling, 1e-9, &doubt),
+                                 count < before || again ? period : 0);
+        }
+        saltus_settling_close(&s.settling);
+    }
+    saltus_system_free(system);
+}
+
+/* Of the last two cycles the one in which the recurrences have shrunk less tells how they will: one good step
+ * brings nothing near, nor does one that was good before. */
+static void one_good_step_is_not_trusted(void **unused) {
+    (void)unused;
+    static const double steps[][2] = {{0.9, 0.1}, {0.1, 0.9}, {0.6, 0.02}, {0.02, 0.6}, {0.5, 0.5}};
+    saltus_spec spec = oscillator_spec(0.1, 1, 1, 1);
+    saltus_system *system = build(&spec);
+    for (int period = 1; period <= 3; period++)
+        for (int k = 0; k < 5; k++) {
+            series s = open_series(system);
+            double x = 0, step = 1e-4, slower = fmax(steps[k][0], steps[k][1]), left;
+            for (int turn = 0; turn < 8; turn++) {
+                step *= turn < 6 ? 0.95 : steps[k][turn - 6];
+                x += step;
+                for (int phase = 0; phase < period; phase++)
+                    add(&s, x + 0.1 * phase, 0);
+            }
+            bool doubt;
+            left = step * slower / (1 - slower);
+            assert_int_equal(saltus_settling_period(&s.settling, 1.001 * left, &doubt), period);
+            assert_int_equal(saltus_settling_period(&s.settling, 0.999 * left, &doubt), 0);
+            saltus_settling_close(&s.settling);
+        }
     saltus_system_free(system);
 }
 
@@ -329,11 +434,15 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(an_orbit_is_reached_when_it_is_near),
         cmocka_unit_test(a_spiral_is_not_left_early),
+        cmocka_unit_test(slow_orbits_are_found_in_time),
         cmocka_unit_test(orbits_with_impacts_are_near_too),
         cmocka_unit_test(a_free_motions_exponent_is_its_decay),
         cmocka_unit_test(counts_must_recur_as_points_do),
         cmocka_unit_test(a_part_that_does_not_close_leaves_doubt),
+        cmocka_unit_test(what_divides_no_period_is_no_part),
         cmocka_unit_test(a_period_is_seen_often_enough),
+        cmocka_unit_test(a_jump_begins_anew),
+        cmocka_unit_test(one_good_step_is_not_trusted),
         cmocka_unit_test(a_rest_is_still),
         cmocka_unit_test(the_distance_left_of_a_series_is_its_rest),
         cmocka_unit_test(a_made_up_spiral_is_not_left_early),

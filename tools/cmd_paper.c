@@ -94,13 +94,6 @@ static const cli_command *find_command(const char *name) {
     return NULL;
 }
 
-/* Whether the sweep that goes to a file has been begun. */
-static bool begun(const char *path) {
-    char journal[line_size + 16];
-    snprintf(journal, sizeof journal, "%s.journal", path);
-    return access(path, F_OK) == 0 || access(journal, F_OK) == 0;
-}
-
 static int run_line(const cli_request *request, command_line *c) {
     const cli_command *command = c->count ? find_command(c->words[0]) : NULL;
     cli_request inner;
@@ -113,7 +106,8 @@ static int run_line(const cli_request *request, command_line *c) {
     if (!cli_parse(command, c->count - 1, c->words + 1, &inner))
         return CLI_FAILED;
     inner.quiet = request->quiet;
-    inner.resume = request->resume && command->together && begun(inner.output);
+    /* One that has not been begun begins. */
+    inner.resume = request->resume && command->together;
     return command->run(&inner);
 }
 

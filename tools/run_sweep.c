@@ -313,16 +313,16 @@ static void free_outbox(sweep_desk *desk) {
     }
 }
 
-static void prepare_desk(sweep_desk *desk, const sweep_order *order, const sweep_report *report) {
+static void prepare_desk(sweep_desk *desk, const sweep_order *order, int ranks) {
     enum { usual_lanes = 8 };
     pthread_condattr_t clock;
     desk->order = order;
     desk->sweep = order->sweep;
-    desk->ranks = report->ranks;
+    desk->ranks = ranks;
     desk->here = ranks_here();
     desk->outbox_end = &desk->outbox;
-    int lanes = order->sweep ? saltus_sweep_choices(order->sweep)->lanes : 0;
-    desk->hands = (lanes ? lanes : usual_lanes) * (report->threads ? report->threads : 1);
+    const saltus_sweep_options *how = order->sweep ? saltus_sweep_choices(order->sweep) : NULL;
+    desk->hands = (how && how->lanes ? how->lanes : usual_lanes) * (how && how->threads ? how->threads : 1);
     pthread_condattr_init(&clock);
     pthread_condattr_setclock(&clock, CLOCK_MONOTONIC);
     pthread_cond_init(&desk->changed, &clock);
@@ -335,15 +335,13 @@ int run_sweep(const sweep_order *order, saltus_status status, const saltus_messa
               sweep_report *report) {
     saltus_message message = *reason;
     *report = (sweep_report){.first = ranks_here() == 0, .ranks = ranks_count()};
-    if (order->sweep) {
+    if (order->sweep)
         report->rows = saltus_sweep_rows(order->sweep);
-        report->threads = saltus_sweep_choices(order->sweep)->threads;
-    }
     sweep_desk *desk = calloc(1, sizeof *desk);
     sweep_rank *known = calloc((size_t)report->ranks, sizeof *known);
     int code = CLI_FAILED;
     if (desk && known) {
-        prepare_desk(desk, order, report);
+        prepare_desk(desk, order, report->ranks);
         desk->known = known;
         code = run_desk(desk, status, &message, report);
         free_outbox(desk);

@@ -34,9 +34,9 @@ typedef struct sweep_report {
     long long rows;     /* of the whole sweep */
     long long computed; /* by this run; the others were there */
     double seconds;
-    bool first;         /* this is the first rank, which has the file and speaks */
-    int ranks, threads; /* threads of each rank */
-    sweep_tally tally;  /* of those computed by this run; on the first rank */
+    bool first;        /* this is the first rank, which has the file and speaks */
+    int ranks;         /* that shared the work */
+    sweep_tally tally; /* of those computed by this run; on the first rank */
 } sweep_report;
 
 /* Run to the end or until a signal asks to stop. `status` and `reason` tell how the making of the sweep went,

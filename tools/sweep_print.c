@@ -199,7 +199,7 @@ static saltus_status print_report(const sweep_order *order, sweep_report *report
         status = saltus_sweep_file_read(order->path, &file, message);
     if (read && status == SALTUS_OK && report->computed < report->rows)
         status = tally_file(&file, report, message);
-    if (read && status == SALTUS_OK && file.attractor_count > 0) {
+    if (status == SALTUS_OK && file.attractor_count > 0) {
         shares = count_shares(&file);
         if (!shares)
             status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the shares of the attractors");
@@ -210,8 +210,7 @@ static saltus_status print_report(const sweep_order *order, sweep_report *report
     else if (status == SALTUS_OK)
         print_table(order, report, &file, shares);
     free(shares);
-    if (read)
-        saltus_sweep_file_clear(&file);
+    saltus_sweep_file_clear(&file);
     return status;
 }
 

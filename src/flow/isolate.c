@@ -65,8 +65,7 @@ static void first_piece(const double *c, int degree, piece *whole) {
         int n = degree - d;
         for (int k = 0; k <= n; k++)
             a[k] = c[k + d] * (d == 0 ? 1.0 : d == 1 ? k + 1.0 : (k + 1.0) * (k + 2.0));
-        if (n >= 0)
-            to_bernstein(a, n, whole->p[d]);
+        to_bernstein(a, n, whole->p[d]);
     }
 }
 

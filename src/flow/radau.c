@@ -684,14 +684,19 @@ static bool attempt_step(saltus_radau *r, double phase, int k, bool follows, dou
     return error <= accept;
 }
 
-/* Whether the last node, the step's end, holds numbers still. */
-static bool ends_finite(const saltus_radau *r) {
-    const saltus_stages *s = &r->stages;
-    const saltus_work *last = &r->work[s->chunks - 1];
+/* Whether the step's polynomial holds numbers up to its end. Its coefficients are powers of time and may be
+ * too large for that where the nodes are not. */
+static bool ends_finite(const saltus_work *work, int dof) {
     double sum = 0;
-    for (int i = 0; i < s->dof; i++)
-        sum +=
-            fabs(last->xq[i * last->stride + s->lanes - 1]) + fabs(last->xv[i * last->stride + s->lanes - 1]);
+    for (int i = 0; i < dof; i++) {
+        double q = 0, v = 0;
+        for (int k = SALTUS_RADAU_DEGREE; k >= 0; k--) {
+            size_t place = saltus_work_jet(work, k, 0) + (size_t)i;
+            q = fma(q, work->step[0], work->q[place]);
+            v = fma(v, work->step[0], work->v[place]);
+        }
+        sum += fabs(q) + fabs(v);
+    }
     return isfinite(sum);
 }
 
@@ -714,9 +719,11 @@ saltus_status saltus_radau_step(saltus_radau *radau, saltus_work *work, double l
         radau->proposal = scale > 0 ? scale * radau->stages.step : 0.5 * radau->stages.step;
         k = grid_below(radau, radau->proposal);
     }
-    if (!done || !ends_finite(radau))
+    if (!done)
         return SALTUS_STALLED;
     emit(radau, work);
+    if (!ends_finite(work, radau->stages.dof))
+        return SALTUS_STALLED;
     double step = radau->stages.step, grown = step * growth(errors);
     radau->proposal = step < radau->proposal ? fmax(radau->proposal, grown) : grown;
     radau->steps++;

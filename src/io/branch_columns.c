@@ -174,7 +174,8 @@ hid_t saltus_column_type(saltus_h5 *w, const saltus_branch_column *column, bool 
         return event_type(w, H5T_NATIVE_INT);
     case SALTUS_ELEMENT_LABEL:
     case SALTUS_ELEMENT_REASON:
-        return text_type(w, entry_bytes(column->element));
+        return stored ? text_type(w, entry_bytes(column->element))
+                      : saltus_h5_text_memory(entry_bytes(column->element));
     }
     return -1;
 }

@@ -100,12 +100,23 @@ static saltus_status read_head(reader *r) {
     if (strcmp(kind, "branch") != 0)
         return saltus_fail(r->message, SALTUS_BAD_INPUT, "%s: holds a %s, not a branch of orbits", r->path,
                            kind);
-    if (!saltus_h5_get_text(r->file, "version", made->version, sizeof made->version) ||
-        !saltus_h5_get_text(r->file, "scene", made->scene, sizeof made->scene) ||
-        !saltus_h5_get_text(r->file, "title", made->title, sizeof made->title) ||
-        !saltus_h5_get_text(r->file, "model", model, sizeof model) ||
-        !saltus_h5_get_integer(r->file, "complete", &complete))
-        return refuse(r, "version, scene, title, model or complete is missing");
+    const struct {
+        const char *name;
+        char *text;
+        size_t room;
+    } texts[] = {{"version", made->version, sizeof made->version},
+                 {"scene", made->scene, sizeof made->scene},
+                 {"title", made->title, sizeof made->title},
+                 {"model", model, sizeof model}};
+    for (size_t k = 0; k < sizeof texts / sizeof texts[0]; k++)
+        if (!saltus_h5_get_text(r->file, texts[k].name, texts[k].text, texts[k].room))
+            return saltus_fail(r->message, SALTUS_BAD_INPUT,
+                               "%s: is not a sound branch file: its attribute %s must be a text of fixed "
+                               "length with at most %d "
+                               "bytes",
+                               r->path, texts[k].name, (int)texts[k].room - 1);
+    if (!saltus_h5_get_integer(r->file, "complete", &complete))
+        return refuse(r, "its attribute complete must be a whole number");
     made->complete = complete != 0;
     return read_spec(r, model);
 }

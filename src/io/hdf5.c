@@ -335,13 +335,24 @@ bool saltus_h5_get_integer(hid_t owner, const char *name, long long *value) {
     return get_attribute(owner, name, H5T_INTEGER, H5T_NATIVE_LLONG, value);
 }
 
-bool saltus_h5_get_text(hid_t owner, const char *name, char *text, size_t room) {
+hid_t saltus_h5_text_memory(size_t room) {
     hid_t type = H5Tcopy(H5T_C_S1);
-    bool fits = type >= 0 && H5Tset_size(type, room) >= 0 && H5Tset_cset(type, H5T_CSET_UTF8) >= 0 &&
-                get_attribute(owner, name, H5T_STRING, type, text);
+    if (type >= 0 && H5Tset_size(type, room) >= 0 && H5Tset_cset(type, H5T_CSET_UTF8) >= 0 &&
+        H5Tset_strpad(type, H5T_STR_NULLPAD) >= 0)
+        return type;
     if (type >= 0)
         H5Tclose(type);
-    return fits;
+    return -1;
+}
+
+bool saltus_h5_get_text(hid_t owner, const char *name, char *text, size_t room) {
+    hid_t type = saltus_h5_text_memory(room);
+    bool fits = type >= 0 && get_attribute(owner, name, H5T_STRING, type, text);
+    if (type >= 0)
+        H5Tclose(type);
+    if (!fits || text[room - 1])
+        text[0] = '\0';
+    return fits && !text[room - 1];
 }
 
 /* Open a dataset and its extent; the rank, or -1. */

@@ -84,10 +84,13 @@ bool saltus_h5_seal(int descriptor, long long length, char seal[SALTUS_H5_SEAL +
 
 /* Open a file for reading; negative after a sentence in the message. */
 hid_t saltus_h5_read_file(const char *path, saltus_message *message);
-/* Attributes; false when one is absent or of another type. */
+/* Attributes; false when one is absent, of another type or, as a text, of more than room - 1 bytes. */
 bool saltus_h5_get_double(hid_t owner, const char *name, double *value);
 bool saltus_h5_get_integer(hid_t owner, const char *name, long long *value);
 bool saltus_h5_get_text(hid_t owner, const char *name, char *text, size_t room);
+/* The type of a text in memory that is cut at `room` bytes without a NUL, so that a cut can be seen; to be
+ * closed. Negative on failure. */
+hid_t saltus_h5_text_memory(size_t room);
 /* Number of entries of a dataset; -1 when there is none of that name. */
 long long saltus_h5_rows(hid_t file, const char *name);
 /* Read a dataset of known size, as written by saltus_h5_dataset; false when it differs. */

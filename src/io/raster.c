@@ -4,6 +4,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 bool saltus_raster_open(saltus_raster *raster, int width, int height) {
     *raster = (saltus_raster){.width = width, .height = height};
@@ -31,14 +32,6 @@ void saltus_raster_set(saltus_raster *raster, int x, int y, uint32_t colour, dou
     pixel[3] = (unsigned char)lround(255 * opacity);
 }
 
-void saltus_raster_over(saltus_raster *raster, int x, int y, uint32_t colour, double opacity) {
-    unsigned char *pixel = pixel_at(raster, x, y);
-    double under = (1 - opacity) * pixel[3] / 255, whole = opacity + under;
-    for (int k = 0; k < 3 && whole > 0; k++)
-        pixel[k] = (unsigned char)lround((opacity * part_of(colour, k) + under * pixel[k]) / whole);
-    pixel[3] = (unsigned char)lround(255 * whole);
-}
-
 void saltus_raster_element(FILE *script, const saltus_raster *raster, const char *axes) {
     fprintf(script,
             "'-' binary array=(%d,%d) dx=1 dy=1 origin=(0.5,0.5) format='%%uchar%%uchar%%uchar%%uchar' "
@@ -55,7 +48,7 @@ long long saltus_raster_changes(const saltus_raster *raster) {
     for (int y = 0; y < raster->height; y++)
         for (int x = 1; x < raster->width; x++) {
             const unsigned char *pixel = pixel_at(raster, x, y);
-            count += pixel[0] != pixel[-4] || pixel[1] != pixel[-3] || pixel[3] != pixel[-1];
+            count += memcmp(pixel, pixel - 4, 4) != 0;
         }
     return count;
 }

@@ -18,8 +18,6 @@ bool saltus_raster_open(saltus_raster *raster, int width, int height);
 void saltus_raster_close(saltus_raster *raster);
 /* A colour is 0xRRGGBB. */
 void saltus_raster_set(saltus_raster *raster, int x, int y, uint32_t colour, double opacity);
-/* Draw over what is there. */
-void saltus_raster_over(saltus_raster *raster, int x, int y, uint32_t colour, double opacity);
 /* One element of a plot command, filling the axes named, whose ranges must be [0:width] and [0:height]. The
  * bytes must follow after the command's line. */
 void saltus_raster_element(FILE *script, const saltus_raster *raster, const char *axes);

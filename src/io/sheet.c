@@ -202,8 +202,6 @@ static void put_impact_map(const saltus_sheet *sheet, const place *at) {
     }
     bool logarithmic = size.high > 1e3 * size.low;
     saltus_range_pad(&signed_range, 0.08, 1);
-    if (signed_range.high < 0.08 * (signed_range.high - signed_range.low))
-        signed_range.high = fmax(signed_range.high, 0);
     saltus_sheet_impacts_heading(sheet, heading, sizeof heading);
     open_panel(sheet->file, at, heading);
     if (logarithmic) {
@@ -340,11 +338,11 @@ static void put_convergence(const saltus_sheet *sheet, const place *at) {
 }
 
 /* Which panels a motion gets: what it has, and nothing twice. The structure's shapes, of a motion without a
- * period, where there is room for them. */
+ * period, where there is room for them; an orbit always leaves that room. */
 static int choose_panels(const saltus_sheet *sheet, panel *chosen[panels_most]) {
     bool pipe = saltus_is_pipe(sheet->system), settled = saltus_motion_settled(sheet->motion);
     bool multipliers = settled && sheet->motion->multiplier_count > 0;
-    int count = 0, last = (sheet->spectrum != NULL) + (sheet->course_count > 0) + multipliers;
+    int count = 0, last = (sheet->spectrum != NULL) + (sheet->course_count > 0);
     chosen[count++] = put_portrait;
     chosen[count++] = put_history;
     if (!settled)

@@ -241,7 +241,7 @@ static void put_ticks(const row *r, double floor) {
 static bool outshone(const saltus_spectrum *s, long long k, double near) {
     const saltus_spectral_line *line = &s->lines[k];
     for (long long other = 0; other < s->line_count; other++)
-        if (other != k && fabs(s->lines[other].frequency - line->frequency) < near &&
+        if (fabs(s->lines[other].frequency - line->frequency) < near &&
             s->lines[other].amplitude > line->amplitude)
             return true;
     return false;

@@ -47,12 +47,23 @@ static saltus_status read_head(reader *r) {
     made->basins = strcmp(kind, "basins") == 0;
     if (!made->basins && strcmp(kind, "sweep") != 0)
         return saltus_fail(r->message, SALTUS_BAD_INPUT, "%s: holds a %s, not a sweep", r->path, kind);
-    if (!saltus_h5_get_text(r->file, "version", made->version, sizeof made->version) ||
-        !saltus_h5_get_text(r->file, "scene", made->scene, sizeof made->scene) ||
-        !saltus_h5_get_text(r->file, "title", made->title, sizeof made->title) ||
-        !saltus_h5_get_text(r->file, "model", model, sizeof model) ||
-        !saltus_h5_get_integer(r->file, "complete", &complete))
-        return refuse(r, "version, scene, title, model or complete is missing");
+    const struct {
+        const char *name;
+        char *text;
+        size_t room;
+    } texts[] = {{"version", made->version, sizeof made->version},
+                 {"scene", made->scene, sizeof made->scene},
+                 {"title", made->title, sizeof made->title},
+                 {"model", model, sizeof model}};
+    for (size_t k = 0; k < sizeof texts / sizeof texts[0]; k++)
+        if (!saltus_h5_get_text(r->file, texts[k].name, texts[k].text, texts[k].room))
+            return saltus_fail(r->message, SALTUS_BAD_INPUT,
+                               "%s: is not a sound sweep file: its attribute %s must be a text of fixed "
+                               "length with at most %d "
+                               "bytes",
+                               r->path, texts[k].name, (int)texts[k].room - 1);
+    if (!saltus_h5_get_integer(r->file, "complete", &complete))
+        return refuse(r, "its attribute complete must be a whole number");
     made->complete = complete != 0;
     if (!saltus_model_find(model))
         return saltus_fail(r->message, SALTUS_BAD_INPUT, "%s: the model %.40s is not known", r->path, model);
@@ -117,15 +128,18 @@ static saltus_status read_options(reader *r) {
     if (group < 0)
         return refuse(r, "the group /sweep is missing");
     const char *lacking = get_options(r, group);
+    char name[32];
     for (int k = 0; k < made->axis_count && !lacking; k++) {
-        char name[32], word[16];
+        char word[16];
         snprintf(name, sizeof name, "key%d", k + 1);
-        if (!saltus_h5_get_text(group, name, made->axes[k].key, sizeof made->axes[k].key))
-            lacking = "the axes' keys";
+        if (!saltus_h5_get_text(group, name, made->axes[k].key, sizeof made->axes[k].key)) {
+            lacking = name;
+            break;
+        }
         snprintf(name, sizeof name, "spacing%d", k + 1);
-        if (!lacking && (!saltus_h5_get_text(group, name, word, sizeof word) ||
-                         !saltus_spacing_read(word, &made->axes[k].spacing)))
-            lacking = "the axes' spacings";
+        if (!saltus_h5_get_text(group, name, word, sizeof word) ||
+            !saltus_spacing_read(word, &made->axes[k].spacing))
+            lacking = name;
     }
     H5Gclose(group);
     for (int k = 0; k < SALTUS_PASSES; k++)
@@ -338,10 +352,9 @@ static saltus_status read_labels(reader *r, int count) {
     r->made->attractor_label = calloc((size_t)count + 1, room);
     if (!r->made->attractor_label)
         return no_memory(r);
-    hid_t type = H5Tcopy(H5T_C_S1);
-    bool sound =
-        type >= 0 && H5Tset_size(type, room) >= 0 && H5Tset_cset(type, H5T_CSET_UTF8) >= 0 &&
-        saltus_h5_get_dataset(r->file, "attractors/label", type, count, scalar, r->made->attractor_label);
+    hid_t type = saltus_h5_text_memory(room);
+    bool sound = type >= 0 && saltus_h5_get_dataset(r->file, "attractors/label", type, count, scalar,
+                                                    r->made->attractor_label);
     if (type >= 0)
         H5Tclose(type);
     for (int k = 0; k < count && sound; k++)

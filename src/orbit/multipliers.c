@@ -236,7 +236,7 @@ static void cycle(iteration *it) {
 static bool promising(const iteration *it, double cycles) {
     for (int k = 1; k < it->n; k++) {
         double now = it->joins[k], rate = now / it->before[k];
-        if (now > separate && rate < 1 && log(separate / now) >= cycles * log(rate))
+        if (now > separate && log(separate / now) >= cycles * log(rate))
             return true;
     }
     return false;

@@ -1,0 +1,425 @@
+/* What commands say: their help, the defaults that it tells, the summaries of sweeps whose rows are made up.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "folder.h"
+#include "json.h"
+#include "made_sweep.h"
+
+#include <sys/wait.h>
+#include <unistd.h>
+
+enum { classes_max = 40 };
+
+typedef struct fixture {
+    char folder[64], path[320];
+} fixture;
+
+static int open_fixture(void **state) {
+    fixture *f = calloc(1, sizeof *f);
+    strcpy(f->folder, "/tmp/saltus-test-XXXXXX");
+    assert_non_null(mkdtemp(f->folder));
+    *state = f;
+    return 0;
+}
+
+static int close_fixture(void **state) {
+    fixture *f = *state;
+    folder_files(f->folder, true);
+    rmdir(f->folder);
+    free(f);
+    return 0;
+}
+
+static const char *path_in(fixture *f, const char *name) {
+    snprintf(f->path, sizeof f->path, "%s/%s", f->folder, name);
+    return f->path;
+}
+
+/* The exit status of a command line of the shell; what it says goes to `out` and `err`. */
+static int run(const fixture *f, const char *line) {
+    char text[1200];
+    snprintf(text, sizeof text, "cd %s && %s %s >out 2>err", f->folder, SALTUS_COMMAND, line);
+    int outcome = system(text);
+    return WIFEXITED(outcome) ? WEXITSTATUS(outcome) : 128;
+}
+
+static char *said(fixture *f, const char *where) {
+    size_t length;
+    return read_all(path_in(f, where), &length);
+}
+
+/* What a command that succeeds without a word on stderr says. */
+static char *told(fixture *f, const char *line) {
+    int status = run(f, line);
+    char *errors = said(f, "err");
+    if (status != 0 || errors[0])
+        fail_msg("%s: exit status %d: %s", line, status, errors);
+    free(errors);
+    return said(f, "out");
+}
+
+static void check_told(fixture *f, const char *line, const char *wanted) {
+    char *text = told(f, line);
+    assert_string_equal(text, wanted);
+    free(text);
+}
+
+/* Asked for in any way, the help is the same and a success; unasked it goes to stderr as bad input. */
+static void help_has_many_names(void **state) {
+    char *usage = told(*state, "--help"), *rest = usage;
+    int commands = 0;
+    check_told(*state, "-h", usage);
+    check_told(*state, "help", usage);
+    check_told(*state, "--version", "saltus " SALTUS_VERSION "\n");
+    assert_int_equal(run(*state, ""), 2);
+    char *out = said(*state, "out"), *err = said(*state, "err");
+    assert_string_equal(out, "");
+    assert_string_equal(err, usage);
+    free(out);
+    free(err);
+    for (char *line = strtok_r(rest, "\n", &rest); line; line = strtok_r(NULL, "\n", &rest)) {
+        char name[16], with[64], head[64];
+        if (strncmp(line, "  saltus ", 9) != 0)
+            continue;
+        assert_int_equal(sscanf(line + 9, "%15s", name), 1);
+        snprintf(with, sizeof with, "%s --help", name);
+        char *help = told(*state, with);
+        snprintf(with, sizeof with, "%s -h", name);
+        check_told(*state, with, help);
+        /* Its first line is that of the list. */
+        snprintf(head, sizeof head, "saltus %s ", name);
+        assert_int_equal(strncmp(help, head, strlen(head)), 0);
+        size_t length = strcspn(help, "\n") - strlen(head);
+        assert_int_equal(strlen(line) - 19, length);
+        assert_int_equal(strncmp(line + 19, help + strlen(head), length), 0);
+        free(help);
+        commands++;
+    }
+    assert_int_equal(commands, 14);
+    free(usage);
+}
+
+/* The library's defaults are those of the commands, where they mean the same. */
+static void told_defaults_are_those_of_the_library(void **state) {
+    const saltus_flow_options flow = saltus_flow_defaults();
+    const saltus_classify_options classify = saltus_classify_defaults();
+    const saltus_sweep_options sweep = saltus_sweep_defaults();
+    const saltus_lyapunov_options lyapunov = saltus_lyapunov_defaults();
+    const saltus_harvest_options harvest = saltus_harvest_defaults();
+    const saltus_branch_options branch = saltus_branch_defaults();
+    const struct {
+        const char *command, *option;
+        double value;
+    } table[] = {
+        {"classify", "--transient", (double)classify.transient},
+        {"classify", "--longest", classify.longest},
+        {"classify", "--measure", (double)classify.measure},
+        {"classify", "--rtol", classify.flow.rtol},
+        {"classify", "--atol", classify.flow.atol},
+        {"diagnose", "--transient", (double)classify.transient},
+        {"diagnose", "--longest", classify.longest},
+        {"diagnose", "--measure", (double)classify.measure},
+        {"diagnose", "--rtol", classify.flow.rtol},
+        {"diagnose", "--atol", classify.flow.atol},
+        {"simulate", "--rtol", flow.rtol},
+        {"simulate", "--atol", flow.atol},
+        {"orbit", "--segments", saltus_orbit_defaults().segments},
+        {"orbit", "--search", (double)harvest.periods},
+        {"orbit", "--most", harvest.most},
+        {"orbit", "--rtol", harvest.flow.rtol},
+        {"orbit", "--atol", harvest.flow.atol},
+        {"continue", "--step", branch.step},
+        {"continue", "--points", branch.points},
+        {"continue", "--switch", branch.switches},
+        {"continue", "--transient", (double)classify.transient},
+        {"continue", "--longest", classify.longest},
+        {"continue", "--rtol", branch.orbit.flow.rtol},
+        {"continue", "--atol", branch.orbit.flow.atol},
+        {"lyapunov", "--precision", lyapunov.precision},
+        {"lyapunov", "--transient", (double)lyapunov.transient},
+        {"lyapunov", "--periods", (double)lyapunov.periods},
+        {"lyapunov", "--members", lyapunov.members},
+        {"lyapunov", "--interval", lyapunov.interval},
+        {"lyapunov", "--seed", (double)lyapunov.seed},
+        {"lyapunov", "--rtol", lyapunov.flow.rtol},
+        {"lyapunov", "--atol", lyapunov.flow.atol},
+        {"spectrum", "--transient", (double)classify.transient},
+        {"spectrum", "--longest", classify.longest},
+        {"spectrum", "--rtol", saltus_spectrum_defaults().flow.rtol},
+        {"spectrum", "--atol", saltus_spectrum_defaults().flow.atol},
+        {"sweep", "--seeds", sweep.seeds},
+        {"sweep", "--seed", (double)sweep.seed},
+        {"sweep", "--at-most", (double)sweep.transient},
+        {"sweep", "--longest", sweep.longest},
+        {"sweep", "--record", (double)sweep.record},
+        {"sweep", "--measure", (double)sweep.measure},
+        {"sweep", "--rtol", sweep.flow.rtol},
+        {"sweep", "--atol", sweep.flow.atol},
+        {"basins", "--at-most", (double)sweep.transient},
+        {"basins", "--longest", sweep.longest},
+        {"basins", "--rtol", sweep.flow.rtol},
+        {"basins", "--atol", sweep.flow.atol},
+    };
+    char *help = NULL;
+    for (size_t k = 0; k < sizeof table / sizeof table[0]; k++) {
+        char text[64];
+        if (k == 0 || strcmp(table[k].command, table[k - 1].command) != 0) {
+            free(help);
+            snprintf(text, sizeof text, "%s --help", table[k].command);
+            help = told(*state, text);
+        }
+        snprintf(text, sizeof text, "\n  %s ", table[k].option);
+        const char *line = strstr(help, text);
+        assert_non_null(line);
+        const char *end = strchr(line + 1, '\n'), *number = strstr(line, "(default ");
+        double value = NAN;
+        if (number && number < end)
+            value = strtod(number + strlen("(default "), NULL);
+        /* Real numbers are told with six digits. */
+        if (!(fabs(value - table[k].value) <= 5e-6 * table[k].value))
+            fail_msg("%s %s: the default is told as %g, the library's is %g", table[k].command,
+                     table[k].option, value, table[k].value);
+    }
+    free(help);
+}
+
+/* A name of motions and how many there are. */
+typedef struct class_count {
+    char label[32];
+    int count;
+} class_count;
+
+/* The classes of rows, most frequent first, those as frequent by name. */
+static int count_classes(const saltus_sweep_row *rows, long long row_count, class_count classes[]) {
+    int count = 0;
+    for (long long k = 0; k < row_count; k++) {
+        class_count one = {.count = 1};
+        int at = 0;
+        saltus_sweep_label(&rows[k], one.label);
+        while (at < count && strcmp(classes[at].label, one.label) != 0)
+            at++;
+        assert_true(at < classes_max);
+        if (at == count)
+            classes[count++] = one;
+        else
+            classes[at].count++;
+    }
+    for (int i = 1; i < count; i++)
+        for (int k = i; k > 0; k--) {
+            class_count *a = &classes[k - 1], *b = &classes[k], kept = *a;
+            if (a->count > b->count || (a->count == b->count && strcmp(a->label, b->label) < 0))
+                break;
+            *a = *b;
+            *b = kept;
+        }
+    return count;
+}
+
+static void check_classes(const json *summary, const class_count *classes, int count, int rows) {
+    assert_int_equal(json_count(json_at(summary, "classes")), count);
+    for (int k = 0; k < count; k++) {
+        char path[64];
+        snprintf(path, sizeof path, "classes.%d.label", k);
+        assert_string_equal(json_text_at(summary, path), classes[k].label);
+        snprintf(path, sizeof path, "classes.%d.count", k);
+        assert_true(json_number_at(summary, path) == classes[k].count);
+        snprintf(path, sizeof path, "classes.%d.share", k);
+        check_near(json_number_at(summary, path), (double)classes[k].count / rows, 1e-15);
+    }
+}
+
+/* How many names the rows get, and which of them the first place has; places with a name of their own. */
+static int kinds = 5;
+
+static void fill_kinds(made_place *m) {
+    for (int s = 0; s < m->seeds; s++) {
+        /* Small numbers come more often; two names are as frequent as each other now and then. */
+        int k = (int)((m->place * m->seeds + s) % (2 * kinds - 1)), name = k < kinds ? k : (k - kinds) / 2;
+        m->row[s] = made_periodic((7 * name) % 23, 1 + name % 3);
+    }
+}
+
+static saltus_scene oscillator_scene(void) {
+    saltus_message message = {""};
+    saltus_scene scene;
+    check_ok(saltus_scene_load("impact-oscillator", &scene, &message), &message);
+    return scene;
+}
+
+static saltus_axis axis_of(int count) {
+    return (saltus_axis){.key = "omega", .low = 0.9, .high = 1.1, .count = count};
+}
+
+/* A journal that lacks some places, taken up: what was there is kept and counted, whatever its file, and what
+ * is computed is told. A table of rows is not read again: then the classes are those of this run. */
+static void a_resumed_sweep_counts_what_it_computes(void **state) {
+    enum { points = 4, passes = 3, places = points * passes, seeds = 2, rows = places * seeds };
+    static const char *const names[] = {"a\"b\\c.h5", "rows.csv"};
+    const saltus_scene scene = oscillator_scene();
+    const saltus_axis axis = axis_of(points);
+    fixture *f = *state;
+    saltus_sweep_options options = saltus_sweep_defaults();
+    options.seeds = seeds;
+    options.passes = 7;
+    kinds = 5;
+    for (int k = 0; k < 8; k++) {
+        const char *name = names[k % 2];
+        /* Nothing, one in the last line, all of it and one in the line before, one alone. */
+        const int lacking[] = {0, 1, 5, places - 1}, left = lacking[k / 2];
+        char line[256];
+        class_count classes[classes_max];
+        made_write(path_in(f, name), &scene, &axis, 1, &options, fill_kinds, places - left);
+        snprintf(
+            line, sizeof line,
+            "sweep impact-oscillator --over omega=0.9:1.1:%d --what max --seeds %d --start both --threads 1 "
+            "--resume -o '%s' --json",
+            points, seeds, name);
+        char *text = told(f, line);
+        json *summary = json_read(text);
+        assert_string_equal(json_text_at(summary, "version"), SALTUS_VERSION);
+        assert_string_equal(json_text_at(summary, "scene"), "impact-oscillator");
+        assert_string_equal(json_text_at(summary, "file"), name);
+        assert_string_equal(json_text_at(summary, "kind"), "sweep");
+        assert_int_equal(json_at(summary, "complete")->kind, JSON_TRUE);
+        assert_int_equal(json_count(json_at(summary, "passes")), passes);
+        assert_string_equal(json_text_at(summary, "passes.0"), "reset");
+        assert_string_equal(json_text_at(summary, "passes.1"), "up");
+        assert_string_equal(json_text_at(summary, "passes.2"), "down");
+        assert_true(json_number_at(summary, "points") == points);
+        assert_true(json_number_at(summary, "seeds") == seeds);
+        assert_true(json_number_at(summary, "rows") == rows);
+        assert_true(json_number_at(summary, "ranks") == 1);
+        double computed = json_number_at(summary, "computed"), seconds = json_number_at(summary, "seconds");
+        assert_true(computed == left * seeds && seconds >= 0);
+        check_near(json_number_at(summary, "trajectories_per_second") * seconds, computed, 2e-5 * computed);
+        if (k % 2 == 0) {
+            saltus_sweep_file file = made_read(path_in(f, name));
+            assert_true(file.complete && file.row_count == rows);
+            check_classes(summary, classes, count_classes(file.rows, rows, classes), rows);
+            saltus_sweep_file_clear(&file);
+        } else {
+            double sum = 0, share = 0;
+            for (const json *c = json_at(summary, "classes")->first; c; c = c->next) {
+                sum += json_number_at(c, "count");
+                share += json_number_at(c, "share");
+            }
+            assert_true(sum == computed);
+            check_near(share, left > 0, 1e-12);
+        }
+        json_free(summary);
+        free(text);
+        char journal[64];
+        snprintf(journal, sizeof journal, "%s.journal", name);
+        assert_int_equal(access(path_in(f, journal), F_OK), -1);
+        remove(path_in(f, name));
+    }
+}
+
+/* For people: twelve names at most, each with its number and its share; what is left is told together. */
+static void a_table_of_classes_has_twelve_lines(void **state) {
+    static const int tried[] = {1, 12, 13, 20};
+    enum { points = 97 };
+    const saltus_scene scene = oscillator_scene();
+    const saltus_axis axis = axis_of(points);
+    const saltus_sweep_options options = saltus_sweep_defaults();
+    fixture *f = *state;
+    for (size_t t = 0; t < sizeof tried / sizeof tried[0]; t++) {
+        class_count classes[classes_max];
+        kinds = tried[t];
+        made_write(path_in(f, "s.h5"), &scene, &axis, 1, &options, fill_kinds, points);
+        saltus_sweep_file file = made_read(path_in(f, "s.h5"));
+        int count = count_classes(file.rows, points, classes), shown = 0, sum = 0;
+        assert_int_equal(count, kinds);
+        saltus_sweep_file_clear(&file);
+        char *text = told(f, "sweep impact-oscillator --over omega=0.9:1.1:97 --what max --resume -o s.h5"),
+             *rest = text;
+        char *line = strtok_r(rest, "\n", &rest);
+        assert_string_equal(line, "impact-oscillator: 97 points, 97 trajectories in s.h5");
+        line = strtok_r(NULL, "\n", &rest);
+        assert_int_equal(strncmp(line, "motion ", 7), 0);
+        for (; shown < count && shown < 12; shown++) {
+            char label[32];
+            int number;
+            double share;
+            line = strtok_r(NULL, "\n", &rest);
+            assert_int_equal(sscanf(line, "%31s %d %lf %%", label, &number, &share), 3);
+            assert_string_equal(label, classes[shown].label);
+            assert_int_equal(number, classes[shown].count);
+            check_near(share, 100.0 * number / points, 0.0051);
+            sum += number;
+        }
+        line = strtok_r(NULL, "\n", &rest);
+        if (count > 12) {
+            int others, number;
+            double share;
+            assert_int_equal(sscanf(line, "%d others %d %lf %%", &others, &number, &share), 3);
+            assert_true(others == count - 12 && number == points - sum);
+            check_near(share, 100.0 * number / points, 0.0051);
+            line = strtok_r(NULL, "\n", &rest);
+        }
+        assert_string_equal(line, "all were there");
+        assert_null(strtok_r(NULL, "\n", &rest));
+        free(text);
+        remove(path_in(f, "s.h5"));
+    }
+}
+
+static int undecided_rows;
+
+static void fill_undecided(made_place *m) {
+    m->row[0] = m->place < undecided_rows ? made_other(SALTUS_ROW_UNDECIDED) : made_periodic(1, 1);
+}
+
+/* A hint is given where motions are left undecided and more could be done about it, and only there. */
+static void what_could_be_decided_is_told(void **state) {
+    static const struct {
+        int undecided;
+        unsigned keep;
+        long long measure;
+        const char *more, *hint, *number;
+    } cases[] = {
+        {0, 0, 8000, "--what max", NULL, NULL},
+        {2, 0, 8000, "--what max", "undecided: no period up to 7 T ", "--what lyapunov"},
+        {0, SALTUS_KEEP_LYAPUNOV, 900, "--what lyapunov --measure 900", NULL, NULL},
+        {1, SALTUS_KEEP_LYAPUNOV, 900, "--what lyapunov --measure 900",
+         "undecided: exponents that 900 periods ", "--measure"},
+        {3, SALTUS_KEEP_LYAPUNOV, 1, "--what lyapunov --measure 1", "undecided: exponents that 1 periods ",
+         "--measure"},
+        {3, SALTUS_KEEP_LYAPUNOV, 0, "--what lyapunov --measure 0", NULL, NULL},
+    };
+    enum { points = 3 };
+    const saltus_scene scene = oscillator_scene();
+    const saltus_axis axis = axis_of(points);
+    fixture *f = *state;
+    for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
+        saltus_sweep_options options = saltus_sweep_defaults();
+        char line[256];
+        options.keep = cases[k].keep;
+        options.measure = cases[k].measure;
+        options.longest = 7;
+        undecided_rows = cases[k].undecided;
+        made_write(path_in(f, "s.h5"), &scene, &axis, 1, &options, fill_undecided, points);
+        snprintf(line, sizeof line,
+                 "sweep impact-oscillator --over omega=0.9:1.1:%d --longest 7 --resume -o s.h5 %s", points,
+                 cases[k].more);
+        char *text = told(f, line), *hint = strstr(text, "\nundecided: ");
+        if (!hint != !cases[k].hint)
+            fail_msg("%s says:\n%s", line, text);
+        if (hint) {
+            assert_int_equal(strncmp(hint + 1, cases[k].hint, strlen(cases[k].hint)), 0);
+            assert_non_null(strstr(hint, cases[k].number));
+        }
+        free(text);
+        remove(path_in(f, "s.h5"));
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(help_has_many_names),
+        cmocka_unit_test(told_defaults_are_those_of_the_library),
+        cmocka_unit_test(a_resumed_sweep_counts_what_it_computes),
+        cmocka_unit_test(a_table_of_classes_has_twelve_lines),
+        cmocka_unit_test(what_could_be_decided_is_told),
+    };
+    return cmocka_run_group_tests(tests, open_fixture, close_fixture);
+}

@@ -1,0 +1,676 @@
+/* A motion's page as a whole: which panels it has, where they stand, and that none spoils the next one.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "made_record.h"
+
+/* Which panels there can be, in their order, and words of their headings. */
+typedef enum part { portrait, history, section, map, structure, spectrum, convergence, circle, parts } part;
+
+static const char *part_words[parts] = {[portrait] = "phase portrait",
+                                        [section] = "stroboscopic section",
+                                        [map] = "impacts",
+                                        [spectrum] = "displacement",
+                                        [convergence] = "convergence of the largest exponent",
+                                        [circle] = "Floquet multipliers"};
+
+static saltus_lyapunov_progress estimates[] = {{10, 0.625, 0.125}, {20, 0.5, 0.0625}, {40, 0.5625, 0.03125}};
+
+/* Lines of a motion of two periods, or a density. */
+static saltus_spectra made_spectra(bool lines) {
+    static saltus_spectral_line list[] = {
+        {1, 0.5, 0.25, 0, -20, 0.1}, {2, 1, 2.5, 0, 0, 0.8}, {3, 1.5, 0.5, 0, -14, 0.1}};
+    static double density[17] = {0,     1,     4,     2,     1, 0.5, 0.25, 0.25, 0.125,
+                                 0.125, 0.125, 0.125, 0.125, 1, 1,   1,    1};
+    saltus_spectra spectra = {.count = 1,
+                              .periods = lines ? 2 : 0,
+                              .per_period = 16,
+                              .spectra = {{.kind = lines ? SALTUS_SPECTRUM_LINES : SALTUS_SPECTRUM_WELCH,
+                                           .per_period = 16,
+                                           .bins = 17,
+                                           .resolution = 0.5,
+                                           .density = density,
+                                           .orbits = lines,
+                                           .periods = lines ? 2 : 0,
+                                           .lines = list,
+                                           .line_count = lines ? 3 : 0,
+                                           .low = 0.5,
+                                           .high = 2,
+                                           .confidence = 0.95,
+                                           .between = NAN,
+                                           .trustworthy = 3}}};
+    return spectra;
+}
+
+/* An oscillator, two masses or a pipe, with a stop on both sides of what is observed. */
+static saltus_system *structure_of(int kind) {
+    saltus_spec spec = kind == 2 ? pipe_spec(2, 20) : oscillator_spec(0.125, 1.75, 1.5, 0.625);
+    if (kind == 1)
+        set_parameter(&spec, "N", 2);
+    add_stop(&spec, 0.033, 0.75, SALTUS_BOTH);
+    return build(&spec);
+}
+
+static const figure_mark *heading_of(const figure_panel *panel, int p) {
+    char letter[32];
+    snprintf(letter, sizeof letter, "{/:Bold (%c)}  ", 'a' + p);
+    const figure_mark *heading = figure_mark_of(panel, 'l', letter, 0);
+    assert_non_null(heading);
+    return heading;
+}
+
+static const figure_panel *map_of(const figure *f) {
+    for (int p = 0; p < f->panel_count; p++)
+        if (figure_element_of(&f->panel[p], "$impact_map", 0))
+            return &f->panel[p];
+    fail_msg("no impact map");
+    return NULL;
+}
+
+/* A grid of two rows, or one for two panels; with an odd number of panels the history has two places. */
+static void check_grid(const figure *f, const part *there) {
+    int count = f->panel_count, columns = count > 4 ? 3 : 2, cell = 0;
+    double edge[parts][4], width = 0, gap = 0, height = 0;
+    for (int p = 0; p < count; p++) {
+        memcpy(edge[p], f->panel[p].frame, sizeof edge[p]);
+        edge[p][1] += there[p] == structure && strstr(part_words[structure], "pipe") ? 0.05 : 0;
+        edge[p][3] += there[p] == convergence ? 0.052 : 0;
+    }
+    for (int p = 0; p + 1 < count; p++)
+        if (there[p] != history && there[p + 1] != history && edge[p + 1][0] > edge[p][1]) {
+            gap = edge[p + 1][0] - edge[p][1];
+            width = edge[p][1] - edge[p][0];
+        }
+    for (int p = 0; p < count; p++) {
+        const double *own = edge[p];
+        int row = cell / columns, column = cell % columns;
+        bool wide = there[p] == history && count % 2 == 1;
+        cell += 1 + wide;
+        check_near(own[0], column == 0 ? edge[0][0] : edge[p - 1][1] + gap,
+                   gap > 0 || column == 0 ? 1e-5 : 1);
+        check_near(own[2], row == 0 ? edge[0][2] : edge[count - 1][2], 1e-5);
+        check_near(own[3], row == 0 ? edge[0][3] : edge[count - 1][3], 1e-5);
+        if (width > 0)
+            check_near(own[1] - own[0], wide ? 2 * width + gap : width, 1e-5);
+        if (p + 1 == count || cell % columns == 0)
+            assert_true(own[1] > 0.95 && own[1] < 0.985);
+        height += own[3] - own[2];
+    }
+    assert_int_equal(cell % columns, 0);
+    check_near(height / count, edge[0][3] - edge[0][2], 1e-5);
+    assert_true(edge[0][0] > 0.06 && edge[0][0] < 0.1 && edge[count - 1][2] > 0.06 &&
+                edge[count - 1][2] < 0.1);
+    assert_true((edge[0][2] > edge[count - 1][3] + 0.1) == (count > 2) && edge[0][3] > 0.7);
+}
+
+/* What a panel sets holds in it alone. */
+static void check_apart(const figure *f, const part *there) {
+    for (int p = 0; p < f->panel_count; p++) {
+        const figure_panel *panel = &f->panel[p];
+        int pages = 0, own = 0, objects = 0, arrows = 0;
+        bool stops = there[p] == portrait || there[p] == history,
+             pipe = strstr(part_words[structure], "pipe");
+        for (int k = 0; k < panel->mark_count; k++) {
+            const figure_mark *mark = &panel->mark[k];
+            bool heading = strstr(mark->text, "{/:Bold (") != NULL;
+            own += mark->kind == 'l' && (heading || mark->system[0][0] != 's' || mark->system[0][1] != 's');
+            pages += mark->kind == 'l' && !heading && mark->system[0][0] == 's' && mark->system[0][1] == 's';
+            objects += mark->kind == 'o';
+            arrows += mark->kind == 'a';
+        }
+        assert_true((pages > 0) == (p == 0));
+        /* Beside headings: the times of the shapes and the frequency up to which a spectrum is to be trusted.
+         */
+        assert_int_equal(own, 1 + ((there[p] == structure && pipe) || there[p] == spectrum));
+        assert_int_equal(objects, stops || (there[p] == structure && pipe)
+                                      ? 2
+                                      : there[p] == spectrum || there[p] == circle);
+        assert_int_equal(arrows, stops ? 2 : there[p] == spectrum || there[p] == convergence);
+        assert_true(panel->logarithmic[0] == (there[p] == convergence) && !panel->logarithmic[1]);
+        assert_true(panel->parametric == (there[p] == structure && !pipe));
+        assert_true(panel->key == (there[p] == map || there[p] == convergence));
+        assert_true(panel->label[0][0] && panel->label[1][0] && !panel->label[2][0]);
+        if (panel->format[1][0])
+            assert_string_equal(panel->format[1], "% h");
+    }
+}
+
+/* Everything that there is has its panel, once, in one order; the structure's has the room that is left. */
+static void a_page_has_all_there_is(void **state) {
+    (void)state;
+    static made_up m;
+    for (int kind = 0; kind < 3; kind++) {
+        saltus_system *system = structure_of(kind);
+        int few = kind == 2 ? 1 : 2; /* multipliers, or estimates of the exponent */
+        part_words[structure] = kind == 2 ? "shapes of the pipe" : "both masses";
+        for (int k = 0; k < 16; k++) {
+            bool settled = k & 1, struck = k & 2, moving = k & 4, more = k & 8;
+            saltus_spectra spectra = made_spectra(settled);
+            saltus_motion motion = settled ? orbit_of(1) : irregular();
+            motion.multiplier_count = more && settled ? few : 0;
+            motion.lyapunov = motion.lyapunov_error = 0.5625;
+            /* An orbit's exponent is that of its multipliers; a history of it is not drawn. */
+            motion.evidence.history = estimates;
+            motion.evidence.history_count = more || settled ? few : 0;
+            make_record(&m, system, settled ? 1 : 3, two_impacts, struck ? 2 : 0);
+            if (!moving)
+                spectra.spectra[0] = (saltus_spectrum){.kind = SALTUS_SPECTRUM_CONSTANT};
+            const saltus_diagnosis diagnosis = {.motion = &motion, .record = &m.record, .spectra = &spectra};
+            const bool want[parts] = {true,
+                                      true,
+                                      !settled,
+                                      struck,
+                                      kind > 0 && 2 + !settled + struck + moving + more < 6,
+                                      moving,
+                                      more && !settled,
+                                      more && settled};
+            part there[parts];
+            int count = 0;
+            part_words[history] = settled ? "one orbit" : "time history";
+            for (int p = 0; p < parts; p++)
+                if (want[p])
+                    there[count++] = (part)p;
+            if (count == 3) {
+                there[1] = there[2];
+                there[2] = history;
+            }
+            figure f = draw(system, &diagnosis);
+            assert_int_equal(f.panel_count, count);
+            for (int p = 0; p < count; p++)
+                assert_non_null(strstr(heading_of(&f.panel[p], p)->text, part_words[there[p]]));
+            check_grid(&f, there);
+            check_apart(&f, there);
+            figure_free(&f);
+        }
+        saltus_system_free(system);
+    }
+}
+
+/* Tics stand as close as their numbers' room lets round distances be: between a 23rd and a 7th of the page
+ * apart. */
+static void tics_leave_room_for_their_numbers(void **state) {
+    (void)state;
+    static made_up m;
+    saltus_system *system = between_stops(0.5);
+    for (int k = 0; k < 12; k++) {
+        saltus_motion motion = k % 3 == 2 ? orbit_of(1) : irregular();
+        motion.multiplier_count = k % 3 == 2 ? 2 : 0;
+        make_record(&m, system, 3, two_impacts, k % 2 ? 2 : 0);
+        for (long long row = 0; row < m.record.samples; row++)
+            m.displacement[row] *= 1 + 0.37 * k;
+        const saltus_diagnosis diagnosis = {.motion = &motion, .record = &m.record};
+        figure f = draw(system, &diagnosis);
+        for (int p = 0; p < f.panel_count; p++) {
+            const figure_panel *panel = &f.panel[p];
+            double width = (panel->frame[1] - panel->frame[0]) / (panel->range[0][1] - panel->range[0][0]);
+            assert_true(panel->tic[0] * width > 1 / 23.0 && panel->tic[0] * width < 1 / 7.0);
+        }
+        figure_free(&f);
+    }
+    saltus_system_free(system);
+}
+
+/* What is said to be drawn is: the heading of the history names dots and bars where there are any. */
+static void the_history_says_what_it_shows(void **state) {
+    (void)state;
+    static made_up m;
+    static const happening lists[][2] = {{{0.4, SALTUS_RELEASE, 0}, {0.6, SALTUS_RELEASE, 1}},
+                                         {{0.3, SALTUS_STICK, 0}, {0.6, SALTUS_RELEASE, 0}},
+                                         {{0.3, SALTUS_IMPACT, 0}, {0.6, SALTUS_IMPACT, 1}}};
+    static const char *const words[2][4] = {
+        {"time history; bars: contact", "time history; dots: impacts, bars: contact",
+         "time history; dots: impacts", "time history"},
+        {"time history; bars: contact", "one orbit; dots: impacts, bar: contact", "one orbit; dots: impacts",
+         "one orbit"}};
+    saltus_system *system = between_stops(0.033);
+    for (int k = 0; k < 8; k++) {
+        bool settled = k & 1;
+        saltus_motion motion = settled ? orbit_of(1) : irregular();
+        make_record(&m, system, 1, lists[k / 2 % 3], k / 2 < 3 ? 2 : 0);
+        const saltus_diagnosis diagnosis = {.motion = &motion, .record = &m.record};
+        figure f = draw(system, &diagnosis);
+        const figure_panel *panel = figure_panel_of(&f, words[settled][k / 2]);
+        char heading[200];
+        snprintf(heading, sizeof heading, "  %s", words[settled][k / 2]);
+        int own = (int)(panel - f.panel);
+        const char *said = heading_of(panel, own)->text;
+        assert_string_equal(said + strlen(said) - strlen(heading), heading);
+        assert_true((figure_element_of(panel, "$impacts", 0) != NULL) == (strstr(said, "dots") != NULL));
+        assert_true((figure_element_of(panel, "$contacts", 0) != NULL) == (strstr(said, "bar") != NULL));
+        figure_free(&f);
+    }
+    saltus_system_free(system);
+}
+
+enum { many = 20050 };
+
+/* A trajectory without rows of interest and a section with many events. */
+static saltus_record record_of_events(made_up *m, saltus_event *events, long long *rows, double *time,
+                                      long long count) {
+    saltus_record r = m->record;
+    for (long long k = 0; k < count; k++) {
+        double own = (double)k / 64;
+        events[k] = (saltus_event){.kind = SALTUS_IMPACT,
+                                   .face = k % 3 == 2,
+                                   .time = {k / 64, own - floor(own)},
+                                   .velocity_before = (k % 3 == 2 ? -1 : 1) * (0.25 + 0.5 * (double)(k % 7))};
+        time[k] = own;
+        rows[k] = k;
+    }
+    r.time = time;
+    r.samples = count;
+    r.events = events;
+    r.event_rows = rows;
+    r.event_count = count;
+    return r;
+}
+
+/* Marks of the impact map are the smaller the more there are, beyond twenty thousand the first ones alone;
+ * the heading says over how many periods they are. */
+static void marks_get_smaller_as_they_become_more(void **state) {
+    (void)state;
+    static made_up m;
+    static saltus_event events[many];
+    static long long rows[many];
+    static double time[many];
+    static const struct {
+        long long count;
+        double size;
+        const char *heading;
+    } cases[] = {{60, 1.3, "impacts of 0.921875 "},   {61, 0.8, "impacts of 0.9375 "},
+                 {400, 0.8, "impacts of 6.23438 "},   {401, 0.5, "impacts of 6.25 "},
+                 {20000, 0.5, "impacts of 312.484 "}, {20001, 0.5, "impacts of 312.5 "}};
+    saltus_system *system = between_stops(0.033);
+    saltus_motion motion = irregular();
+    make_record(&m, system, 1, NULL, 0);
+    for (int k = 0; k < 6; k++) {
+        saltus_record lasting = record_of_events(&m, events, rows, time, cases[k].count);
+        const saltus_diagnosis diagnosis = {.motion = &motion, .record = &m.record, .section = &lasting};
+        figure f = draw(system, &diagnosis);
+        const figure_panel *panel = figure_panel_of(&f, cases[k].heading);
+        int shown = 0;
+        for (int face = 0; face < 2; face++) {
+            const figure_element *e = &panel->element[face];
+            assert_true(strstr(e->style, " ps ") &&
+                        strtod(strstr(e->style, " ps ") + 4, NULL) == cases[k].size);
+            assert_true((strstr(e->style, "'#60") != NULL) == (cases[k].count > 400));
+            shown += e->values.count;
+        }
+        assert_int_equal(shown, cases[k].count < 20000 ? cases[k].count : 20000);
+        figure_free(&f);
+    }
+    saltus_system_free(system);
+}
+
+/* Speeds over more than three decades are on a logarithmic axis. What is no impact, and an impact without
+ * speed, neither widens it nor makes it one; a linear axis holds zero and little besides. */
+static void speeds_choose_their_axis(void **state) {
+    (void)state;
+    static made_up m;
+    static const happening list[] = {{0.1, SALTUS_IMPACT, 0},
+                                     {0.3, SALTUS_STICK, 1},
+                                     {0.5, SALTUS_RELEASE, 1},
+                                     {0.6, SALTUS_IMPACT, 0},
+                                     {0.8, SALTUS_IMPACT, 1}};
+    saltus_system *system = between_stops(0.033);
+    saltus_motion motion = orbit_of(1);
+    const saltus_diagnosis diagnosis = {.motion = &motion, .record = &m.record};
+    for (int k = 0; k < 4; k++) {
+        double fast = k == 3 ? -2 : 2, slow = k % 2 ? fast / 990 : -fast / 1010;
+        make_record(&m, system, 1, list, 5);
+        m.events[0].velocity_before = fast;
+        m.events[1].velocity_before = 0;
+        m.events[2].velocity_before = k < 2 ? 1e9 : 1e-9;
+        m.events[3].velocity_before = m.events[4].velocity_before = slow;
+        figure f = draw(system, &diagnosis);
+        const figure_panel *panel = map_of(&f);
+        const double *range = panel->range[1];
+        assert_true(panel->logarithmic[1] == (k % 2 == 0));
+        assert_string_equal(panel->format[1], k % 2 ? "% h" : "10^{%T}");
+        if (k % 2 == 0) {
+            figure_near(range[0], fabs(slow) / 3, 1e-6);
+            figure_near(range[1], 3 * fabs(fast), 1e-6);
+        } else {
+            check_near(range[0], fmin(fast, 0) - 0.16, 1e-6);
+            check_near(range[1], fmax(fast, 0) + 0.16, 1e-6);
+        }
+        figure_free(&f);
+    }
+    saltus_system_free(system);
+}
+
+/* Marks of one stop are of one colour, of several of several. A single face needs no legend. */
+static void stops_have_their_colours(void **state) {
+    (void)state;
+    static made_up m;
+    static const happening list[] = {{0.2, SALTUS_IMPACT, 0}, {0.7, SALTUS_IMPACT, 0}};
+    for (int stops = 1; stops <= SALTUS_STOPS_MAX; stops++) {
+        saltus_spec spec = oscillator_spec(0.125, 1.75, 1.5, 0.625);
+        set_parameter(&spec, "N", 2);
+        for (int s = 0; s < stops; s++)
+            add_stop(&spec, 0.5 + 0.1 * s, 0.75, stops > 1 ? SALTUS_BOTH : SALTUS_LOWER);
+        saltus_system *system = build(&spec);
+        saltus_motion motion = orbit_of(1);
+        make_record(&m, system, 1, list, 2);
+        const saltus_diagnosis diagnosis = {.motion = &motion, .record = &m.record};
+        figure f = draw(system, &diagnosis);
+        const figure_panel *panel = map_of(&f);
+        assert_int_equal(panel->element_count, saltus_system_face_count(system));
+        assert_true(panel->key == (stops > 1));
+        for (int a = 0; a < panel->element_count; a++)
+            for (int b = 0; b < a; b++)
+                assert_true(
+                    (figure_colour(panel->element[a].style) == figure_colour(panel->element[b].style)) ==
+                    (saltus_system_face(system, a).stop == saltus_system_face(system, b).stop));
+        figure_free(&f);
+        saltus_system_free(system);
+    }
+}
+
+/* Multipliers have 15 percent of room about them and about the unit circle, whichever reaches farther. */
+static void the_circle_has_room_about_it(void **state) {
+    (void)state;
+    static made_up m;
+    static const double reach[][2] = {{0.5, 0.1}, {1.3, 0.2}, {-4, 0}, {0.2, 2.5}, {0.1, -7}, {1, 0.99}};
+    saltus_system *system = between_stops(0.033);
+    for (int k = 0; k < 12; k++) {
+        saltus_multiplier one = {reach[k / 2][0], reach[k / 2][1], 0};
+        saltus_motion motion = orbit_of(1);
+        motion.multipliers = &one;
+        motion.multiplier_count = 1;
+        make_record(&m, system, 1, two_impacts, k % 2 ? 2 : 0);
+        const saltus_diagnosis diagnosis = {.motion = &motion, .record = &m.record};
+        figure f = draw(system, &diagnosis);
+        const figure_panel *panel = figure_panel_of(&f, "Floquet multipliers");
+        double filled =
+            fmax(fmax(1, fabs(one.re)) / panel->range[0][1], fmax(1, fabs(one.im)) / panel->range[1][1]);
+        check_near(filled, 1 / 1.15, 1e-4);
+        figure_free(&f);
+    }
+    saltus_system_free(system);
+}
+
+/* Shapes of a motion without a period are those of its first two periods, sixteen at equal distances, in
+ * colours that a bar beside the panel explains. */
+static void shapes_are_spread_over_two_periods(void **state) {
+    (void)state;
+    static made_up m;
+    saltus_system *system = structure_of(2);
+    for (int periods = 1; periods <= 3; periods++) {
+        saltus_motion motion = irregular();
+        double shown = periods < 2 ? periods : 2;
+        make_record(&m, system, periods, NULL, 0);
+        const saltus_diagnosis diagnosis = {.motion = &motion, .record = &m.record};
+        figure f = draw(system, &diagnosis);
+        const figure_panel *panel = figure_panel_of(&f, "shapes of the pipe");
+        const figure_element *lines = figure_element_of(panel, "$shapes", 0);
+        int places = figure_element_of(panel, "$envelope", 0)->values.count;
+        assert_int_equal(lines->values.count, 16 * places);
+        for (int k = 0; k < lines->values.count; k++) {
+            double wanted = shown * (k / places) / 16;
+            assert_true(lines->values.at[k][2] > wanted - 1e-6 &&
+                        lines->values.at[k][2] < wanted + 1.0 / per_period);
+        }
+        double range[2], tic, at[2], size[2];
+        assert_int_equal(
+            sscanf(figure_command(&f, "set cbrange", 0), "set cbrange [%lf:%lf]", &range[0], &range[1]), 2);
+        assert_true(range[0] == 0 && range[1] == shown);
+        assert_int_equal(sscanf(figure_command(&f, "set cbtics", 0), "set cbtics %lf", &tic), 1);
+        assert_true(shown / tic >= 2 && shown / tic <= 5);
+        assert_int_equal(sscanf(figure_command(&f, "set colorbox", 0),
+                                "set colorbox user origin screen %lf,%lf size %lf,%lf", &at[0], &at[1],
+                                &size[0], &size[1]),
+                         4);
+        assert_true(at[0] > panel->frame[1] && at[0] + size[0] < panel->frame[1] + 0.05);
+        check_near(at[1], panel->frame[2], 1e-5);
+        check_near(size[1], panel->frame[3] - panel->frame[2], 1e-5);
+        const figure_mark *bar = figure_mark_of(panel, 'l', "{/:Italic τ}/{/:Italic T}", 0);
+        assert_non_null(bar);
+        check_near(bar->place[0][0], at[0], 1e-5);
+        figure_free(&f);
+    }
+    saltus_system_free(system);
+}
+
+/* A stop within the shapes' width of them is a whole block, with its tip in the middle; one farther away is
+ * not there, and takes no room. */
+static void blocks_are_shown_where_they_are_near(void **state) {
+    (void)state;
+    static made_up m;
+    double low = 0, high = 0;
+    for (int k = 0; k < 5; k++) {
+        double width = high - low, d = k == 0  ? 9
+                                       : k < 3 ? high + (k == 1 ? 0.95 : 1.05) * width
+                                               : -low + (k == 3 ? 0.95 : 1.05) * width;
+        saltus_spec spec = pipe_spec(2, 20);
+        add_stop(&spec, d, 0.75, k < 3 ? SALTUS_UPPER : SALTUS_LOWER);
+        spec.stops[0].xi = 0.375;
+        saltus_system *system = build(&spec);
+        saltus_motion motion = orbit_of(1);
+        make_record(&m, system, 1, NULL, 0);
+        const saltus_diagnosis diagnosis = {.motion = &motion, .record = &m.record};
+        figure f = draw(system, &diagnosis);
+        const figure_panel *panel = figure_panel_of(&f, "shapes of the pipe");
+        const figure_element *swept = figure_element_of(panel, "$envelope", 0);
+        for (int j = 0; j < swept->values.count; j++) {
+            low = fmin(low, swept->values.at[j][1]);
+            high = fmax(high, swept->values.at[j][2]);
+        }
+        const figure_mark *block = figure_mark_of(panel, 'o', "polygon", 0);
+        assert_true((block != NULL) == (k % 2 == 1));
+        if (!block)
+            check_near(panel->range[1][1] - panel->range[1][0], 1.1 * (high - low), 1e-4 * (high - low));
+        if (block) {
+            double corner[3][2], last[2];
+            assert_int_equal(sscanf(strstr(block->text, "from "),
+                                    "from %lf,%lf to %lf,%lf to %lf,%lf to %lf,%lf", &corner[0][0],
+                                    &corner[0][1], &corner[1][0], &corner[1][1], &corner[2][0], &corner[2][1],
+                                    &last[0], &last[1]),
+                             8);
+            assert_true(last[0] == corner[0][0] && last[1] == corner[0][1] && corner[0][0] == 0.375);
+            assert_true(corner[1][1] == corner[2][1] && corner[1][0] > 0.375);
+            check_near(corner[1][0] + corner[2][0], 0.75, 1e-9);
+            assert_true(corner[1][1] > panel->range[1][0] && corner[1][1] < panel->range[1][1]);
+            assert_true(fabs(corner[1][1] - corner[0][1]) > 0.05 * (panel->range[1][1] - panel->range[1][0]));
+        }
+        figure_free(&f);
+        saltus_system_free(system);
+    }
+}
+
+/* Long numbers of small exponents get room at the left. */
+static void small_exponents_have_room_for_their_digits(void **state) {
+    (void)state;
+    static made_up m;
+    static const double sizes[][2] = {{5e-4, 3e-4}, {-5e-4, 3e-4}, {5e-4, 6e-4}, {-5e-4, 6e-4}, {-2, 0.1}};
+    saltus_system *system = between_stops(0.033);
+    double left[5];
+    for (int k = 0; k < 5; k++) {
+        saltus_motion motion = irregular();
+        saltus_lyapunov_progress list[2] = {{10, sizes[k][0], sizes[k][1]},
+                                            {20, sizes[k][0] / 2, sizes[k][1] / 2}};
+        motion.lyapunov = sizes[k][0];
+        motion.lyapunov_error = sizes[k][1];
+        motion.evidence.history = list;
+        motion.evidence.history_count = 2;
+        make_record(&m, system, 1, NULL, 0);
+        const saltus_diagnosis diagnosis = {.motion = &motion, .record = &m.record};
+        figure f = draw(system, &diagnosis);
+        left[k] = figure_panel_of(&f, "convergence")->frame[0];
+        figure_free(&f);
+    }
+    assert_true(left[0] == left[1] && left[0] > left[2] + 0.01 && left[2] == left[3] && left[3] == left[4]);
+    saltus_system_free(system);
+}
+
+/* Where a stop's line crosses the picture of both masses it does so from edge to edge, whatever the stop's
+ * coordinate and wherever the masses are; the picture is of the motion with a little room about it. */
+static void a_stop_crosses_the_picture_of_both_masses(void **state) {
+    (void)state;
+    static made_up m;
+    static const double weights[][2] = {{1, 0}, {0, 1}, {1, -1}, {1, 0.002}, {-0.002, 1}, {3, 4}};
+    static const double middles[][2] = {{0.1, 0.2}, {10, 0}, {-10, 0}, {0, 10}, {0, -10}, {-7, 7}};
+    for (int k = 0; k < 36; k++) {
+        const double *w = weights[k % 6], *middle = middles[k / 6];
+        double d = w[0] * middle[0] + w[1] * middle[1], low[2], high[2];
+        saltus_spec spec = oscillator_spec(0.125, 1.75, 1.5, 0.625);
+        set_parameter(&spec, "N", 2);
+        add_stop(&spec, fmax(fabs(d), 0.001), 0.75, d < 0 ? SALTUS_LOWER : SALTUS_UPPER);
+        memcpy(spec.stops[0].weight, w, sizeof spec.stops[0].weight);
+        saltus_system *system = build(&spec);
+        saltus_motion motion = orbit_of(1);
+        make_record(&m, system, 1, NULL, 0);
+        for (int i = 0; i < 2; i++) {
+            low[i] = INFINITY;
+            high[i] = -INFINITY;
+            for (long long row = 0; row < m.record.samples; row++) {
+                double *x = &m.states[4 * row + i];
+                *x = middle[i] + 10 * *x;
+                low[i] = fmin(low[i], *x);
+                high[i] = fmax(high[i], *x);
+            }
+        }
+        const saltus_diagnosis diagnosis = {.motion = &motion, .record = &m.record};
+        figure f = draw(system, &diagnosis);
+        const figure_panel *panel = figure_panel_of(&f, "both masses");
+        double from = -INFINITY, to = INFINITY;
+        for (int i = 0; i < 2; i++) {
+            figure_sum sum = {.at = panel->element[i].text, .t = 0},
+                       end = {.at = panel->element[i].text, .t = 1};
+            double foot = figure_choice(&sum), slope = figure_choice(&end) - foot;
+            const double *range = panel->range[i];
+            check_near(range[0], low[i] - 0.08 * (high[i] - low[i]), 1e-6);
+            check_near(range[1], high[i] + 0.08 * (high[i] - low[i]), 1e-6);
+            if (fabs(slope) > 1e-12) {
+                double a = (range[0] - foot) / slope, b = (range[1] - foot) / slope;
+                from = fmax(from, fmin(a, b));
+                to = fmin(to, fmax(a, b));
+            }
+        }
+        assert_true(from < to && from >= -1 && to <= 1);
+        figure_free(&f);
+        saltus_system_free(system);
+    }
+}
+
+/* The kept script is that which was drawn, and says where its picture goes, whatever that is called; the
+ * record beside it is the one shown. */
+static void the_script_kept_is_the_one_drawn(void **state) {
+    (void)state;
+    static made_up m;
+    static const char *const names[][2] = {{"it's.svg", "set output 'it''s.svg'\n"},
+                                           {"''.pdf", "set output '''''.pdf'\n"},
+                                           {"plain.png", "set output 'plain.png'\n"}};
+    saltus_system *system = between_stops(0.033);
+    saltus_motion motion = orbit_of(1);
+    saltus_flow_options options = saltus_flow_defaults();
+    saltus_scene scene = scene_of(system);
+    make_record(&m, system, 2, two_impacts, 2);
+    const saltus_diagnosis diagnosis = {.motion = &motion, .record = &m.record};
+    for (int k = 0; k < 3; k++) {
+        saltus_message message = {""};
+        char picture[path_size], data[path_size], path[path_size];
+        size_t length, other;
+        check_ok(saltus_write_sheet(&scene, system, &diagnosis, &options, path_in(names[k][0], picture),
+                                    path_in("d.x.h5", data), &message),
+                 &message);
+        char *kept = read_all(path_in("d.x.gp", path), &length),
+             *drawn = read_all(path_in("script", path), &other), *at = strstr(kept, names[k][1]);
+        size_t own = strlen(names[k][1]);
+        assert_true(at && length == other + own && !strstr(drawn, "set output"));
+        assert_true(strstr(kept, "set terminal") < at && at[-1] == '\n');
+        assert_memory_equal(kept, drawn, (size_t)(at - kept));
+        assert_string_equal(at + own, drawn + (at - kept));
+        free(kept);
+        free(drawn);
+        assert_int_equal(access(picture, F_OK), 0);
+        remove(picture);
+    }
+    saltus_system_free(system);
+}
+
+/* What cannot be a page is refused, with nothing left behind. */
+static void what_is_no_page_is_refused(void **state) {
+    (void)state;
+    static made_up m, other, one;
+    saltus_system *system = between_stops(0.033), *masses = structure_of(1);
+    saltus_motion motion = irregular();
+    saltus_flow_options options = saltus_flow_defaults();
+    saltus_scene scene = scene_of(system);
+    make_record(&m, system, 2, two_impacts, 2);
+    make_record(&other, masses, 2, NULL, 0);
+    make_record(&one, system, 2, NULL, 0);
+    one.record.samples = 1;
+    const struct {
+        const saltus_record *record, *section;
+        const char *picture, *data, *words;
+    } cases[] = {{&m.record, &m.record, "s.svg", "d.h5", NULL},
+                 {&m.record, NULL, "s.jpg", NULL, "s.jpg: the ending must be .png, .pdf or .svg"},
+                 {&m.record, NULL, "s.svg", "d.csv", "d.csv: the ending must be .h5"},
+                 {&one.record, NULL, "s.svg", NULL, "the record does not belong to the system"},
+                 {&other.record, NULL, "s.svg", NULL, "the record does not belong to the system"},
+                 {&m.record, &other.record, "s.svg", NULL, "the record does not belong to the system"}};
+    for (int k = 0; k < 6; k++) {
+        saltus_message message = {""};
+        char picture[path_size], data[path_size];
+        const saltus_diagnosis diagnosis = {
+            .motion = &motion, .record = cases[k].record, .section = cases[k].section};
+        saltus_status status =
+            saltus_write_sheet(&scene, system, &diagnosis, &options, path_in(cases[k].picture, picture),
+                               cases[k].data ? path_in(cases[k].data, data) : NULL, &message);
+        assert_int_equal(status, cases[k].words ? SALTUS_BAD_INPUT : SALTUS_OK);
+        assert_true(!cases[k].words || strstr(message.text, cases[k].words));
+        assert_int_equal(access(picture, F_OK) == 0, !cases[k].words);
+        if (cases[k].data)
+            assert_int_equal(access(data, F_OK) == 0, !cases[k].words);
+        remove(picture);
+    }
+    saltus_system_free(system);
+    saltus_system_free(masses);
+}
+
+/* An orbit has no use for a long record, and a first quantity that does not move is no spectrum. */
+static void an_orbit_is_shown_by_itself(void **state) {
+    (void)state;
+    static made_up m, lasting;
+    saltus_system *system = between_stops(0.033);
+    saltus_motion motion = orbit_of(1);
+    saltus_spectra spectra = made_spectra(true);
+    make_record(&m, system, 1, two_impacts, 2);
+    make_record(&lasting, system, 5, two_impacts, 5);
+    spectra.spectra[1] = spectra.spectra[0];
+    const saltus_diagnosis diagnosis = {
+        .motion = &motion, .record = &m.record, .section = &lasting.record, .spectra = &spectra};
+    for (int k = 0; k < 3; k++) {
+        spectra.count = k == 2 ? 0 : 2;
+        spectra.spectra[0].kind = k == 1 ? SALTUS_SPECTRUM_CONSTANT : SALTUS_SPECTRUM_LINES;
+        figure f = draw(system, &diagnosis);
+        assert_int_equal(f.panel_count, k == 0 ? 5 : 4);
+        assert_true((figure_find(&f, "$low1") != NULL) == (k == 0));
+        const figure_panel *panel = map_of(&f);
+        int shown = 0;
+        for (int e = 0; e < panel->element_count; e++)
+            shown += panel->element[e].values.count;
+        assert_int_equal(shown, 2);
+        figure_free(&f);
+    }
+    saltus_system_free(system);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_page_has_all_there_is),
+        cmocka_unit_test(tics_leave_room_for_their_numbers),
+        cmocka_unit_test(the_history_says_what_it_shows),
+        cmocka_unit_test(marks_get_smaller_as_they_become_more),
+        cmocka_unit_test(speeds_choose_their_axis),
+        cmocka_unit_test(stops_have_their_colours),
+        cmocka_unit_test(the_circle_has_room_about_it),
+        cmocka_unit_test(shapes_are_spread_over_two_periods),
+        cmocka_unit_test(blocks_are_shown_where_they_are_near),
+        cmocka_unit_test(a_stop_crosses_the_picture_of_both_masses),
+        cmocka_unit_test(the_script_kept_is_the_one_drawn),
+        cmocka_unit_test(what_is_no_page_is_refused),
+        cmocka_unit_test(an_orbit_is_shown_by_itself),
+        cmocka_unit_test(small_exponents_have_room_for_their_digits),
+    };
+    return cmocka_run_group_tests(tests, open_folder, close_folder);
+}
