@@ -25,11 +25,11 @@ bool saltus_view_is_cloud(saltus_view view) {
 }
 
 double saltus_sweep_measure(saltus_view view, const saltus_sweep_row *row) {
-    if (row->verdict == SALTUS_ROW_PENDING || row->verdict == SALTUS_ROW_FAILED)
+    if (row->verdict == SALTUS_PENDING || row->verdict == SALTUS_FAILED)
         return NAN;
     switch (view) {
     case SALTUS_VIEW_CLASS:
-        return row->verdict == SALTUS_ROW_PERIODIC ? row->periods : NAN;
+        return row->verdict == SALTUS_PERIODIC ? row->periods : NAN;
     case SALTUS_VIEW_LARGEST:
         return row->largest;
     case SALTUS_VIEW_SPEED:
@@ -41,7 +41,7 @@ double saltus_sweep_measure(saltus_view view, const saltus_sweep_row *row) {
     case SALTUS_VIEW_LYAPUNOV:
         return row->lyapunov;
     case SALTUS_VIEW_SETTLED:
-        return saltus_sweep_settled(row) ? (double)row->settled : NAN;
+        return saltus_verdict_settled(row->verdict) ? (double)row->settled : NAN;
     default:
         return NAN;
     }
@@ -57,7 +57,7 @@ long long saltus_sweep_visit(const saltus_sweep_file *sweep, long long point, in
 }
 
 static bool is_pending(const saltus_sweep_page *page, long long point, int k) {
-    return page->sweep->rows[saltus_sweep_visit(page->sweep, point, k)].verdict == SALTUS_ROW_PENDING;
+    return page->sweep->rows[saltus_sweep_visit(page->sweep, point, k)].verdict == SALTUS_PENDING;
 }
 
 int saltus_sweep_class_at(const saltus_sweep_page *page, long long point, bool *several) {

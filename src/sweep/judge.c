@@ -24,8 +24,8 @@ static const double home_again = 3e-6;  /* ... and to which it must come back */
 static const double same_orbit = 1e-3;  /* an orbit of Newton's method this near is the trajectory's own */
 static const double shrinking = 0.98;   /* of recurrences from one look to the next, at most */
 
-static const saltus_judgement goes_on = {SALTUS_ROW_PENDING, 0, 0};
-static const saltus_judgement failed = {SALTUS_ROW_FAILED, 0, 0};
+static const saltus_judgement goes_on = {SALTUS_PENDING, 0, 0};
+static const saltus_judgement failed = {SALTUS_FAILED, 0, 0};
 
 static long long cycle_of(const saltus_trajectory *t) {
     return saltus_flow_time(t->flow, t->lane).cycle;
@@ -92,12 +92,11 @@ static bool is_home(const saltus_trajectory *t, int periods) {
 static saltus_judgement adopt(saltus_trajectory *t, const saltus_motion *motion) {
     if (!saltus_trajectory_continue(t, motion->state))
         return failed;
-    if (motion->kind == SALTUS_HELD || motion->kind == SALTUS_EQUILIBRIUM)
-        return (saltus_judgement){motion->kind == SALTUS_HELD ? SALTUS_ROW_HELD : SALTUS_ROW_EQUILIBRIUM, 0,
-                                  0};
+    if (motion->verdict == SALTUS_HELD || motion->verdict == SALTUS_EQUILIBRIUM)
+        return (saltus_judgement){motion->verdict == SALTUS_HELD ? SALTUS_HELD : SALTUS_EQUILIBRIUM, 0, 0};
     memcpy(t->orbit, motion->section_states,
            (size_t)motion->periods * (size_t)t->sweep->dimension * sizeof *t->orbit);
-    return (saltus_judgement){SALTUS_ROW_PERIODIC, motion->periods, motion->periods};
+    return (saltus_judgement){SALTUS_PERIODIC, motion->periods, motion->periods};
 }
 
 static saltus_classify_options polishing(const saltus_trajectory *t) {
@@ -114,7 +113,7 @@ static saltus_judgement polish(saltus_trajectory *t) {
     saltus_classify_options options = polishing(t);
     saltus_motion motion = {0};
     saltus_status status = saltus_motion_find_period(t->system, t->state, &options, &motion, NULL);
-    bool found = status == SALTUS_OK && saltus_motion_settled(&motion);
+    bool found = status == SALTUS_OK && saltus_verdict_settled(motion.verdict);
     saltus_judgement judgement = found ? adopt(t, &motion) : goes_on;
     t->starved |= status == SALTUS_NO_MEMORY;
     saltus_motion_clear(&motion);
@@ -139,7 +138,7 @@ static bool stable_orbit(saltus_trajectory *t, int periods, saltus_motion *motio
 /* The period is in doubt: the stable orbit of the shortest part of it is the one. */
 static saltus_judgement resolve(saltus_trajectory *t, int periods) {
     saltus_judgement judgement = goes_on;
-    for (int part = 1; part <= periods && judgement.verdict == SALTUS_ROW_PENDING; part++) {
+    for (int part = 1; part <= periods && judgement.verdict == SALTUS_PENDING; part++) {
         saltus_motion motion = {0};
         if (periods % part == 0 && stable_orbit(t, part, &motion))
             judgement = adopt(t, &motion);
@@ -191,7 +190,7 @@ static saltus_judgement ask_doubtful(saltus_trajectory *t, int period) {
 /* A period has been reached to within `approach`, or, after the disturbance, to within what makes it certain:
  * disturb the trajectory, or see whether it has come back. One that has come to another place is disturbed
  * there anew. */
-static saltus_judgement prove(saltus_trajectory *t, int period, saltus_verdict_kind verdict) {
+static saltus_judgement prove(saltus_trajectory *t, int period, saltus_verdict verdict) {
     if (t->disturbed && is_home(t, period))
         return (saltus_judgement){verdict, period, period};
     return disturb(t) ? goes_on : failed;
@@ -206,7 +205,7 @@ static saltus_judgement judge_rest(saltus_trajectory *t) {
     bool doubt, held = saltus_flow_contacts(t->flow, t->lane) != 0;
     saltus_judgement judgement = goes_on;
     if (period_reached(t, &doubt) == 1 && saltus_settling_rests(&t->settling))
-        judgement = prove(t, 1, held ? SALTUS_ROW_HELD : SALTUS_ROW_EQUILIBRIUM);
+        judgement = prove(t, 1, held ? SALTUS_HELD : SALTUS_EQUILIBRIUM);
     judgement.recurs = saltus_settling_candidate(&t->settling);
     return judgement;
 }
@@ -243,7 +242,7 @@ static bool closes_tightly(saltus_trajectory *t, int periods) {
 
 /* What has been proven to return is the trajectory's orbit. */
 static saltus_judgement conclude(saltus_trajectory *t, int period, saltus_judgement judgement) {
-    if (judgement.verdict != SALTUS_ROW_PERIODIC)
+    if (judgement.verdict != SALTUS_PERIODIC)
         return judgement;
     if (saltus_settling_contacts(&t->settling, period) > 0 && !closes_tightly(t, period)) {
         t->disturbed = false;
@@ -261,10 +260,9 @@ saltus_judgement saltus_trajectory_judge(saltus_trajectory *t) {
         period = candidate ? period_reached(t, &doubt) : 0;
     saltus_judgement judgement = goes_on;
     if (period)
-        judgement =
-            doubt ? ask_doubtful(t, period) : conclude(t, period, prove(t, period, SALTUS_ROW_PERIODIC));
+        judgement = doubt ? ask_doubtful(t, period) : conclude(t, period, prove(t, period, SALTUS_PERIODIC));
     follow_trend(t, candidate);
-    if (candidate && judgement.verdict == SALTUS_ROW_PENDING)
+    if (candidate && judgement.verdict == SALTUS_PENDING)
         judgement = ask(t, candidate);
     judgement.recurs = candidate;
     return judgement;

@@ -108,7 +108,7 @@ static saltus_runs runs_of(const saltus_trajectory *t) {
 }
 
 /* The verdict, and the exponent as it is known now. */
-static saltus_course end(saltus_trajectory *t, saltus_verdict_kind verdict, const saltus_runs *runs) {
+static saltus_course end(saltus_trajectory *t, saltus_verdict verdict, const saltus_runs *runs) {
     if (!t->measuring.given)
         saltus_trajectory_settle(t, verdict, 0);
     t->row.lyapunov = runs->lost ? -INFINITY : runs->all.mean;
@@ -187,18 +187,18 @@ static saltus_course weigh(saltus_trajectory *t) {
     if (m->given && (outcome == SALTUS_OUTCOME_REGULAR || runs.enough))
         return end(t, t->row.verdict, &runs);
     if (zero && !forced && runs.enough)
-        return end(t, SALTUS_ROW_UNDECIDED, &runs);
+        return end(t, SALTUS_UNDECIDED, &runs);
     if (zero)
         outcome = forced ? ask_points(t, &runs) : SALTUS_OUTCOME_GOES_ON;
     if (outcome == SALTUS_OUTCOME_CHAOS)
-        return end(t, SALTUS_ROW_CHAOTIC, &runs);
+        return end(t, SALTUS_CHAOTIC, &runs);
     if (outcome == SALTUS_OUTCOME_TORUS)
-        return end(t, SALTUS_ROW_QUASIPERIODIC, &runs);
+        return end(t, SALTUS_QUASIPERIODIC, &runs);
     if (outcome != SALTUS_OUTCOME_REGULAR)
         m->deadline = 0;
     else if (!m->deadline)
         m->deadline = t->stage_end = cycle_of(t) + longest_wait(t, &runs);
-    return run_on(m, at_most(t)) ? SALTUS_COURSE_ON : end(t, SALTUS_ROW_UNDECIDED, &runs);
+    return run_on(m, at_most(t)) ? SALTUS_COURSE_ON : end(t, SALTUS_UNDECIDED, &runs);
 }
 
 saltus_course saltus_measuring_add(saltus_trajectory *t) {
@@ -212,7 +212,7 @@ saltus_course saltus_measuring_add(saltus_trajectory *t) {
         memcpy(m->points + m->count++ * m->growth.n, t->state, (size_t)m->growth.n * sizeof *m->points);
     if (m->deadline && cycle_of(t) >= m->deadline) {
         saltus_runs runs = runs_of(t);
-        return end(t, SALTUS_ROW_UNSETTLED, &runs);
+        return end(t, SALTUS_LONG_PERIOD, &runs);
     }
     return m->samples == m->run_end ? weigh(t) : SALTUS_COURSE_ON;
 }

@@ -157,7 +157,7 @@ typedef struct saltus_trajectory {
 /* judge.c */
 /* What a trajectory has settled on; pending: it goes on. */
 typedef struct saltus_judgement {
-    saltus_verdict_kind verdict;
+    saltus_verdict verdict;
     int periods;
     int recurs; /* the least period that recurs roughly, or 0 */
 } saltus_judgement;
@@ -203,7 +203,7 @@ bool saltus_trajectory_start(saltus_trajectory *trajectory, saltus_flow *flow, i
 /* What follows from an event of its lane; where it goes on, the lane has been aimed again. */
 saltus_course saltus_trajectory_follow(saltus_trajectory *trajectory, const saltus_event *event);
 /* A verdict has been reached, or none will be. */
-void saltus_trajectory_settle(saltus_trajectory *trajectory, saltus_verdict_kind verdict, int periods);
+void saltus_trajectory_settle(saltus_trajectory *trajectory, saltus_verdict verdict, int periods);
 /* There is no system, or no initial state, at its place: a row that has failed. */
 void saltus_trajectory_refuse(saltus_trajectory *trajectory);
 /* The flow gave up. */

@@ -134,7 +134,7 @@ static void forget_clouds(saltus_trajectory *t) {
 
 static void open_row(saltus_trajectory *t) {
     forget_clouds(t);
-    t->row = (saltus_sweep_row){.verdict = SALTUS_ROW_FAILED,
+    t->row = (saltus_sweep_row){.verdict = SALTUS_FAILED,
                                 .largest = NAN,
                                 .smallest = NAN,
                                 .impact_rate = NAN,
@@ -156,7 +156,7 @@ void saltus_trajectory_fail(saltus_trajectory *t) {
         return;
     if (t->row.recorded == 0)
         saltus_trajectory_refuse(t);
-    t->row.verdict = SALTUS_ROW_FAILED;
+    t->row.verdict = SALTUS_FAILED;
     t->row.settled = settled;
     t->row.periods = 0;
 }
@@ -172,7 +172,7 @@ static saltus_status find_start(saltus_trajectory *t, bool carried) {
 
 bool saltus_trajectory_start(saltus_trajectory *t, saltus_flow *flow, int lane) {
     const saltus_sweep_options *o = &t->sweep->options;
-    bool carried = t->place > 0 && t->row.verdict != SALTUS_ROW_FAILED;
+    bool carried = t->place > 0 && t->row.verdict != SALTUS_FAILED;
     t->flow = flow;
     t->lane = lane;
     t->active = NULL;
@@ -200,7 +200,7 @@ bool saltus_trajectory_start(saltus_trajectory *t, saltus_flow *flow, int lane) 
     return true;
 }
 
-void saltus_trajectory_settle(saltus_trajectory *t, saltus_verdict_kind verdict, int periods) {
+void saltus_trajectory_settle(saltus_trajectory *t, saltus_verdict verdict, int periods) {
     t->row.verdict = verdict;
     t->row.periods = periods;
     t->row.settled = cycle_of(t);
@@ -209,7 +209,7 @@ void saltus_trajectory_settle(saltus_trajectory *t, saltus_verdict_kind verdict,
 
 /* The row is filled but for its exponent. */
 static saltus_course end_place(saltus_trajectory *t) {
-    bool settled = saltus_sweep_settled(&t->row);
+    bool settled = saltus_verdict_settled(t->row.verdict);
     if (!measures_growth(t) || (settled && saltus_trajectory_exponent(t)))
         return SALTUS_COURSE_OVER;
     t->measuring.given = settled;
@@ -217,14 +217,14 @@ static saltus_course end_place(saltus_trajectory *t) {
 }
 
 static saltus_course go_around(saltus_trajectory *t, int periods) {
-    saltus_trajectory_settle(t, SALTUS_ROW_PERIODIC, periods);
+    saltus_trajectory_settle(t, SALTUS_PERIODIC, periods);
     t->stage = SALTUS_STAGE_ORBIT;
     begin_watch(t, t->sweep->options.adaptive ? &t->watch : &t->round, periods);
     return SALTUS_COURSE_ON;
 }
 
 /* The verdict is not a period: recorded now, or over where it has been recorded. */
-static saltus_course end_settling(saltus_trajectory *t, saltus_verdict_kind verdict) {
+static saltus_course end_settling(saltus_trajectory *t, saltus_verdict verdict) {
     saltus_trajectory_settle(t, verdict, 0);
     if (!t->sweep->options.adaptive)
         return end_place(t);
@@ -234,9 +234,9 @@ static saltus_course end_settling(saltus_trajectory *t, saltus_verdict_kind verd
 
 /* What it has settled on. */
 static saltus_course heed(saltus_trajectory *t, saltus_judgement judgement) {
-    if (judgement.verdict == SALTUS_ROW_PERIODIC)
+    if (judgement.verdict == SALTUS_PERIODIC)
         return go_around(t, judgement.periods);
-    if (judgement.verdict != SALTUS_ROW_FAILED)
+    if (judgement.verdict != SALTUS_FAILED)
         return end_settling(t, judgement.verdict);
     saltus_trajectory_fail(t);
     return SALTUS_COURSE_OVER;
@@ -247,17 +247,17 @@ static saltus_course settling_on(saltus_trajectory *t) {
     saltus_judgement judgement = saltus_trajectory_judge(t);
     bool hopeless = cycle_of(t) >= t->stage_end || (!t->sweep->options.adaptive && judgement.recurs == 0 &&
                                                     t->settling.count > 2 * t->sweep->options.longest + 6);
-    if (judgement.verdict != SALTUS_ROW_PENDING)
+    if (judgement.verdict != SALTUS_PENDING)
         return heed(t, judgement);
-    return hopeless ? end_settling(t, SALTUS_ROW_UNDECIDED) : SALTUS_COURSE_ON;
+    return hopeless ? end_settling(t, SALTUS_UNDECIDED) : SALTUS_COURSE_ON;
 }
 
 /* The next section point of one that is measured: it may settle yet. */
 static saltus_course measuring_on(saltus_trajectory *t) {
-    saltus_judgement judgement = {.verdict = SALTUS_ROW_PENDING};
+    saltus_judgement judgement = {.verdict = SALTUS_PENDING};
     if (!t->measuring.given)
         judgement = saltus_trajectory_judge(t);
-    return judgement.verdict == SALTUS_ROW_PENDING ? saltus_measuring_add(t) : heed(t, judgement);
+    return judgement.verdict == SALTUS_PENDING ? saltus_measuring_add(t) : heed(t, judgement);
 }
 
 /* Counts of one orbit, when it has been gone around. */
@@ -267,7 +267,7 @@ static void count_orbit(saltus_trajectory *t) {
     t->row.impacts = (int)saltus_lap_impacts(lap);
     t->row.sticking = saltus_lap_sticking(lap);
     if (saltus_lap_held(lap)) {
-        t->row.verdict = SALTUS_ROW_HELD;
+        t->row.verdict = SALTUS_HELD;
         t->row.periods = 0;
     }
 }
