@@ -27,17 +27,13 @@ static const double shrinking = 0.98;   /* of recurrences from one look to the n
 static const saltus_judgement goes_on = {SALTUS_PENDING, 0, 0};
 static const saltus_judgement failed = {SALTUS_FAILED, 0, 0};
 
-static long long cycle_of(const saltus_trajectory *t) {
-    return saltus_flow_time(t->flow, t->lane).cycle;
-}
-
 static bool is_last(const saltus_trajectory *t) {
-    return cycle_of(t) >= t->stage_end;
+    return saltus_trajectory_cycle(t) >= t->stage_end;
 }
 
-void saltus_trajectory_hope(saltus_trajectory *t) {
+void saltus_trajectory_begin_settling(saltus_trajectory *t) {
     t->waited = t->ask_again = 0;
-    t->hoped = 0;
+    t->recurring = 0;
     t->patience = patience_periods;
 }
 
@@ -74,7 +70,7 @@ static bool disturb(saltus_trajectory *t) {
     }
     saltus_sweep_admit(t->system, moved);
     memcpy(t->home, t->state, (size_t)t->sweep->dimension * sizeof *t->home);
-    t->home_cycle = cycle_of(t);
+    t->home_cycle = saltus_trajectory_cycle(t);
     t->disturbed = true;
     return saltus_trajectory_continue(t, moved);
 }
@@ -83,7 +79,7 @@ static bool disturb(saltus_trajectory *t) {
  * same time of the orbit. */
 static bool is_home(const saltus_trajectory *t, int periods) {
     const saltus_settling *s = &t->settling;
-    int back = (int)((cycle_of(t) - t->home_cycle) % periods);
+    int back = (int)((saltus_trajectory_cycle(t) - t->home_cycle) % periods);
     const double *point = s->points + (size_t)((s->count - 1 - back) % s->size) * (size_t)s->n;
     return saltus_system_distance(t->system, point, t->home) < home_again;
 }
@@ -155,14 +151,14 @@ static bool shrinks(saltus_trajectory *t, int candidate) {
 }
 
 static void follow_trend(saltus_trajectory *t, int candidate) {
-    if (candidate != t->hoped) {
+    if (candidate != t->recurring) {
         t->waited = 0;
         t->trend[0] = t->trend[1] = 0;
     } else if (++t->waited % look_periods == 0) {
         t->trend[1] = t->trend[0];
         t->trend[0] = saltus_settling_recurrence(&t->settling, candidate);
     }
-    t->hoped = candidate;
+    t->recurring = candidate;
 }
 
 /* Ask Newton's method, when iteration is slow; more seldom each time. An orbit of very many impacts costs it
@@ -179,11 +175,11 @@ static saltus_judgement ask(saltus_trajectory *t, int candidate) {
 
 /* Ask it when iteration cannot tell the period. */
 static saltus_judgement ask_doubtful(saltus_trajectory *t, int period) {
-    if (!is_last(t) && cycle_of(t) < t->ask_again)
+    if (!is_last(t) && saltus_trajectory_cycle(t) < t->ask_again)
         return goes_on;
     if (saltus_settling_impacts(&t->settling, period) > polish_impacts)
         return goes_on;
-    t->ask_again = cycle_of(t) + patience_per_period * period;
+    t->ask_again = saltus_trajectory_cycle(t) + patience_per_period * period;
     return resolve(t, period);
 }
 
