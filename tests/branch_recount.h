@@ -99,7 +99,7 @@ static inline void recount_multipliers(const saltus_branch_point *p, const saltu
     for (int i = 0; i < p->dimension; i++) {
         double log_modulus = p->multipliers[i].log_modulus;
         unstable += log_modulus > 1e-9;
-        stable = stable && log_modulus < 0;
+        stable = stable && log_modulus < -1e-10;
         sum += isinf(log_modulus) ? 0 : log_modulus;
         assert_true(i == 0 || !(log_modulus > p->multipliers[i - 1].log_modulus));
     }
@@ -186,7 +186,7 @@ static inline void recount_volume(const saltus_branch_point *p) {
                     p->multipliers[i - 1].im >= p->multipliers[i].im);
         zeros |= isinf(log_modulus);
         unstable += log_modulus > 1e-9;
-        stable = stable && log_modulus < 0;
+        stable = stable && log_modulus < -1e-10;
         sum += isinf(log_modulus) ? 0 : log_modulus;
     }
     assert_int_equal(p->unstable, unstable);

@@ -104,10 +104,3 @@ bool saltus_multiplier_pair(const saltus_motion *motion, int k) {
     return k + 1 < motion->multiplier_count && m->im != 0 && fabs(m[1].im + m->im) <= 1e-9 * fabs(m->im) &&
            fabs(m[1].re - m->re) <= 1e-9 * (fabs(m->re) + fabs(m->im));
 }
-
-int saltus_unstable_count(const saltus_multiplier *multipliers, int count) {
-    int unstable = 0;
-    for (int k = 0; k < count; k++)
-        unstable += multipliers[k].log_modulus >= -1e-10;
-    return unstable;
-}

@@ -41,7 +41,5 @@ void saltus_put_stop(FILE *file, const saltus_spec *spec, int stop);
 bool saltus_multiplier_pair(const saltus_motion *motion, int k);
 /* The title, parameters and stops as lines for people. */
 void saltus_put_scene(FILE *file, const saltus_scene *scene, const saltus_system *system);
-/* Multipliers that are not inside the unit circle, by more than their accuracy. */
-int saltus_unstable_count(const saltus_multiplier *multipliers, int count);
 
 #endif

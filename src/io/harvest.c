@@ -16,7 +16,7 @@ static void put_mirror(FILE *file, const saltus_harvest *harvest, int k) {
 static void put_orbit(FILE *file, const saltus_harvest *harvest, int k) {
     const saltus_harvest_orbit *o = &harvest->orbits[k];
     char name[SALTUS_LABEL_MAX];
-    int unstable = saltus_unstable_count(o->orbit.multipliers, o->orbit.dimension);
+    int unstable = saltus_multipliers_unstable(o->orbit.multipliers, o->orbit.dimension);
     saltus_orbit_label(o->impacts, o->orbit.periods, name);
     fprintf(file, "%5d  %-12s %9.3g  %11d  %9.1e", k + 1, name, exp(o->orbit.multipliers[0].log_modulus),
             unstable, o->orbit.residual);

@@ -142,7 +142,7 @@ static void put_multipliers(FILE *file, const saltus_motion *motion) {
                     fabs(m->im), exp(m->log_modulus));
         k += pair;
     }
-    int unstable = saltus_unstable_count(motion->multipliers, motion->multiplier_count);
+    int unstable = saltus_multipliers_unstable(motion->multipliers, motion->multiplier_count);
     fprintf(file, "%s", motion->multiplier_count > leading ? ", ..." : "");
     if (!motion->stable)
         fprintf(file, "; %d not inside the unit circle", unstable);

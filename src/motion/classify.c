@@ -1,210 +1,24 @@
-/* Classification of what a trajectory settles on (model.md, section 4).
- *
- * The stroboscopic map is iterated in blocks. After each block the least p is sought for which the last
- * points recur after p periods; a candidate is polished by Newton's method on the p-th iterate, and accepted
- * if the orbit found is stable, lies where the trajectory is, has no shorter period, and the trajectory keeps
- * closing in on it. Everything reported is then measured on the polished orbit, not on the transient.
+/* Classification of a motion (model.md, section 4): what its trajectory settles on, or else what it is
+ * without a period.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "saltus/motion.h"
 
-#include "motion/motion.h"
-#include "motion/settle.h"
-#include "orbit/returns.h"
+#include "motion/search.h"
 
 #include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 enum {
-    first_block = 64,
     patience = 10, /* a motion without a period is judged after this part of the time it may take to settle */
     longest_period = 1024
 };
 
-/* Distances in the stroboscopic section are relative to the system's scales. */
-static const double nearby =
-    3e-3; /* the polished orbit must be this close to the trajectory, in recurrences */
-static const double drift_at_rest = 1e-6; /* of a displacement over a period */
-
-saltus_classify_options saltus_classify_defaults(void) {
-    return (saltus_classify_options){
-        .flow = saltus_flow_defaults(), .transient = 20000, .measure = 256000, .longest = 64};
-}
-
-/* A failure of what was only tried, which is none unless memory is lacking. */
-static saltus_status tried(saltus_status status) {
-    return status == SALTUS_NO_MEMORY ? status : SALTUS_OK;
-}
-
-/* A search under way: the trajectory, what it has done, and the orbit once one is found. */
-typedef struct search {
-    const saltus_system *system;
-    const saltus_classify_options *options;
-    saltus_flow *flow, *beside; /* the trajectory's; for what is tried meanwhile */
-    saltus_settling settling;
-    saltus_orbit orbit;
-    saltus_lap lap; /* around the orbit */
-    bool found, stopped;
-    bool limited; /* no very long orbits of very many impacts */
-} search;
-
-/* Newton from the trajectory's last point; accepted if the orbit is where the trajectory is, and stable. */
-static saltus_status polish(search *s, int p, bool *accepted, saltus_message *message) {
-    saltus_orbit_options shooting = saltus_motion_shooting(s->options);
-    const double *last = saltus_settling_point(&s->settling, 0);
-    double recurs = saltus_settling_recurrence(&s->settling, p);
-    saltus_status status = saltus_return_polish(s->beside, p, last, &shooting, &s->orbit, &s->lap, message);
-    *accepted = status == SALTUS_OK && saltus_motion_orbit_stable(&s->orbit) &&
-                saltus_system_distance(s->system, s->orbit.state, last) <= fmax(nearby, 30 * recurs);
-    if (!*accepted)
-        saltus_orbit_clear(&s->orbit);
-    return tried(status);
-}
-
-/* One more period of the trajectory. */
-static saltus_status advance_period(search *s, saltus_message *message) {
-    double state[SALTUS_STATE_MAX];
-    saltus_event event;
-    saltus_time until = {saltus_flow_time(s->flow, 0).cycle + 1, 0};
-    saltus_status status = saltus_flow_advance(s->flow, until, 0, &event, message);
-    if (status != SALTUS_OK)
-        return status;
-    saltus_flow_info info = saltus_flow_information(s->flow, 0);
-    saltus_flow_state(s->flow, 0, state);
-    saltus_settling_add(&s->settling, state, info.impacts, info.sticks + info.releases);
-    return saltus_state_bounded(s->system, state, s->settling.count, message);
-}
-
-/* Whether the system is at rest: without forcing, no event and no motion over the last periods. */
-static bool is_resting(const search *s) {
-    if (saltus_system_forced(s->system) || !saltus_settling_rests(&s->settling))
-        return false;
-    /* The field of a fast mode magnifies rounding; what counts is that nothing moved and no displacement
-     * drifts. */
-    const double *scale = saltus_system_scale(s->system);
-    double drift = 0, field[SALTUS_STATE_MAX];
-    saltus_flow_field(s->flow, 0, field);
-    for (int i = 0; i < saltus_system_dof(s->system); i++)
-        drift = fmax(drift, fabs(field[i]) / scale[i] * saltus_system_period(s->system));
-    return drift < drift_at_rest;
-}
-
-/* The trajectory must go on closing in on the orbit: its distance falls to a fifth or below `close`, or,
- * where the largest multiplier is near the unit circle, at least half as far as that multiplier predicts. */
-static saltus_status confirm(search *s, saltus_message *message) {
-    enum { cycles_max = 60, patient_cycles = 40 };
-    const saltus_orbit *orbit = &s->orbit;
-    double start = saltus_system_distance(s->system, saltus_settling_point(&s->settling, 0), orbit->state);
-    s->found = false;
-    for (int c = 0; c < cycles_max && !s->found; c++) {
-        for (int k = 0; k < orbit->periods; k++) {
-            saltus_status status = advance_period(s, message);
-            if (status != SALTUS_OK)
-                return status;
-        }
-        double now = saltus_system_distance(s->system, saltus_settling_point(&s->settling, 0), orbit->state);
-        double predicted = exp((c + 1) * orbit->multipliers[0].log_modulus);
-        s->found = now < s->settling.near || (c > 2 && now < 0.2 * start) ||
-                   (c >= patient_cycles && now <= start * (1 - 0.5 * (1 - predicted)));
-        if (now > 10 * start + s->settling.near)
-            break;
-    }
-    return SALTUS_OK;
-}
-
-static saltus_status open_search(search *s, const double *state, saltus_message *message) {
-    saltus_flow_options flow_options = s->options->flow;
-    int n = saltus_system_dimension(s->system);
-    flow_options.columns = flow_options.directions = 0;
-    s->lap.keeps_events = true;
-    saltus_status status = saltus_flow_new(&s->system, 1, &flow_options, &s->flow, message);
-    if (status == SALTUS_OK)
-        status = saltus_flow_new(&s->system, 1, &flow_options, &s->beside, message);
-    double close = fmax(1e-9, 1e4 * flow_options.rtol);
-    if (status == SALTUS_OK && !saltus_settling_open(&s->settling, n, s->options->longest, close))
-        status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory to classify");
-    if (status == SALTUS_OK)
-        saltus_settling_reset(&s->settling, s->system);
-    if (status == SALTUS_OK)
-        status = saltus_flow_start(s->flow, 0, (saltus_time){0, 0}, state, message);
-    return status;
-}
-
-static void close_search(search *s) {
-    saltus_orbit_clear(&s->orbit);
-    saltus_settling_close(&s->settling);
-    saltus_flow_free(s->flow);
-    saltus_flow_free(s->beside);
-    saltus_lap_close(&s->lap);
-}
-
-/* Newton's method is not asked about very long orbits of very many impacts: each try would take minutes. */
-static bool is_too_long(const search *s, int p) {
-    enum { most_impacts = 150 };
-    double impacts = (double)saltus_flow_information(s->flow, 0).impacts / (double)s->settling.count;
-    return s->limited && p * impacts > most_impacts;
-}
-
-/* Try the period that recurs at present. */
-static saltus_status try_period(search *s, saltus_message *message) {
-    int p = saltus_system_forced(s->system) ? saltus_settling_candidate(&s->settling) : 0;
-    bool accepted = false;
-    saltus_status status = p && !is_too_long(s, p) ? polish(s, p, &accepted, message) : SALTUS_OK;
-    if (accepted)
-        status = confirm(s, message);
-    if (!s->found)
-        saltus_orbit_clear(&s->orbit);
-    return status;
-}
-
-/* Go on until the trajectory has come to a rest, which goes to motion->verdict, or to an orbit, or so many
- * periods have passed. */
-static saltus_status settle(search *s, long long at_most, saltus_motion *motion, saltus_message *message) {
-    const saltus_classify_options *o = s->options;
-    long long block = first_block;
-    saltus_status status = SALTUS_OK;
-    while (status == SALTUS_OK && !s->found && !s->stopped && s->settling.count < at_most) {
-        long long until = s->settling.count + block < at_most ? s->settling.count + block : at_most;
-        while (status == SALTUS_OK && s->settling.count < until)
-            status = advance_period(s, message);
-        s->stopped = saltus_motion_stopped(&o->flow);
-        if (s->stopped)
-            status = SALTUS_OK;
-        if (status != SALTUS_OK || s->stopped)
-            break;
-        s->stopped = o->progress && !o->progress(o->context, s->settling.count, o->transient);
-        if (is_resting(s)) {
-            motion->verdict = saltus_flow_contacts(s->flow, 0) ? SALTUS_HELD : SALTUS_EQUILIBRIUM;
-            break;
-        }
-        status = try_period(s, message);
-        block = block < 1024 ? block + block / 2 : 1024;
-    }
-    motion->transient = s->settling.count;
-    return status;
-}
-
 /* What is concluded while flows are being stopped is no evidence: the motion is undecided. */
-static saltus_status drop_verdict(search *s, saltus_motion *motion) {
+static saltus_status drop_verdict(saltus_search *s, saltus_motion *motion) {
     saltus_motion_forget_evidence(motion);
     motion->verdict = SALTUS_UNDECIDED;
     motion->lyapunov = motion->lyapunov_error = NAN;
     s->stopped = true;
     return SALTUS_OK;
-}
-
-/* Fill the motion with what has been found, or say that nothing was. */
-static saltus_status conclude(search *s, saltus_motion *motion, saltus_message *message) {
-    if (s->found)
-        return saltus_motion_take(s->system, s->beside, &s->orbit, &s->lap, s->options, motion, message);
-    if (motion->verdict == SALTUS_UNDECIDED)
-        snprintf(motion->reason, sizeof motion->reason,
-                 "no stable orbit of period up to %d T after %lld periods%s; closest recurrence %.2g of the "
-                 "state's scale; a longer --transient or a Lyapunov exponent would decide",
-                 s->options->longest, s->settling.count, s->stopped ? " (stopped)" : "",
-                 saltus_settling_closest(&s->settling));
-    return saltus_motion_rest(s->system, s->flow, s->options, motion, message);
 }
 
 static saltus_status check_options(const saltus_classify_options *options, saltus_message *message) {
@@ -217,39 +31,16 @@ static saltus_status check_options(const saltus_classify_options *options, saltu
     return SALTUS_OK;
 }
 
-static saltus_status find_period(const saltus_system *system, const double *state,
-                                 const saltus_classify_options *options, bool limited, saltus_motion *motion,
-                                 saltus_message *message) {
-    search s = {.system = system, .options = options, .limited = limited};
-    *motion = (saltus_motion){0};
-    saltus_status status = open_search(&s, state, message);
-    if (status == SALTUS_OK && !saltus_motion_open(system, &options->flow, motion))
-        status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory to classify");
-    if (status == SALTUS_OK)
-        status = settle(&s, options->transient, motion, message);
-    if (status == SALTUS_OK)
-        status = conclude(&s, motion, message);
-    close_search(&s);
-    if (status != SALTUS_OK)
-        saltus_motion_clear(motion);
-    return status;
-}
-
-saltus_status saltus_motion_find_period(const saltus_system *system, const double *state,
-                                        const saltus_classify_options *options, saltus_motion *motion,
-                                        saltus_message *message) {
-    return find_period(system, state, options, false, motion, message);
-}
-
 /* A motion in which nothing irregular goes on: look for longer periods than were asked for. */
-static saltus_status find_long_period(search *s, saltus_motion *motion, saltus_message *message) {
+static saltus_status find_long_period(saltus_search *s, saltus_motion *motion, saltus_message *message) {
     saltus_classify_options options = *s->options;
     saltus_motion found = {0};
     long long before = motion->transient;
     options.longest = longest_period;
     options.transient = 8 * longest_period;
     options.progress = NULL;
-    saltus_status status = find_period(s->system, motion->state, &options, true, &found, message);
+    saltus_status status =
+        saltus_motion_find_period(s->system, motion->state, &options, true, &found, message);
     if (status == SALTUS_OK && saltus_verdict_settled(found.verdict)) {
         saltus_motion_clear(motion);
         *motion = found;
@@ -260,7 +51,7 @@ static saltus_status find_long_period(search *s, saltus_motion *motion, saltus_m
 }
 
 /* No period so far: judge, and give a motion that should settle the rest of the time. */
-static saltus_status judge(search *s, saltus_motion *motion, saltus_message *message) {
+static saltus_status judge(saltus_search *s, saltus_motion *motion, saltus_message *message) {
     const saltus_classify_options *o = s->options;
     bool regular;
     saltus_flow_state(s->flow, 0, motion->state);
@@ -268,7 +59,7 @@ static saltus_status judge(search *s, saltus_motion *motion, saltus_message *mes
     if (status != SALTUS_OK || s->stopped || motion->verdict != SALTUS_UNDECIDED)
         return status;
     if (s->settling.count < o->transient)
-        status = settle(s, o->transient, motion, message);
+        status = saltus_search_run(s, o->transient, motion, message);
     if (status != SALTUS_OK || s->found || motion->verdict != SALTUS_UNDECIDED)
         return status;
     saltus_flow_state(s->flow, 0, motion->state);
@@ -282,19 +73,19 @@ static saltus_status judge(search *s, saltus_motion *motion, saltus_message *mes
 saltus_status saltus_classify(const saltus_system *system, const double *state,
                               const saltus_classify_options *options, saltus_motion *motion,
                               saltus_message *message) {
-    search s = {.system = system, .options = options};
+    saltus_search s = {.system = system, .options = options};
     *motion = (saltus_motion){0};
     saltus_status status = check_options(options, message);
     if (status != SALTUS_OK)
         return status;
-    long long early = options->measure && options->transient > patience * first_block
+    long long early = options->measure && options->transient > patience * SALTUS_FIRST_BLOCK
                           ? options->transient / patience
                           : options->transient;
-    status = open_search(&s, state, message);
+    status = saltus_search_open(&s, state, message);
     if (status == SALTUS_OK && !saltus_motion_open(system, &options->flow, motion))
         status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory to classify");
     if (status == SALTUS_OK)
-        status = settle(&s, early, motion, message);
+        status = saltus_search_run(&s, early, motion, message);
     bool open = status == SALTUS_OK && !s.found && motion->verdict == SALTUS_UNDECIDED && !s.stopped;
     if (open && options->measure)
         status = judge(&s, motion, message);
@@ -304,11 +95,11 @@ saltus_status saltus_classify(const saltus_system *system, const double *state,
     if (status == SALTUS_OK && judged)
         status = saltus_motion_survey(system, s.flow, motion, message);
     else if (status == SALTUS_OK && !(saltus_verdict_settled(motion->verdict) && motion->multiplier_count))
-        status = conclude(&s, motion, message);
+        status = saltus_search_conclude(&s, motion, message);
     /* What has no period shows how far it goes without a verdict, too. */
     if (status == SALTUS_OK && motion->verdict == SALTUS_UNDECIDED && !judged && !s.stopped)
         status = saltus_motion_survey(system, s.flow, motion, message);
-    close_search(&s);
+    saltus_search_close(&s);
     if (status != SALTUS_OK)
         saltus_motion_clear(motion);
     return status;

@@ -13,27 +13,6 @@
 static const double same_rest = 3e-3;
 static const double same_image = 1e-7; /* a mirror image that is the orbit itself */
 
-bool saltus_motion_stopped(const saltus_flow_options *options) {
-    return options->stop && *options->stop;
-}
-
-/* Multipliers inside the unit circle, by more than their own accuracy; one too small to be resolved is
- * inside. */
-bool saltus_motion_orbit_stable(const saltus_orbit *orbit) {
-    for (int i = 0; i < orbit->dimension; i++)
-        if (orbit->multipliers[i].log_modulus >= -1e-10)
-            return false;
-    return true;
-}
-
-/* Newton can ask for no more than the flow's tolerance gives. */
-saltus_orbit_options saltus_motion_shooting(const saltus_classify_options *options) {
-    saltus_orbit_options shooting = saltus_orbit_defaults();
-    shooting.flow = options->flow;
-    shooting.tolerance = fmax(1e-12, 100 * options->flow.rtol);
-    return shooting;
-}
-
 /* q(t + pT/2) = -q(t), where half the orbit is an allowed shift: p even for a pulsation, odd for a direct
  * force. */
 static saltus_status find_mirror(const saltus_system *system, saltus_flow *flow, saltus_motion *motion,
@@ -69,18 +48,6 @@ static saltus_status measure_forces(const saltus_system *system, const saltus_cl
     return status;
 }
 
-bool saltus_motion_open(const saltus_system *system, const saltus_flow_options *flow, saltus_motion *motion) {
-    *motion = (saltus_motion){.verdict = SALTUS_UNDECIDED,
-                              .dimension = saltus_system_dimension(system),
-                              .lyapunov = NAN,
-                              .lyapunov_error = NAN,
-                              .integrator = flow->integrator,
-                              .face_count = saltus_system_face_count(system)};
-    saltus_motion_forget_evidence(motion);
-    motion->state = calloc((size_t)motion->dimension, sizeof *motion->state);
-    return motion->state;
-}
-
 /* Copy what Newton's method and the multipliers say. */
 static bool take_orbit(const saltus_orbit *orbit, double period, saltus_motion *motion) {
     size_t n = (size_t)orbit->dimension;
@@ -91,7 +58,7 @@ static bool take_orbit(const saltus_orbit *orbit, double period, saltus_motion *
     motion->sticks = orbit->sticks;
     motion->log_volume = orbit->log_volume;
     motion->sum_rule = orbit->sum_rule;
-    motion->stable = saltus_motion_orbit_stable(orbit);
+    motion->stable = saltus_multipliers_stable(orbit->multipliers, orbit->dimension);
     motion->multiplier_count = orbit->dimension;
     motion->multipliers = calloc(n, sizeof *motion->multipliers);
     if (!motion->multipliers)
@@ -207,7 +174,7 @@ static saltus_status polish_rest(const saltus_system *system, const saltus_class
     saltus_status status = saltus_orbit_find(system, 1, motion->state, &shooting, &rest, message);
     if (status == SALTUS_OK && saltus_system_distance(system, rest.state, motion->state) < same_rest) {
         memcpy(motion->state, rest.state, (size_t)motion->dimension * sizeof *motion->state);
-        motion->stable = saltus_motion_orbit_stable(&rest);
+        motion->stable = saltus_multipliers_stable(rest.multipliers, rest.dimension);
         motion->residual = rest.residual;
         motion->iterations = rest.iterations;
         motion->lyapunov = rest.multipliers[0].log_modulus / saltus_system_period(system);
@@ -252,13 +219,4 @@ saltus_status saltus_motion_survey(const saltus_system *system, saltus_flow *flo
     saltus_verdict_label(motion->verdict, motion->impacts, motion->periods, motion->label);
     /* The verdict stands without the last extremes. */
     return status == SALTUS_INTERRUPTED ? SALTUS_OK : status;
-}
-
-void saltus_motion_clear(saltus_motion *motion) {
-    free(motion->state);
-    free(motion->section_states);
-    free(motion->events);
-    free(motion->multipliers);
-    free(motion->evidence.history);
-    *motion = (saltus_motion){0};
 }

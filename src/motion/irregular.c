@@ -66,7 +66,7 @@ static saltus_status look_at(judge *j, int member, bool *left, saltus_message *m
     options.transient = check_periods;
     options.progress = NULL;
     saltus_status status = saltus_motion_find_period(j->system, saltus_ensemble_state(&j->ensemble, member),
-                                                     &options, &regular, message);
+                                                     &options, false, &regular, message);
     if (status == SALTUS_OK && saltus_verdict_settled(regular.verdict)) {
         *left = true;
         evidence->left++;
@@ -317,18 +317,6 @@ static void tell(judge *j, saltus_outcome result) {
             m->lyapunov, m->lyapunov_error, j->options->longest);
     else
         tell_undecided(m, saltus_system_period(j->system));
-}
-
-void saltus_motion_forget_evidence(saltus_motion *m) {
-    free(m->evidence.history);
-    m->evidence = (saltus_evidence){.half = {NAN, NAN},
-                                    .half_errors = {NAN, NAN},
-                                    .zero_one = NAN,
-                                    .zero_one_quartiles = {NAN, NAN},
-                                    .dimension = NAN,
-                                    .dimension_error = NAN,
-                                    .broadband = NAN,
-                                    .impacts_per_period = NAN};
 }
 
 saltus_status saltus_motion_judge(const saltus_system *system, const saltus_classify_options *options,

@@ -9,8 +9,6 @@
 
 /* Whether the caller has asked to stop. */
 bool saltus_motion_stopped(const saltus_flow_options *options);
-/* Whether all multipliers are inside the unit circle. */
-bool saltus_motion_orbit_stable(const saltus_orbit *orbit);
 /* Options of Newton's method that suit those of a classification. */
 saltus_orbit_options saltus_motion_shooting(const saltus_classify_options *options);
 
@@ -26,10 +24,11 @@ void saltus_motion_forget_evidence(saltus_motion *motion);
 /* Name a motion without a period, and measure its extremes from its state on. Errors: those of the flow. */
 saltus_status saltus_motion_survey(const saltus_system *system, saltus_flow *flow, saltus_motion *motion,
                                    saltus_message *message);
-/* Settle and find a period, as saltus_classify does, without judging a motion that has none. */
+/* Settle and find a period, as saltus_classify does, without judging a motion that has none; `limited`: no
+ * very long orbits of very many impacts. */
 saltus_status saltus_motion_find_period(const saltus_system *system, const double *state,
-                                        const saltus_classify_options *options, saltus_motion *motion,
-                                        saltus_message *message);
+                                        const saltus_classify_options *options, bool limited,
+                                        saltus_motion *motion, saltus_message *message);
 
 /* An undecided motion with room for a state; false if there is no memory. */
 bool saltus_motion_open(const saltus_system *system, const saltus_flow_options *flow, saltus_motion *motion);

@@ -80,7 +80,7 @@ static bool confirm(const search *s, int p, const double *state, saltus_motion *
     saltus_orbit_options shooting = saltus_motion_shooting(&options);
     saltus_orbit orbit = {0};
     bool stable = saltus_orbit_find(s->system, p, state, &shooting, &orbit, NULL) == SALTUS_OK &&
-                  saltus_motion_orbit_stable(&orbit) &&
+                  saltus_multipliers_stable(orbit.multipliers, orbit.dimension) &&
                   saltus_motion_describe(s->system, &orbit, &options, motion, NULL) == SALTUS_OK;
     saltus_orbit_clear(&orbit);
     return stable;

@@ -94,14 +94,6 @@ static void fill_motion(saltus_branch *b, const saltus_solution *s, saltus_branc
     fold_events(point->events, point->event_count, sequence.periods);
 }
 
-/* Stability is claimed only of multipliers that are known. */
-static bool all_inside(const saltus_multiplier *mu, int n) {
-    for (int i = 0; i < n; i++)
-        if (mu[i].log_modulus >= 0 || (i == 0 && isnan(mu[i].log_modulus)))
-            return false;
-    return true;
-}
-
 saltus_status saltus_branch_emit(saltus_branch *b, const saltus_solution *s, saltus_point_kind kind,
                                  double accuracy, const char *after, const char *reason,
                                  saltus_message *message) {
@@ -119,7 +111,7 @@ saltus_status saltus_branch_emit(saltus_branch *b, const saltus_solution *s, sal
                                    .spec = *saltus_system_spec(b->system),
                                    .dimension = b->n,
                                    .unstable = s->unstable,
-                                   .stable = all_inside(s->multipliers, b->n),
+                                   .stable = saltus_multipliers_stable(s->multipliers, b->n),
                                    .admissible = s->follows,
                                    .residual = s->residual,
                                    .iterations = s->iterations,

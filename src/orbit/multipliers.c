@@ -632,3 +632,18 @@ saltus_status saltus_orbit_eigenvectors(const saltus_system *system, const saltu
     saltus_cocycle_clear(&cocycle);
     return status;
 }
+
+int saltus_multipliers_unstable(const saltus_multiplier *multipliers, int count) {
+    const double accuracy = 1e-10; /* of a logarithm */
+    int unstable = 0;
+    for (int i = 0; i < count; i++)
+        unstable += multipliers[i].log_modulus >= -accuracy;
+    return unstable;
+}
+
+bool saltus_multipliers_stable(const saltus_multiplier *multipliers, int count) {
+    for (int i = 0; i < count; i++)
+        if (isnan(multipliers[i].re))
+            return false;
+    return saltus_multipliers_unstable(multipliers, count) == 0;
+}

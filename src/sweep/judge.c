@@ -108,7 +108,7 @@ static saltus_classify_options polishing(const saltus_trajectory *t) {
 static saltus_judgement polish(saltus_trajectory *t) {
     saltus_classify_options options = polishing(t);
     saltus_motion motion = {0};
-    saltus_status status = saltus_motion_find_period(t->system, t->state, &options, &motion, NULL);
+    saltus_status status = saltus_motion_find_period(t->system, t->state, &options, false, &motion, NULL);
     bool found = status == SALTUS_OK && saltus_verdict_settled(motion.verdict);
     saltus_judgement judgement = found ? adopt(t, &motion) : goes_on;
     t->starved |= status == SALTUS_NO_MEMORY;
@@ -122,7 +122,7 @@ static bool stable_orbit(saltus_trajectory *t, int periods, saltus_motion *motio
     saltus_orbit_options shooting = saltus_motion_shooting(&options);
     saltus_orbit orbit = {0};
     saltus_status status = saltus_orbit_find(t->system, periods, t->state, &shooting, &orbit, NULL);
-    bool own = status == SALTUS_OK && saltus_motion_orbit_stable(&orbit) &&
+    bool own = status == SALTUS_OK && saltus_multipliers_stable(orbit.multipliers, orbit.dimension) &&
                saltus_system_distance(t->system, orbit.state, t->state) < same_orbit;
     if (own)
         status = saltus_motion_describe(t->system, &orbit, &options, motion, NULL);

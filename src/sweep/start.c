@@ -5,14 +5,6 @@
 #include <math.h>
 #include <string.h>
 
-saltus_status saltus_sweep_system(const saltus_sweep *sweep, long long point, saltus_system **system,
-                                  saltus_message *message) {
-    saltus_scene scene;
-    *system = NULL;
-    saltus_status status = saltus_sweep_scene_at(sweep, point, &scene, message);
-    return status == SALTUS_OK ? saltus_system_new(&scene.spec, system, message) : status;
-}
-
 /* Mix bits until each of the numbers moves all of them (splitmix64's finaliser). */
 static unsigned long long mix(unsigned long long x) {
     x += 0x9e3779b97f4a7c15ULL;

@@ -246,6 +246,14 @@ saltus_status saltus_sweep_scene_at(const saltus_sweep *sweep, long long point, 
     return status;
 }
 
+saltus_status saltus_sweep_system(const saltus_sweep *sweep, long long point, saltus_system **system,
+                                  saltus_message *message) {
+    saltus_scene scene;
+    *system = NULL;
+    saltus_status status = saltus_sweep_scene_at(sweep, point, &scene, message);
+    return status == SALTUS_OK ? saltus_system_new(&scene.spec, system, message) : status;
+}
+
 /* Tasks of the k-th pass: points where every one starts anew, otherwise lines along the first axis. */
 static long long pass_tasks(const saltus_sweep *sweep, int k) {
     return sweep->passes[k] == SALTUS_PASS_RESET ? sweep->points : sweep->points / sweep->axes[0].count;

@@ -29,10 +29,12 @@ struct saltus_sweep {
     saltus_system *system; /* of the point with the most terms */
 };
 
-/* start.c */
+/* sweep.c */
 /* The system at a point. Errors: those of saltus_system_new. */
 saltus_status saltus_sweep_system(const saltus_sweep *sweep, long long point, saltus_system **system,
                                   saltus_message *message);
+
+/* start.c */
 /* The initial state of a seed at a point. Errors: SALTUS_BAD_INPUT where it is not admissible. */
 saltus_status saltus_sweep_initial(const saltus_sweep *sweep, long long point, int seed,
                                    const saltus_system *system, gsl_rng *rng, double *state,

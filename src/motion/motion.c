@@ -1,0 +1,56 @@
+/* A motion: opened, cleared, and what its classification starts from.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "motion/motion.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+saltus_classify_options saltus_classify_defaults(void) {
+    return (saltus_classify_options){
+        .flow = saltus_flow_defaults(), .transient = 20000, .measure = 256000, .longest = 64};
+}
+
+bool saltus_motion_stopped(const saltus_flow_options *options) {
+    return options->stop && *options->stop;
+}
+
+/* Newton can ask for no more than the flow's tolerance gives. */
+saltus_orbit_options saltus_motion_shooting(const saltus_classify_options *options) {
+    saltus_orbit_options shooting = saltus_orbit_defaults();
+    shooting.flow = options->flow;
+    shooting.tolerance = fmax(1e-12, 100 * options->flow.rtol);
+    return shooting;
+}
+
+void saltus_motion_forget_evidence(saltus_motion *m) {
+    free(m->evidence.history);
+    m->evidence = (saltus_evidence){.half = {NAN, NAN},
+                                    .half_errors = {NAN, NAN},
+                                    .zero_one = NAN,
+                                    .zero_one_quartiles = {NAN, NAN},
+                                    .dimension = NAN,
+                                    .dimension_error = NAN,
+                                    .broadband = NAN,
+                                    .impacts_per_period = NAN};
+}
+
+bool saltus_motion_open(const saltus_system *system, const saltus_flow_options *flow, saltus_motion *motion) {
+    *motion = (saltus_motion){.verdict = SALTUS_UNDECIDED,
+                              .dimension = saltus_system_dimension(system),
+                              .lyapunov = NAN,
+                              .lyapunov_error = NAN,
+                              .integrator = flow->integrator,
+                              .face_count = saltus_system_face_count(system)};
+    saltus_motion_forget_evidence(motion);
+    motion->state = calloc((size_t)motion->dimension, sizeof *motion->state);
+    return motion->state;
+}
+
+void saltus_motion_clear(saltus_motion *motion) {
+    free(motion->state);
+    free(motion->section_states);
+    free(motion->events);
+    free(motion->multipliers);
+    free(motion->evidence.history);
+    *motion = (saltus_motion){0};
+}
