@@ -131,3 +131,8 @@ int saltus_unstable_count(const saltus_multiplier *multipliers, int count) {
         unstable += multipliers[k].log_modulus >= -1e-10;
     return unstable;
 }
+
+bool saltus_stop_observed(const saltus_system *system, int stop) {
+    const double *a = saltus_system_stop_normal(system, stop), *b = saltus_system_observer(system);
+    return memcmp(a, b, (size_t)saltus_system_dof(system) * sizeof *a) == 0;
+}
