@@ -119,7 +119,7 @@ static saltus_multiplier pair_of_multipliers[2] = {{0.3, 0.4, -0.693147180559945
                                                    {0.3, -0.4, -0.6931471805599453}};
 
 static inline saltus_motion orbit_of(int periods) {
-    saltus_motion motion = {.kind = SALTUS_PERIODIC,
+    saltus_motion motion = {.verdict = SALTUS_PERIODIC,
                             .periods = periods,
                             .impacts = 3,
                             .stable = true,
@@ -131,7 +131,7 @@ static inline saltus_motion orbit_of(int periods) {
 }
 
 static inline saltus_motion irregular(void) {
-    saltus_motion motion = {.kind = SALTUS_UNDECIDED, .lyapunov = NAN, .lyapunov_error = NAN};
+    saltus_motion motion = {.verdict = SALTUS_UNDECIDED, .lyapunov = NAN, .lyapunov_error = NAN};
     strcpy(motion.label, "undecided");
     strcpy(motion.reason, "exponent 0.1 +- 0.2 and 0.3 +- 0.4 so far");
     return motion;

@@ -23,12 +23,12 @@ typedef void made_fill(made_place *place);
 
 static inline saltus_sweep_row made_periodic(int impacts, int periods) {
     return (saltus_sweep_row){
-        .verdict = SALTUS_ROW_PERIODIC, .impacts = impacts, .periods = periods, .lyapunov = NAN};
+        .verdict = SALTUS_PERIODIC, .impacts = impacts, .periods = periods, .lyapunov = NAN};
 }
 
 static inline saltus_sweep_row made_other(int verdict) {
     return (saltus_sweep_row){
-        .verdict = verdict, .attractor = verdict == SALTUS_ROW_FAILED ? -1 : 0, .lyapunov = NAN};
+        .verdict = verdict, .attractor = verdict == SALTUS_FAILED ? -1 : 0, .lyapunov = NAN};
 }
 
 /* Write the sweep of a scene; places from `done` on are left out. */

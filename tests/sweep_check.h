@@ -128,13 +128,13 @@ static inline bool check_label(const outcome *o, long long place, int seed) {
     const saltus_sweep_row *row = &result.rows[seed];
     char label[32];
     saltus_sweep_label(row, label);
-    if (!saltus_sweep_settled(row))
+    if (!saltus_verdict_settled(row->verdict))
         return false;
     saltus_system *system = system_at(o->sweep, place % saltus_sweep_points(o->sweep));
     saltus_motion motion = motion_from(system, result.states + seed * saltus_sweep_dimension(o->sweep),
                                        saltus_sweep_choices(o->sweep)->longest);
     assert_string_equal(label, motion.label);
-    if (row->verdict == SALTUS_ROW_PERIODIC)
+    if (row->verdict == SALTUS_PERIODIC)
         assert_int_equal(row->sticking, motion.sticking_intervals);
     saltus_motion_clear(&motion);
     saltus_system_free(system);

@@ -735,7 +735,7 @@ static saltus_motion classified(const saltus_spec *spec) {
     double state[SALTUS_SCENE_STATE_MAX];
     check_ok(saltus_system_default_state(system, state, &message), &message);
     check_ok(saltus_classify(system, state, &options, &motion, &message), &message);
-    assert_int_equal(motion.kind, SALTUS_PERIODIC);
+    assert_int_equal(motion.verdict, SALTUS_PERIODIC);
     saltus_system_free(system);
     return motion;
 }

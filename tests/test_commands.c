@@ -366,7 +366,7 @@ static void a_table_of_classes_has_twelve_lines(void **state) {
 static int undecided_rows;
 
 static void fill_undecided(made_place *m) {
-    m->row[0] = m->place < undecided_rows ? made_other(SALTUS_ROW_UNDECIDED) : made_periodic(1, 1);
+    m->row[0] = m->place < undecided_rows ? made_other(SALTUS_UNDECIDED) : made_periodic(1, 1);
 }
 
 /* A hint is given where motions are left undecided and more could be done about it, and only there. */

@@ -103,13 +103,13 @@ static void fill(made_place *m) {
     static const int counts[] = {1, 2, 3, 6, 12, 25, 40, 90};
     bool orbit = values > 100 ? m->point % 3 > 0 : m->point % 2 == 0;
     int count = values > 100 ? 40 : 1550;
-    m->row[0] = orbit ? made_periodic(1, 1) : made_other(SALTUS_ROW_CHAOTIC);
+    m->row[0] = orbit ? made_periodic(1, 1) : made_other(SALTUS_CHAOTIC);
     if (orbit)
         count = values > 100 ? (int)(m->point % 25) + 20 : counts[m->point / 2 % 8];
     if (values == 72) { /* most places have orbits of few points, so that densities differ by more than 40 */
         orbit = m->point % 9 > 0;
         count = orbit ? counts[m->point % 4] : 1100 + 130 * (int)(m->point / 9);
-        m->row[0] = orbit ? made_periodic(1, 1) : made_other(SALTUS_ROW_CHAOTIC);
+        m->row[0] = orbit ? made_periodic(1, 1) : made_other(SALTUS_CHAOTIC);
     }
     m->turning_count[0] = count;
     double step = values == 72 ? 0.16 : 0.013, reach = values == 72 ? 0.4 : 0.8;

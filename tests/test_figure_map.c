@@ -107,7 +107,7 @@ static const figure_mark *entry_of(const figure_panel *panel, unsigned colour, c
 
 /* Classes */
 
-static const int verdicts[] = {SALTUS_ROW_CHAOTIC, SALTUS_ROW_HELD, SALTUS_ROW_FAILED, SALTUS_ROW_UNDECIDED};
+static const int verdicts[] = {SALTUS_CHAOTIC, SALTUS_HELD, SALTUS_FAILED, SALTUS_UNDECIDED};
 
 static saltus_sweep_row class_row(long long point) {
     long long kind = point * point % 11;
@@ -125,11 +125,11 @@ static void class_name(const saltus_sweep_row *row, char label[64]) {
     char own[32];
     saltus_sweep_label(row, own);
     snprintf(label, 64, "%s",
-             row->verdict == SALTUS_ROW_HELD        ? "held by the stop"
-             : row->verdict == SALTUS_ROW_UNDECIDED ? "no period up to 20"
-             : row->verdict == SALTUS_ROW_FAILED    ? "failed"
-                                                    : own);
-    if (row->verdict == SALTUS_ROW_PERIODIC && row->impacts == 0)
+             row->verdict == SALTUS_HELD        ? "held by the stop"
+             : row->verdict == SALTUS_UNDECIDED ? "no period up to 20"
+             : row->verdict == SALTUS_FAILED    ? "failed"
+                                                : own);
+    if (row->verdict == SALTUS_PERIODIC && row->impacts == 0)
         snprintf(label + strlen(label), 64 - strlen(label), "  no impact");
 }
 
@@ -435,7 +435,7 @@ static void rare_motions_are_counted_together(void **state) {
 
 /* Region names stand in a region of that motion, in letters that can be read. */
 static void fill_regions(made_place *m) {
-    m->row[0] = m->point % columns < 3 ? made_periodic(1, 1) : made_other(SALTUS_ROW_CHAOTIC);
+    m->row[0] = m->point % columns < 3 ? made_periodic(1, 1) : made_other(SALTUS_CHAOTIC);
     if (m->point / columns == 4)
         m->row[0] = made_periodic(5, 2);
 }
@@ -484,9 +484,9 @@ enum { crowd = 12, crowd_rows = 15 };
 static int crowded;  /* how many kinds of periodic motion there are */
 static bool flooded; /* whether others are more frequent than any of them */
 
-static const int other_verdicts[] = {SALTUS_ROW_EQUILIBRIUM,   SALTUS_ROW_HELD,      SALTUS_ROW_UNDECIDED,
-                                     SALTUS_ROW_QUASIPERIODIC, SALTUS_ROW_UNSETTLED, SALTUS_ROW_CHAOTIC,
-                                     SALTUS_ROW_FAILED};
+static const int other_verdicts[] = {SALTUS_EQUILIBRIUM,   SALTUS_HELD,        SALTUS_UNDECIDED,
+                                     SALTUS_QUASIPERIODIC, SALTUS_LONG_PERIOD, SALTUS_CHAOTIC,
+                                     SALTUS_FAILED};
 
 static saltus_sweep_row crowded_row(long long point) {
     static const int family[] = {1, 2, 3, 4};
@@ -755,7 +755,7 @@ static void shares_have_two_digits(void **state) {
 
 /* Where no exponent is measured, a motion that is not decided has no period; otherwise it may be anything. */
 static void fill_undecided(made_place *m) {
-    m->row[0] = m->point ? made_other(SALTUS_ROW_UNDECIDED) : made_periodic(1, 1);
+    m->row[0] = m->point ? made_other(SALTUS_UNDECIDED) : made_periodic(1, 1);
 }
 
 static void undecided_is_more_than_no_period(void **state) {
@@ -836,9 +836,9 @@ static const char *const shapes[] = {"kaaaaaaaacccc", "abbbbbbbaaccc", "abdddddb
 static void fill_shapes(made_place *m) {
     int columns_here = (int)strlen(shapes[0]);
     char c = shapes[m->point / columns_here][m->point % columns_here];
-    m->row[0] = c == 'g'   ? made_other(SALTUS_ROW_HELD)
-                : c == 'd' ? made_other(SALTUS_ROW_CHAOTIC)
-                : c == 'h' ? made_other(SALTUS_ROW_QUASIPERIODIC)
+    m->row[0] = c == 'g'   ? made_other(SALTUS_HELD)
+                : c == 'd' ? made_other(SALTUS_CHAOTIC)
+                : c == 'h' ? made_other(SALTUS_QUASIPERIODIC)
                 : c == 'f' ? made_periodic(123, 7)
                 : c == 'k' ? made_periodic(12345678, 17)
                            : made_periodic(1 + c - 'a', 1 + (c - 'a') % 3);
@@ -930,8 +930,8 @@ static double number_of(long long a, long long b) {
 static void fill_numbers(made_place *m) {
     long long p = m->point;
     saltus_sweep_row *row = &m->row[0];
-    *row = p == 3   ? made_other(SALTUS_ROW_FAILED)
-           : p == 7 ? made_other(SALTUS_ROW_UNDECIDED)
+    *row = p == 3   ? made_other(SALTUS_FAILED)
+           : p == 7 ? made_other(SALTUS_UNDECIDED)
                     : made_periodic(1, 1 + (int)(p % 5));
     row->settled = 1 + p * p * p;
     row->largest = number_of(p, 1);
@@ -942,15 +942,15 @@ static void fill_numbers(made_place *m) {
 }
 
 static double number_shown(saltus_view view, const saltus_sweep_row *row) {
-    if (row->verdict == SALTUS_ROW_FAILED)
+    if (row->verdict == SALTUS_FAILED)
         return NAN;
-    return view == SALTUS_VIEW_LARGEST            ? row->largest
-           : view == SALTUS_VIEW_SPEED            ? row->largest_speed
-           : view == SALTUS_VIEW_RATE             ? row->impact_rate
-           : view == SALTUS_VIEW_CONTACT          ? row->contact_fraction
-           : view == SALTUS_VIEW_LYAPUNOV         ? row->lyapunov
-           : row->verdict == SALTUS_ROW_UNDECIDED ? NAN
-                                                  : (double)row->settled;
+    return view == SALTUS_VIEW_LARGEST        ? row->largest
+           : view == SALTUS_VIEW_SPEED        ? row->largest_speed
+           : view == SALTUS_VIEW_RATE         ? row->impact_rate
+           : view == SALTUS_VIEW_CONTACT      ? row->contact_fraction
+           : view == SALTUS_VIEW_LYAPUNOV     ? row->lyapunov
+           : row->verdict == SALTUS_UNDECIDED ? NAN
+                                              : (double)row->settled;
 }
 
 /* The number that a colour means, from the bar beside the map: the middle of the steps that have it. */
@@ -1011,8 +1011,8 @@ static void check_numbers(const figure *f, const saltus_sweep_file *file, saltus
             continue;
         if (isnan(number)) {
             const figure_mark *words = entry_of(panel, colour[p], &figures);
-            assert_string_equal(words ? words->text : "", row->verdict == SALTUS_ROW_FAILED ? "failed"
-                                                          : view == SALTUS_VIEW_LYAPUNOV    ? "not measured"
+            assert_string_equal(words ? words->text : "", row->verdict == SALTUS_FAILED  ? "failed"
+                                                          : view == SALTUS_VIEW_LYAPUNOV ? "not measured"
                                                                                          : "no period found");
         } else if (isinf(number))
             assert_true(colour[p] == 0);
@@ -1128,7 +1128,7 @@ static void cut_ranges_say_so(void **state) {
     made_write(path_in("s.h5", path), &scene, axes, 2, &options, fill_numbers, 100);
     saltus_sweep_file file = made_read(path);
     for (int p = 0; p < columns * rows; p++)
-        if (file.rows[p].verdict != SALTUS_ROW_FAILED) {
+        if (file.rows[p].verdict != SALTUS_FAILED) {
             most = fmax(most, file.rows[p].largest_speed);
             least = fmin(least, file.rows[p].largest_speed);
         }
@@ -1239,7 +1239,7 @@ static void fill_fine_numbers(made_place *m) {
     m->row[0] = made_periodic(1, 1);
     m->row[0].largest = k % 7 == 3 ? 4 : (double)(k % 5);
     if (k % 13 == 6 || (k > 2000 && k < 2100))
-        m->row[0] = made_other(SALTUS_ROW_FAILED);
+        m->row[0] = made_other(SALTUS_FAILED);
 }
 
 static void a_pixel_shows_the_mean_of_its_cells(void **state) {
@@ -1265,7 +1265,7 @@ static void a_pixel_shows_the_mean_of_its_cells(void **state) {
             if (k < 0 || k >= fine)
                 continue;
             clear = clear && fabs(place) > 1e-6 && fabs(place - 1) > 1e-6;
-            if (place < 0 || place >= 1 || file.rows[k].verdict == SALTUS_ROW_FAILED)
+            if (place < 0 || place >= 1 || file.rows[k].verdict == SALTUS_FAILED)
                 continue;
             sum += file.rows[k].largest;
             count++;
@@ -1352,7 +1352,7 @@ static void basins_show_where_each_start_goes(void **state) {
         const saltus_sweep_row *row = &file.rows[point[n]];
         unsigned colour = figure_pixel(e, n % e->width, n / e->width, NULL);
         if (row->attractor < 0) {
-            assert_true(colour == (row->verdict == SALTUS_ROW_FAILED ? 0xffffff : nothing_colour));
+            assert_true(colour == (row->verdict == SALTUS_FAILED ? 0xffffff : nothing_colour));
             continue;
         }
         /* Mixed with white: the same part of the way for all three colours. */

@@ -209,7 +209,7 @@ static void a_contact_for_good_is_drawn_throughout(void **state) {
     (void)state;
     static made_up m;
     saltus_system *system = between_stops(0.033);
-    saltus_motion motion = {.kind = SALTUS_HELD, .label = "held", .lyapunov = NAN};
+    saltus_motion motion = {.verdict = SALTUS_HELD, .label = "held", .lyapunov = NAN};
     const saltus_diagnosis diagnosis = {.motion = &motion, .record = &m.record};
     for (int face = 0; face < 3; face++) {
         double place = (face == 0 ? 1 : face == 1 ? -1 : 0.5) * 0.033;
@@ -514,7 +514,7 @@ static void exponents_and_lines_are_those_measured(void **state) {
                               .periods = 2};
     saltus_system *system = between_stops(0.033);
     saltus_motion motion = irregular();
-    motion.kind = SALTUS_CHAOTIC;
+    motion.verdict = SALTUS_CHAOTIC;
     strcpy(motion.label, "chaotic");
     motion.lyapunov = 0.5625;
     motion.lyapunov_error = 0.03125;
@@ -685,7 +685,7 @@ static void a_rest_has_room_about_it(void **state) {
     (void)state;
     static made_up m;
     saltus_system *system = between_stops(50);
-    saltus_motion motion = {.kind = SALTUS_EQUILIBRIUM, .label = "equilibrium", .lyapunov = NAN};
+    saltus_motion motion = {.verdict = SALTUS_EQUILIBRIUM, .label = "equilibrium", .lyapunov = NAN};
     const saltus_diagnosis diagnosis = {.motion = &motion, .record = &m.record};
     for (int k = 0; k < 2; k++) {
         make_record(&m, system, 2, NULL, 0);

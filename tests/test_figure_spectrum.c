@@ -21,7 +21,7 @@ static figure draw_spectra(const saltus_spectra *spectra, const char *label) {
     saltus_scene scene = made_scene();
     saltus_system *system = build(&scene.spec);
     saltus_flow_options flow = saltus_flow_defaults();
-    saltus_motion motion = {.kind = SALTUS_PERIODIC, .periods = spectra->periods};
+    saltus_motion motion = {.verdict = SALTUS_PERIODIC, .periods = spectra->periods};
     strcpy(motion.label, label);
     check_ok(saltus_spectra_write(&scene, system, &motion, spectra, &flow, path_in("s.svg", path), &message),
              &message);

@@ -418,25 +418,25 @@ static saltus_sweep_row made_row(long long point) {
         row = made_periodic(-1, 2);
         break;
     case 3:
-        row = made_other(SALTUS_ROW_EQUILIBRIUM);
+        row = made_other(SALTUS_EQUILIBRIUM);
         break;
     case 4:
-        row = made_other(SALTUS_ROW_HELD);
+        row = made_other(SALTUS_HELD);
         break;
     case 5:
-        row = made_other(SALTUS_ROW_QUASIPERIODIC);
+        row = made_other(SALTUS_QUASIPERIODIC);
         break;
     case 6:
-        row = made_other(SALTUS_ROW_CHAOTIC);
+        row = made_other(SALTUS_CHAOTIC);
         break;
     case 7:
-        row = made_other(SALTUS_ROW_UNSETTLED);
+        row = made_other(SALTUS_LONG_PERIOD);
         break;
     case 8:
-        row = made_other(SALTUS_ROW_UNDECIDED);
+        row = made_other(SALTUS_UNDECIDED);
         break;
     case 9:
-        row = made_other(SALTUS_ROW_FAILED);
+        row = made_other(SALTUS_FAILED);
         break;
     case 10:
         row = made_periodic(3, 8);
@@ -461,20 +461,20 @@ static void fill_kinds(made_place *m) {
 
 /* What a view tells of a row; NAN where it has nothing to tell. */
 static double number_shown(saltus_view view, const saltus_sweep_row *row) {
-    bool settled = row->verdict == SALTUS_ROW_PERIODIC || row->verdict == SALTUS_ROW_EQUILIBRIUM ||
-                   row->verdict == SALTUS_ROW_HELD;
+    bool settled =
+        row->verdict == SALTUS_PERIODIC || row->verdict == SALTUS_EQUILIBRIUM || row->verdict == SALTUS_HELD;
     if (view == SALTUS_VIEW_ATTRACTORS)
         return row->attractor < 0 ? NAN : row->attractor + 1;
-    if (row->verdict == SALTUS_ROW_FAILED)
+    if (row->verdict == SALTUS_FAILED)
         return NAN;
-    double number = view == SALTUS_VIEW_LARGEST           ? row->largest
-                    : view == SALTUS_VIEW_SPEED           ? row->largest_speed
-                    : view == SALTUS_VIEW_RATE            ? row->impact_rate
-                    : view == SALTUS_VIEW_CONTACT         ? row->contact_fraction
-                    : view == SALTUS_VIEW_LYAPUNOV        ? row->lyapunov
-                    : view == SALTUS_VIEW_SETTLED         ? (settled ? (double)row->settled : NAN)
-                    : row->verdict == SALTUS_ROW_PERIODIC ? row->periods
-                                                          : NAN;
+    double number = view == SALTUS_VIEW_LARGEST       ? row->largest
+                    : view == SALTUS_VIEW_SPEED       ? row->largest_speed
+                    : view == SALTUS_VIEW_RATE        ? row->impact_rate
+                    : view == SALTUS_VIEW_CONTACT     ? row->contact_fraction
+                    : view == SALTUS_VIEW_LYAPUNOV    ? row->lyapunov
+                    : view == SALTUS_VIEW_SETTLED     ? (settled ? (double)row->settled : NAN)
+                    : row->verdict == SALTUS_PERIODIC ? row->periods
+                                                      : NAN;
     return isinf(number) ? NAN : number;
 }
 
@@ -844,7 +844,7 @@ static double dense_point(long long point, int k) {
 }
 
 static void fill_dense(made_place *m) {
-    m->row[0] = m->point % 2 ? made_other(SALTUS_ROW_CHAOTIC) : made_periodic(1, 20);
+    m->row[0] = m->point % 2 ? made_other(SALTUS_CHAOTIC) : made_periodic(1, 20);
     m->turning_count[0] = m->point == 4 ? dense_orbit : dense_each;
     for (int k = 0; k < dense_each; k++)
         m->turning[k] = m->pass == SALTUS_PASS_UP ? dense_point(m->point, k) : -0.2;

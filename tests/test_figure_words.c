@@ -30,7 +30,7 @@ static void check_says(const figure *f, const char *words) {
 
 static saltus_motion chaotic(void) {
     saltus_motion motion = irregular();
-    motion.kind = SALTUS_CHAOTIC;
+    motion.verdict = SALTUS_CHAOTIC;
     strcpy(motion.label, "chaotic");
     motion.lyapunov = 0.5625;
     motion.lyapunov_error = 0.03125;
@@ -63,7 +63,7 @@ static void evidence_is_told_where_it_is_known(void **state) {
         saltus_evidence *e = &motion.evidence;
         char wanted[600] = "by 5 trajectories ";
         if (k >= 16 && k < 32) {
-            motion.kind = SALTUS_QUASIPERIODIC;
+            motion.verdict = SALTUS_QUASIPERIODIC;
             motion.lyapunov = 0;
         }
         if (k & 1) {
@@ -130,7 +130,7 @@ static void small_fractions_are_powers_of_ten(void **state) {
 static void irregular_motions_are_told_by_their_exponent(void **state) {
     (void)state;
     static const struct {
-        saltus_motion_kind kind;
+        saltus_verdict kind;
         double exponent;
         int curves, laminar;
         const char *said, *unsaid;
@@ -155,7 +155,7 @@ static void irregular_motions_are_told_by_their_exponent(void **state) {
     saltus_system *system = between_stops(0.5);
     for (int k = 0; k < 6; k++) {
         saltus_motion motion = chaotic();
-        motion.kind = cases[k].kind;
+        motion.verdict = cases[k].kind;
         motion.lyapunov = cases[k].exponent;
         motion.evidence.curves = cases[k].curves;
         motion.evidence.laminar = 0.256;
@@ -174,7 +174,7 @@ static void irregular_motions_are_told_by_their_exponent(void **state) {
 static void settled_motions_are_told_by_their_impacts(void **state) {
     (void)state;
     static const struct {
-        saltus_motion_kind kind;
+        saltus_verdict kind;
         int periods, sticks;
         long long impacts;
         saltus_mirror mirror;
@@ -220,7 +220,7 @@ static void settled_motions_are_told_by_their_impacts(void **state) {
     for (int k = 0; k < 14; k++) {
         saltus_motion motion = orbit_of(cases[k / 2].periods);
         const char *const *said = cases[k / 2].said;
-        motion.kind = cases[k / 2].kind;
+        motion.verdict = cases[k / 2].kind;
         motion.impacts = cases[k / 2].impacts;
         motion.sticking_intervals = cases[k / 2].sticks;
         motion.mirror = cases[k / 2].mirror;
@@ -297,7 +297,7 @@ static void leading_multipliers_are_told(void **state) {
 static void exponents_of_orbits_are_told(void **state) {
     (void)state;
     static const struct {
-        saltus_motion_kind kind;
+        saltus_verdict kind;
         int periods;
         double exponent;
         const char *said;
@@ -310,7 +310,7 @@ static void exponents_of_orbits_are_told(void **state) {
     saltus_system *system = between_stops(0.5);
     for (int k = 0; k < 5; k++) {
         saltus_motion motion = orbit_of(cases[k].periods);
-        motion.kind = cases[k].kind;
+        motion.verdict = cases[k].kind;
         motion.lyapunov = cases[k].exponent;
         figure f = draw_motion(system, &motion);
         if (cases[k].said)
@@ -393,7 +393,7 @@ static void spectra_are_headed_by_their_lines(void **state) {
     }
     /* A rest is no closed orbit and has no section. */
     saltus_motion motion = orbit_of(0);
-    motion.kind = SALTUS_EQUILIBRIUM;
+    motion.verdict = SALTUS_EQUILIBRIUM;
     figure f = draw_motion(system, &motion);
     check_says(&f, "shown: 2 periods");
     assert_false(says(&f, "section"));

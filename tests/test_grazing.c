@@ -15,7 +15,7 @@ static double free_orbit(const saltus_spec *spec, int *periods, double *state) {
     options.flow.atol = 1e-18;
     check_ok(saltus_system_default_state(system, state, &message), &message);
     check_ok(saltus_classify(system, state, &options, &motion, &message), &message);
-    assert_int_equal(motion.kind, SALTUS_PERIODIC);
+    assert_int_equal(motion.verdict, SALTUS_PERIODIC);
     double largest = motion.largest;
     *periods = motion.periods;
     memcpy(state, motion.state, (size_t)motion.dimension * sizeof *state);

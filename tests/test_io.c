@@ -568,7 +568,7 @@ static void sheets_of_chaos_have_their_panels(void **state) {
     saltus_lyapunov_progress history[] = {
         {10, 0.9, NAN}, {20, 0.8, INFINITY}, {30, 0.77, 0.02}, {40, 0.75, 0.01}};
     saltus_motion chaos = f->motion;
-    chaos.kind = SALTUS_CHAOTIC;
+    chaos.verdict = SALTUS_CHAOTIC;
     strcpy(chaos.label, "chaotic");
     chaos.periods = 0;
     chaos.lyapunov = 0.75;
@@ -610,7 +610,7 @@ static void sheets_of_chaos_have_their_panels(void **state) {
 static void sheets_of_the_undecided_say_why(void **state) {
     fixture *f = *state;
     saltus_motion undecided = f->motion;
-    undecided.kind = SALTUS_UNDECIDED;
+    undecided.verdict = SALTUS_UNDECIDED;
     strcpy(undecided.label, "undecided");
     strcpy(undecided.reason, "exponent 0.1 +- 0.2; more periods (--measure) would tell");
     undecided.periods = 0;
@@ -636,7 +636,7 @@ static void sheets_of_rest_are_short(void **state) {
     saltus_spectrum_options options = saltus_spectrum_defaults();
     const double start[] = {0.1, 0};
     check_ok(saltus_classify(mass, start, &how, &motion, &message), &message);
-    assert_int_equal(motion.kind, SALTUS_EQUILIBRIUM);
+    assert_int_equal(motion.verdict, SALTUS_EQUILIBRIUM);
     check_ok(saltus_record_run(mass, motion.state, &f->options, 0, 4, per_period, &record, &message),
              &message);
     check_ok(saltus_motion_spectra(mass, &motion, &options, &spectra, &message), &message);

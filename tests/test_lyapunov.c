@@ -155,7 +155,7 @@ static void scenes_and_shooting(void **unused) {
         saltus_system *system = scene_system(rows[k][0], rows[k][1], state);
         options.exponents = 0;
         check_ok(saltus_classify(system, state, &classify, &motion, &message), &message);
-        assert_int_equal(motion.kind, SALTUS_PERIODIC);
+        assert_int_equal(motion.verdict, SALTUS_PERIODIC);
         saltus_lyapunov l = run_from(system, at_length() ? state : motion.state, &options);
         int resolved = 0;
         while (resolved < l.count && isfinite(motion.multipliers[resolved].log_modulus)) {

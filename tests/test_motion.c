@@ -87,7 +87,7 @@ static void a_rest_is_what_newtons_method_finds(void **unused) {
         double state[4];
         check_ok(saltus_system_default_state(system, state, &message), &message);
         saltus_motion motion = classify(&spec, state, 20000);
-        assert_true(motion.kind == SALTUS_HELD || motion.kind == SALTUS_EQUILIBRIUM);
+        assert_true(motion.verdict == SALTUS_HELD || motion.verdict == SALTUS_EQUILIBRIUM);
         saltus_flow *flow = open_flow(system, &options.flow, 0, state);
         for (long long p = 1; p <= motion.transient; p++)
             advance(flow, (double)p, 0);
@@ -162,7 +162,7 @@ static void product_rule(void **unused) {
         saltus_spec spec = pipe_spec(rows[k][3], rows[k][0]);
         add_stop(&spec, rows[k][1], rows[k][2], SALTUS_UPPER);
         saltus_motion motion = classify(&spec, NULL, 5000);
-        if (motion.kind == SALTUS_PERIODIC && !motion.sticks) {
+        if (motion.verdict == SALTUS_PERIODIC && !motion.sticks) {
             periodic++;
             check_near(motion.log_volume, motion.sum_rule, 1e-8);
             double sum = 0;

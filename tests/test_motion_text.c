@@ -29,7 +29,7 @@ static void make(made *m) {
     m->scene.spec.stops[1].weight[1] = 1.5;
     m->system = build(&m->scene.spec);
     saltus_motion *motion = &m->motion;
-    *motion = (saltus_motion){.kind = SALTUS_PERIODIC,
+    *motion = (saltus_motion){.verdict = SALTUS_PERIODIC,
                               .label = "11/3",
                               .reason = "because 17",
                               .periods = 3,
@@ -199,7 +199,7 @@ static void rests_are_told(void **state) {
     text_lines lines;
     for (int held = 0; held < 2; held++) {
         make(&m);
-        m.motion.kind = held ? SALTUS_HELD : SALTUS_EQUILIBRIUM;
+        m.motion.verdict = held ? SALTUS_HELD : SALTUS_EQUILIBRIUM;
         strcpy(m.motion.label, held ? "held" : "equilibrium");
         m.motion.event_count = m.motion.multiplier_count = 0;
         write(&m, &lines);
@@ -224,7 +224,7 @@ static void evidence_is_told(void **state) {
     for (int lacking = 0; lacking < 4; lacking++) {
         make(&m);
         saltus_motion *motion = &m.motion;
-        motion->kind = SALTUS_CHAOTIC;
+        motion->verdict = SALTUS_CHAOTIC;
         strcpy(motion->label, "chaotic");
         motion->event_count = motion->multiplier_count = 0;
         motion->lyapunov = lacking == 3 ? -INFINITY : 0.0625;
@@ -319,8 +319,8 @@ static void many_events_are_cut(void **state) {
 }
 
 static void attractors_are_told(void **state) {
-    static const saltus_motion_kind kinds[] = {SALTUS_PERIODIC, SALTUS_PERIODIC, SALTUS_CHAOTIC,
-                                               SALTUS_UNDECIDED, SALTUS_HELD};
+    static const saltus_verdict kinds[] = {SALTUS_PERIODIC, SALTUS_PERIODIC, SALTUS_CHAOTIC, SALTUS_UNDECIDED,
+                                           SALTUS_HELD};
     static const int shares[] = {12, 11, 9, 5, 3};
     (void)state;
     made m;
@@ -330,7 +330,7 @@ static void attractors_are_told(void **state) {
     memcpy(share, shares, sizeof share);
     for (int k = 0; k < 5; k++) {
         motions[k] = m.motion;
-        motions[k].kind = kinds[k];
+        motions[k].verdict = kinds[k];
         motions[k].smallest -= k;
         motions[k].largest += k;
         motions[k].mirror = k == 1 ? SALTUS_MIRROR_SELF : k == 4 ? SALTUS_MIRROR_NONE : SALTUS_MIRROR_PAIR;

@@ -310,7 +310,7 @@ static void small_multipliers_with_impacts(void **unused) {
         saltus_message message = {""};
         double state[4] = {0}, values[4];
         check_ok(saltus_classify(system, state, &options, &motion, &message), &message);
-        assert_int_equal(motion.kind, SALTUS_PERIODIC);
+        assert_int_equal(motion.verdict, SALTUS_PERIODIC);
         assert_true(motion.impacts > 0);
         saltus_orbit_options find_options = saltus_orbit_defaults();
         saltus_orbit orbit = find(system, motion.periods, motion.state, &find_options);

@@ -561,7 +561,7 @@ static void columns_of_the_caller_do_not_matter(void **unused) {
         }
         classify.flow = search.flow = options;
         check_ok(saltus_classify(system, s.state, &classify, &motion, &message), &message);
-        assert_int_equal(motion.kind, SALTUS_PERIODIC);
+        assert_int_equal(motion.verdict, SALTUS_PERIODIC);
         memcpy(settled[asked], motion.state, sizeof settled[asked]);
         check_ok(saltus_orbit_find(system, motion.periods, motion.state, &search, &orbit, &message),
                  &message);

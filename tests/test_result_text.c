@@ -321,7 +321,7 @@ static void make_spectra(made_spectra *m, saltus_spectrum_kind kind) {
     }
 }
 
-static const saltus_motion made_motion = {.label = "chaotic", .kind = SALTUS_CHAOTIC};
+static const saltus_motion made_motion = {.label = "chaotic", .verdict = SALTUS_CHAOTIC};
 
 /* The strongest lines up to the trusted frequency, strongest first. */
 static int strongest(const saltus_spectrum *s, const saltus_spectral_line *list[line_count]) {

@@ -1249,6 +1249,20 @@ static void unsuitable_options(void **unused) {
     drop(&s);
 }
 
+/* Phases that follow each other more closely than a period have points in common, which count once. */
+static void no_point_is_laminar_twice(void **unused) {
+    (void)unused;
+    enum { count = 4000, period = 12 };
+    double *series = malloc(count * sizeof *series);
+    for (int k = 0; k < count; k++)
+        series[k] = k % 100 == 99 ? 2 : sin(2 * acos(-1.0) * k / period);
+    saltus_series_phases phases =
+        saltus_series_laminar_phases(&(saltus_series_points){series, NULL, count, 1}, period);
+    assert_int_equal(phases.period, period);
+    assert_true(phases.laminar > 0.9 && phases.laminar <= 1);
+    free(series);
+}
+
 /* Of periods with as many laminar points the shortest is told; what does not vary at all has period 1. */
 static void the_shortest_period_is_laminar(void **unused) {
     (void)unused;
@@ -1393,6 +1407,7 @@ int main(void) {
         cmocka_unit_test(neighbours_that_part),
         cmocka_unit_test(laminar_phases_are_counted),
         cmocka_unit_test(phases_know_no_unit),
+        cmocka_unit_test(no_point_is_laminar_twice),
         cmocka_unit_test(the_shortest_period_is_laminar),
         cmocka_unit_test(equal_input_gives_equal_results),
         cmocka_unit_test(unsuitable_points),

@@ -1324,7 +1324,7 @@ static void kinds_have_their_spectra(void **unused) {
     options.periods = 64;
     static const struct {
         double c, force, omega, load;
-        saltus_motion_kind kind;
+        saltus_verdict kind;
         saltus_spectrum_kind spectrum;
         int period;
     } cases[] = {{0.1, 1, 1, 0, SALTUS_PERIODIC, SALTUS_SPECTRUM_LINES, 1},
@@ -1344,7 +1344,7 @@ static void kinds_have_their_spectra(void **unused) {
         how.measure = 0;
         how.transient = cases[k].period ? 20000 : 400;
         check_ok(saltus_classify(system, state, &how, &motion, &message), &message);
-        assert_int_equal(motion.kind, cases[k].kind);
+        assert_int_equal(motion.verdict, cases[k].kind);
         check_ok(saltus_motion_spectra(system, &motion, &options, &spectra, &message), &message);
         assert_int_equal(spectra.periods, cases[k].period);
         assert_int_equal(spectra.analysed, 64);

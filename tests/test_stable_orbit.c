@@ -60,7 +60,7 @@ static void a_stable_orbit_among_chaos_counts(void **unused) {
         saltus_motion m = classify_struck(system, scenes[k].d - 0.3, 700, 8000);
         const saltus_evidence *e = &m.evidence;
         char periods[32], told[128];
-        assert_int_equal(m.kind, SALTUS_UNDECIDED);
+        assert_int_equal(m.verdict, SALTUS_UNDECIDED);
         assert_string_equal(m.label, "undecided");
         assert_string_equal(e->stable_orbit, scenes[k].orbit);
         assert_true(m.lyapunov > 3 * m.lyapunov_error && e->left == 0 && e->left_for[0] == 0);
@@ -90,7 +90,7 @@ static void a_stable_orbit_beside_chaos_does_not_count(void **unused) {
     for (int k = 0; k < 3; k++) {
         saltus_system *system = build_struck(&scenes[k]);
         saltus_motion m = classify_struck(system, scenes[k].d - 0.3, 700, 8000);
-        assert_int_equal(m.kind, SALTUS_CHAOTIC);
+        assert_int_equal(m.verdict, SALTUS_CHAOTIC);
         assert_true(m.evidence.stable_orbit[0] == 0 && m.evidence.left == 0);
         if (k == 0)
             assert_true(is_stable_in_closed_form(&scenes[k]));
@@ -109,7 +109,7 @@ static void those_who_leave_name_their_end(void **unused) {
         saltus_motion m = classify_struck(system, -0.3, 700, 8000);
         const saltus_evidence *e = &m.evidence;
         char told[64], within[64];
-        assert_int_equal(m.kind, SALTUS_UNSETTLED);
+        assert_int_equal(m.verdict, SALTUS_TRANSIENT);
         assert_string_equal(m.label, "transient");
         assert_string_equal(e->left_for, scenes[k].orbit);
         assert_true(e->left == 1 && e->members == 8 && m.lyapunov > 0);

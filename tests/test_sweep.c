@@ -308,7 +308,7 @@ static void classes_and_clouds_of_random_points(void **unused) {
         snprintf(settings, sizeof settings, "d=%.9g", random_between(&random, 0.02, 0.045));
         saltus_scene scene = scene_of("pipe", settings);
         single s = run_single(&scene, "omega", random_between(&random, 10, 55), &options);
-        if (check_label(&s.outcome, 0, 0) && s.result.rows->verdict == SALTUS_ROW_PERIODIC) {
+        if (check_label(&s.outcome, 0, 0) && s.result.rows->verdict == SALTUS_PERIODIC) {
             saltus_system *system = system_at(s.sweep, 0);
             saltus_motion motion = motion_from(system, s.result.states, 20);
             settled++;
@@ -415,11 +415,11 @@ static void exponents_of_what_has_settled(void **unused) {
         snprintf(settings, sizeof settings, "d=%.9g", random_between(&random, 0.02, 0.045));
         saltus_scene scene = scene_of("pipe", settings);
         single s = run_single(&scene, "omega", random_between(&random, 10, 55), &options);
-        if (saltus_sweep_settled(s.result.rows)) {
+        if (saltus_verdict_settled(s.result.rows->verdict)) {
             check_exponent(&s, 1e-6);
             settled++;
         } else
-            assert_true(s.result.rows->verdict == SALTUS_ROW_UNDECIDED && isnan(s.result.rows->lyapunov));
+            assert_true(s.result.rows->verdict == SALTUS_UNDECIDED && isnan(s.result.rows->lyapunov));
         close_single(&s);
     }
     assert_true(settled >= 4);
@@ -439,7 +439,7 @@ static void chaos_and_its_exponent(void **unused) {
     single s = run_single(&scene, "omega", 10, &options);
     for (int k = 0; k < seeds; k++) {
         const saltus_sweep_row *row = &s.result.rows[k];
-        assert_int_equal(row->verdict, SALTUS_ROW_CHAOTIC);
+        assert_int_equal(row->verdict, SALTUS_CHAOTIC);
         assert_int_equal(row->attractor, 0);
         assert_true(fabs(row->lyapunov - 0.756) < 3.5 * row->lyapunov_error);
         assert_true(row->lyapunov > 3 * row->lyapunov_error && row->lyapunov_error < 0.1);
@@ -540,8 +540,8 @@ static void exponents_leave_the_rest_alone(void **unused) {
         assert_memory_equal(a.result.strobes, b.result.strobes,
                             (size_t)a.result.strobe_counts[0] * 10 * sizeof(double));
         assert_true(isnan(y->lyapunov) && isnan(y->lyapunov_error) && isfinite(x->lyapunov));
-        assert_int_equal(y->verdict, k < 2 ? SALTUS_ROW_UNDECIDED : SALTUS_ROW_PERIODIC);
-        assert_int_equal(x->verdict, k < 2 ? SALTUS_ROW_CHAOTIC : SALTUS_ROW_PERIODIC);
+        assert_int_equal(y->verdict, k < 2 ? SALTUS_UNDECIDED : SALTUS_PERIODIC);
+        assert_int_equal(x->verdict, k < 2 ? SALTUS_CHAOTIC : SALTUS_PERIODIC);
         close_single(&a);
         close_single(&b);
     }
@@ -571,15 +571,15 @@ static void verdicts_are_those_of_classification(void **unused) {
         check_ok(saltus_classify(system, s.result.states, &how, &motion, &message), &message);
         /* Classification also looks for stable orbits amid the chaos, and asserts nothing where there is one.
          */
-        bool doubts = motion.kind == SALTUS_UNDECIDED && motion.evidence.stable_orbit[0];
+        bool doubts = motion.verdict == SALTUS_UNDECIDED && motion.evidence.stable_orbit[0];
         if (strcmp(s.label, motion.label) != 0 && !doubts)
             fail_msg("%s omega=%g: %s, classification says %s", settings, points[k][0], s.label,
                      motion.label);
-        if (motion.kind == SALTUS_CHAOTIC) {
+        if (motion.verdict == SALTUS_CHAOTIC) {
             double errors = hypot(s.result.rows->lyapunov_error, motion.lyapunov_error);
             check_near(s.result.rows->lyapunov, motion.lyapunov, 4 * errors);
         }
-        chaotic += s.result.rows->verdict == SALTUS_ROW_CHAOTIC;
+        chaotic += s.result.rows->verdict == SALTUS_CHAOTIC;
         saltus_motion_clear(&motion);
         saltus_system_free(system);
         close_single(&s);
@@ -605,7 +605,7 @@ static void fixed_runs(void **unused) {
         assert_int_equal(row->recorded, 56);
         assert_int_equal(f.result.strobe_counts[0], 56);
         check_near((double)f.result.impact_counts[0], row->impact_rate * 56, 1e-9);
-        if (row->verdict == SALTUS_ROW_PERIODIC && 56 % row->periods == 0)
+        if (row->verdict == SALTUS_PERIODIC && 56 % row->periods == 0)
             check_near(row->impact_rate * row->periods, row->impacts, 1e-9);
         double largest = -INFINITY, smallest = INFINITY, speed = 0;
         for (long long i = 0; i < f.result.turning_counts[0]; i++) {
@@ -811,7 +811,7 @@ static void carried_beyond_the_stop(void **unused) {
         assert_int_equal(saltus_sweep_tasks(sweep), saltus_sweep_points(sweep) + 2);
         run_part(&o, 0, 1);
         for (long long place = 0; place < o.places; place++) {
-            assert_true(result_at(&o, place).rows->verdict != SALTUS_ROW_FAILED);
+            assert_true(result_at(&o, place).rows->verdict != SALTUS_FAILED);
             check_label(&o, place, 0);
         }
         close_outcome(&o);
@@ -927,7 +927,7 @@ static void failed_starts(void **unused) {
     for (int k = 0; k < 9; k++) {
         saltus_sweep_result result = result_at(&o, k);
         bool beyond = saltus_axis_value(saltus_sweep_axis(sweep, 0), k) > 1;
-        assert_true((result.rows->verdict == SALTUS_ROW_FAILED) == beyond);
+        assert_true((result.rows->verdict == SALTUS_FAILED) == beyond);
         if (beyond) {
             assert_int_equal(result.rows->attractor, -1);
             assert_true(isnan(result.rows->largest) && isnan(result.rows->lyapunov));
@@ -948,7 +948,7 @@ static void what_was_recorded_before_a_failure_stays(void **unused) {
     options.keep = 7;
     single first = run_single(&scene, "u0", 3.2, &options);
     long long end = first.result.rows->settled;
-    assert_int_equal(first.result.rows->verdict, SALTUS_ROW_FAILED);
+    assert_int_equal(first.result.rows->verdict, SALTUS_FAILED);
     assert_true(end > 4 && end < 20);
     options.adaptive = false;
     for (int transient = 0; transient <= 2; transient += 2)
@@ -989,9 +989,9 @@ static void unbounded_growth_disturbs_nobody(void **unused) {
         check_same_bits(&one, &all, growing[k].first);
         for (long long place = 0; place < one.places; place++)
             verdicts[result_at(&one, place).rows->verdict]++;
-        assert_int_equal(verdicts[SALTUS_ROW_PENDING], 0);
-        assert_true(k == 2 || verdicts[SALTUS_ROW_FAILED] > 0);
-        assert_true(verdicts[SALTUS_ROW_FAILED] < one.places);
+        assert_int_equal(verdicts[SALTUS_PENDING], 0);
+        assert_true(k == 2 || verdicts[SALTUS_FAILED] > 0);
+        assert_true(verdicts[SALTUS_FAILED] < one.places);
         close_outcome(&one);
         close_outcome(&all);
         saltus_sweep_free(sweep);
@@ -1040,9 +1040,9 @@ static void a_line_goes_on_after_a_failure(void **unused) {
     saltus_sweep *sweep = sweep_of(&scene, "kappa=0,5000,4000", NULL, &options);
     outcome o = open_outcome(sweep);
     run_part(&o, 0, 1);
-    assert_int_equal(result_at(&o, 0).rows->verdict, SALTUS_ROW_FAILED);
+    assert_int_equal(result_at(&o, 0).rows->verdict, SALTUS_FAILED);
     for (int k = 1; k < 3; k++) {
-        assert_true(result_at(&o, k).rows->verdict != SALTUS_ROW_FAILED);
+        assert_true(result_at(&o, k).rows->verdict != SALTUS_FAILED);
         check_near(result_at(&o, k).rows->largest, 0.025, 1e-12);
     }
     close_outcome(&o);

@@ -10,13 +10,12 @@
 
 enum { seeds = 2, points = 3, turnings = 2, passes = 2 };
 
-static int first_verdict = SALTUS_ROW_PERIODIC;
+static int first_verdict = SALTUS_PERIODIC;
 
 static void fill(made_place *m) {
     for (int s = 0; s < m->seeds; s++) {
-        m->row[s] = m->place == 0 && s == 0 && first_verdict != SALTUS_ROW_PERIODIC
-                        ? made_other(first_verdict)
-                        : made_periodic(2, 1);
+        m->row[s] = m->place == 0 && s == 0 && first_verdict != SALTUS_PERIODIC ? made_other(first_verdict)
+                                                                                : made_periodic(2, 1);
         m->row[s].settled = 10 * m->place + s;
         m->turning_count[s] = turnings;
         m->impact_count[s] = 1;
@@ -68,25 +67,25 @@ static void numbers_of_rows_have_their_bounds(void **state) {
         int verdict;
         long long last, beyond;
     } bound[] = {
-        {"rows/impacts", SALTUS_ROW_PERIODIC, -1, -2},
-        {"rows/impacts", SALTUS_ROW_HELD, 0, -1},
-        {"rows/periods", SALTUS_ROW_PERIODIC, 1, 0},
-        {"rows/periods", SALTUS_ROW_HELD, 0, -1},
-        {"rows/attractor", SALTUS_ROW_PERIODIC, -1, -2},
-        {"rows/attractor", SALTUS_ROW_PERIODIC, seeds - 1, seeds},
-        {"rows/sticking", SALTUS_ROW_PERIODIC, 0, -1},
-        {"rows/settled", SALTUS_ROW_PERIODIC, 0, -1},
-        {"rows/settled_impacts", SALTUS_ROW_HELD, 0, -1},
-        {"rows/recorded", SALTUS_ROW_HELD, 0, -1},
-        {"turning/first", SALTUS_ROW_PERIODIC, 0, -1},
-        {"turning/count", SALTUS_ROW_PERIODIC, 0, -1},
-        {"turning/first", SALTUS_ROW_PERIODIC, passes * points * seeds * turnings - turnings,
+        {"rows/impacts", SALTUS_PERIODIC, -1, -2},
+        {"rows/impacts", SALTUS_HELD, 0, -1},
+        {"rows/periods", SALTUS_PERIODIC, 1, 0},
+        {"rows/periods", SALTUS_HELD, 0, -1},
+        {"rows/attractor", SALTUS_PERIODIC, -1, -2},
+        {"rows/attractor", SALTUS_PERIODIC, seeds - 1, seeds},
+        {"rows/sticking", SALTUS_PERIODIC, 0, -1},
+        {"rows/settled", SALTUS_PERIODIC, 0, -1},
+        {"rows/settled_impacts", SALTUS_HELD, 0, -1},
+        {"rows/recorded", SALTUS_HELD, 0, -1},
+        {"turning/first", SALTUS_PERIODIC, 0, -1},
+        {"turning/count", SALTUS_PERIODIC, 0, -1},
+        {"turning/first", SALTUS_PERIODIC, passes * points * seeds * turnings - turnings,
          passes * points * seeds * turnings - turnings + 1},
-        {"turning/count", SALTUS_ROW_PERIODIC, passes * points * seeds * turnings,
+        {"turning/count", SALTUS_PERIODIC, passes * points * seeds * turnings,
          passes * points * seeds * turnings + 1},
-        {"impacts/count", SALTUS_ROW_PERIODIC, passes * points * seeds, passes * points * seeds + 1},
-        {"impacts/face", SALTUS_ROW_PERIODIC, 0, -1},
-        {"impacts/face", SALTUS_ROW_PERIODIC, SALTUS_FACES_MAX - 1, SALTUS_FACES_MAX},
+        {"impacts/count", SALTUS_PERIODIC, passes * points * seeds, passes * points * seeds + 1},
+        {"impacts/face", SALTUS_PERIODIC, 0, -1},
+        {"impacts/face", SALTUS_PERIODIC, SALTUS_FACES_MAX - 1, SALTUS_FACES_MAX},
     };
     (void)state;
     char folder[] = "/tmp/saltus-test-XXXXXX", path[64], name[128];
@@ -95,7 +94,7 @@ static void numbers_of_rows_have_their_bounds(void **state) {
     assert_non_null(mkdtemp(folder));
     snprintf(path, sizeof path, "%s/a.h5", folder);
     for (int held = 0; held < 2; held++) {
-        first_verdict = held ? SALTUS_ROW_HELD : SALTUS_ROW_PERIODIC;
+        first_verdict = held ? SALTUS_HELD : SALTUS_PERIODIC;
         make(path, 1000);
         whole[held] = read_all(path, &length[held]);
     }
@@ -103,8 +102,7 @@ static void numbers_of_rows_have_their_bounds(void **state) {
         for (int beyond = 0; beyond < 2; beyond++) {
             saltus_message message = {""};
             saltus_sweep_file file;
-            save(path, whole[bound[k].verdict == SALTUS_ROW_HELD],
-                 length[bound[k].verdict == SALTUS_ROW_HELD]);
+            save(path, whole[bound[k].verdict == SALTUS_HELD], length[bound[k].verdict == SALTUS_HELD]);
             spoil(path, bound[k].name, beyond ? bound[k].beyond : bound[k].last);
             saltus_status status = saltus_sweep_file_read(path, &file, &message);
             if (status != (beyond ? SALTUS_BAD_INPUT : SALTUS_OK))
@@ -152,7 +150,7 @@ static void results_before_the_damage_are_kept(void **state) {
     assert_non_null(mkdtemp(folder));
     snprintf(path, sizeof path, "%s/a.h5", folder);
     snprintf(journal, sizeof journal, "%s.journal", path);
-    first_verdict = SALTUS_ROW_PERIODIC;
+    first_verdict = SALTUS_PERIODIC;
     for (int k = 0; k <= done; k++) {
         free(bytes);
         make(path, k);
@@ -234,7 +232,7 @@ static void attractors_are_kept_with_their_points(void **state) {
     check_ok(saltus_sweep_new(&scene, axes, 2, &options, &sweep, &message), &message);
     check_ok(saltus_sweep_output_open(path, sweep, true, false, &output, &message), &message);
     for (int place = 0; place < 4; place++) {
-        saltus_sweep_row row = {.verdict = SALTUS_ROW_PERIODIC, .periods = 1, .lyapunov = NAN};
+        saltus_sweep_row row = {.verdict = SALTUS_PERIODIC, .periods = 1, .lyapunov = NAN};
         const long long none = 0;
         const saltus_sweep_result result = {.place = place,
                                             .rows = &row,

@@ -238,8 +238,8 @@ static void a_sweep_keeps_what_it_was_given(void **unused) {
 static void words_and_labels(void **unused) {
     (void)unused;
     static const char *const words[SALTUS_VERDICTS] = {
-        "pending", NULL,          "equilibrium", "held",  "quasi-periodic",
-        "chaotic", "long-period", "undecided",   "failed"};
+        "pending", NULL,          "equilibrium", "held",   "quasi-periodic",
+        "chaotic", "long-period", "undecided",   "failed", "transient"};
     char label[32];
     assert_string_equal(saltus_pass_word(SALTUS_PASS_RESET), "reset");
     assert_string_equal(saltus_pass_word(SALTUS_PASS_UP), "up");
@@ -248,10 +248,10 @@ static void words_and_labels(void **unused) {
         saltus_sweep_row row = {.verdict = v, .impacts = 3, .periods = 2};
         saltus_sweep_label(&row, label);
         assert_string_equal(label, words[v] ? words[v] : "3/2");
-        assert_true(saltus_sweep_settled(&row) ==
-                    (v == SALTUS_ROW_PERIODIC || v == SALTUS_ROW_EQUILIBRIUM || v == SALTUS_ROW_HELD));
+        assert_true(saltus_verdict_settled(row.verdict) ==
+                    (v == SALTUS_PERIODIC || v == SALTUS_EQUILIBRIUM || v == SALTUS_HELD));
     }
-    saltus_sweep_row row = {.verdict = SALTUS_ROW_PERIODIC, .impacts = -1, .periods = 5};
+    saltus_sweep_row row = {.verdict = SALTUS_PERIODIC, .impacts = -1, .periods = 5};
     saltus_sweep_label(&row, label);
     assert_string_equal(label, "chatter/5");
     row.impacts = 0;
@@ -565,15 +565,16 @@ static void attractors_are_numbered_by_orbits(void **unused) {
         for (int k = 0; k < seeds; k++) {
             const saltus_sweep_row *row = &s.result.rows[k];
             int expected = next;
-            if (saltus_sweep_settled(row))
+            if (saltus_verdict_settled(row->verdict))
                 motion[k] = motion_from(system, s.result.states + k * n, 20);
             for (int j = 0; j < k && expected == next; j++) {
-                bool settled = saltus_sweep_settled(row), other = saltus_sweep_settled(&s.result.rows[j]);
+                bool settled = saltus_verdict_settled(row->verdict),
+                     other = saltus_verdict_settled(s.result.rows[j].verdict);
                 if (settled && other ? same_motion(system, &motion[j], &motion[k])
                                      : s.result.rows[j].verdict == row->verdict)
                     expected = s.result.rows[j].attractor;
             }
-            if (row->verdict == SALTUS_ROW_FAILED)
+            if (row->verdict == SALTUS_FAILED)
                 expected = -1;
             next += expected == next;
             if (row->attractor != expected)
@@ -681,9 +682,9 @@ static void chaos_is_measured_as_long_as_said(void **unused) {
         long long measured = row->settled - 110;
         assert_int_equal(row->recorded, 10);
         if (most < 500)
-            assert_int_equal(row->verdict, SALTUS_ROW_UNDECIDED);
+            assert_int_equal(row->verdict, SALTUS_UNDECIDED);
         else
-            assert_int_equal(row->verdict, SALTUS_ROW_CHAOTIC);
+            assert_int_equal(row->verdict, SALTUS_CHAOTIC);
         if (most == 0)
             assert_true(isnan(row->lyapunov) && isnan(row->lyapunov_error) && row->settled == 100);
         else {
@@ -889,8 +890,8 @@ static int check_basins(const char *name, const char *settings, const char *firs
         check_ok(saltus_basins_sort(basins, result.rows, result.states, &attractor, &message), &message);
         count = saltus_basins_count(basins);
         saltus_sweep_label(result.rows, label);
-        unsettled += !saltus_sweep_settled(result.rows);
-        if (!saltus_sweep_settled(result.rows)) {
+        unsettled += !saltus_verdict_settled(result.rows->verdict);
+        if (!saltus_verdict_settled(result.rows->verdict)) {
             assert_true(attractor == -1 && count == known);
             continue;
         }
@@ -935,8 +936,8 @@ static void states_near_an_attractor_belong_to_it(void **unused) {
     saltus_message message = {""};
     saltus_basins *basins = NULL;
     double state[SALTUS_SCENE_STATE_MAX] = {0.01}, near[SALTUS_SCENE_STATE_MAX] = {0};
-    const saltus_sweep_row row = {.verdict = SALTUS_ROW_PERIODIC, .periods = 2, .impacts = 2},
-                           other = {.verdict = SALTUS_ROW_CHAOTIC};
+    const saltus_sweep_row row = {.verdict = SALTUS_PERIODIC, .periods = 2, .impacts = 2},
+                           other = {.verdict = SALTUS_CHAOTIC};
     int attractor = -7;
     check_ok(saltus_basins_new(sweep, &basins, &message), &message);
     check_ok(saltus_basins_sort(basins, &other, state, &attractor, &message), &message);

@@ -131,8 +131,8 @@ static void make_row(saltus_sweep_row *row, unsigned long long key) {
                               .contact_fraction = real(key, 9),
                               .lyapunov = mix(key, 15) % 7 ? real(key, 10) : -INFINITY,
                               .lyapunov_error = mix(key, 15) % 7 ? real(key, 16) : 0};
-    row->attractor = row->verdict == SALTUS_ROW_FAILED ? -1 : (int)(mix(key, 11) % seeds);
-    if (row->verdict == SALTUS_ROW_PERIODIC) {
+    row->attractor = row->verdict == SALTUS_FAILED ? -1 : (int)(mix(key, 11) % seeds);
+    if (row->verdict == SALTUS_PERIODIC) {
         row->impacts = (int)(mix(key, 12) % 12) - 1;
         row->periods = 1 + (int)(mix(key, 13) % 20);
         row->sticking = (int)(mix(key, 14) % 3);
@@ -329,7 +329,7 @@ static void layout_is_plain(void **state) {
     hid_t set = H5Dopen2(file, "rows/verdict", H5P_DEFAULT), space = H5Dget_space(set);
     hid_t type = H5Dget_type(set);
     hsize_t size[4];
-    int periodic = SALTUS_ROW_PERIODIC;
+    int periodic = SALTUS_PERIODIC;
     assert_int_equal(H5Sget_simple_extent_dims(space, size, NULL), 4);
     assert_true(size[0] == 2 && size[1] == 5 && size[2] == 7 && size[3] == seeds);
     assert_true(H5Tenum_nameof(type, &periodic, word, sizeof word) >= 0);
@@ -442,7 +442,7 @@ static void interrupted_runs_lose_nothing(void **state) {
         check_ok(saltus_sweep_file_read(path, &file, &message), &message);
         long long there = 0;
         for (long long row = 0; row < file.row_count; row++)
-            there += file.rows[row].verdict != SALTUS_ROW_PENDING;
+            there += file.rows[row].verdict != SALTUS_PENDING;
         assert_int_equal(there, seeds * (all ? f->places : 6 * (run + 1)));
         assert_int_equal(file.complete, all);
         saltus_sweep_file_clear(&file);
@@ -1081,8 +1081,8 @@ static void make_old(const char *path) {
 
 /* Files and journals of before are read as what they are, or refused. */
 static void files_of_before(void **state) {
-    static const int verdicts[] = {SALTUS_ROW_PERIODIC, SALTUS_ROW_EQUILIBRIUM, SALTUS_ROW_HELD,
-                                   SALTUS_ROW_UNDECIDED, SALTUS_ROW_FAILED};
+    static const int verdicts[] = {SALTUS_PERIODIC, SALTUS_EQUILIBRIUM, SALTUS_HELD, SALTUS_UNDECIDED,
+                                   SALTUS_FAILED};
     const fixture *f = *state;
     saltus_message message = {""};
     saltus_sweep_file file;
@@ -1160,8 +1160,9 @@ static void check_number(char **text, double expected) {
 }
 
 static void check_table(const fixture *f, char *const *lines, int count) {
-    static const char *const verdicts[] = {"pending", "periodic",    "equilibrium", "held",  "quasi-periodic",
-                                           "chaotic", "long-period", "undecided",   "failed"};
+    static const char *const verdicts[] = {"pending",        "periodic", "equilibrium", "held",
+                                           "quasi-periodic", "chaotic",  "long-period", "undecided",
+                                           "failed",         "transient"};
     made_up m;
     saltus_axis axes[2];
     full_axes(axes);
@@ -1324,7 +1325,7 @@ static void a_place_is_taken_once(void **state) {
             assert_true(a->verdict == b->verdict && a->settled == b->settled &&
                         a->contact_fraction == b->contact_fraction);
         } else
-            assert_int_equal(file.rows[row].verdict, SALTUS_ROW_PENDING);
+            assert_int_equal(file.rows[row].verdict, SALTUS_PENDING);
     assert_false(file.complete);
     saltus_sweep_file_clear(&file);
     saltus_sweep_file_clear(&file);

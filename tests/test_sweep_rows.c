@@ -178,7 +178,7 @@ static void check_clouds(const single *s, const recount *r, const saltus_system 
         assert_int_equal(result->impacts[k].face, r->impact[k].face);
     }
     /* At rest the velocity's sign is rounding's. */
-    if (result->rows->verdict != SALTUS_ROW_EQUILIBRIUM)
+    if (result->rows->verdict != SALTUS_EQUILIBRIUM)
         check_turning(r, result->turning, (int)result->turning_counts[0], unit);
     assert_int_equal(result->strobe_counts[0], r->sections);
     for (int k = 0; k < r->sections; k++)
@@ -195,7 +195,7 @@ static void check_recorded(const single *s) {
     check_measures(s, &r, system);
     if (saltus_sweep_choices(s->sweep)->adaptive)
         check_near(scaled(system, s->result.states, r.end), 0, 1e-6);
-    if (row->verdict == SALTUS_ROW_PERIODIC && row->recorded == row->periods) {
+    if (row->verdict == SALTUS_PERIODIC && row->recorded == row->periods) {
         assert_int_equal(row->impacts, r.chatter ? -1 : r.impacts);
         assert_int_equal(row->sticking, r.sticks);
         check_near(scaled(system, r.end, s->result.strobes), 0, 1e-6);
@@ -265,7 +265,7 @@ static void rows_equal_a_recount(void **unused) {
         if (motions[k].label)
             assert_string_equal(s.label, motions[k].label);
         const saltus_sweep_row *row = s.result.rows;
-        if (row->periods || row->verdict == SALTUS_ROW_UNDECIDED)
+        if (row->periods || row->verdict == SALTUS_UNDECIDED)
             assert_int_equal(row->recorded, row->periods ? row->periods : 5);
         check_recorded(&s);
         close_single(&s);
@@ -287,7 +287,8 @@ static void fixed_rows_equal_a_recount_too(void **unused) {
         assert_int_equal(f->recorded, 12);
         assert_true(f->settled >= 312);
         check_recorded(&fixed);
-        if (saltus_sweep_settled(f) && saltus_sweep_settled(a) && strcmp(fixed.label, adaptive.label) == 0) {
+        if (saltus_verdict_settled(f->verdict) && saltus_verdict_settled(a->verdict) &&
+            strcmp(fixed.label, adaptive.label) == 0) {
             bool whole = a->periods == 0 || 12 % a->periods == 0;
             assert_int_equal(f->impacts, a->impacts);
             assert_int_equal(f->sticking, a->sticking);
@@ -336,7 +337,7 @@ static void the_way_to_the_verdict_is_counted(void **unused) {
                 recount_from(&r, system, &options.flow, start, transient);
                 check_near(scaled(system, s.result.strobes, r.end), 0, 1e-4);
                 if (adaptive) {
-                    assert_int_equal(s.result.rows->verdict, SALTUS_ROW_UNDECIDED);
+                    assert_int_equal(s.result.rows->verdict, SALTUS_UNDECIDED);
                     assert_int_equal(s.result.rows->settled, transient);
                     assert_int_equal(s.result.rows->settled_impacts, r.impacts);
                 }
@@ -366,7 +367,7 @@ static void a_start_on_the_orbit_counts_the_orbit(void **unused) {
         saltus_sweep_options options = everything();
         options.transient = 1500;
         single first = run_single(&scene, orbits[k].key, orbits[k].value, &options);
-        if (!saltus_sweep_settled(first.result.rows))
+        if (!saltus_verdict_settled(first.result.rows->verdict))
             fail_msg("%s %s: %s", orbits[k].scene, orbits[k].settings, first.label);
         scene.initial_count = saltus_sweep_dimension(first.sweep);
         memcpy(scene.initial, first.result.states, (size_t)scene.initial_count * sizeof *scene.initial);

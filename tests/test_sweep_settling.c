@@ -101,7 +101,7 @@ static void orbits_with_impacts_are_near_too(void **unused) {
         saltus_orbit_options shooting = saltus_orbit_defaults();
         saltus_orbit orbit = {0};
         single s = run_single(&scene, "omega", cases[k].omega, &options);
-        assert_int_equal(s.result.rows->verdict, SALTUS_ROW_PERIODIC);
+        assert_int_equal(s.result.rows->verdict, SALTUS_PERIODIC);
         saltus_system *system = system_at(s.sweep, 0);
         check_ok(
             saltus_orbit_find(system, s.result.rows->periods, s.result.strobes, &shooting, &orbit, &message),

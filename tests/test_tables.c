@@ -95,7 +95,7 @@ static void write_tables(const saltus_scene *scene, const saltus_system *system,
         .per_period = 24,
         .analysed = 7,
         .spectra = {{.kind = SALTUS_SPECTRUM_CONSTANT, .density = density, .mean = 0.25}}};
-    saltus_motion motion = {.kind = SALTUS_HELD, .label = "held"};
+    saltus_motion motion = {.verdict = SALTUS_HELD, .label = "held"};
     saltus_message message = {""};
     char path[path_size];
     size_t length;
@@ -165,7 +165,7 @@ static void write_objects(const saltus_scene *scene, const saltus_system *system
     saltus_lyapunov_options options = saltus_lyapunov_defaults();
     saltus_lyapunov lyapunov = lyapunov_of(&exponent, &error);
     saltus_motion motion = {
-        .kind = SALTUS_HELD, .label = "held", .dimension = dimension, .state = state, .lyapunov = NAN};
+        .verdict = SALTUS_HELD, .label = "held", .dimension = dimension, .state = state, .lyapunov = NAN};
     saltus_equilibrium rest = {.dimension = dimension, .state = state};
     saltus_spectra spectra = {.count = 1, .spectra = {{.kind = SALTUS_SPECTRUM_CONSTANT}}};
     assert_true(dimension <= 16);

@@ -94,7 +94,7 @@ static void quasi_periodic_motions(void **unused) {
             saltus_motion m = classify(&specs[k], units[u], &options);
             double period = 2 * M_PI / (units[u] * saltus_spec_get(&specs[k], "omega"));
             const saltus_evidence *e = &m.evidence;
-            if (m.kind != SALTUS_QUASIPERIODIC)
+            if (m.verdict != SALTUS_QUASIPERIODIC)
                 fail_msg("torus %d, %g times as fast: %s: %s", k, units[u], m.label, m.reason);
             assert_int_equal(e->curves, 1);
             check_near(e->dimension, 1, 0.1);
@@ -117,7 +117,7 @@ static void chaotic_motions(void **unused) {
     for (int u = 0; u < unit_count; u++) {
         double s = units[u];
         saltus_motion m = classify(&spec, s, &options);
-        if (m.kind != SALTUS_CHAOTIC)
+        if (m.verdict != SALTUS_CHAOTIC)
             fail_msg("%g times as fast: %s: %s", s, m.label, m.reason);
         if (u == 0) {
             exponent = m.lyapunov;
@@ -142,10 +142,10 @@ static void intermittent_motions(void **unused) {
     options.measure = 64000;
     for (int u = 0; u < unit_count; u++) {
         saltus_motion m = classify(&spec, units[u], &options);
-        if (m.kind == SALTUS_CHAOTIC) {
+        if (m.verdict == SALTUS_CHAOTIC) {
             assert_true(m.evidence.laminar_period > 0 && m.evidence.laminar_period % 6 == 0);
             assert_true(m.evidence.laminar >= 0.05 && m.evidence.longest_phase > 0);
-        } else if (m.kind != SALTUS_UNDECIDED || !m.evidence.stable_orbit[0])
+        } else if (m.verdict != SALTUS_UNDECIDED || !m.evidence.stable_orbit[0])
             fail_msg("%g times as fast: %s: %s", units[u], m.label, m.reason);
         saltus_motion_clear(&m);
     }
@@ -162,7 +162,7 @@ static void slow_decays(void **unused) {
         for (int u = 0; u < unit_count; u++) {
             saltus_spec spec = impacting(slower ? 5e-7 : 1e-5, 1, 0.6180339887498949, 0, 100, 0.8);
             saltus_motion m = classify(&spec, units[u], &options);
-            if (m.kind != (slower ? SALTUS_UNDECIDED : SALTUS_UNSETTLED))
+            if (m.verdict != (slower ? SALTUS_UNDECIDED : SALTUS_LONG_PERIOD))
                 fail_msg("%d, %g times as fast: %s: %s", slower, units[u], m.label, m.reason);
             if (!slower)
                 assert_string_equal(m.label, "long-period");

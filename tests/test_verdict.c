@@ -42,9 +42,9 @@ static void chaos_is_proven(void **unused) {
     (void)unused;
     saltus_motion motion = judge_scene("fig6", chaotic_pipe);
     const saltus_evidence *e = &motion.evidence;
-    assert_int_equal(motion.kind, SALTUS_CHAOTIC);
+    assert_int_equal(motion.verdict, SALTUS_CHAOTIC);
     assert_string_equal(motion.label, "chaotic");
-    assert_false(saltus_motion_settled(&motion));
+    assert_false(saltus_verdict_settled(motion.verdict));
     check_near(motion.lyapunov, 0.756, 0.01 + 3 * motion.lyapunov_error);
     assert_true(motion.lyapunov_error > 0 && motion.lyapunov_error < (at_length() ? 0.01 : 0.02));
     for (int half = 0; half < 2; half++)
@@ -68,7 +68,7 @@ static void verdicts_repeat_bit_for_bit(void **unused) {
     options.transient = 700;
     options.measure = 8000;
     saltus_motion a = judge(&spec, &options), b = judge(&spec, &options);
-    assert_int_equal(a.kind, SALTUS_CHAOTIC);
+    assert_int_equal(a.verdict, SALTUS_CHAOTIC);
     assert_true(a.lyapunov == b.lyapunov && a.lyapunov_error == b.lyapunov_error);
     assert_memory_equal(a.state, b.state, (size_t)a.dimension * sizeof(double));
     assert_string_equal(a.reason, b.reason);
@@ -88,7 +88,7 @@ static void tori_are_quasi_periodic(void **unused) {
     spec.stops[0].weight[1] = 1;
     for (int case_number = 0; case_number < 2; case_number++) {
         saltus_motion motion = judge(&spec, &options);
-        if (motion.kind != SALTUS_QUASIPERIODIC)
+        if (motion.verdict != SALTUS_QUASIPERIODIC)
             fail_msg("case %d: %s: %s", case_number, motion.label, motion.reason);
         assert_string_equal(motion.label, "quasi-periodic");
         check_near(motion.lyapunov, 0, 4 * motion.lyapunov_error + 1e-6);
@@ -110,7 +110,7 @@ static void transients_are_seen_through(void **unused) {
     saltus_spec spec = scene_spec("two-mass", settings);
     options.transient = 4000;
     saltus_motion motion = judge(&spec, &options);
-    if (motion.kind == SALTUS_UNSETTLED) {
+    if (motion.verdict == SALTUS_TRANSIENT) {
         assert_string_equal(motion.label, "transient");
         assert_true(motion.evidence.left >= 1);
         assert_string_equal(motion.evidence.left_for, "18/4");
@@ -132,8 +132,8 @@ static void stable_orbits_amid_chaos_count(void **unused) {
     options.transient = at_length() ? 2500 : 1600;
     options.measure = at_length() ? options.measure : 8000;
     saltus_motion motion = judge(&spec, &options);
-    assert_true(motion.kind != SALTUS_CHAOTIC);
-    if (motion.kind == SALTUS_UNDECIDED) {
+    assert_true(motion.verdict != SALTUS_CHAOTIC);
+    if (motion.verdict == SALTUS_UNDECIDED) {
         assert_string_equal(motion.evidence.stable_orbit, label);
         assert_non_null(strstr(motion.reason, "stable"));
         assert_non_null(strstr(motion.reason, label));
@@ -150,13 +150,13 @@ static void little_time_leaves_it_open(void **unused) {
     options.transient = 300;
     options.measure = 0;
     saltus_motion motion = judge(&spec, &options);
-    assert_int_equal(motion.kind, SALTUS_UNDECIDED);
+    assert_int_equal(motion.verdict, SALTUS_UNDECIDED);
     assert_true(isnan(motion.lyapunov) && motion.evidence.periods == 0);
     assert_non_null(strstr(motion.reason, "after 300 periods"));
     saltus_motion_clear(&motion);
     options.measure = 100;
     motion = judge(&spec, &options);
-    assert_int_equal(motion.kind, SALTUS_UNDECIDED);
+    assert_int_equal(motion.verdict, SALTUS_UNDECIDED);
     assert_true(strlen(motion.reason) > 20);
     saltus_motion_clear(&motion);
 }
@@ -173,7 +173,7 @@ static void the_caller_may_stop_it(void **unused) {
     saltus_spec spec = scene_spec("fig6", chaotic_pipe);
     options.progress = stop_at_once;
     saltus_motion motion = judge(&spec, &options);
-    assert_int_equal(motion.kind, SALTUS_UNDECIDED);
+    assert_int_equal(motion.verdict, SALTUS_UNDECIDED);
     assert_true(motion.evidence.periods < 8000);
     saltus_motion_clear(&motion);
 }

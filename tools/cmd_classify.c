@@ -18,7 +18,7 @@ static saltus_status classify_once(const cli_request *request, const saltus_scen
     if (status != SALTUS_OK)
         return status;
     (request->json ? saltus_write_motion_json : saltus_write_motion_text)(stdout, scene, system, &motion);
-    *cut = interrupt_asked() && motion.kind == SALTUS_UNDECIDED;
+    *cut = interrupt_asked() && motion.verdict == SALTUS_UNDECIDED;
     saltus_motion_clear(&motion);
     return SALTUS_OK;
 }

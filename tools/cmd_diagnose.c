@@ -36,7 +36,7 @@ static saltus_status record_motion(const saltus_system *system, const saltus_flo
         section_points = 2000
     };
     const saltus_motion *motion = &p->motion;
-    bool settled = saltus_motion_settled(motion);
+    bool settled = saltus_verdict_settled(motion->verdict);
     long long periods = motion->periods ? motion->periods : settled ? resting_periods : unsettled_periods;
     int per_period = periods * samples < orbit_samples ? orbit_samples / (int)periods : samples;
     saltus_status status =
@@ -51,13 +51,13 @@ static saltus_status record_motion(const saltus_system *system, const saltus_flo
 static saltus_status analyse_motion(const saltus_system *system, const saltus_flow_options *flow, page *p,
                                     saltus_message *message) {
     enum { line_samples = 1024, density_samples = 256 };
-    bool periodic = p->motion.kind == SALTUS_PERIODIC;
+    bool periodic = p->motion.verdict == SALTUS_PERIODIC;
     saltus_spectrum_options options = saltus_spectrum_defaults();
     options.flow = *flow;
     options.quantity_count = 1;
     options.per_period = periodic ? line_samples : density_samples;
     options.periods = periodic ? 2LL * p->motion.periods : 0;
-    p->analysed = periodic || !saltus_motion_settled(&p->motion);
+    p->analysed = periodic || !saltus_verdict_settled(p->motion.verdict);
     return p->analysed ? saltus_motion_spectra(system, &p->motion, &options, &p->spectra, message)
                        : SALTUS_OK;
 }

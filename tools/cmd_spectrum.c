@@ -85,7 +85,7 @@ static saltus_status analyse(const cli_request *request, const saltus_scene *sce
     if (status == SALTUS_OK)
         status = saltus_classify(system, state, &how, &motion, message);
     cli_progress_end(request);
-    if (status == SALTUS_OK && interrupt_asked() && !saltus_motion_settled(&motion))
+    if (status == SALTUS_OK && interrupt_asked() && !saltus_verdict_settled(motion.verdict))
         status = SALTUS_INTERRUPTED;
     if (status == SALTUS_OK)
         status = saltus_motion_spectra(system, &motion, &wishes, &spectra, message);

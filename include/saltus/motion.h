@@ -10,16 +10,28 @@
 extern "C" {
 #endif
 
-typedef enum saltus_motion_kind {
+/* What a trajectory has come to. */
+typedef enum saltus_verdict {
+    SALTUS_PENDING,       /* nothing yet: a row of an interrupted sweep */
     SALTUS_PERIODIC,      /* n/p, chatter included */
     SALTUS_EQUILIBRIUM,   /* at rest without contact force */
     SALTUS_HELD,          /* in contact for good */
     SALTUS_QUASIPERIODIC, /* largest exponent zero, spectrum of lines, closed curves in the section */
-    SALTUS_CHAOTIC,       /* largest exponent positive, and so in a doubled run */
-    SALTUS_UNSETTLED,     /* on its way to something regular that it has not reached: "transient", or
-                             "long-period" where nothing irregular is on the way */
-    SALTUS_UNDECIDED      /* `reason` says what was tried and what is lacking */
-} saltus_motion_kind;
+    SALTUS_CHAOTIC,       /* largest exponent positive by three standard errors, and in both halves */
+    SALTUS_LONG_PERIOD,   /* exponent negative: a longer period, or one that is reached slowly */
+    SALTUS_UNDECIDED,     /* no period found, and no exponent that tells */
+    SALTUS_FAILED,        /* the flow gave up, or the initial state is not admissible */
+    SALTUS_TRANSIENT,     /* chaotic as yet, but neighbouring trajectories have come to something regular */
+    SALTUS_VERDICTS
+} saltus_verdict;
+
+/* "periodic", "equilibrium", "held", "quasi-periodic", "chaotic", "long-period", ... */
+const char *saltus_verdict_word(saltus_verdict verdict);
+/* Whether it is an orbit or a rest. */
+bool saltus_verdict_settled(saltus_verdict verdict);
+/* "4/4", "chatter/2" (impacts = -1) of a periodic motion, otherwise the word. */
+void saltus_verdict_label(saltus_verdict verdict, long long impacts, int periods,
+                          char label[SALTUS_LABEL_MAX]);
 
 typedef enum saltus_mirror {
     SALTUS_MIRROR_NONE, /* the scene has no mirror symmetry, or the motion no orbit or rest to mirror */
@@ -65,7 +77,7 @@ typedef struct saltus_evidence {
 
 /* The verdict on one trajectory. Arrays are owned by the motion. */
 typedef struct saltus_motion {
-    saltus_motion_kind kind;
+    saltus_verdict verdict;
     char label[32];         /* "4/4", "0/1", "chatter/2", "equilibrium", "held", "quasi-periodic", "chaotic",
                                "transient", "long-period", "undecided" */
     char reason[384];       /* motions without a period: what is known, what is lacking */
@@ -97,9 +109,6 @@ typedef struct saltus_motion {
     saltus_integrator integrator; /* that was asked for; automatic: the system's own */
     saltus_evidence evidence;     /* of motions without a period */
 } saltus_motion;
-
-/* Whether a motion has come to an orbit or a rest, for which its state stands. */
-bool saltus_motion_settled(const saltus_motion *motion);
 
 /* Settle from an initial state (length dimension, at phase 0) and classify. On success the motion's arrays
  * are owned by it: saltus_motion_clear. An undecided motion is a success too, and that is what one is whose

@@ -107,26 +107,12 @@ long long saltus_sweep_rows(const saltus_sweep *sweep);
 saltus_status saltus_sweep_scene_at(const saltus_sweep *sweep, long long point, saltus_scene *scene,
                                     saltus_message *message);
 
-typedef enum saltus_verdict {
-    SALTUS_ROW_PENDING,     /* not computed (of an interrupted run) */
-    SALTUS_ROW_PERIODIC,    /* n/p, chatter included */
-    SALTUS_ROW_EQUILIBRIUM, /* at rest without contact force */
-    SALTUS_ROW_HELD,        /* in contact for good */
-    /* The next three only with SALTUS_KEEP_LYAPUNOV. */
-    SALTUS_ROW_QUASIPERIODIC, /* largest exponent zero, spectrum of lines, closed curves in the section */
-    SALTUS_ROW_CHAOTIC,       /* largest exponent positive by three standard errors, and in both halves */
-    SALTUS_ROW_UNSETTLED,     /* exponent negative: a longer period, or one that is reached slowly */
-    SALTUS_ROW_UNDECIDED,     /* no period up to the longest looked for within the time given */
-    SALTUS_ROW_FAILED,        /* the flow gave up, or the initial state is not admissible */
-    SALTUS_VERDICTS
-} saltus_verdict_kind;
-
 /* What is told of one trajectory. Measures are of the recorded periods. */
 typedef struct saltus_sweep_row {
-    int verdict;   /* saltus_verdict_kind */
-    int impacts;   /* periodic: n per orbit, -1 where complete chatter makes it infinite; otherwise 0 */
-    int periods;   /* periodic: p */
-    int sticking;  /* periodic: sticking intervals per orbit */
+    int verdict;  /* saltus_verdict; quasi-periodic, chaotic and long-period only with SALTUS_KEEP_LYAPUNOV */
+    int impacts;  /* periodic: n per orbit, -1 where complete chatter makes it infinite; otherwise 0 */
+    int periods;  /* periodic: p */
+    int sticking; /* periodic: sticking intervals per orbit */
     int attractor; /* which of the distinct attractors met at this point in this pass, from 0 by seeds; all
                       chaotic motions of a point count as one, and so do all quasi-periodic, all unsettled
                       and all undecided ones; -1: failed */
@@ -143,9 +129,7 @@ typedef struct saltus_sweep_row {
 } saltus_sweep_row;
 
 /* "4/4", "chatter/2", "held", "chaotic", ... as in saltus_motion. */
-void saltus_sweep_label(const saltus_sweep_row *row, char label[32]);
-/* Whether the trajectory has come to an orbit or a rest. */
-bool saltus_sweep_settled(const saltus_sweep_row *row);
+void saltus_sweep_label(const saltus_sweep_row *row, char label[SALTUS_LABEL_MAX]);
 
 typedef struct saltus_sweep_impact {
     double phase; /* in [0, 1) */

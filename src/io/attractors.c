@@ -21,14 +21,14 @@ static void write_json(FILE *file, const saltus_scene *scene, const saltus_syste
 static void write_line(FILE *file, const saltus_motion *motion, int share, int seeds) {
     static const char *const mirror[] = {"", "its own mirror image", "one of a mirror pair"};
     char verdict[64];
-    saltus_verdict(motion, verdict);
+    saltus_motion_summary(motion, verdict);
     fprintf(file, "  %5d  %5.1f %%  %-22s", share, 100.0 * share / seeds, verdict);
     if (motion->multiplier_count)
         fprintf(file, "  largest |mu| %.6f", exp(motion->multipliers[0].log_modulus));
-    if (saltus_motion_settled(motion))
+    if (saltus_verdict_settled(motion->verdict))
         fprintf(file, "  displacement %.6g to %.6g  %s", motion->smallest, motion->largest,
                 mirror[motion->mirror]);
-    if (!saltus_motion_settled(motion) && !isnan(motion->lyapunov))
+    if (!saltus_verdict_settled(motion->verdict) && !isnan(motion->lyapunov))
         fprintf(file, "  largest exponent %.4g +- %.1g", motion->lyapunov, motion->lyapunov_error);
     fputs("\n", file);
 }

@@ -52,32 +52,12 @@ const char *saltus_integrator_used(const saltus_system *system, saltus_integrato
     return asked == SALTUS_AUTOMATIC ? saltus_system_integrator(system) : saltus_integrator_word(asked);
 }
 
-const char *saltus_kind_word(saltus_motion_kind kind) {
-    switch (kind) {
-    case SALTUS_PERIODIC:
-        return "periodic";
-    case SALTUS_EQUILIBRIUM:
-        return "equilibrium";
-    case SALTUS_HELD:
-        return "held";
-    case SALTUS_QUASIPERIODIC:
-        return "quasi-periodic";
-    case SALTUS_CHAOTIC:
-        return "chaotic";
-    case SALTUS_UNSETTLED:
-        return "unsettled";
-    case SALTUS_UNDECIDED:
-        return "undecided";
-    }
-    return "unknown";
-}
-
 double saltus_event_after(const saltus_event *event) {
     return event->kind == SALTUS_STICK ? 0 : event->velocity_after;
 }
 
-void saltus_verdict(const saltus_motion *motion, char text[64]) {
-    bool known = saltus_motion_settled(motion) && motion->multiplier_count > 0;
+void saltus_motion_summary(const saltus_motion *motion, char text[64]) {
+    bool known = saltus_verdict_settled(motion->verdict) && motion->multiplier_count > 0;
     snprintf(text, 64, "%s%s", motion->label, !known ? "" : motion->stable ? ", stable" : ", unstable");
 }
 
@@ -86,7 +66,7 @@ bool saltus_is_pipe(const saltus_system *system) {
 }
 
 double saltus_impacts_per_response(const saltus_system *system, const saltus_motion *motion) {
-    if (motion->kind != SALTUS_PERIODIC || motion->impacts < 0 || motion->periods < 1)
+    if (motion->verdict != SALTUS_PERIODIC || motion->impacts < 0 || motion->periods < 1)
         return NAN;
     return (saltus_is_pipe(system) ? 2.0 : 1.0) * (double)motion->impacts / motion->periods;
 }

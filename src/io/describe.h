@@ -22,12 +22,11 @@ const char *saltus_sides_word(saltus_sides sides);     /* "upper", "lower", "bot
 const char *saltus_integrator_word(saltus_integrator integrator);
 /* The one that runs where this one is asked for. */
 const char *saltus_integrator_used(const saltus_system *system, saltus_integrator asked);
-const char *saltus_kind_word(saltus_motion_kind kind);
 /* Velocity after an event: none once a contact holds. */
 double saltus_event_after(const saltus_event *event);
 
 /* The label with the word stable or unstable where that is known; fits 64 bytes. */
-void saltus_verdict(const saltus_motion *motion, char text[64]);
+void saltus_motion_summary(const saltus_motion *motion, char text[64]);
 bool saltus_is_pipe(const saltus_system *system);
 /* Whether a stop limits the observed coordinate itself. */
 bool saltus_stop_observed(const saltus_system *system, int stop);

@@ -130,7 +130,7 @@ static void put_sum_rule(FILE *file, const saltus_motion *motion) {
 
 static void put_contact_force(FILE *file, const saltus_system *system, const saltus_motion *motion) {
     saltus_json_key(file, "contact_force");
-    if (motion->kind != SALTUS_HELD) {
+    if (motion->verdict != SALTUS_HELD) {
         fputs("null", file);
         return;
     }
@@ -216,8 +216,8 @@ void saltus_write_motion_json(FILE *file, const saltus_scene *scene, const saltu
     fputs("{\"version\": \"" SALTUS_VERSION "\"", file);
     saltus_json_text(file, "scene", scene->name);
     saltus_json_text(file, "label", motion->label);
-    saltus_json_text(file, "kind", saltus_kind_word(motion->kind));
-    bool counted = motion->impacts >= 0 && saltus_motion_settled(motion);
+    saltus_json_text(file, "kind", saltus_verdict_word(motion->verdict));
+    bool counted = motion->impacts >= 0 && saltus_verdict_settled(motion->verdict);
     saltus_json_member(file, "impacts", counted ? (double)motion->impacts : NAN);
     fprintf(file, ", \"periods\": %d, \"sticking_intervals\": %d", motion->periods,
             motion->sticking_intervals);

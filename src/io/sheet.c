@@ -108,7 +108,7 @@ static void put_stops(const saltus_sheet *sheet, bool vertical) {
 
 /* Velocity jumps as dashes, the trajectory, and its stroboscopic points with a white rim. */
 static void put_portrait(const saltus_sheet *sheet, const place *at) {
-    bool settled = saltus_motion_settled(sheet->motion);
+    bool settled = saltus_verdict_settled(sheet->motion->verdict);
     char x[160], y[160];
     saltus_displacement_name(sheet->system, x, sizeof x);
     saltus_velocity_name(sheet->system, y, sizeof y);
@@ -340,7 +340,7 @@ static void put_convergence(const saltus_sheet *sheet, const place *at) {
 /* Which panels a motion gets: what it has, and nothing twice. The structure's shapes, of a motion without a
  * period, where there is room for them; an orbit always leaves that room. */
 static int choose_panels(const saltus_sheet *sheet, panel *chosen[panels_most]) {
-    bool pipe = saltus_is_pipe(sheet->system), settled = saltus_motion_settled(sheet->motion);
+    bool pipe = saltus_is_pipe(sheet->system), settled = saltus_verdict_settled(sheet->motion->verdict);
     bool multipliers = settled && sheet->motion->multiplier_count > 0;
     int count = 0, last = (sheet->spectrum != NULL) + (sheet->course_count > 0);
     chosen[count++] = put_portrait;
@@ -433,7 +433,7 @@ static saltus_status keep_data(saltus_sheet *sheet, const saltus_flow_options *o
 static saltus_sheet make_sheet(const saltus_scene *scene, const saltus_system *system,
                                const saltus_diagnosis *d) {
     saltus_sheet sheet = {.scene = scene, .system = system, .motion = d->motion, .record = d->record};
-    bool settled = saltus_motion_settled(d->motion);
+    bool settled = saltus_verdict_settled(d->motion->verdict);
     sheet.section = d->section && !settled ? d->section : d->record;
     sheet.spectra = d->spectra;
     if (d->spectra && d->spectra->count > 0 && d->spectra->spectra[0].kind != SALTUS_SPECTRUM_CONSTANT)

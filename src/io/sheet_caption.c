@@ -35,14 +35,14 @@ static void add_fraction(saltus_line *l, double fraction) {
 /* What a motion without a period is, in words. */
 static void add_irregular(saltus_line *l, const saltus_motion *m) {
     const saltus_evidence *e = &m->evidence;
-    if (m->kind != SALTUS_CHAOTIC && m->kind != SALTUS_QUASIPERIODIC) {
+    if (m->verdict != SALTUS_CHAOTIC && m->verdict != SALTUS_QUASIPERIODIC) {
         add_sentence(l, m->reason);
         return;
     }
     saltus_line_add(l, "largest exponent ");
     add_uncertain(l, m->lyapunov, m->lyapunov_error);
     saltus_line_add(l, " per unit of time, %s;  measured over %lld periods by %d trajectories",
-                    m->kind == SALTUS_CHAOTIC                    ? "positive in both halves of the run"
+                    m->verdict == SALTUS_CHAOTIC                 ? "positive in both halves of the run"
                     : fabs(m->lyapunov) <= 3 * m->lyapunov_error ? "zero within its error"
                                                                  : "next to zero",
                     e->periods, e->members);
@@ -54,9 +54,9 @@ static void add_irregular(saltus_line *l, const saltus_motion *m) {
 static void add_evidence(saltus_line *l, const saltus_motion *m) {
     const saltus_evidence *e = &m->evidence;
     const char *separator = "";
-    if (saltus_motion_settled(m) || e->periods == 0)
+    if (saltus_verdict_settled(m->verdict) || e->periods == 0)
         return;
-    if (m->kind != SALTUS_QUASIPERIODIC && isfinite(e->half[0]) && isfinite(e->half[1])) {
+    if (m->verdict != SALTUS_QUASIPERIODIC && isfinite(e->half[0]) && isfinite(e->half[1])) {
         saltus_line_add(l, "exponent in the halves of the run ");
         add_uncertain(l, e->half[0], e->half_errors[0]);
         saltus_line_add(l, " and ");
@@ -83,7 +83,7 @@ static void add_evidence(saltus_line *l, const saltus_motion *m) {
 
 static void add_intermittency(saltus_line *l, const saltus_motion *m) {
     const saltus_evidence *e = &m->evidence;
-    if (saltus_motion_settled(m) || e->laminar_period == 0)
+    if (saltus_verdict_settled(m->verdict) || e->laminar_period == 0)
         return;
     saltus_line_add(l, "intermittent: %.0f %% of the time near a motion of period ", 100 * e->laminar);
     if (e->laminar_period > 1)
@@ -93,11 +93,11 @@ static void add_intermittency(saltus_line *l, const saltus_motion *m) {
 
 static void add_motion(saltus_line *l, const saltus_sheet *sheet) {
     const saltus_motion *m = sheet->motion;
-    if (!saltus_motion_settled(m))
+    if (!saltus_verdict_settled(m->verdict))
         add_irregular(l, m);
-    else if (m->kind == SALTUS_EQUILIBRIUM)
+    else if (m->verdict == SALTUS_EQUILIBRIUM)
         saltus_line_add(l, "at rest, clear of every stop");
-    else if (m->kind == SALTUS_HELD)
+    else if (m->verdict == SALTUS_HELD)
         saltus_line_add(l, "in contact for good");
     else if (m->impacts < 0)
         saltus_line_add(l, "complete chatter, %d sticking interval%s in %d {/:Italic T}",
@@ -108,7 +108,7 @@ static void add_motion(saltus_line *l, const saltus_sheet *sheet) {
         saltus_line_add(l, "%lld impact%s in %d {/:Italic T}, %.4g per response cycle%s", m->impacts,
                         m->impacts == 1 ? "" : "s", m->periods, saltus_impacts_per_response(sheet->system, m),
                         saltus_is_pipe(sheet->system) ? " 2{/:Italic T}" : "");
-    if (m->kind == SALTUS_PERIODIC && m->mirror != SALTUS_MIRROR_NONE)
+    if (m->verdict == SALTUS_PERIODIC && m->mirror != SALTUS_MIRROR_NONE)
         saltus_line_add(l, ";  %s",
                         m->mirror == SALTUS_MIRROR_SELF ? "its own mirror image" : "one of a mirror pair");
 }
@@ -116,7 +116,7 @@ static void add_motion(saltus_line *l, const saltus_sheet *sheet) {
 /* The leading multipliers; a complex pair is named once, with its modulus. */
 static void add_multipliers(saltus_line *l, const saltus_motion *m) {
     enum { leading = 4 };
-    if (!saltus_motion_settled(m) || m->multiplier_count == 0)
+    if (!saltus_verdict_settled(m->verdict) || m->multiplier_count == 0)
         return;
     saltus_line_add(l, ";  Floquet multipliers ");
     for (int k = 0; k < m->multiplier_count && k < leading; k++) {
@@ -137,7 +137,7 @@ static void add_multipliers(saltus_line *l, const saltus_motion *m) {
 
 /* The exponent of an orbit follows from its largest multiplier. */
 static void add_exponent(saltus_line *l, const saltus_motion *m) {
-    if (m->kind != SALTUS_PERIODIC || isnan(m->lyapunov))
+    if (m->verdict != SALTUS_PERIODIC || isnan(m->lyapunov))
         return;
     saltus_line_add(l, "largest exponent ln|{/:Italic μ}_1|/");
     if (m->periods > 1)
@@ -158,7 +158,7 @@ static void add_stretch(saltus_line *l, const saltus_sheet *sheet) {
     if (sheet->orbit)
         return;
     saltus_line_add(l, "shown: %.6g periods", r->time[sheet->rows - 1] - r->time[0]);
-    if (!saltus_motion_settled(sheet->motion))
+    if (!saltus_verdict_settled(sheet->motion->verdict))
         saltus_line_add(l, ", section %lld", sheet->section->strobes);
     if (sheet->spectrum) {
         saltus_spectra_method(sheet->spectra, method, sizeof method);
@@ -173,7 +173,7 @@ double saltus_sheet_caption(const saltus_sheet *sheet) {
                 motion = {.length = 0}, evidence = {.length = 0}, phases = {.length = 0},
                 shown = {.length = 0};
     double height = 0.932;
-    saltus_verdict(sheet->motion, verdict);
+    saltus_motion_summary(sheet->motion, verdict);
     saltus_line_plain(&head, sheet->scene->name);
     saltus_line_add(&head, ":  ");
     saltus_line_plain(&head, verdict);

@@ -70,7 +70,7 @@ static long long events_within(const saltus_record *r, long long rows) {
 /* The last finite stretch of the exponent's history, where the exponent is finite itself. */
 static void choose_course(saltus_sheet *sheet) {
     const saltus_evidence *e = &sheet->motion->evidence;
-    if (saltus_motion_settled(sheet->motion) || !isfinite(sheet->motion->lyapunov))
+    if (saltus_verdict_settled(sheet->motion->verdict) || !isfinite(sheet->motion->lyapunov))
         return;
     int first = e->history_count;
     while (first > 0 && isfinite(e->history[first - 1].exponent) &&
@@ -87,7 +87,7 @@ void saltus_sheet_choose(saltus_sheet *sheet) {
     const saltus_record *r = sheet->record;
     double end = r->time[r->samples - 1], history = history_periods;
     int periods = sheet->motion->periods;
-    sheet->orbit = saltus_motion_settled(sheet->motion) && periods > 0 && end >= periods;
+    sheet->orbit = saltus_verdict_settled(sheet->motion->verdict) && periods > 0 && end >= periods;
     if (sheet->orbit)
         end = history = periods;
     else if (r->samples > rows_most && r->time[rows_most] >= 1)
@@ -290,7 +290,7 @@ void saltus_sheet_data(saltus_sheet *sheet) {
     put_impacts(sheet);
     put_contacts(sheet);
     put_strobes(sheet);
-    if (saltus_motion_settled(sheet->motion))
+    if (saltus_verdict_settled(sheet->motion->verdict))
         put_multipliers(sheet);
     else
         put_section(sheet);

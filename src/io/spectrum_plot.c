@@ -334,7 +334,7 @@ static double put_caption(const saltus_spectra_source *source, FILE *file) {
     saltus_line head = {.length = 0}, title = {.length = 0}, parameters = {.length = 0},
                 analysed = {.length = 0}, findings = {.length = 0};
     double height = 0.932;
-    saltus_verdict(source->motion, verdict);
+    saltus_motion_summary(source->motion, verdict);
     saltus_spectra_method(source->spectra, method, sizeof method);
     saltus_line_plain(&head, source->scene->name);
     saltus_line_add(&head, ":  spectrum,  ");

@@ -114,7 +114,7 @@ static void put_spectrum(FILE *file, const saltus_spectrum *s, saltus_quantity q
 void saltus_write_spectra_text(FILE *file, const saltus_scene *scene, const saltus_system *system,
                                const saltus_motion *motion, const saltus_spectra *spectra) {
     char verdict[64], method[256];
-    saltus_verdict(motion, verdict);
+    saltus_motion_summary(motion, verdict);
     saltus_spectra_method(spectra, method, sizeof method);
     fprintf(file, "%s: %s\n", scene->name, verdict);
     saltus_put_scene(file, scene, system);

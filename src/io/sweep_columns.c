@@ -99,22 +99,9 @@ hid_t saltus_entry_type(saltus_h5 *w, saltus_sweep_entry entry, bool stored) {
     return -1;
 }
 
-static const char *const verdict_words[SALTUS_VERDICTS] = {[SALTUS_ROW_PENDING] = "pending",
-                                                           [SALTUS_ROW_PERIODIC] = "periodic",
-                                                           [SALTUS_ROW_EQUILIBRIUM] = "equilibrium",
-                                                           [SALTUS_ROW_HELD] = "held",
-                                                           [SALTUS_ROW_QUASIPERIODIC] = "quasi-periodic",
-                                                           [SALTUS_ROW_CHAOTIC] = "chaotic",
-                                                           [SALTUS_ROW_UNSETTLED] = "long-period",
-                                                           [SALTUS_ROW_UNDECIDED] = "undecided",
-                                                           [SALTUS_ROW_FAILED] = "failed"};
 static const char *const keep_words[] = {"turning", "impacts", "stroboscopic", "lyapunov", NULL};
 static const char *const pass_words[] = {"reset", "up", "down", NULL};
 static const char *const spacing_words[] = {"linear", "logarithmic", "list", NULL};
-
-const char *saltus_verdict_word(int verdict) {
-    return verdict_words[verdict];
-}
 
 const char *saltus_spacing_word(saltus_spacing spacing) {
     return spacing_words[spacing];

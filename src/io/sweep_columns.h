@@ -45,7 +45,6 @@ size_t saltus_entry_bytes(saltus_sweep_entry entry);
 /* Type of an entry in memory and, when `stored`, in the file; to be closed. */
 hid_t saltus_entry_type(saltus_h5 *w, saltus_sweep_entry entry, bool stored);
 
-const char *saltus_verdict_word(int verdict);            /* "pending", "periodic", ... */
 const char *saltus_spacing_word(saltus_spacing spacing); /* "linear", "logarithmic", "list" */
 /* What is kept, "turning,impacts", and the passes, "reset,up"; `text` holds SALTUS_WORDS_MAX bytes. */
 enum { SALTUS_WORDS_MAX = 64 };

@@ -111,7 +111,7 @@ bool saltus_cells_at(const saltus_cells *cells, int pixels, int pixel, int *firs
 
 /* What tells classes apart, as one number. */
 static uint64_t key_of(const saltus_sweep_row *row) {
-    bool periodic = row->verdict == SALTUS_ROW_PERIODIC;
+    bool periodic = row->verdict == SALTUS_PERIODIC;
     return (uint64_t)(unsigned)row->verdict << 56 | (periodic ? (uint64_t)(unsigned)row->periods << 36 : 0) |
            (periodic ? (uint64_t)(unsigned)(row->impacts + 1) : 0);
 }
@@ -151,7 +151,7 @@ static int index_of(const uint64_t *keys, int count, uint64_t key) {
 
 /* Whether a class comes before another of the same period in the order of shades: fewer impacts. */
 static bool paler(const saltus_sweep_class *a, const saltus_sweep_class *b) {
-    return a->verdict == SALTUS_ROW_PERIODIC && a->shown && (a->impacts < 0) == (b->impacts < 0) &&
+    return a->verdict == SALTUS_PERIODIC && a->shown && (a->impacts < 0) == (b->impacts < 0) &&
            (a->impacts < 0 ? a->periods < b->periods
                            : a->periods == b->periods && a->impacts > 0 && a->impacts < b->impacts);
 }
@@ -200,23 +200,22 @@ static uint32_t shade(const saltus_classes *classes, const saltus_sweep_class *c
  * their family. */
 static void set_colours(saltus_classes *classes) {
     static const uint32_t plain[SALTUS_VERDICTS] = {
-        [SALTUS_ROW_PENDING] = 0xffffff,       [SALTUS_ROW_PERIODIC] = 0xa08f78,
-        [SALTUS_ROW_EQUILIBRIUM] = 0x5d7f8c,   [SALTUS_ROW_HELD] = 0x4b5963,
-        [SALTUS_ROW_QUASIPERIODIC] = 0xb4e3d6, [SALTUS_ROW_CHAOTIC] = 0x17171a,
-        [SALTUS_ROW_UNSETTLED] = 0x97939c,     [SALTUS_ROW_UNDECIDED] = 0xc6c6c6,
-        [SALTUS_ROW_FAILED] = 0xff2d78};
+        [SALTUS_PENDING] = 0xffffff,     [SALTUS_PERIODIC] = 0xa08f78,      [SALTUS_EQUILIBRIUM] = 0x5d7f8c,
+        [SALTUS_HELD] = 0x4b5963,        [SALTUS_QUASIPERIODIC] = 0xb4e3d6, [SALTUS_CHAOTIC] = 0x17171a,
+        [SALTUS_LONG_PERIOD] = 0x97939c, [SALTUS_UNDECIDED] = 0xc6c6c6,     [SALTUS_FAILED] = 0xff2d78,
+        [SALTUS_TRANSIENT] = 0x6b6870};
     int shown = 0;
     for (int k = 0; k < classes->count; k++) {
         saltus_sweep_class *c = &classes->list[k];
         c->colour = plain[c->verdict];
-        int family = c->verdict == SALTUS_ROW_PERIODIC ? saltus_class_family(c) : 0;
+        int family = c->verdict == SALTUS_PERIODIC ? saltus_class_family(c) : 0;
         if (family)
             c->colour = saltus_colour(0.5, 0.055, family_hues[family]);
-        c->shown = c->verdict != SALTUS_ROW_PERIODIC || shown < SALTUS_CLASSES_SHOWN;
-        shown += c->verdict == SALTUS_ROW_PERIODIC;
+        c->shown = c->verdict != SALTUS_PERIODIC || shown < SALTUS_CLASSES_SHOWN;
+        shown += c->verdict == SALTUS_PERIODIC;
     }
     for (int k = 0; k < classes->count; k++)
-        if (classes->list[k].verdict == SALTUS_ROW_PERIODIC && classes->list[k].shown)
+        if (classes->list[k].verdict == SALTUS_PERIODIC && classes->list[k].shown)
             classes->list[k].colour = shade(classes, &classes->list[k]);
 }
 
@@ -230,8 +229,8 @@ static bool fill(saltus_classes *classes, const saltus_sweep_file *sweep, const 
         if (c->share == 0) {
             saltus_sweep_label(&sweep->rows[row], c->label);
             c->verdict = sweep->rows[row].verdict;
-            c->impacts = c->verdict == SALTUS_ROW_PERIODIC ? sweep->rows[row].impacts : 0;
-            c->periods = c->verdict == SALTUS_ROW_PERIODIC ? sweep->rows[row].periods : 0;
+            c->impacts = c->verdict == SALTUS_PERIODIC ? sweep->rows[row].impacts : 0;
+            c->periods = c->verdict == SALTUS_PERIODIC ? sweep->rows[row].periods : 0;
         }
         c->share += 1.0 / (double)sweep->row_count;
     }
@@ -284,11 +283,11 @@ bool saltus_view_is_cloud(saltus_view view) {
 }
 
 double saltus_sweep_measure(saltus_view view, const saltus_sweep_row *row) {
-    if (row->verdict == SALTUS_ROW_PENDING || row->verdict == SALTUS_ROW_FAILED)
+    if (row->verdict == SALTUS_PENDING || row->verdict == SALTUS_FAILED)
         return NAN;
     switch (view) {
     case SALTUS_VIEW_CLASS:
-        return row->verdict == SALTUS_ROW_PERIODIC ? row->periods : NAN;
+        return row->verdict == SALTUS_PERIODIC ? row->periods : NAN;
     case SALTUS_VIEW_LARGEST:
         return row->largest;
     case SALTUS_VIEW_SPEED:
@@ -300,7 +299,7 @@ double saltus_sweep_measure(saltus_view view, const saltus_sweep_row *row) {
     case SALTUS_VIEW_LYAPUNOV:
         return row->lyapunov;
     case SALTUS_VIEW_SETTLED:
-        return saltus_sweep_settled(row) ? (double)row->settled : NAN;
+        return saltus_verdict_settled(row->verdict) ? (double)row->settled : NAN;
     default:
         return NAN;
     }
@@ -316,7 +315,7 @@ long long saltus_sweep_visit(const saltus_sweep_file *sweep, long long point, in
 }
 
 static bool is_pending(const saltus_sweep_page *page, long long point, int k) {
-    return page->sweep->rows[saltus_sweep_visit(page->sweep, point, k)].verdict == SALTUS_ROW_PENDING;
+    return page->sweep->rows[saltus_sweep_visit(page->sweep, point, k)].verdict == SALTUS_PENDING;
 }
 
 int saltus_sweep_class_at(const saltus_sweep_page *page, long long point, bool *several) {

@@ -43,19 +43,19 @@ static void add_shares(saltus_map *map) {
 /* Words for a class in the legend. */
 static void word_class(const saltus_sweep_file *sweep, const saltus_sweep_class *c, char label[64]) {
     bool measured = (sweep->options.keep & SALTUS_KEEP_LYAPUNOV) && sweep->options.measure > 0;
-    if (c->verdict == SALTUS_ROW_UNDECIDED && !measured)
+    if (c->verdict == SALTUS_UNDECIDED && !measured)
         snprintf(label, 64, "no period up to %d", sweep->options.longest);
-    else if (c->verdict == SALTUS_ROW_UNSETTLED)
+    else if (c->verdict == SALTUS_LONG_PERIOD)
         snprintf(label, 64, "long period, or slow");
-    else if (c->verdict == SALTUS_ROW_HELD)
+    else if (c->verdict == SALTUS_HELD)
         snprintf(label, 64, "held by the stop");
-    else if (c->verdict == SALTUS_ROW_EQUILIBRIUM)
+    else if (c->verdict == SALTUS_EQUILIBRIUM)
         snprintf(label, 64, "at rest, no contact");
-    else if (c->verdict == SALTUS_ROW_PENDING)
+    else if (c->verdict == SALTUS_PENDING)
         snprintf(label, 64, "not computed yet");
-    else if (c->verdict == SALTUS_ROW_FAILED)
+    else if (c->verdict == SALTUS_FAILED)
         snprintf(label, 64, "failed");
-    else if (c->verdict == SALTUS_ROW_PERIODIC && c->impacts == 0)
+    else if (c->verdict == SALTUS_PERIODIC && c->impacts == 0)
         snprintf(label, 64, "%.31s  no impact", c->label);
     else
         snprintf(label, 64, "%.31s", c->label);
@@ -93,8 +93,8 @@ bool saltus_map_classes(saltus_map *map) {
             continue;
         }
         word_class(sweep, c, map->kinds[k].label);
-        if (c->verdict == SALTUS_ROW_PERIODIC || c->verdict == SALTUS_ROW_CHAOTIC ||
-            c->verdict == SALTUS_ROW_QUASIPERIODIC)
+        if (c->verdict == SALTUS_PERIODIC || c->verdict == SALTUS_CHAOTIC ||
+            c->verdict == SALTUS_QUASIPERIODIC)
             snprintf(map->kinds[k].name, sizeof map->kinds[k].name, "%s", c->label);
     }
     name_rest(map->kinds + rest, others);
@@ -116,7 +116,7 @@ static int count_attractors(const saltus_sweep_page *page, long long point) {
     for (int k = 0; k < visits; k++) {
         long long row = saltus_sweep_visit(sweep, point, k);
         bool met = false;
-        if (sweep->rows[row].attractor < 0 || sweep->rows[row].verdict == SALTUS_ROW_PENDING)
+        if (sweep->rows[row].attractor < 0 || sweep->rows[row].verdict == SALTUS_PENDING)
             continue;
         most = sweep->rows[row].attractor + 1 > most ? sweep->rows[row].attractor + 1 : most;
         for (int j = 0; j < k; j++)
@@ -184,10 +184,10 @@ bool saltus_map_basins(saltus_map *map) {
     name_plain(map->kinds + n, "beyond a stop, or failed");
     for (long long p = 0; p < sweep->points; p++) {
         const saltus_sweep_row *row = &sweep->rows[saltus_sweep_visit(sweep, p, 0)];
-        map->kind[p] = row->attractor >= 0                  ? row->attractor
-                       : row->verdict == SALTUS_ROW_FAILED  ? n + (int)plain_failed
-                       : row->verdict == SALTUS_ROW_PENDING ? n + (int)plain_pending
-                                                            : n + (int)plain_undecided;
+        map->kind[p] = row->attractor >= 0              ? row->attractor
+                       : row->verdict == SALTUS_FAILED  ? n + (int)plain_failed
+                       : row->verdict == SALTUS_PENDING ? n + (int)plain_pending
+                                                        : n + (int)plain_undecided;
     }
     shade_basins(map);
     add_shares(map);

@@ -83,7 +83,7 @@ static void paint_kind(saltus_map *map, int x, int y, int fineness) {
 static uint32_t without_number(const saltus_map *map, long long point) {
     const saltus_sweep_file *sweep = map->page->sweep;
     int verdict = sweep->rows[saltus_sweep_visit(sweep, point, 0)].verdict;
-    return verdict == SALTUS_ROW_PENDING ? 0xffffff : verdict == SALTUS_ROW_FAILED ? 0xff2d78 : 0xc6c6c6;
+    return verdict == SALTUS_PENDING ? 0xffffff : verdict == SALTUS_FAILED ? 0xff2d78 : 0xc6c6c6;
 }
 
 static void paint_number(saltus_map *map, int x, int y) {

@@ -110,7 +110,7 @@ static void add_symbol(const char *key, saltus_line *line) {
 static double done_part(const saltus_sweep_file *sweep) {
     long long done = 0;
     for (long long k = 0; k < sweep->row_count; k++)
-        done += sweep->rows[k].verdict != SALTUS_ROW_PENDING;
+        done += sweep->rows[k].verdict != SALTUS_PENDING;
     return (double)done / (double)sweep->row_count;
 }
 

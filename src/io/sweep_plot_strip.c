@@ -40,7 +40,7 @@ static void put_name(const saltus_sweep_page *page, const saltus_sweep_class *c,
     const double letter = 9.2, room = 8;
     int width = page->frame.right - page->frame.left;
     double own = letter * (double)strlen(c->label) + room;
-    bool worth = c->shown && c->verdict != SALTUS_ROW_PENDING;
+    bool worth = c->shown && c->verdict != SALTUS_PENDING;
     if (!worth || (to - from) * width < own)
         return;
     saltus_line name = {.length = 0};

@@ -212,12 +212,12 @@ static bool get_rows(const reader *r, const char *group, const saltus_sweep_colu
 
 static bool row_sound(const saltus_sweep_file *made, const saltus_sweep_row *row) {
     int attractors = made->basins ? made->attractor_count : made->options.seeds;
-    bool periodic = row->verdict == SALTUS_ROW_PERIODIC;
+    bool periodic = row->verdict == SALTUS_PERIODIC;
     return row->verdict >= 0 && row->verdict < SALTUS_VERDICTS && row->attractor >= -1 &&
            row->attractor < attractors && row->impacts >= (periodic ? -1 : 0) &&
            row->periods >= (periodic ? 1 : 0) && row->sticking >= 0 && row->settled >= 0 &&
            row->settled_impacts >= 0 && row->recorded >= 0 &&
-           !(made->complete && row->verdict == SALTUS_ROW_PENDING);
+           !(made->complete && row->verdict == SALTUS_PENDING);
 }
 
 /* Standard errors of exponents that were measured without. */

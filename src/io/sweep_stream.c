@@ -28,7 +28,7 @@ static void clean(saltus_sweep_row *row) {
 static void read_nothing(saltus_sweep_stream *stream, int seeds) {
     stream->result = (saltus_sweep_result){.rows = NULL};
     for (int s = 0; s < seeds; s++)
-        stream->rows[s] = (saltus_sweep_row){.verdict = SALTUS_ROW_PENDING,
+        stream->rows[s] = (saltus_sweep_row){.verdict = SALTUS_PENDING,
                                              .attractor = -1,
                                              .largest = NAN,
                                              .smallest = NAN,

@@ -47,11 +47,11 @@ static const char *plural(long long count) {
 
 static void put_motion(FILE *file, const saltus_system *system, const saltus_motion *motion) {
     put_head(file, "motion");
-    if (!saltus_motion_settled(motion))
+    if (!saltus_verdict_settled(motion->verdict))
         fprintf(file, "%s\n", motion->reason);
-    else if (motion->kind == SALTUS_EQUILIBRIUM)
+    else if (motion->verdict == SALTUS_EQUILIBRIUM)
         fputs("at rest, clear of every stop\n", file);
-    else if (motion->kind == SALTUS_HELD)
+    else if (motion->verdict == SALTUS_HELD)
         fputs("in contact for good\n", file);
     else if (motion->impacts < 0)
         fprintf(file, "complete chatter with %d sticking interval%s in %d forcing period%s\n",
@@ -65,9 +65,9 @@ static void put_motion(FILE *file, const saltus_system *system, const saltus_mot
 
 static void put_faces(FILE *file, const saltus_system *system, const saltus_motion *motion) {
     int faces = saltus_system_face_count(system);
-    if (faces == 0 || motion->kind == SALTUS_EQUILIBRIUM || !saltus_motion_settled(motion))
+    if (faces == 0 || motion->verdict == SALTUS_EQUILIBRIUM || !saltus_verdict_settled(motion->verdict))
         return;
-    bool held = motion->kind == SALTUS_HELD;
+    bool held = motion->verdict == SALTUS_HELD;
     put_head(file, held ? "contact force" : "impacts");
     for (int f = 0; f < faces; f++) {
         saltus_face face = saltus_system_face(system, f);
@@ -162,7 +162,7 @@ static void put_multipliers(FILE *file, const saltus_motion *motion) {
 /* What else is known of a motion without a period. */
 static void put_evidence(FILE *file, const saltus_motion *motion) {
     const saltus_evidence *e = &motion->evidence;
-    if (saltus_motion_settled(motion) || e->periods == 0)
+    if (saltus_verdict_settled(motion->verdict) || e->periods == 0)
         return;
     put_head(file, "exponent");
     if (isinf(motion->lyapunov))
@@ -185,7 +185,7 @@ static void put_evidence(FILE *file, const saltus_motion *motion) {
 }
 
 static void put_exponent(FILE *file, const saltus_motion *motion) {
-    if (!saltus_motion_settled(motion) || isnan(motion->lyapunov))
+    if (!saltus_verdict_settled(motion->verdict) || isnan(motion->lyapunov))
         return;
     put_head(file, "exponent");
     fprintf(file, "%.10g per unit of time, the largest\n", motion->lyapunov);
@@ -197,7 +197,7 @@ void saltus_write_motion_text(FILE *file, const saltus_scene *scene, const saltu
                                          "the orbit is its own mirror image",
                                          "the orbit is one of a mirror pair"};
     char verdict[64];
-    saltus_verdict(motion, verdict);
+    saltus_motion_summary(motion, verdict);
     fprintf(file, "%s: %s\n", scene->name, verdict);
     saltus_put_scene(file, scene, system);
     put_motion(file, system, motion);
@@ -215,7 +215,7 @@ void saltus_write_motion_text(FILE *file, const saltus_scene *scene, const saltu
         fprintf(file, "%lld period%s simulated", motion->transient, plural(motion->transient));
     } else
         put_head(file, "orbit");
-    if (motion->kind == SALTUS_PERIODIC || !motion->transient)
+    if (motion->verdict == SALTUS_PERIODIC || !motion->transient)
         fprintf(file, "%sresidual %.1e after %d Newton step%s", motion->transient ? "; " : "",
                 motion->residual, motion->iterations, plural(motion->iterations));
     fprintf(file, " (%s)\n", saltus_integrator_used(system, motion->integrator));

@@ -3,6 +3,7 @@
 #include "saltus/motion.h"
 
 #include "motion/motion.h"
+#include "motion/verdict.h"
 
 #include <gsl/gsl_randist.h>
 #include <math.h>
@@ -12,26 +13,21 @@
 /* Section points of the same orbit agree to Newton's accuracy; distinct orbits do not. */
 static const double same_point = 1e-6;
 
-static bool same_attractor(const saltus_system *system, const saltus_motion *a, const saltus_motion *b) {
-    if (a->kind != b->kind || a->periods != b->periods)
-        return false;
-    if (!saltus_motion_settled(a))
-        return true;
-    for (int k = 0; k < a->periods; k++)
-        if (saltus_system_distance(system, a->section_states + (size_t)k * (size_t)a->dimension, b->state) <
-            same_point)
-            return true;
-    return a->periods == 0 && saltus_system_distance(system, a->state, b->state) < same_point;
+static saltus_ending ending_of(const saltus_motion *motion) {
+    return (saltus_ending){motion->verdict, motion->periods, motion->state, motion->section_states};
 }
 
 /* Count a motion with its attractor, or take it over as a new one. */
 static void sort_in(const saltus_system *system, saltus_attractors *found, saltus_motion *motion) {
-    for (int k = 0; k < found->count; k++)
-        if (same_attractor(system, &found->motions[k], motion)) {
+    saltus_ending ending = ending_of(motion);
+    for (int k = 0; k < found->count; k++) {
+        saltus_ending known = ending_of(&found->motions[k]);
+        if (saltus_same_attractor(system, &known, &ending, same_point)) {
             found->shares[k]++;
             saltus_motion_clear(motion);
             return;
         }
+    }
     found->motions[found->count] = *motion;
     found->shares[found->count++] = 1;
 }
@@ -88,7 +84,7 @@ saltus_status saltus_attractors_find(const saltus_system *system, int seeds, uns
             status = saltus_classify(system, state, &asking, &motion, message);
         /* One that was interrupted is none. */
         bool asked_to = self.refused || saltus_motion_stopped(&options->flow),
-             stopped = asked_to && !saltus_motion_settled(&motion);
+             stopped = asked_to && !saltus_verdict_settled(motion.verdict);
         if (status == SALTUS_INTERRUPTED || (status == SALTUS_OK && stopped)) {
             saltus_motion_clear(&motion);
             attractors->seeds = k;

@@ -158,7 +158,7 @@ static saltus_status try_period(search *s, saltus_message *message) {
     return status;
 }
 
-/* Go on until the trajectory has come to a rest, which goes to motion->kind, or to an orbit, or so many
+/* Go on until the trajectory has come to a rest, which goes to motion->verdict, or to an orbit, or so many
  * periods have passed. */
 static saltus_status settle(search *s, long long at_most, saltus_motion *motion, saltus_message *message) {
     const saltus_classify_options *o = s->options;
@@ -175,7 +175,7 @@ static saltus_status settle(search *s, long long at_most, saltus_motion *motion,
             break;
         s->stopped = o->progress && !o->progress(o->context, s->settling.count, o->transient);
         if (is_resting(s)) {
-            motion->kind = saltus_flow_contacts(s->flow, 0) ? SALTUS_HELD : SALTUS_EQUILIBRIUM;
+            motion->verdict = saltus_flow_contacts(s->flow, 0) ? SALTUS_HELD : SALTUS_EQUILIBRIUM;
             break;
         }
         status = try_period(s, message);
@@ -188,7 +188,7 @@ static saltus_status settle(search *s, long long at_most, saltus_motion *motion,
 /* What is concluded while flows are being stopped is no evidence: the motion is undecided. */
 static saltus_status drop_verdict(search *s, saltus_motion *motion) {
     saltus_motion_forget_evidence(motion);
-    motion->kind = SALTUS_UNDECIDED;
+    motion->verdict = SALTUS_UNDECIDED;
     motion->lyapunov = motion->lyapunov_error = NAN;
     s->stopped = true;
     return SALTUS_OK;
@@ -198,7 +198,7 @@ static saltus_status drop_verdict(search *s, saltus_motion *motion) {
 static saltus_status conclude(search *s, saltus_motion *motion, saltus_message *message) {
     if (s->found)
         return saltus_motion_take(s->system, s->beside, &s->orbit, &s->lap, s->options, motion, message);
-    if (motion->kind == SALTUS_UNDECIDED)
+    if (motion->verdict == SALTUS_UNDECIDED)
         snprintf(motion->reason, sizeof motion->reason,
                  "no stable orbit of period up to %d T after %lld periods%s; closest recurrence %.2g of the "
                  "state's scale; a longer --transient or a Lyapunov exponent would decide",
@@ -250,7 +250,7 @@ static saltus_status find_long_period(search *s, saltus_motion *motion, saltus_m
     options.transient = 8 * longest_period;
     options.progress = NULL;
     saltus_status status = find_period(s->system, motion->state, &options, true, &found, message);
-    if (status == SALTUS_OK && saltus_motion_settled(&found)) {
+    if (status == SALTUS_OK && saltus_verdict_settled(found.verdict)) {
         saltus_motion_clear(motion);
         *motion = found;
         motion->transient += before;
@@ -265,17 +265,17 @@ static saltus_status judge(search *s, saltus_motion *motion, saltus_message *mes
     bool regular;
     saltus_flow_state(s->flow, 0, motion->state);
     saltus_status status = saltus_motion_judge(s->system, o, motion, &regular, &s->stopped, message);
-    if (status != SALTUS_OK || s->stopped || motion->kind != SALTUS_UNDECIDED)
+    if (status != SALTUS_OK || s->stopped || motion->verdict != SALTUS_UNDECIDED)
         return status;
     if (s->settling.count < o->transient)
         status = settle(s, o->transient, motion, message);
-    if (status != SALTUS_OK || s->found || motion->kind != SALTUS_UNDECIDED)
+    if (status != SALTUS_OK || s->found || motion->verdict != SALTUS_UNDECIDED)
         return status;
     saltus_flow_state(s->flow, 0, motion->state);
     if (status == SALTUS_OK && regular && motion->evidence.left == 0)
         status = find_long_period(s, motion, message);
-    if (status == SALTUS_OK && regular && motion->kind == SALTUS_UNDECIDED)
-        motion->kind = SALTUS_UNSETTLED;
+    if (status == SALTUS_OK && regular && motion->verdict == SALTUS_UNDECIDED)
+        motion->verdict = motion->evidence.left ? SALTUS_TRANSIENT : SALTUS_LONG_PERIOD;
     return status;
 }
 
@@ -295,18 +295,18 @@ saltus_status saltus_classify(const saltus_system *system, const double *state,
         status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory to classify");
     if (status == SALTUS_OK)
         status = settle(&s, early, motion, message);
-    bool open = status == SALTUS_OK && !s.found && motion->kind == SALTUS_UNDECIDED && !s.stopped;
+    bool open = status == SALTUS_OK && !s.found && motion->verdict == SALTUS_UNDECIDED && !s.stopped;
     if (open && options->measure)
         status = judge(&s, motion, message);
-    if (open && saltus_motion_stopped(&options->flow) && !saltus_motion_settled(motion))
+    if (open && saltus_motion_stopped(&options->flow) && !saltus_verdict_settled(motion->verdict))
         status = drop_verdict(&s, motion);
-    bool judged = motion->evidence.periods > 0 && !s.found && !saltus_motion_settled(motion);
+    bool judged = motion->evidence.periods > 0 && !s.found && !saltus_verdict_settled(motion->verdict);
     if (status == SALTUS_OK && judged)
         status = saltus_motion_survey(system, s.flow, motion, message);
-    else if (status == SALTUS_OK && !(saltus_motion_settled(motion) && motion->multiplier_count))
+    else if (status == SALTUS_OK && !(saltus_verdict_settled(motion->verdict) && motion->multiplier_count))
         status = conclude(&s, motion, message);
     /* What has no period shows how far it goes without a verdict, too. */
-    if (status == SALTUS_OK && motion->kind == SALTUS_UNDECIDED && !judged && !s.stopped)
+    if (status == SALTUS_OK && motion->verdict == SALTUS_UNDECIDED && !judged && !s.stopped)
         status = saltus_motion_survey(system, s.flow, motion, message);
     close_search(&s);
     if (status != SALTUS_OK)

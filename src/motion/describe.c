@@ -56,24 +56,6 @@ static saltus_status find_mirror(const saltus_system *system, saltus_flow *flow,
     return status;
 }
 
-static void write_label(saltus_motion *motion) {
-    size_t room = sizeof motion->label;
-    if (motion->kind == SALTUS_EQUILIBRIUM)
-        snprintf(motion->label, room, "equilibrium");
-    else if (motion->kind == SALTUS_HELD)
-        snprintf(motion->label, room, "held");
-    else if (motion->kind == SALTUS_QUASIPERIODIC)
-        snprintf(motion->label, room, "quasi-periodic");
-    else if (motion->kind == SALTUS_CHAOTIC)
-        snprintf(motion->label, room, "chaotic");
-    else if (motion->kind == SALTUS_UNSETTLED)
-        snprintf(motion->label, room, motion->evidence.left ? "transient" : "long-period");
-    else if (motion->kind == SALTUS_UNDECIDED)
-        snprintf(motion->label, room, "undecided");
-    else
-        saltus_orbit_label(motion->impacts, motion->periods, motion->label);
-}
-
 /* Force per modal mass of the contacts that hold at the motion's state. */
 static saltus_status measure_forces(const saltus_system *system, const saltus_classify_options *options,
                                     saltus_motion *motion, saltus_message *message) {
@@ -88,7 +70,7 @@ static saltus_status measure_forces(const saltus_system *system, const saltus_cl
 }
 
 bool saltus_motion_open(const saltus_system *system, const saltus_flow_options *flow, saltus_motion *motion) {
-    *motion = (saltus_motion){.kind = SALTUS_UNDECIDED,
+    *motion = (saltus_motion){.verdict = SALTUS_UNDECIDED,
                               .dimension = saltus_system_dimension(system),
                               .lyapunov = NAN,
                               .lyapunov_error = NAN,
@@ -102,7 +84,7 @@ bool saltus_motion_open(const saltus_system *system, const saltus_flow_options *
 /* Copy what Newton's method and the multipliers say. */
 static bool take_orbit(const saltus_orbit *orbit, double period, saltus_motion *motion) {
     size_t n = (size_t)orbit->dimension;
-    motion->kind = SALTUS_PERIODIC;
+    motion->verdict = SALTUS_PERIODIC;
     motion->periods = orbit->periods;
     motion->residual = orbit->residual;
     motion->iterations = orbit->iterations;
@@ -125,7 +107,7 @@ static bool take_orbit(const saltus_orbit *orbit, double period, saltus_motion *
 
 /* Take over what the lap around the orbit has seen. */
 static void take_lap(saltus_lap *lap, saltus_motion *motion) {
-    motion->kind = saltus_lap_held(lap) ? SALTUS_HELD : SALTUS_PERIODIC;
+    motion->verdict = saltus_lap_held(lap) ? SALTUS_HELD : SALTUS_PERIODIC;
     motion->impacts = saltus_lap_impacts(lap);
     motion->sticking_intervals = saltus_lap_sticking(lap);
     memcpy(motion->impacts_by_face, lap->impacts_by_face, sizeof lap->impacts_by_face);
@@ -144,11 +126,11 @@ saltus_status saltus_motion_take(const saltus_system *system, saltus_flow *flow,
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the orbit");
     take_lap(lap, motion);
     saltus_status status = SALTUS_OK;
-    if (motion->kind == SALTUS_HELD)
+    if (motion->verdict == SALTUS_HELD)
         status = measure_forces(system, options, motion, message);
     if (status == SALTUS_OK)
         status = find_mirror(system, flow, motion, message);
-    write_label(motion);
+    saltus_verdict_label(motion->verdict, motion->impacts, motion->periods, motion->label);
     return status;
 }
 
@@ -241,19 +223,19 @@ saltus_status saltus_motion_rest(const saltus_system *system, saltus_flow *flow,
     bool shift;
     saltus_status status = SALTUS_OK;
     saltus_flow_state(flow, 0, motion->state);
-    if (motion->kind != SALTUS_UNDECIDED)
+    if (motion->verdict != SALTUS_UNDECIDED)
         status = polish_rest(system, options, motion, message);
     motion->largest = motion->smallest = saltus_observed(system, motion->state);
-    if (motion->kind != SALTUS_UNDECIDED) {
+    if (motion->verdict != SALTUS_UNDECIDED) {
         motion->mirror =
             saltus_system_mirror_symmetric(system, &shift) ? SALTUS_MIRROR_PAIR : SALTUS_MIRROR_NONE;
         if (fabs(motion->largest) < 1e-9 * saltus_system_scale(system)[0] &&
             motion->mirror == SALTUS_MIRROR_PAIR)
             motion->mirror = SALTUS_MIRROR_SELF;
     }
-    if (status == SALTUS_OK && motion->kind == SALTUS_HELD)
+    if (status == SALTUS_OK && motion->verdict == SALTUS_HELD)
         status = measure_forces(system, options, motion, message);
-    write_label(motion);
+    saltus_verdict_label(motion->verdict, motion->impacts, motion->periods, motion->label);
     return status;
 }
 
@@ -267,7 +249,7 @@ saltus_status saltus_motion_survey(const saltus_system *system, saltus_flow *flo
         status = saltus_lap_run(&lap, flow, (saltus_time){periods, 0}, true, message);
     motion->largest = lap.largest;
     motion->smallest = lap.smallest;
-    write_label(motion);
+    saltus_verdict_label(motion->verdict, motion->impacts, motion->periods, motion->label);
     /* The verdict stands without the last extremes. */
     return status == SALTUS_INTERRUPTED ? SALTUS_OK : status;
 }
@@ -279,9 +261,4 @@ void saltus_motion_clear(saltus_motion *motion) {
     free(motion->multipliers);
     free(motion->evidence.history);
     *motion = (saltus_motion){0};
-}
-
-bool saltus_motion_settled(const saltus_motion *motion) {
-    return motion->kind == SALTUS_PERIODIC || motion->kind == SALTUS_EQUILIBRIUM ||
-           motion->kind == SALTUS_HELD;
 }

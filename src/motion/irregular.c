@@ -67,7 +67,7 @@ static saltus_status look_at(judge *j, int member, bool *left, saltus_message *m
     options.progress = NULL;
     saltus_status status = saltus_motion_find_period(j->system, saltus_ensemble_state(&j->ensemble, member),
                                                      &options, &regular, message);
-    if (status == SALTUS_OK && saltus_motion_settled(&regular)) {
+    if (status == SALTUS_OK && saltus_verdict_settled(regular.verdict)) {
         *left = true;
         evidence->left++;
         snprintf(evidence->left_for, sizeof evidence->left_for, "%s", regular.label);
@@ -281,11 +281,11 @@ static void tell(judge *j, saltus_outcome result) {
     tell_exponent(j);
     memcpy(m->state, saltus_ensemble_state(&j->ensemble, 0), (size_t)j->n * sizeof *m->state);
     if (result == SALTUS_OUTCOME_CHAOS) {
-        m->kind = SALTUS_CHAOTIC;
+        m->verdict = SALTUS_CHAOTIC;
         find_intermittency(j);
         tell_chaos(m);
     } else if (result == SALTUS_OUTCOME_TORUS && saltus_system_forced(j->system)) {
-        m->kind = SALTUS_QUASIPERIODIC;
+        m->verdict = SALTUS_QUASIPERIODIC;
         snprintf(m->reason, sizeof m->reason,
                  "largest exponent %.1e +- %.0e per unit of time, next to zero; the section points "
                  "fill %d "

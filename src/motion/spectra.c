@@ -342,8 +342,9 @@ saltus_status saltus_motion_spectra(const saltus_system *system, const saltus_mo
                                     const saltus_spectrum_options *options, saltus_spectra *spectra,
                                     saltus_message *message) {
     saltus_spectrum_options fitting = *options;
-    bool rests = motion->kind == SALTUS_EQUILIBRIUM || (motion->kind == SALTUS_HELD && motion->periods == 0);
-    bool closed = motion->kind == SALTUS_PERIODIC || motion->kind == SALTUS_HELD;
+    bool rests =
+        motion->verdict == SALTUS_EQUILIBRIUM || (motion->verdict == SALTUS_HELD && motion->periods == 0);
+    bool closed = motion->verdict == SALTUS_PERIODIC || motion->verdict == SALTUS_HELD;
     fitting.resting = options->resting || rests;
     fitting.anew = options->anew || (closed && !motion->stable);
     return saltus_spectra_run(system, motion->state,

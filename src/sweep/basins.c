@@ -49,20 +49,14 @@ void saltus_basins_free(saltus_basins *basins) {
     free(basins);
 }
 
-/* Distance of a state from a motion: from the nearest of its section points, or from where it rests. */
-static double distance_from(const saltus_system *system, const saltus_motion *motion, const double *state) {
-    double nearest = motion->periods ? INFINITY : saltus_system_distance(system, motion->state, state);
-    for (int k = 0; k < motion->periods; k++)
-        nearest =
-            fmin(nearest, saltus_system_distance(
-                              system, motion->section_states + (size_t)k * (size_t)motion->dimension, state));
-    return nearest;
-}
-
+/* The known motion that passes through a state, or rests there; -1 where there is none. */
 static int find(const saltus_basins *basins, const double *state, double limit) {
-    for (int k = 0; k < basins->count; k++)
-        if (distance_from(basins->sweep->system, &basins->motions[k], state) < limit)
+    for (int k = 0; k < basins->count; k++) {
+        const saltus_motion *m = &basins->motions[k];
+        const double *points = m->periods ? m->section_states : m->state;
+        if (saltus_orbit_passes(basins->sweep->system, points, m->periods ? m->periods : 1, state, limit))
             return k;
+    }
     return -1;
 }
 
@@ -86,7 +80,7 @@ static saltus_status polish(saltus_basins *basins, const double *state, int *att
     options.measure = 0;
     options.flow.integrator = basins->sweep->options.flow.integrator;
     saltus_status status = saltus_classify(basins->sweep->system, state, &options, &motion, message);
-    if (status != SALTUS_OK || !saltus_motion_settled(&motion)) {
+    if (status != SALTUS_OK || !saltus_verdict_settled(motion.verdict)) {
         saltus_motion_clear(&motion);
         return status == SALTUS_NO_MEMORY ? status : SALTUS_OK;
     }
@@ -104,7 +98,7 @@ static saltus_status polish(saltus_basins *basins, const double *state, int *att
 saltus_status saltus_basins_sort(saltus_basins *basins, const saltus_sweep_row *row, const double *state,
                                  int *attractor, saltus_message *message) {
     *attractor = -1;
-    if (!saltus_sweep_settled(row))
+    if (!saltus_verdict_settled(row->verdict))
         return SALTUS_OK;
     *attractor = find(basins, state, near_orbit);
     return *attractor >= 0 ? SALTUS_OK : polish(basins, state, attractor, message);

@@ -3,6 +3,8 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "sweep/sweep.h"
 
+#include "motion/verdict.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -67,7 +69,7 @@ bool saltus_job_put(saltus_job *job, int place, int seed, const saltus_sweep_row
     *sound = watch->sound;
     cell->row = *row;
     cell->state = copy(state, n, sound);
-    if (job->seeds > 1 && row->verdict == SALTUS_ROW_PERIODIC)
+    if (job->seeds > 1 && row->verdict == SALTUS_PERIODIC)
         cell->orbit = copy(orbit, n * (size_t)row->periods, sound);
     cell->turning = copy(watch->turning.values, watch->turning.count, sound);
     cell->strobes = copy(watch->strobes.values, watch->strobes.count, sound);
@@ -78,31 +80,24 @@ bool saltus_job_put(saltus_job *job, int place, int seed, const saltus_sweep_row
     return --job->missing[place] == 0;
 }
 
-/* Whether two trajectories ended on the same attractor: on the same orbit, in the same rest, or both on
- * something that is neither and of the same kind. */
-static bool same_attractor(const saltus_system *system, const saltus_cell *a, const saltus_cell *b,
-                           size_t n) {
-    if (a->row.verdict != b->row.verdict || a->row.periods != b->row.periods)
-        return false;
-    if (!saltus_sweep_settled(&a->row))
-        return true;
-    if (a->row.verdict != SALTUS_ROW_PERIODIC)
-        return saltus_system_distance(system, a->state, b->state) < same_point;
-    for (int k = 0; k < a->row.periods; k++)
-        if (saltus_system_distance(system, a->orbit + (size_t)k * n, b->orbit) < same_point)
-            return true;
-    return false;
+static saltus_ending ending_of(const saltus_cell *cell) {
+    return (saltus_ending){(saltus_verdict)cell->row.verdict, cell->row.periods, cell->state, cell->orbit};
 }
 
-static void number_attractors(saltus_cell *cells, int seeds, const saltus_system *system, size_t n) {
+/* Whether an earlier seed has ended on the attractor of this one. */
+static bool is_known(const saltus_cell *earlier, const saltus_cell *cell, const saltus_system *system) {
+    saltus_ending a = ending_of(earlier), b = ending_of(cell);
+    return earlier->row.attractor >= 0 && saltus_same_attractor(system, &a, &b, same_point);
+}
+
+static void number_attractors(saltus_cell *cells, int seeds, const saltus_system *system) {
     int found = 0;
     for (int s = 0; s < seeds; s++) {
         int first = 0;
-        cells[s].row.attractor = cells[s].row.verdict == SALTUS_ROW_FAILED ? -1 : found;
+        cells[s].row.attractor = cells[s].row.verdict == SALTUS_FAILED ? -1 : found;
         if (cells[s].row.attractor < 0)
             continue;
-        while (first < s &&
-               !(cells[first].row.attractor >= 0 && same_attractor(system, &cells[first], &cells[s], n)))
+        while (first < s && !is_known(&cells[first], &cells[s], system))
             first++;
         if (first < s)
             cells[s].row.attractor = cells[first].row.attractor;
@@ -179,7 +174,7 @@ saltus_status saltus_job_emit(saltus_job *job, int place, const saltus_system *s
     size_t n = (size_t)job->sweep->dimension;
     bundle b = {0};
     saltus_status status = SALTUS_OK;
-    number_attractors(cells, job->seeds, system, n);
+    number_attractors(cells, job->seeds, system);
     if (!open_bundle(&b, cells, job->seeds, n))
         status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the results of a sweep");
     if (status == SALTUS_OK) {

@@ -24,20 +24,16 @@ static const double home_again = 3e-6;  /* ... and to which it must come back */
 static const double same_orbit = 1e-3;  /* an orbit of Newton's method this near is the trajectory's own */
 static const double shrinking = 0.98;   /* of recurrences from one look to the next, at most */
 
-static const saltus_judgement goes_on = {SALTUS_ROW_PENDING, 0, 0};
-static const saltus_judgement failed = {SALTUS_ROW_FAILED, 0, 0};
-
-static long long cycle_of(const saltus_trajectory *t) {
-    return saltus_flow_time(t->flow, t->lane).cycle;
-}
+static const saltus_judgement goes_on = {SALTUS_PENDING, 0, 0};
+static const saltus_judgement failed = {SALTUS_FAILED, 0, 0};
 
 static bool is_last(const saltus_trajectory *t) {
-    return cycle_of(t) >= t->stage_end;
+    return saltus_trajectory_cycle(t) >= t->stage_end;
 }
 
-void saltus_trajectory_hope(saltus_trajectory *t) {
+void saltus_trajectory_begin_settling(saltus_trajectory *t) {
     t->waited = t->ask_again = 0;
-    t->hoped = 0;
+    t->recurring = 0;
     t->patience = patience_periods;
 }
 
@@ -74,7 +70,7 @@ static bool disturb(saltus_trajectory *t) {
     }
     saltus_sweep_admit(t->system, moved);
     memcpy(t->home, t->state, (size_t)t->sweep->dimension * sizeof *t->home);
-    t->home_cycle = cycle_of(t);
+    t->home_cycle = saltus_trajectory_cycle(t);
     t->disturbed = true;
     return saltus_trajectory_continue(t, moved);
 }
@@ -83,7 +79,7 @@ static bool disturb(saltus_trajectory *t) {
  * same time of the orbit. */
 static bool is_home(const saltus_trajectory *t, int periods) {
     const saltus_settling *s = &t->settling;
-    int back = (int)((cycle_of(t) - t->home_cycle) % periods);
+    int back = (int)((saltus_trajectory_cycle(t) - t->home_cycle) % periods);
     const double *point = s->points + (size_t)((s->count - 1 - back) % s->size) * (size_t)s->n;
     return saltus_system_distance(t->system, point, t->home) < home_again;
 }
@@ -92,12 +88,11 @@ static bool is_home(const saltus_trajectory *t, int periods) {
 static saltus_judgement adopt(saltus_trajectory *t, const saltus_motion *motion) {
     if (!saltus_trajectory_continue(t, motion->state))
         return failed;
-    if (motion->kind == SALTUS_HELD || motion->kind == SALTUS_EQUILIBRIUM)
-        return (saltus_judgement){motion->kind == SALTUS_HELD ? SALTUS_ROW_HELD : SALTUS_ROW_EQUILIBRIUM, 0,
-                                  0};
+    if (motion->verdict == SALTUS_HELD || motion->verdict == SALTUS_EQUILIBRIUM)
+        return (saltus_judgement){motion->verdict == SALTUS_HELD ? SALTUS_HELD : SALTUS_EQUILIBRIUM, 0, 0};
     memcpy(t->orbit, motion->section_states,
            (size_t)motion->periods * (size_t)t->sweep->dimension * sizeof *t->orbit);
-    return (saltus_judgement){SALTUS_ROW_PERIODIC, motion->periods, motion->periods};
+    return (saltus_judgement){SALTUS_PERIODIC, motion->periods, motion->periods};
 }
 
 static saltus_classify_options polishing(const saltus_trajectory *t) {
@@ -114,7 +109,7 @@ static saltus_judgement polish(saltus_trajectory *t) {
     saltus_classify_options options = polishing(t);
     saltus_motion motion = {0};
     saltus_status status = saltus_motion_find_period(t->system, t->state, &options, &motion, NULL);
-    bool found = status == SALTUS_OK && saltus_motion_settled(&motion);
+    bool found = status == SALTUS_OK && saltus_verdict_settled(motion.verdict);
     saltus_judgement judgement = found ? adopt(t, &motion) : goes_on;
     t->starved |= status == SALTUS_NO_MEMORY;
     saltus_motion_clear(&motion);
@@ -139,7 +134,7 @@ static bool stable_orbit(saltus_trajectory *t, int periods, saltus_motion *motio
 /* The period is in doubt: the stable orbit of the shortest part of it is the one. */
 static saltus_judgement resolve(saltus_trajectory *t, int periods) {
     saltus_judgement judgement = goes_on;
-    for (int part = 1; part <= periods && judgement.verdict == SALTUS_ROW_PENDING; part++) {
+    for (int part = 1; part <= periods && judgement.verdict == SALTUS_PENDING; part++) {
         saltus_motion motion = {0};
         if (periods % part == 0 && stable_orbit(t, part, &motion))
             judgement = adopt(t, &motion);
@@ -156,14 +151,14 @@ static bool shrinks(saltus_trajectory *t, int candidate) {
 }
 
 static void follow_trend(saltus_trajectory *t, int candidate) {
-    if (candidate != t->hoped) {
+    if (candidate != t->recurring) {
         t->waited = 0;
         t->trend[0] = t->trend[1] = 0;
     } else if (++t->waited % look_periods == 0) {
         t->trend[1] = t->trend[0];
         t->trend[0] = saltus_settling_recurrence(&t->settling, candidate);
     }
-    t->hoped = candidate;
+    t->recurring = candidate;
 }
 
 /* Ask Newton's method, when iteration is slow; more seldom each time. An orbit of very many impacts costs it
@@ -180,18 +175,18 @@ static saltus_judgement ask(saltus_trajectory *t, int candidate) {
 
 /* Ask it when iteration cannot tell the period. */
 static saltus_judgement ask_doubtful(saltus_trajectory *t, int period) {
-    if (!is_last(t) && cycle_of(t) < t->ask_again)
+    if (!is_last(t) && saltus_trajectory_cycle(t) < t->ask_again)
         return goes_on;
     if (saltus_settling_impacts(&t->settling, period) > polish_impacts)
         return goes_on;
-    t->ask_again = cycle_of(t) + patience_per_period * period;
+    t->ask_again = saltus_trajectory_cycle(t) + patience_per_period * period;
     return resolve(t, period);
 }
 
 /* A period has been reached to within `approach`, or, after the disturbance, to within what makes it certain:
  * disturb the trajectory, or see whether it has come back. One that has come to another place is disturbed
  * there anew. */
-static saltus_judgement prove(saltus_trajectory *t, int period, saltus_verdict_kind verdict) {
+static saltus_judgement prove(saltus_trajectory *t, int period, saltus_verdict verdict) {
     if (t->disturbed && is_home(t, period))
         return (saltus_judgement){verdict, period, period};
     return disturb(t) ? goes_on : failed;
@@ -206,7 +201,7 @@ static saltus_judgement judge_rest(saltus_trajectory *t) {
     bool doubt, held = saltus_flow_contacts(t->flow, t->lane) != 0;
     saltus_judgement judgement = goes_on;
     if (period_reached(t, &doubt) == 1 && saltus_settling_rests(&t->settling))
-        judgement = prove(t, 1, held ? SALTUS_ROW_HELD : SALTUS_ROW_EQUILIBRIUM);
+        judgement = prove(t, 1, held ? SALTUS_HELD : SALTUS_EQUILIBRIUM);
     judgement.recurs = saltus_settling_candidate(&t->settling);
     return judgement;
 }
@@ -243,7 +238,7 @@ static bool closes_tightly(saltus_trajectory *t, int periods) {
 
 /* What has been proven to return is the trajectory's orbit. */
 static saltus_judgement conclude(saltus_trajectory *t, int period, saltus_judgement judgement) {
-    if (judgement.verdict != SALTUS_ROW_PERIODIC)
+    if (judgement.verdict != SALTUS_PERIODIC)
         return judgement;
     if (saltus_settling_contacts(&t->settling, period) > 0 && !closes_tightly(t, period)) {
         t->disturbed = false;
@@ -261,10 +256,9 @@ saltus_judgement saltus_trajectory_judge(saltus_trajectory *t) {
         period = candidate ? period_reached(t, &doubt) : 0;
     saltus_judgement judgement = goes_on;
     if (period)
-        judgement =
-            doubt ? ask_doubtful(t, period) : conclude(t, period, prove(t, period, SALTUS_ROW_PERIODIC));
+        judgement = doubt ? ask_doubtful(t, period) : conclude(t, period, prove(t, period, SALTUS_PERIODIC));
     follow_trend(t, candidate);
-    if (candidate && judgement.verdict == SALTUS_ROW_PENDING)
+    if (candidate && judgement.verdict == SALTUS_PENDING)
         judgement = ask(t, candidate);
     judgement.recurs = candidate;
     return judgement;

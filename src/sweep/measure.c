@@ -32,28 +32,6 @@ enum {
 static const double nothing_left = 40; /* logarithm of a contraction */
 static const double lines_only = 1e-2; /* broadband part of a torus' section points, at most */
 
-static void reserve(saltus_measuring *m, int dimension) {
-    saltus_growth_reserve(&m->growth, &m->arena, dimension, 1);
-}
-
-bool saltus_measuring_open(saltus_measuring *m, int dimension) {
-    reserve(m, dimension);
-    if (!saltus_arena_open(&m->arena))
-        return false;
-    reserve(m, dimension);
-    return true;
-}
-
-void saltus_measuring_close(saltus_measuring *m) {
-    saltus_arena_close(&m->arena);
-    free(m->points);
-    *m = (saltus_measuring){0};
-}
-
-static long long cycle_of(const saltus_trajectory *t) {
-    return saltus_flow_time(t->flow, t->lane).cycle;
-}
-
 static long long steps_of(const saltus_trajectory *t) {
     return saltus_trajectory_information(t).steps;
 }
@@ -67,9 +45,9 @@ bool saltus_trajectory_measure(saltus_trajectory *t, saltus_flow *flow, int lane
     if (!saltus_trajectory_move(t, flow, lane))
         return false;
     t->stage = SALTUS_STAGE_MEASURING;
-    t->stage_end = cycle_of(t) + align + at_most(t);
+    t->stage_end = saltus_trajectory_cycle(t) + align + at_most(t);
     t->active = NULL;
-    saltus_trajectory_hope(t);
+    saltus_trajectory_begin_settling(t);
     saltus_sweep_seed(t->rng, t->sweep->options.seed, saltus_trajectory_point(t), tangent_seed + t->seed);
     saltus_growth_choose(&m->growth, t->system, 0, NULL);
     saltus_growth_begin(&m->growth, flow, lane, t->rng);
@@ -82,9 +60,9 @@ bool saltus_trajectory_measure(saltus_trajectory *t, saltus_flow *flow, int lane
     return true;
 }
 
-saltus_course saltus_measuring_follow(saltus_trajectory *t, const saltus_event *event, bool *section) {
+saltus_next saltus_measuring_follow(saltus_trajectory *t, const saltus_event *event, bool *section) {
     saltus_status status = saltus_growth_follow(&t->measuring.growth, t->flow, t->lane, event, section, NULL);
-    return status == SALTUS_OK ? SALTUS_COURSE_ON : SALTUS_COURSE_OVER;
+    return status == SALTUS_OK ? SALTUS_NEXT_GO_ON : SALTUS_NEXT_DONE;
 }
 
 /* Each step of the flow leaves an error of its tolerance in the vector's length. */
@@ -108,12 +86,12 @@ static saltus_runs runs_of(const saltus_trajectory *t) {
 }
 
 /* The verdict, and the exponent as it is known now. */
-static saltus_course end(saltus_trajectory *t, saltus_verdict_kind verdict, const saltus_runs *runs) {
+static saltus_next end(saltus_trajectory *t, saltus_verdict verdict, const saltus_runs *runs) {
     if (!t->measuring.given)
         saltus_trajectory_settle(t, verdict, 0);
     t->row.lyapunov = runs->lost ? -INFINITY : runs->all.mean;
     t->row.lyapunov_error = runs->lost ? 0 : runs->all.standard_error;
-    return SALTUS_COURSE_OVER;
+    return SALTUS_NEXT_DONE;
 }
 
 /* What of the second opinions tells a torus: first whether there are lines only, then whether there are
@@ -179,7 +157,7 @@ static long long longest_wait(const saltus_trajectory *t, const saltus_runs *run
     return more < (double)most ? (long long)more : most;
 }
 
-static saltus_course weigh(saltus_trajectory *t) {
+static saltus_next weigh(saltus_trajectory *t) {
     saltus_measuring *m = &t->measuring;
     saltus_runs runs = runs_of(t);
     saltus_outcome outcome = saltus_runs_weigh(&runs);
@@ -187,32 +165,32 @@ static saltus_course weigh(saltus_trajectory *t) {
     if (m->given && (outcome == SALTUS_OUTCOME_REGULAR || runs.enough))
         return end(t, t->row.verdict, &runs);
     if (zero && !forced && runs.enough)
-        return end(t, SALTUS_ROW_UNDECIDED, &runs);
+        return end(t, SALTUS_UNDECIDED, &runs);
     if (zero)
         outcome = forced ? ask_points(t, &runs) : SALTUS_OUTCOME_GOES_ON;
     if (outcome == SALTUS_OUTCOME_CHAOS)
-        return end(t, SALTUS_ROW_CHAOTIC, &runs);
+        return end(t, SALTUS_CHAOTIC, &runs);
     if (outcome == SALTUS_OUTCOME_TORUS)
-        return end(t, SALTUS_ROW_QUASIPERIODIC, &runs);
+        return end(t, SALTUS_QUASIPERIODIC, &runs);
     if (outcome != SALTUS_OUTCOME_REGULAR)
         m->deadline = 0;
     else if (!m->deadline)
-        m->deadline = t->stage_end = cycle_of(t) + longest_wait(t, &runs);
-    return run_on(m, at_most(t)) ? SALTUS_COURSE_ON : end(t, SALTUS_ROW_UNDECIDED, &runs);
+        m->deadline = t->stage_end = saltus_trajectory_cycle(t) + longest_wait(t, &runs);
+    return run_on(m, at_most(t)) ? SALTUS_NEXT_GO_ON : end(t, SALTUS_UNDECIDED, &runs);
 }
 
-saltus_course saltus_measuring_add(saltus_trajectory *t) {
+saltus_next saltus_measuring_add(saltus_trajectory *t) {
     saltus_measuring *m = &t->measuring;
     if (m->samples++ < 0) {
         m->steps = steps_of(t);
-        return SALTUS_COURSE_ON;
+        return SALTUS_NEXT_GO_ON;
     }
     saltus_average_add(&m->average, m->growth.sample[0]);
     if (m->suspected && m->count < most_points)
         memcpy(m->points + m->count++ * m->growth.n, t->state, (size_t)m->growth.n * sizeof *m->points);
-    if (m->deadline && cycle_of(t) >= m->deadline) {
+    if (m->deadline && saltus_trajectory_cycle(t) >= m->deadline) {
         saltus_runs runs = runs_of(t);
-        return end(t, SALTUS_ROW_UNSETTLED, &runs);
+        return end(t, SALTUS_LONG_PERIOD, &runs);
     }
-    return m->samples == m->run_end ? weigh(t) : SALTUS_COURSE_ON;
+    return m->samples == m->run_end ? weigh(t) : SALTUS_NEXT_GO_ON;
 }

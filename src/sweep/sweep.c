@@ -282,19 +282,6 @@ long long saltus_sweep_task_place(const saltus_sweep *sweep, long long task, int
     }
 }
 
-void saltus_sweep_label(const saltus_sweep_row *row, char label[32]) {
-    static const char *const words[SALTUS_VERDICTS] = {
-        [SALTUS_ROW_PENDING] = "pending",     [SALTUS_ROW_EQUILIBRIUM] = "equilibrium",
-        [SALTUS_ROW_HELD] = "held",           [SALTUS_ROW_QUASIPERIODIC] = "quasi-periodic",
-        [SALTUS_ROW_CHAOTIC] = "chaotic",     [SALTUS_ROW_UNSETTLED] = "long-period",
-        [SALTUS_ROW_UNDECIDED] = "undecided", [SALTUS_ROW_FAILED] = "failed"};
-    if (row->verdict == SALTUS_ROW_PERIODIC)
-        saltus_orbit_label(row->impacts, row->periods, label);
-    else
-        snprintf(label, SALTUS_LABEL_MAX, "%s", words[row->verdict]);
-}
-
-bool saltus_sweep_settled(const saltus_sweep_row *row) {
-    return row->verdict == SALTUS_ROW_PERIODIC || row->verdict == SALTUS_ROW_EQUILIBRIUM ||
-           row->verdict == SALTUS_ROW_HELD;
+void saltus_sweep_label(const saltus_sweep_row *row, char label[SALTUS_LABEL_MAX]) {
+    saltus_verdict_label((saltus_verdict)row->verdict, row->impacts, row->periods, label);
 }

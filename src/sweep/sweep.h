@@ -10,6 +10,11 @@
 #include "motion/settle.h"
 
 #include <gsl/gsl_rng.h>
+#include <stdatomic.h>
+
+#ifdef _OPENMP
+#include <omp.h>
+#endif
 
 struct saltus_sweep {
     saltus_scene scene;
@@ -97,7 +102,7 @@ bool saltus_job_put(saltus_job *job, int place, int seed, const saltus_sweep_row
 saltus_status saltus_job_emit(saltus_job *job, int place, const saltus_system *system,
                               const saltus_sweep_feed *feed, saltus_message *message);
 
-/* trajectory.c: one seed on its way along the places of a task. */
+/* trajectory.c: one seed in a lane, on its way along the places of a task. */
 typedef enum saltus_stage {
     SALTUS_STAGE_TRANSIENT, /* not looked at */
     SALTUS_STAGE_SETTLING,
@@ -107,11 +112,11 @@ typedef enum saltus_stage {
 } saltus_stage;
 
 /* How it goes on. */
-typedef enum saltus_course {
-    SALTUS_COURSE_ON,
-    SALTUS_COURSE_MEASURE, /* its exponent is wanted: it needs a lane with a tangent vector */
-    SALTUS_COURSE_OVER     /* this place is over, the row being filled */
-} saltus_course;
+typedef enum saltus_next {
+    SALTUS_NEXT_GO_ON,
+    SALTUS_NEXT_MEASURE, /* its exponent is wanted: it needs a lane with a tangent vector */
+    SALTUS_NEXT_DONE     /* this place is over, the row being filled */
+} saltus_next;
 
 /* The exponent under way. */
 typedef struct saltus_measuring {
@@ -145,7 +150,7 @@ typedef struct saltus_trajectory {
     bool disturbed, starved;    /* disturbed to prove stability; out of memory */
     long long waited, patience; /* periods since something recurs; until Newton's method is asked */
     long long ask_again;        /* not before this cycle, where iteration cannot tell */
-    int hoped;                  /* the period that recurs */
+    int recurring;              /* the period that recurs */
     double trend[2];            /* how well it did when last looked at, and before */
     double *home;               /* where it was before it was disturbed, ... */
     long long home_cycle;       /* ... and when */
@@ -154,16 +159,33 @@ typedef struct saltus_trajectory {
     gsl_rng *rng;
 } saltus_trajectory;
 
+/* The grid's point at which it is. */
+long long saltus_trajectory_point(const saltus_trajectory *trajectory);
+/* Periods since it began. */
+long long saltus_trajectory_cycle(const saltus_trajectory *trajectory);
+/* Its steps, impacts and other contact events since it began. */
+saltus_flow_info saltus_trajectory_information(const saltus_trajectory *trajectory);
+/* Go on from another state at the same time. False when the flow cannot. */
+bool saltus_trajectory_continue(saltus_trajectory *trajectory, const double *state);
+/* Go on in another lane. False when the flow cannot. */
+bool saltus_trajectory_move(saltus_trajectory *trajectory, saltus_flow *flow, int lane);
+bool saltus_trajectory_open(saltus_trajectory *trajectory, const saltus_sweep *sweep);
+void saltus_trajectory_close(saltus_trajectory *trajectory);
+/* A verdict has been reached, or none will be. */
+void saltus_trajectory_settle(saltus_trajectory *trajectory, saltus_verdict verdict, int periods);
+/* A lane with a tangent vector gets it back as it was last looked at. */
+void saltus_trajectory_hand_back(saltus_trajectory *trajectory);
+
 /* judge.c */
 /* What a trajectory has settled on; pending: it goes on. */
 typedef struct saltus_judgement {
-    saltus_verdict_kind verdict;
+    saltus_verdict verdict;
     int periods;
     int recurs; /* the least period that recurs roughly, or 0 */
 } saltus_judgement;
 
 /* A trajectory begins to settle. */
-void saltus_trajectory_hope(saltus_trajectory *trajectory);
+void saltus_trajectory_begin_settling(saltus_trajectory *trajectory);
 /* Judge a trajectory at a section point; the points of an orbit go to trajectory->orbit. It may be disturbed,
  * and it may be moved onto an orbit that Newton's method has found. */
 saltus_judgement saltus_trajectory_judge(saltus_trajectory *trajectory);
@@ -174,49 +196,45 @@ saltus_judgement saltus_trajectory_judge(saltus_trajectory *trajectory);
 bool saltus_trajectory_exponent(saltus_trajectory *trajectory);
 
 /* measure.c */
-bool saltus_measuring_open(saltus_measuring *measuring, int dimension);
-void saltus_measuring_close(saltus_measuring *measuring);
 /* Measure the exponent, from where the trajectory is, in a lane of a flow with one tangent vector that has
  * been given its system; it may be the lane that it is in. Aims it. False when it cannot go on there: the row
  * stays as it is. */
 bool saltus_trajectory_measure(saltus_trajectory *trajectory, saltus_flow *flow, int lane);
 /* What follows from an event of a trajectory that is measured; *section: at a section point. */
-saltus_course saltus_measuring_follow(saltus_trajectory *trajectory, const saltus_event *event,
-                                      bool *section);
+saltus_next saltus_measuring_follow(saltus_trajectory *trajectory, const saltus_event *event, bool *section);
 /* One more period. */
-saltus_course saltus_measuring_add(saltus_trajectory *trajectory);
+saltus_next saltus_measuring_add(saltus_trajectory *trajectory);
 
-/* trajectory.c, again */
-/* The grid's point at which it is. */
-long long saltus_trajectory_point(const saltus_trajectory *trajectory);
-/* Its steps, impacts and other contact events since it began. */
-saltus_flow_info saltus_trajectory_information(const saltus_trajectory *trajectory);
-/* Go on from another state at the same time. False when the flow cannot. */
-bool saltus_trajectory_continue(saltus_trajectory *trajectory, const double *state);
-/* Go on in another lane. False when the flow cannot. */
-bool saltus_trajectory_move(saltus_trajectory *trajectory, saltus_flow *flow, int lane);
-bool saltus_trajectory_open(saltus_trajectory *trajectory, const saltus_sweep *sweep);
-void saltus_trajectory_close(saltus_trajectory *trajectory);
+/* stages.c: what it goes through. */
 /* Place it at its task's present place, in a lane of a flow that has been given its system, and aim it. False
  * when it cannot start: the row says so. */
 bool saltus_trajectory_start(saltus_trajectory *trajectory, saltus_flow *flow, int lane);
 /* What follows from an event of its lane; where it goes on, the lane has been aimed again. */
-saltus_course saltus_trajectory_follow(saltus_trajectory *trajectory, const saltus_event *event);
-/* A verdict has been reached, or none will be. */
-void saltus_trajectory_settle(saltus_trajectory *trajectory, saltus_verdict_kind verdict, int periods);
+saltus_next saltus_trajectory_follow(saltus_trajectory *trajectory, const saltus_event *event);
 /* There is no system, or no initial state, at its place: a row that has failed. */
 void saltus_trajectory_refuse(saltus_trajectory *trajectory);
 /* The flow gave up. */
 void saltus_trajectory_fail(saltus_trajectory *trajectory);
 
-/* crew.c: one thread's trajectories side by side. */
-typedef struct saltus_gate saltus_gate; /* run.c: the feed behind its lock */
-long long saltus_gate_next(saltus_gate *gate);
-saltus_status saltus_gate_emit(saltus_gate *gate, saltus_job *job, int place, const saltus_system *system);
-void saltus_gate_done(saltus_gate *gate, long long task);
+/* schedule.c: the feed of a sweep, one thread at a time. */
+typedef struct saltus_schedule {
+    const saltus_sweep_feed *feed;
+    atomic_int status;
+    saltus_message *message;
+#ifdef _OPENMP
+    omp_lock_t lock;
+#endif
+} saltus_schedule;
+
+void saltus_schedule_begin(saltus_schedule *schedule, const saltus_sweep_feed *feed, saltus_message *message);
+/* What the run has come to. */
+saltus_status saltus_schedule_end(saltus_schedule *schedule);
+long long saltus_schedule_next(saltus_schedule *schedule);
+saltus_status saltus_schedule_emit(saltus_schedule *schedule, saltus_job *job, int place,
+                                   const saltus_system *system);
+void saltus_schedule_done(saltus_schedule *schedule, long long task);
 /* End the run; the first failure counts. */
-void saltus_gate_fail(saltus_gate *gate, saltus_status status, const char *why);
-bool saltus_gate_open(saltus_gate *gate);
-void saltus_crew_run(const saltus_sweep *sweep, saltus_gate *gate);
+void saltus_schedule_fail(saltus_schedule *schedule, saltus_status status, const char *why);
+bool saltus_schedule_open(saltus_schedule *schedule);
 
 #endif

@@ -32,11 +32,11 @@ static saltus_status take(void *context, const saltus_sweep_result *result, salt
     motion *m = &f->motions[result->place];
     (void)message;
     motion_clear(m);
-    m->failed = row->verdict == SALTUS_ROW_FAILED;
+    m->failed = row->verdict == SALTUS_FAILED;
     memcpy(m->settled, result->states, sizeof m->settled);
     for (long long k = 0; k < result->impact_counts[0]; k++)
         motion_add_impact(m, result->impacts[k].phase, result->impacts[k].speed);
-    if (row->verdict == SALTUS_ROW_PERIODIC) {
+    if (row->verdict == SALTUS_PERIODIC) {
         m->sticks = row->sticking * recorded_periods / row->periods;
         m->orbit_impacts = row->impacts < 0 ? orbit_chatters : row->impacts;
         m->orbit_periods = row->periods;

@@ -19,11 +19,11 @@ static long long next_task(void *context) {
 }
 
 static trial_kind kind_of(const saltus_sweep_row *row) {
-    if (row->verdict == SALTUS_ROW_HELD)
+    if (row->verdict == SALTUS_HELD)
         return TRIAL_HELD;
-    if (row->verdict == SALTUS_ROW_FAILED || row->verdict == SALTUS_ROW_PENDING)
+    if (row->verdict == SALTUS_FAILED || row->verdict == SALTUS_PENDING)
         return TRIAL_FAILED;
-    if (row->verdict != SALTUS_ROW_PERIODIC && row->verdict != SALTUS_ROW_EQUILIBRIUM)
+    if (row->verdict != SALTUS_PERIODIC && row->verdict != SALTUS_EQUILIBRIUM)
         return TRIAL_IRREGULAR;
     if (row->impacts < 0 || row->sticking > 0)
         return TRIAL_CHATTER;
@@ -38,7 +38,7 @@ static saltus_status take(void *context, const saltus_sweep_result *result, salt
     cell->kind = kind_of(row);
     cell->impacts = row->impacts;
     cell->periods = row->periods;
-    cell->chaotic = row->verdict == SALTUS_ROW_CHAOTIC;
+    cell->chaotic = row->verdict == SALTUS_CHAOTIC;
     cell->lyapunov = row->lyapunov;
     cell->rate = row->impact_rate;
     cell->speed = row->largest_speed;

@@ -1,0 +1,364 @@
+/* Running a sweep on all cores, one worker per thread: its trajectories run side by side in the lanes of a
+ * flow, and of a second one for those whose exponent is measured, with a tangent vector.
+ *
+ * A lane whose trajectory has finished its task, or goes on in the other flow, takes the next one at once.
+ * The second flow runs when its lanes are full or nothing else is left to run, so that no lane of either is
+ * idle as long as there is work; one that has been measured and has more of its line before it waits for a
+ * lane of the first. A system that lacks a term which the others have (an amplitude of zero at the edge of a
+ * grid) cannot run beside them: its trajectory runs in a flow of one lane, with the same bits.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "sweep/sweep.h"
+
+#include "system/system.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { lanes_max = 16 };
+
+/* A flow and the trajectories in its lanes. */
+typedef struct lane_set {
+    saltus_flow *flow;
+    int lanes, live;
+    saltus_trajectory *at[lanes_max]; /* NULL: the lane rests */
+} lane_set;
+
+typedef struct worker {
+    const saltus_sweep *sweep;
+    saltus_schedule *schedule;
+    saltus_job *job; /* the task whose seeds are being handed out */
+    lane_set plain, tangent;
+    saltus_flow *single[2]; /* of one lane, without and with a tangent vector; made when they are needed */
+    int size, waiting;
+    saltus_trajectory *queue[2 * lanes_max]; /* that wait for a lane without a tangent vector */
+    saltus_trajectory trajectory[2 * lanes_max];
+} worker;
+
+static int lane_count(const saltus_sweep *sweep) {
+    int width = saltus_flow_width(sweep->system), asked = sweep->options.lanes;
+    if (sweep->options.flow.integrator == SALTUS_RADAU)
+        return 1;
+    return asked > 0 && asked < width ? asked : width;
+}
+
+static bool open_flow(const worker *w, int lanes, int columns, saltus_flow **flow) {
+    const saltus_system *systems[lanes_max];
+    saltus_flow_options options = w->sweep->options.flow;
+    saltus_message message = {""};
+    options.columns = columns;
+    for (int l = 0; l < lanes; l++)
+        systems[l] = w->sweep->system;
+    saltus_status status = saltus_flow_new(systems, lanes, &options, flow, &message);
+    if (status != SALTUS_OK)
+        saltus_schedule_fail(w->schedule, status, message.text);
+    return status == SALTUS_OK;
+}
+
+static bool open_worker(worker *w) {
+    bool measures = w->sweep->options.keep & SALTUS_KEEP_LYAPUNOV;
+    w->plain.lanes = lane_count(w->sweep);
+    w->tangent.lanes = measures ? w->plain.lanes : 0;
+    w->size = w->plain.lanes + w->tangent.lanes;
+    if (!open_flow(w, w->plain.lanes, 0, &w->plain.flow) ||
+        (measures && !open_flow(w, w->tangent.lanes, 1, &w->tangent.flow)))
+        return false;
+    for (int k = 0; k < w->size; k++)
+        if (!saltus_trajectory_open(&w->trajectory[k], w->sweep)) {
+            saltus_schedule_fail(w->schedule, SALTUS_NO_MEMORY, "no memory for the trajectories of a sweep");
+            return false;
+        }
+    return true;
+}
+
+static void finish_job(worker *w, saltus_trajectory *t) {
+    saltus_job *job = t->job;
+    t->job = NULL;
+    if (++job->finished < job->seeds)
+        return;
+    saltus_schedule_done(w->schedule, job->task);
+    if (w->job == job)
+        w->job = NULL;
+    saltus_job_free(job);
+}
+
+static void close_worker(worker *w) {
+    saltus_flow_free(w->plain.flow);
+    saltus_flow_free(w->tangent.flow);
+    saltus_flow_free(w->single[0]);
+    saltus_flow_free(w->single[1]);
+    for (int k = 0; k < w->size; k++) {
+        saltus_job *job = w->trajectory[k].job;
+        for (int i = 0; i < w->size && job; i++)
+            if (w->trajectory[i].job == job)
+                w->trajectory[i].job = NULL;
+        if (job == w->job)
+            w->job = NULL;
+        saltus_job_free(job);
+        saltus_trajectory_close(&w->trajectory[k]);
+    }
+    saltus_job_free(w->job);
+}
+
+static void take_lane(lane_set *side, int lane, saltus_trajectory *t) {
+    side->at[lane] = t;
+    side->live++;
+}
+
+/* A lane that rests knows no system that may be freed. */
+static void rest_lane(const worker *w, lane_set *side, int lane) {
+    side->at[lane] = NULL;
+    side->live--;
+    saltus_flow_retune(side->flow, lane, w->sweep->system, NULL);
+}
+
+static int free_lane(const lane_set *side) {
+    int lane = 0;
+    while (lane < side->lanes && side->at[lane])
+        lane++;
+    return lane;
+}
+
+/* The next seed of the task at hand, or of the next task; false when there is none. */
+static bool take_seed(worker *w, saltus_trajectory *t) {
+    if (!w->job || w->job->assigned == w->job->seeds) {
+        long long task = saltus_schedule_next(w->schedule);
+        w->job = NULL;
+        if (task < 0)
+            return false;
+        w->job = saltus_job_open(w->sweep, task);
+        if (!w->job) {
+            saltus_schedule_fail(w->schedule, SALTUS_NO_MEMORY, "no memory for a task of a sweep");
+            return false;
+        }
+    }
+    t->job = w->job;
+    t->seed = w->job->assigned++;
+    t->place = 0;
+    return true;
+}
+
+/* One that waits with a part of its line before it, or an idle one with a new seed; NULL when there is
+ * nothing more to do. There is an idle one for each lane of the first flow that is free. */
+static saltus_trajectory *next_trajectory(worker *w) {
+    if (w->waiting > 0) {
+        saltus_trajectory *first = w->queue[0];
+        memmove(w->queue, w->queue + 1, (size_t)--w->waiting * sizeof(saltus_trajectory *));
+        return first;
+    }
+    int k = 0;
+    while (k < w->size && w->trajectory[k].job)
+        k++;
+    return k < w->size && take_seed(w, &w->trajectory[k]) ? &w->trajectory[k] : NULL;
+}
+
+/* The flow of one lane, made when it is first needed; NULL after a failure. */
+static saltus_flow *single_flow(worker *w, int columns) {
+    bool sound = w->single[columns] || open_flow(w, 1, columns, &w->single[columns]);
+    return sound ? w->single[columns] : NULL;
+}
+
+/* Give the trajectory the system of its place; the old one is freed once no flow knows it. */
+static saltus_status change_system(worker *w, saltus_trajectory *t, int lane, saltus_flow **flow, int *at) {
+    saltus_system *system = NULL, *old = t->system;
+    saltus_message message;
+    saltus_status status = saltus_sweep_system(w->sweep, saltus_trajectory_point(t), &system, &message);
+    if (status != SALTUS_OK)
+        return status;
+    bool fits = w->plain.lanes == 1 || system->coefficients.terms == w->sweep->system->coefficients.terms;
+    *flow = fits ? w->plain.flow : single_flow(w, 0);
+    *at = fits ? lane : 0;
+    if (!*flow) {
+        saltus_system_free(system);
+        return SALTUS_NO_MEMORY;
+    }
+    if (!fits)
+        saltus_flow_retune(w->plain.flow, lane, w->sweep->system, &message);
+    status = saltus_flow_retune(*flow, *at, system, &message);
+    t->system = status == SALTUS_OK ? system : old;
+    saltus_system_free(status == SALTUS_OK ? old : system);
+    return status;
+}
+
+/* The next event of a flow, and what its trajectory makes of it. */
+static saltus_next advance(saltus_flow *flow, saltus_trajectory *const *at, int *lane) {
+    saltus_event event;
+    saltus_message message;
+    if (saltus_flow_run(flow, lane, &event, &message) == SALTUS_OK)
+        return saltus_trajectory_follow(at[*lane], &event);
+    saltus_trajectory_fail(at[*lane]);
+    return SALTUS_NEXT_DONE;
+}
+
+/* Begin to measure in a lane; false when that cannot be. */
+static bool measure_in(saltus_trajectory *t, saltus_flow *flow, int lane) {
+    return saltus_flow_retune(flow, lane, t->system, NULL) == SALTUS_OK &&
+           saltus_trajectory_measure(t, flow, lane);
+}
+
+/* Run a trajectory's place to its end in flows of one lane. */
+static void run_single(worker *w, saltus_trajectory *t) {
+    saltus_next next = SALTUS_NEXT_GO_ON;
+    while (next != SALTUS_NEXT_DONE) {
+        int lane = 0;
+        if (next == SALTUS_NEXT_GO_ON)
+            next = advance(t->flow, &t, &lane);
+        else {
+            saltus_flow *flow = single_flow(w, 1);
+            next = flow && measure_in(t, flow, 0) ? SALTUS_NEXT_GO_ON : SALTUS_NEXT_DONE;
+        }
+    }
+    for (int k = 0; k < 2; k++)
+        if (w->single[k])
+            saltus_flow_retune(w->single[k], 0, w->sweep->system, NULL);
+}
+
+/* Store what came out of the trajectory's place and hand it out where all seeds are there. */
+static void finish_place(worker *w, saltus_trajectory *t) {
+    bool sound = true;
+    if (saltus_job_put(t->job, t->place, t->seed, &t->row, t->state, t->orbit, &t->watch, &sound) && sound)
+        saltus_schedule_emit(w->schedule, t->job, t->place, t->system ? t->system : w->sweep->system);
+    if (!sound || t->starved)
+        saltus_schedule_fail(w->schedule, SALTUS_NO_MEMORY, "no memory for a trajectory of a sweep");
+    t->place++;
+}
+
+/* Start a trajectory's places, one after the other, until one is under way in the lane; false when its line
+ * is done. */
+static bool go_on(worker *w, saltus_trajectory *t, int lane) {
+    while (saltus_schedule_open(w->schedule) && t->place < t->job->length) {
+        saltus_flow *flow = w->plain.flow;
+        int at = lane;
+        saltus_status status = change_system(w, t, lane, &flow, &at);
+        bool under_way = status == SALTUS_OK && saltus_trajectory_start(t, flow, at);
+        t->starved |= status == SALTUS_NO_MEMORY;
+        if (status != SALTUS_OK)
+            saltus_trajectory_refuse(t);
+        if (under_way && flow == w->plain.flow)
+            return true;
+        if (under_way)
+            run_single(w, t);
+        finish_place(w, t);
+    }
+    if (t->place == t->job->length)
+        finish_job(w, t);
+    return false;
+}
+
+/* Give a lane of the first flow something to do. */
+static void fill_lane(worker *w, int lane) {
+    saltus_trajectory *t = NULL;
+    bool under_way = false;
+    while (!under_way && saltus_schedule_open(w->schedule) && (t = next_trajectory(w)))
+        under_way = go_on(w, t, lane);
+    if (under_way)
+        take_lane(&w->plain, lane, t);
+    else
+        saltus_flow_retune(w->plain.flow, lane, w->sweep->system, NULL);
+}
+
+/* An event of the first flow. */
+static void run_plain(worker *w) {
+    lane_set *here = &w->plain, *there = &w->tangent;
+    int lane = 0;
+    saltus_next next = advance(here->flow, here->at, &lane);
+    saltus_trajectory *t = here->at[lane];
+    if (next == SALTUS_NEXT_MEASURE) {
+        int other = free_lane(there);
+        if (measure_in(t, there->flow, other)) {
+            take_lane(there, other, t);
+            rest_lane(w, here, lane);
+            fill_lane(w, lane);
+            return;
+        }
+        saltus_flow_retune(there->flow, other, w->sweep->system, NULL);
+    }
+    if (next == SALTUS_NEXT_GO_ON)
+        return;
+    finish_place(w, t);
+    if (!go_on(w, t, lane)) {
+        rest_lane(w, here, lane);
+        fill_lane(w, lane);
+    }
+}
+
+/* An event of the second flow. */
+static void run_tangent(worker *w) {
+    lane_set *here = &w->tangent;
+    int lane = 0;
+    saltus_next next = advance(here->flow, here->at, &lane);
+    saltus_trajectory *t = here->at[lane];
+    if (next == SALTUS_NEXT_MEASURE && saltus_trajectory_measure(t, here->flow, lane))
+        return;
+    if (next == SALTUS_NEXT_GO_ON)
+        return;
+    finish_place(w, t);
+    rest_lane(w, here, lane);
+    if (t->place < t->job->length)
+        w->queue[w->waiting++] = t;
+    else
+        finish_job(w, t);
+    if (w->plain.live < w->plain.lanes)
+        fill_lane(w, free_lane(&w->plain));
+}
+
+/* Whether one that is measured goes on along its line afterwards. */
+static bool line_waits(const worker *w) {
+    bool waits = false;
+    for (int l = 0; l < w->tangent.lanes; l++) {
+        const saltus_trajectory *t = w->tangent.at[l];
+        waits |= t && t->place + 1 < t->job->length;
+    }
+    return waits;
+}
+
+/* The second flow's turn: it is full, or nothing else is to be done, or not enough for all lanes while lines
+ * wait for it. */
+static bool is_tangents_turn(const worker *w) {
+    const lane_set *plain = &w->plain, *tangent = &w->tangent;
+    return tangent->live > 0 && (plain->live == 0 || tangent->live == tangent->lanes ||
+                                 (plain->live < plain->lanes && line_waits(w)));
+}
+
+static void run_worker(const saltus_sweep *sweep, saltus_schedule *schedule) {
+    worker *w = calloc(1, sizeof *w);
+    if (!w) {
+        saltus_schedule_fail(schedule, SALTUS_NO_MEMORY, "no memory for the trajectories of a sweep");
+        return;
+    }
+    w->sweep = sweep;
+    w->schedule = schedule;
+    bool sound = open_worker(w);
+    for (int l = 0; l < w->plain.lanes && sound; l++)
+        fill_lane(w, l);
+    while (sound && w->plain.live + w->tangent.live > 0 && saltus_schedule_open(schedule)) {
+        if (is_tangents_turn(w))
+            run_tangent(w);
+        else
+            run_plain(w);
+    }
+    close_worker(w);
+    free(w);
+}
+
+static int thread_count(const saltus_sweep *sweep) {
+#ifdef _OPENMP
+    return sweep->options.threads > 0 ? sweep->options.threads : omp_get_max_threads();
+#else
+    (void)sweep;
+    return 1;
+#endif
+}
+
+saltus_status saltus_sweep_run(const saltus_sweep *sweep, const saltus_sweep_feed *feed,
+                               saltus_message *message) {
+    saltus_message own;
+    saltus_schedule schedule;
+    const int threads = thread_count(sweep);
+    (void)threads;
+    saltus_schedule_begin(&schedule, feed, message ? message : &own);
+#ifdef _OPENMP
+#pragma omp parallel num_threads(threads)
+#endif
+    run_worker(sweep, &schedule);
+    return saltus_schedule_end(&schedule);
+}
