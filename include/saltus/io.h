@@ -56,6 +56,21 @@ saltus_status saltus_write_convergence(const saltus_scene *scene, const saltus_s
  * Nothing is left behind. Errors: SALTUS_BAD_INPUT, SALTUS_IO. */
 saltus_status saltus_convergence_check(const char *path, saltus_message *message);
 
+/* Spectra for people: what was analysed and how, total power, broadband fraction, how far it can be trusted,
+ * the ten strongest lines. */
+void saltus_write_spectra_text(FILE *file, const saltus_scene *scene, const saltus_system *system,
+                               const saltus_motion *motion, const saltus_spectra *spectra);
+/* The same as one JSON object and a newline, with all lines up to the highest trustworthy frequency. */
+void saltus_write_spectra_json(FILE *file, const saltus_scene *scene, const saltus_system *system,
+                               const saltus_motion *motion, const saltus_spectra *spectra);
+/* As a table (.csv: all lines of whole orbits, all bins of a density) or a figure (.png, .pdf, .svg),
+ * complete or not at all. Errors: SALTUS_BAD_INPUT for another ending, SALTUS_IO (file not writable; gnuplot
+ * absent or failed). */
+saltus_status saltus_spectra_write(const saltus_scene *scene, const saltus_system *system,
+                                   const saltus_motion *motion, const saltus_spectra *spectra,
+                                   const saltus_flow_options *flow, const char *path,
+                                   saltus_message *message);
+
 /* A sampled trajectory with its events and stroboscopic points. Arrays are owned by the record. */
 typedef struct saltus_record {
     int dimension;

@@ -5,10 +5,7 @@
 #define SALTUS_SPECTRUM_H
 
 #include "saltus/motion.h"
-#include "saltus/scene.h"
 #include "saltus/signal.h"
-
-#include <stdio.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -72,21 +69,6 @@ saltus_status saltus_motion_spectra(const saltus_system *system, const saltus_mo
                                     saltus_message *message);
 /* Zeroed spectra are accepted. */
 void saltus_spectra_clear(saltus_spectra *spectra);
-
-/* For people: what was analysed and how, total power, broadband fraction, how far it can be trusted, the ten
- * strongest lines. */
-void saltus_write_spectra_text(FILE *file, const saltus_scene *scene, const saltus_system *system,
-                               const saltus_motion *motion, const saltus_spectra *spectra);
-/* The same as one JSON object and a newline, with all lines up to the highest trustworthy frequency. */
-void saltus_write_spectra_json(FILE *file, const saltus_scene *scene, const saltus_system *system,
-                               const saltus_motion *motion, const saltus_spectra *spectra);
-/* As a table (.csv: all lines of whole orbits, all bins of a density) or a figure (.png, .pdf, .svg),
- * complete or not at all. Errors: SALTUS_BAD_INPUT for another ending, SALTUS_IO (file not writable; gnuplot
- * absent or failed). */
-saltus_status saltus_spectra_write(const saltus_scene *scene, const saltus_system *system,
-                                   const saltus_motion *motion, const saltus_spectra *spectra,
-                                   const saltus_flow_options *flow, const char *path,
-                                   saltus_message *message);
 
 #ifdef __cplusplus
 }

@@ -28,58 +28,17 @@
 #include <math.h>
 #include <string.h>
 
-static void publish_row(double *rows, int row, int stride, int lane, int slot, const double *values, int n) {
-    for (int i = 0; i < n; i++)
-        rows[slot * row + i * stride + lane] = values ? values[i] : 0.0;
-}
-
-static void publish(saltus_work *work, int lane, const saltus_contact_map *map, int slots) {
-    int n = work->dof;
-    for (int k = 0; k < slots; k++) {
-        bool used = k < map->count;
-        publish_row(work->push, work->row, work->stride, lane, k, used ? map->push + k * n : NULL, n);
-        publish_row(work->pull, work->row, work->stride, lane, k, used ? map->pull + k * n : NULL, n);
-    }
-}
-
 void saltus_contacts_publish(saltus_flow *flow, int lane) {
     int slots = 0;
     for (int l = 0; l < flow->lanes; l++)
         slots = flow->lane[l].hold.count > slots ? flow->lane[l].hold.count : slots;
-    publish(&flow->work, lane, &flow->lane[lane].hold, flow->lane[lane].system->face_count);
+    saltus_contact_map_publish(&flow->lane[lane].hold, &flow->work, lane,
+                               flow->lane[lane].system->face_count);
     flow->work.contacts = slots;
     if (flow->options.directions)
         saltus_directions_publish(flow);
     if (flow->radau)
         saltus_radau_publish(flow->radau, &flow->work);
-}
-
-/* Series of the state at one point, in the lane's narrow probe, to `order`. */
-static saltus_work *probe_at(saltus_flow *flow, int lane, const double *state, double phase,
-                             const saltus_contact_map *hold, int order) {
-    saltus_work *probe = &flow->probe[lane];
-    size_t n = (size_t)flow->dof * sizeof(double);
-    memcpy(probe->xq, state, n);
-    memcpy(probe->xv, state + flow->dof, n);
-    if (flow->extra)
-        memcpy(probe->xe, state + 2 * flow->dof, (size_t)flow->extra * sizeof(double));
-    probe->phase[0] = phase;
-    probe->contacts = hold ? hold->count : 0;
-    if (hold)
-        publish(probe, 0, hold, hold->count);
-    flow->narrow->expand(probe, order);
-    return probe;
-}
-
-void saltus_field_at(saltus_flow *flow, int lane, const double *state, double phase,
-                     const saltus_contact_map *hold, double *derivative) {
-    saltus_work *probe = probe_at(flow, lane, state, phase, hold, 1);
-    memcpy(derivative, state + flow->dof, (size_t)flow->dof * sizeof(double));
-    memcpy(derivative + flow->dof, probe->v + saltus_work_jet(probe, 1, 0),
-           (size_t)flow->dof * sizeof(double));
-    if (flow->extra)
-        memcpy(derivative + 2 * flow->dof, probe->e + saltus_work_extra_jet(probe, 1, 0),
-               (size_t)flow->extra * sizeof(double));
 }
 
 /* Coefficient k of the gap's series at the probe's point: side * n.q_k. */
@@ -120,7 +79,8 @@ static unsigned holding_subset(saltus_flow *flow, int lane, unsigned resting) {
             if ((subset & resting) != subset || saltus_count_bits(subset) != size ||
                 !saltus_contact_map_build(system, subset, 0, &flow->scratch))
                 continue;
-            saltus_work *probe = probe_at(flow, lane, self->state, self->now.phase, &flow->scratch, order);
+            saltus_work *probe =
+                saltus_probe_at(flow, lane, self->state, self->now.phase, &flow->scratch, order);
             bool valid = true;
             for (int k = 0; k < flow->scratch.count; k++)
                 valid &= probe->force[(size_t)k * (size_t)(probe->order + 2)] >= 0;
@@ -315,7 +275,7 @@ static double chatter_remainder(saltus_flow *flow, int lane, int face, double re
     saltus_lane *self = &flow->lane[lane];
     const saltus_system *system = self->system;
     double r = system->faces[face].r, size, tolerance = displacement_tolerance(flow, lane, face, &size);
-    const saltus_work *now = probe_at(flow, lane, self->state, self->now.phase, &self->hold, 2);
+    const saltus_work *now = saltus_probe_at(flow, lane, self->state, self->now.phase, &self->hold, 2);
     double acceleration = 2 * gap_coefficient(system, now, face, 2);
     *leaving = leaving_faces(flow, lane, now);
     memcpy(self->trial, self->state, (size_t)flow->dimension * sizeof(double));
@@ -325,7 +285,7 @@ static double chatter_remainder(saltus_flow *flow, int lane, int face, double re
     const saltus_contact_map *hold = &self->hold;
     if (*leaving && saltus_contact_map_build(system, self->contacts & ~*leaving, 0, &flow->scratch))
         hold = &flow->scratch;
-    const saltus_work *probe = probe_at(flow, lane, self->trial, self->now.phase, hold, 3);
+    const saltus_work *probe = saltus_probe_at(flow, lane, self->trial, self->now.phase, hold, 3);
     double a = 2 * gap_coefficient(system, probe, face, 2),
            jerk = 6 * gap_coefficient(system, probe, face, 3);
     if (!(a > 0) || rebound * rebound > tolerance * a * (r < 1 ? 1 - r : 2))
@@ -469,23 +429,6 @@ saltus_status saltus_contacts_impact(saltus_flow *flow, int lane, int face, salt
     return SALTUS_OK;
 }
 
-/* The probe's force row is n.f; per modal mass means divided by n M^-1 n of the face. */
-void saltus_flow_forces(saltus_flow *flow, int lane, double *forces) {
-    saltus_lane *self = &flow->lane[lane];
-    memset(forces, 0, SALTUS_FACES_MAX * sizeof *forces);
-    saltus_lane_gather(flow, lane, 0, self->state);
-    saltus_work *probe = probe_at(flow, lane, self->state, self->now.phase, &self->hold, 1);
-    for (int k = 0; k < self->hold.count; k++) {
-        int face = self->hold.face[k];
-        const double *normal = self->system->stop_normal[self->system->faces[face].stop];
-        double compliance = 0;
-        for (int i = 0; i < flow->dof; i++)
-            for (int j = 0; j < flow->dof; j++)
-                compliance += normal[i] * self->system->inverse_mass[i * flow->dof + j] * normal[j];
-        forces[face] = probe->force[(size_t)k * (size_t)(probe->order + 2)] / compliance;
-    }
-}
-
 bool saltus_contacts_set(saltus_flow *flow, int lane, unsigned contacts) {
     saltus_lane *self = &flow->lane[lane];
     bool built = saltus_contact_map_build(self->system, contacts, 0, &self->hold);
@@ -503,7 +446,7 @@ bool saltus_contacts_release(saltus_flow *flow, int lane, int face) {
     saltus_lane *self = &flow->lane[lane];
     const unsigned contacts = self->contacts;
     saltus_contacts_set(flow, lane, contacts & ~(1u << face));
-    const saltus_work *probe = probe_at(flow, lane, self->state, self->now.phase, &self->hold, 2);
+    const saltus_work *probe = saltus_probe_at(flow, lane, self->state, self->now.phase, &self->hold, 2);
     bool moved = self->now.phase != self->begin.phase || self->now.cycle != self->begin.cycle;
     if (moved &&
         gap_coefficient(self->system, probe, face, 2) > rounding_of_gap(self->system, probe, face, 2)) {

@@ -113,3 +113,17 @@ void saltus_contact_map_settle(const saltus_system *system, const saltus_contact
     }
     saltus_contact_map_apply(map, system->dof, state + system->dof);
 }
+
+static void publish_row(double *rows, int row, int stride, int lane, int slot, const double *values, int n) {
+    for (int i = 0; i < n; i++)
+        rows[slot * row + i * stride + lane] = values ? values[i] : 0.0;
+}
+
+void saltus_contact_map_publish(const saltus_contact_map *map, saltus_work *work, int lane, int slots) {
+    int n = work->dof;
+    for (int k = 0; k < slots; k++) {
+        bool used = k < map->count;
+        publish_row(work->push, work->row, work->stride, lane, k, used ? map->push + k * n : NULL, n);
+        publish_row(work->pull, work->row, work->stride, lane, k, used ? map->pull + k * n : NULL, n);
+    }
+}

@@ -10,7 +10,6 @@
 #include "flow/flow.h"
 
 #include <math.h>
-#include <string.h>
 
 /* The parameter that a column belongs to; NULL for an ordinary tangent vector. */
 static const saltus_parameter_column *parameter_of(const saltus_flow *flow, int column) {

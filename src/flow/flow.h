@@ -114,6 +114,16 @@ void saltus_contact_map_vary(const saltus_system *system, const saltus_contact_m
 void saltus_contact_map_settle(const saltus_system *system, const saltus_contact_map *map, double *state);
 /* Normal velocity or acceleration towards a face. */
 double saltus_face_normal(const saltus_system *system, int face, const double *vector);
+/* Put a map into a lane's rows of a work that has `slots` contacts; those beyond the map's do nothing. */
+void saltus_contact_map_publish(const saltus_contact_map *map, saltus_work *work, int lane, int slots);
+
+/* probe.c */
+/* Series to `order` of a state at one point with given contacts, in the lane's narrow work. */
+saltus_work *saltus_probe_at(saltus_flow *flow, int lane, const double *state, double phase,
+                             const saltus_contact_map *hold, int order);
+/* Field at a state with given contacts. */
+void saltus_field_at(saltus_flow *flow, int lane, const double *state, double phase,
+                     const saltus_contact_map *hold, double *derivative);
 
 /* contact.c */
 /* Decide, for faces touched with zero normal velocity (resting), which of them hold; set contacts, hold and
@@ -127,9 +137,6 @@ bool saltus_contacts_release(saltus_flow *flow, int lane, int face);
  * together.
  */
 bool saltus_contacts_set(saltus_flow *flow, int lane, unsigned contacts);
-/* Field at a state with given contacts. */
-void saltus_field_at(saltus_flow *flow, int lane, const double *state, double phase,
-                     const saltus_contact_map *hold, double *derivative);
 /* Put a lane's held contacts into the rows of the stepping work. */
 void saltus_contacts_publish(saltus_flow *flow, int lane);
 
@@ -162,10 +169,10 @@ double saltus_column_observer(const saltus_flow *flow, int column, const double 
 /* The first event of a lane on the step just expanded, within `step`; sets lane->pending and returns its
  * time. */
 double saltus_events_first(saltus_flow *flow, int lane, double step);
-/* Carry the faces' gap knowledge to the end of the step; false if a gap has opened beyond its stop (a lost
- * impact). */
 /* Raise the lane's extremes by the local maxima of gaps and of minus the holding forces within the step. */
 void saltus_events_extremes(saltus_flow *flow, int lane, double step);
+/* Carry the faces' gap knowledge to the end of the step; false if a gap has opened beyond its stop (a lost
+ * impact). */
 bool saltus_events_carry(saltus_flow *flow, int lane, double step, int event_face, double *gap);
 
 #endif

@@ -2,8 +2,6 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "flow/flow.h"
 
-#include <math.h>
-
 const saltus_system *saltus_flow_system(const saltus_flow *flow, int lane) {
     return flow->lane[lane].system;
 }
@@ -81,12 +79,6 @@ void saltus_flow_set_tangents(saltus_flow *flow, int lane, const double *tangent
 void saltus_flow_delays(const saltus_flow *flow, int lane, double *delays) {
     for (int c = 0; c < flow->options.columns; c++)
         delays[c] = flow->lane[lane].delay[c];
-}
-
-void saltus_flow_field(saltus_flow *flow, int lane, double *derivative) {
-    saltus_lane *self = &flow->lane[lane];
-    saltus_lane_gather(flow, lane, 0, self->state);
-    saltus_field_at(flow, lane, self->state, self->now.phase, &self->hold, derivative);
 }
 
 static double series_value(const double *series, size_t stride, int degree, double time) {

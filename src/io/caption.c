@@ -173,3 +173,60 @@ void saltus_put_version(FILE *file) {
           "' at screen 0.985,0.012 right tc rgb '#909090' font ',9' front\n",
           file);
 }
+
+static const char *bracketed(const saltus_system *system, char *text, size_t room) {
+    const saltus_spec *spec = saltus_system_spec(system);
+    double xi = spec->stop_count ? spec->stops[0].xi : 0.5;
+    if (xi == 0.5)
+        snprintf(text, room, "(½, {/:Italic τ})");
+    else
+        snprintf(text, room, "(%.4g, {/:Italic τ})", xi);
+    return text;
+}
+
+/* The observed coordinate of an oscillator; false when it is no single mass. */
+static bool single_mass(const saltus_system *system, int *mass) {
+    const double *observer = saltus_system_observer(system);
+    bool two = saltus_system_dof(system) > 1;
+    *mass = observer[0] == 1 ? 1 : 2;
+    return two ? observer[0] + observer[1] == 1 && observer[0] * observer[1] == 0 : observer[0] == 1;
+}
+
+void saltus_displacement_name(const saltus_system *system, char *text, size_t room) {
+    char place[64];
+    int mass;
+    if (saltus_is_pipe(system))
+        snprintf(text, room, "displacement {/:Italic η}%s", bracketed(system, place, sizeof place));
+    else if (single_mass(system, &mass))
+        snprintf(text, room, "displacement {/:Italic x}_%d", mass);
+    else
+        snprintf(text, room, "contact coordinate {/:Italic g}");
+}
+
+void saltus_velocity_name(const saltus_system *system, char *text, size_t room) {
+    char place[64];
+    int mass;
+    if (saltus_is_pipe(system))
+        snprintf(text, room, "velocity ∂{/:Italic η}/∂{/:Italic τ} %s",
+                 bracketed(system, place, sizeof place));
+    else if (single_mass(system, &mass))
+        snprintf(text, room, "velocity d{/:Italic x}_%d/d{/:Italic t}", mass);
+    else
+        snprintf(text, room, "velocity d{/:Italic g}/d{/:Italic t}");
+}
+
+void saltus_line_parameter(saltus_line *line, const saltus_spec *spec, const char *key) {
+    int count, stops;
+    const saltus_parameter *p = saltus_model_parameters(spec->model, &count);
+    const saltus_parameter *s = saltus_stop_parameters(&stops);
+    const char *meaning = "";
+    for (int k = 0; k < stops; k++)
+        if (strncmp(key, s[k].name, strlen(s[k].name)) == 0)
+            meaning = s[k].meaning;
+    for (int k = 0; k < count; k++)
+        if (strcmp(key, p[k].name) == 0)
+            meaning = p[k].meaning;
+    if (!strchr(meaning, '^') && *meaning)
+        saltus_line_add(line, "%.*s  ", (int)strcspn(meaning, ",;("), meaning);
+    saltus_line_symbol(line, key);
+}

@@ -104,3 +104,8 @@ bool saltus_multiplier_pair(const saltus_motion *motion, int k) {
     return k + 1 < motion->multiplier_count && m->im != 0 && fabs(m[1].im + m->im) <= 1e-9 * fabs(m->im) &&
            fabs(m[1].re - m->re) <= 1e-9 * (fabs(m->re) + fabs(m->im));
 }
+
+bool saltus_stop_observed(const saltus_system *system, int stop) {
+    const double *a = saltus_system_stop_normal(system, stop), *b = saltus_system_observer(system);
+    return memcmp(a, b, (size_t)saltus_system_dof(system) * sizeof *a) == 0;
+}

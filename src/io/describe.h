@@ -28,6 +28,8 @@ double saltus_event_after(const saltus_event *event);
 /* The label with the word stable or unstable where that is known; fits 64 bytes. */
 void saltus_motion_summary(const saltus_motion *motion, char text[64]);
 bool saltus_is_pipe(const saltus_system *system);
+/* Whether a stop limits the observed coordinate itself. */
+bool saltus_stop_observed(const saltus_system *system, int stop);
 /* Impacts per response cycle: the principal parametric response of a pipe takes 2 T. NaN where n or p is
  * unknown. */
 double saltus_impacts_per_response(const saltus_system *system, const saltus_motion *motion);

@@ -6,6 +6,7 @@
 #include "io/output.h"
 
 #include <errno.h>
+#include <math.h>
 #include <spawn.h>
 #include <stdbool.h>
 #include <string.h>
@@ -124,4 +125,23 @@ saltus_status saltus_gnuplot_draw(FILE *script, const char *path, saltus_message
     if (picture)
         fclose(picture);
     return status;
+}
+
+void saltus_range_add(saltus_range *range, double value) {
+    if (!isfinite(value))
+        return;
+    range->low = fmin(range->low, value);
+    range->high = fmax(range->high, value);
+}
+
+void saltus_range_pad(saltus_range *range, double part, double scale) {
+    double width = range->high - range->low, middle = 0.5 * (range->low + range->high);
+    double size = fmax(scale, fabs(middle));
+    if (!(width > 1e-6 * size)) {
+        range->low = middle - size;
+        range->high = middle + size;
+        width = 2 * size;
+    }
+    range->low -= part * width;
+    range->high += part * width;
 }

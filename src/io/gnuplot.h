@@ -16,4 +16,13 @@ const char *saltus_gnuplot_terminal(const char *path);
  * gnuplot's complaint. */
 saltus_status saltus_gnuplot_draw(FILE *script, const char *path, saltus_message *message);
 
+/* The numbers that an axis goes over. */
+typedef struct saltus_range {
+    double low, high;
+} saltus_range;
+
+/* Widen a range to hold a value, or by a part of its width; an empty range gets a width from `scale`. */
+void saltus_range_add(saltus_range *range, double value);
+void saltus_range_pad(saltus_range *range, double part, double scale);
+
 #endif

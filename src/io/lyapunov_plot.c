@@ -3,8 +3,8 @@
 #include "io/lyapunov_plot.h"
 
 #include "io/describe.h"
+#include "io/gnuplot.h"
 #include "io/lyapunov_words.h"
-#include "io/sheet.h"
 
 #include <math.h>
 

@@ -14,30 +14,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char *const hues[SALTUS_HUES] = {"#2c5f8a", "#c44e2a", "#2f8f6f",
-                                              "#8a5aa0", "#b08a00", "#555555"};
-
-/* How special points are marked, and what they are. */
-static const struct {
-    int point_type;
-    double size;
-    const char *colour, *meaning;
-} marks[SALTUS_POINT_KINDS] = {
-    [SALTUS_POINT_LP] = {5, 1.15, "#1c1c1c", "LP  fold"},
-    [SALTUS_POINT_PD] = {13, 1.5, "#b5179e", "PD  flip"},
-    [SALTUS_POINT_NS] = {9, 1.4, "#e07a00", "NS  torus"},
-    [SALTUS_POINT_BP] = {7, 1.2, "#0a7d32", "BP  branch point"},
-    [SALTUS_POINT_GR] = {11, 1.4, "#c1121f", "GR  grazing"},
-    [SALTUS_POINT_CH] = {15, 1.4, "#7209b7", "CH  chatter"},
-    [SALTUS_POINT_ST] = {4, 1.2, "#3a5a98", "ST  sticking"},
-    [SALTUS_POINT_UZ] = {6, 1.1, "#404040", "UZ  wanted"},
-    [SALTUS_POINT_EP] = {2, 1.1, "#606060", "EP  end"},
-};
-
-static const char *hue_colour(const saltus_plot_page *page, int hue) {
-    return page->locus ? marks[SALTUS_POINT_LP + hue].colour : hues[hue];
-}
-
 static void put_style(FILE *file) {
     fputs("set encoding utf8\n"
           "set border 3 lc rgb '#606060' lw 1\n"
@@ -48,33 +24,15 @@ static void put_style(FILE *file) {
           file);
 }
 
-/* What a parameter means, followed by its symbol; the bare symbol where the meaning is a formula. */
-void saltus_plot_name_parameter(const saltus_spec *spec, const char *key, saltus_line *line) {
-    int count, stops;
-    const saltus_parameter *p = saltus_model_parameters(spec->model, &count);
-    const saltus_parameter *s = saltus_stop_parameters(&stops);
-    const char *meaning = "";
-    for (int k = 0; k < stops; k++)
-        if (strncmp(key, s[k].name, strlen(s[k].name)) == 0)
-            meaning = s[k].meaning;
-    for (int k = 0; k < count; k++)
-        if (strcmp(key, p[k].name) == 0)
-            meaning = p[k].meaning;
-    if (!strchr(meaning, '^') && *meaning)
-        saltus_line_add(line, "%.*s  ", (int)strcspn(meaning, ",;("), meaning);
-    saltus_line_symbol(line, key);
-}
-
 static void name_measure(const saltus_plot_page *page, saltus_line *line) {
-    saltus_sheet sheet = {.system = page->system};
     char name[160];
     switch (page->show) {
     case SALTUS_SHOW_DISPLACEMENT:
-        saltus_sheet_displacement_name(&sheet, name, sizeof name);
+        saltus_displacement_name(page->system, name, sizeof name);
         saltus_line_add(line, "%s  at phase 0", name);
         break;
     case SALTUS_SHOW_VELOCITY:
-        saltus_sheet_velocity_name(&sheet, name, sizeof name);
+        saltus_velocity_name(page->system, name, sizeof name);
         saltus_line_add(line, "%s  at phase 0", name);
         break;
     case SALTUS_SHOW_PERIOD:
@@ -92,45 +50,14 @@ static void put_axes(const saltus_plot_page *page) {
     const saltus_branch_options *o = &page->files[0].options;
     const saltus_spec *spec = &page->files[0].spec;
     saltus_line x = {.length = 0}, y = {.length = 0};
-    saltus_plot_name_parameter(spec, o->key[0], &x);
+    saltus_line_parameter(&x, spec, o->key[0]);
     if (page->locus)
-        saltus_plot_name_parameter(spec, o->key[1], &y);
+        saltus_line_parameter(&y, spec, o->key[1]);
     else
         name_measure(page, &y);
     fprintf(page->file, "set xlabel '%s'\nset xrange [%.12g:%.12g]\n", x.text, page->x.low, page->x.high);
     fprintf(page->file, "set ylabel '%s' offset -0.6,0\nset yrange [%.9g:%.9g]\n", y.text, page->y.low,
             page->y.high);
-}
-
-/* Whether any point of a hue exists. */
-static bool has_hue(const saltus_plot_page *page, int hue) {
-    for (int i = 0; i < page->count; i++)
-        for (int k = 0; k < page->files[i].point_count; k++)
-            if (saltus_plot_hue(page, i, page->files[i].points[k].branch) == hue)
-                return true;
-    return false;
-}
-
-/* Whether any point of a kind is marked on the page. */
-static bool has_kind(const saltus_plot_page *page, saltus_point_kind kind) {
-    for (int i = 0; i < page->count; i++)
-        for (int k = 0; k < page->files[i].point_count; k++) {
-            const saltus_branch_point *point = &page->files[i].points[k];
-            if (point->kind == kind && saltus_plot_shown(page, point) &&
-                saltus_plot_marked(&page->files[i], point))
-                return true;
-        }
-    return false;
-}
-
-/* How many things the legend explains. */
-static int legend_entries(const saltus_plot_page *page) {
-    int count = page->locus ? 1 : page->count == 1 ? 2 : 2 + page->count;
-    for (int hue = 0; hue < SALTUS_HUES; hue++)
-        count += page->locus && has_hue(page, hue);
-    for (int kind = SALTUS_POINT_LP; kind < SALTUS_POINT_KINDS; kind++)
-        count += has_kind(page, (saltus_point_kind)kind);
-    return count;
 }
 
 /* The parameters that all files share, and those of the first where they do not. */
@@ -161,68 +88,12 @@ static void put_caption(const saltus_plot_page *page) {
     saltus_line_put(page->file, &parameters, "#202020", &height);
     saltus_put_version(page->file);
     bool long_names = page->locus || page->count > 1;
-    int columns = long_names ? 5 : 8, rows = (legend_entries(page) + columns - 1) / columns;
+    int columns = long_names ? 5 : 8, rows = (saltus_plot_legend_entries(page) + columns - 1) / columns;
     fprintf(page->file,
             "set tmargin at screen %.4f\n"
             "set key at screen 0.03, screen %.4f left top horizontal Left reverse samplen 1.8 width 1 "
             "maxrows %d font ',11' textcolor rgb '#303030'\n",
             height - 0.026 - 0.024 * rows, height + 0.008, rows);
-}
-
-void saltus_plot_curves(const saltus_plot_page *page) {
-    static const char *const look[SALTUS_STROKES] = {"lw 2.6", "dt (9,6) lw 1.9", "dt (2,5) lw 1.3"};
-    static const char *const border[SALTUS_STROKES] = {"lw 2.6", "dt (7,9) lw 1.2", "lw 1"};
-    for (int stroke = SALTUS_STROKES - 1; stroke >= 0; stroke--)
-        for (int hue = 0; hue < SALTUS_HUES; hue++)
-            if (has_hue(page, hue))
-                fprintf(page->file, "     $curve_%d_%d using 1:2 with lines %s lc rgb '%s' notitle, \\\n",
-                        hue, stroke, (page->locus ? border : look)[stroke], hue_colour(page, hue));
-}
-
-/* Marks with a white rim, which lifts them off the curves; those that often lie under others come last. */
-void saltus_plot_marks(const saltus_plot_page *page) {
-    for (int kind = SALTUS_POINT_KINDS - 1; kind >= SALTUS_POINT_LP; kind--) {
-        const char *word = saltus_point_word((saltus_point_kind)kind);
-        bool solid = kind != SALTUS_POINT_EP && kind != SALTUS_POINT_UZ && kind != SALTUS_POINT_ST;
-        if (!has_kind(page, (saltus_point_kind)kind))
-            continue;
-        if (solid)
-            fprintf(page->file,
-                    "     $marks_%s using 1:2 with points pt %d ps %g lc rgb '#ffffff' notitle, \\\n", word,
-                    marks[kind].point_type, marks[kind].size + 0.45);
-        fprintf(page->file,
-                "     $marks_%s using 1:2 with points pt %d ps %g lw 1.6 lc rgb '%s' notitle, \\\n", word,
-                marks[kind].point_type, marks[kind].size, marks[kind].colour);
-    }
-}
-
-/* What the lines are: kinds of special points, or files. */
-static void put_line_legend(const saltus_plot_page *page) {
-    static const char *const line = "     NaN with lines %s lc rgb '%s' title '%s', \\\n";
-    for (int hue = 0; hue < SALTUS_HUES && page->locus; hue++)
-        if (has_hue(page, hue))
-            fprintf(page->file, line, "lw 2.6", hue_colour(page, hue), marks[SALTUS_POINT_LP + hue].meaning);
-    for (int i = 0; i < page->count && page->count > 1 && !page->locus; i++) {
-        saltus_line name = {.length = 0};
-        saltus_line_plain(&name, page->files[i].scene);
-        saltus_plot_add_differences(page, i, &name);
-        fprintf(page->file, line, "lw 2.6", hues[i % SALTUS_HUES], name.text);
-    }
-    if (page->locus)
-        fprintf(page->file, line, "dt (7,9) lw 1.2", "#404040", "bounds no stable orbit");
-    else {
-        fprintf(page->file, line, "lw 2.6", "#404040", "stable");
-        fprintf(page->file, line, "dt (9,6) lw 1.9", "#404040", "unstable");
-    }
-}
-
-void saltus_plot_legend(const saltus_plot_page *page) {
-    put_line_legend(page);
-    for (int kind = SALTUS_POINT_LP; kind < SALTUS_POINT_KINDS; kind++)
-        if (has_kind(page, (saltus_point_kind)kind))
-            fprintf(page->file, "     NaN with points pt %d ps %g lw 1.6 lc rgb '%s' title '%s', \\\n",
-                    marks[kind].point_type, marks[kind].size, marks[kind].colour, marks[kind].meaning);
-    fputs("     NaN notitle\n", page->file);
 }
 
 static void write_script(const saltus_plot_page *page, const char *path) {

@@ -4,7 +4,8 @@
 #define SALTUS_IO_PLOT_H
 
 #include "io/caption.h"
-#include "io/sheet.h"
+#include "io/gnuplot.h"
+#include "saltus/io.h"
 
 /* Branch files over each other in one pair of axes. */
 typedef struct saltus_plot_page {
@@ -42,16 +43,12 @@ enum { SALTUS_STROKES = 3, SALTUS_HUES = 6 };
  * often it was switched. */
 int saltus_plot_hue(const saltus_plot_page *page, int file, int branch);
 
-/* plot.c: what a parameter means, followed by its symbol; the bare symbol where the meaning is a formula. */
-void saltus_plot_name_parameter(const saltus_spec *spec, const char *key, saltus_line *line);
-/* plot.c: elements of a plot command that goes on: curves, marks, and what they are in the legend. */
+/* plot_curves.c: elements of a plot command that goes on: curves, marks, and what they are in the legend. */
 void saltus_plot_curves(const saltus_plot_page *page);
 void saltus_plot_marks(const saltus_plot_page *page);
 void saltus_plot_legend(const saltus_plot_page *page);
-/* plot_fits.c: whether a branch is over that key and of a system that differs in nothing else. Errors:
- * SALTUS_BAD_INPUT. */
-saltus_status saltus_plot_fits(const saltus_branch_file *file, const saltus_spec *spec, const char *key,
-                               const char *path, saltus_message *message);
+/* How many things the legend explains. */
+int saltus_plot_legend_entries(const saltus_plot_page *page);
 /* plot_data.c: the datablocks $curve_HUE_STROKE and $marks_KIND. */
 void saltus_plot_data(const saltus_plot_page *page);
 /* plot_labels.c: names of regions, n/p along the branches and the names of special points, as gnuplot labels.

@@ -89,7 +89,7 @@ static void put_stops(const saltus_sheet *sheet, bool vertical) {
     for (int f = 0; f < saltus_system_face_count(sheet->system); f++) {
         saltus_face face = saltus_system_face(sheet->system, f);
         double d = face.side * face.d, end = face.side > 0 ? range.high : range.low;
-        if (!saltus_sheet_observes(sheet, face.stop) || !(d > range.low && d < range.high))
+        if (!saltus_stop_observed(sheet->system, face.stop) || !(d > range.low && d < range.high))
             continue;
         if (vertical)
             fprintf(sheet->file,
@@ -110,8 +110,8 @@ static void put_stops(const saltus_sheet *sheet, bool vertical) {
 static void put_portrait(const saltus_sheet *sheet, const place *at) {
     bool settled = saltus_verdict_settled(sheet->motion->verdict);
     char x[160], y[160];
-    saltus_sheet_displacement_name(sheet, x, sizeof x);
-    saltus_sheet_velocity_name(sheet, y, sizeof y);
+    saltus_displacement_name(sheet->system, x, sizeof x);
+    saltus_velocity_name(sheet->system, y, sizeof y);
     open_panel(sheet->file, at, "phase portrait, dots at {/:Italic τ} = 0 (mod {/:Italic T})");
     put_axes(sheet->file, at, x, sheet->displacement, y, sheet->velocity);
     put_stops(sheet, true);
@@ -132,7 +132,7 @@ static void put_history(const saltus_sheet *sheet, const place *at) {
     const saltus_record *r = sheet->record;
     saltus_range time = {r->time[0], r->time[sheet->history_rows - 1]};
     char name[160];
-    saltus_sheet_displacement_name(sheet, name, sizeof name);
+    saltus_displacement_name(sheet->system, name, sizeof name);
     open_panel(sheet->file, at, saltus_sheet_history_heading(sheet));
     put_axes(sheet->file, at, "time {/:Italic τ}/{/:Italic T}", time, name, sheet->displacement);
     put_stops(sheet, false);
@@ -161,8 +161,8 @@ static void put_section(const saltus_sheet *sheet, const place *at) {
     saltus_range_pad(&x, 0.06, scale[0]);
     saltus_range_pad(&v, 0.06, scale[saltus_system_dof(sheet->system)]);
     snprintf(heading, sizeof heading, "stroboscopic section, %lld points", count);
-    saltus_sheet_displacement_name(sheet, across, sizeof across);
-    saltus_sheet_velocity_name(sheet, up, sizeof up);
+    saltus_displacement_name(sheet->system, across, sizeof across);
+    saltus_velocity_name(sheet->system, up, sizeof up);
     open_panel(sheet->file, at, heading);
     put_axes(sheet->file, at, across, x, up, v);
     fputs("plot $section using 1:2 with points pt 7 ps 0.25 lc rgb '" STROBE "'\n", sheet->file);

@@ -3,13 +3,10 @@
 #ifndef SALTUS_IO_SHEET_H
 #define SALTUS_IO_SHEET_H
 
+#include "io/gnuplot.h"
 #include "saltus/io.h"
 
 #include <stddef.h>
-
-typedef struct saltus_range {
-    double low, high;
-} saltus_range;
 
 typedef struct saltus_sheet {
     FILE *file; /* gnuplot's script */
@@ -38,14 +35,9 @@ void saltus_sheet_choose(saltus_sheet *sheet);
 void saltus_sheet_data(saltus_sheet *sheet);
 /* Impacts among the first events of a record. */
 long long saltus_sheet_impacts(const saltus_record *record, long long events);
-/* Whether stop s limits the observed coordinate itself. */
-bool saltus_sheet_observes(const saltus_sheet *sheet, int s);
 /* Observed displacement and velocity of stroboscopic point k of a record. */
 void saltus_sheet_strobe(const saltus_sheet *sheet, const saltus_record *record, long long k,
                          double point[2]);
-/* Widen a range to hold a value, or by a part of its width; an empty range gets a width from `scale`. */
-void saltus_range_add(saltus_range *range, double value);
-void saltus_range_pad(saltus_range *range, double part, double scale);
 /* Range of the structure's shapes over the rows shown; the periods that they are spread over. */
 saltus_range saltus_sheet_shape_range(const saltus_sheet *sheet);
 double saltus_sheet_shape_time(const saltus_sheet *sheet);
@@ -56,8 +48,6 @@ double saltus_sheet_caption(const saltus_sheet *sheet);
 const char *saltus_sheet_history_heading(const saltus_sheet *sheet);
 void saltus_sheet_impacts_heading(const saltus_sheet *sheet, char *text, size_t room);
 void saltus_sheet_spectrum_heading(const saltus_sheet *sheet, char *text, size_t room);
-void saltus_sheet_displacement_name(const saltus_sheet *sheet, char *text, size_t room);
-void saltus_sheet_velocity_name(const saltus_sheet *sheet, char *text, size_t room);
 
 enum { SALTUS_SHEET_SHAPES = 16, SALTUS_SHEET_POINTS = 96 };
 

@@ -228,7 +228,7 @@ static bool shows_forcing(const saltus_spectrum *s) {
 void saltus_sheet_spectrum_heading(const saltus_sheet *sheet, char *text, size_t room) {
     const saltus_spectrum *s = sheet->spectrum;
     char name[160];
-    saltus_sheet_displacement_name(sheet, name, sizeof name);
+    saltus_displacement_name(sheet->system, name, sizeof name);
     if (s->kind == SALTUS_SPECTRUM_WELCH)
         snprintf(text, room, "%s; %g %% band%s", name, 100 * s->confidence,
                  s->line_count > 0 ? "; ▾ lines" : "");
@@ -238,45 +238,4 @@ void saltus_sheet_spectrum_heading(const saltus_sheet *sheet, char *text, size_t
         snprintf(text, room, "%s; red: multiples of {/:Italic ω}", name);
     else
         snprintf(text, room, "%s: multiples of {/:Italic ω}/%d", name, s->periods);
-}
-
-static const char *bracketed(const saltus_sheet *sheet, char *text, size_t room) {
-    const saltus_spec *spec = saltus_system_spec(sheet->system);
-    double xi = spec->stop_count ? spec->stops[0].xi : 0.5;
-    if (xi == 0.5)
-        snprintf(text, room, "(½, {/:Italic τ})");
-    else
-        snprintf(text, room, "(%.4g, {/:Italic τ})", xi);
-    return text;
-}
-
-/* The observed coordinate of an oscillator; false when it is no single mass. */
-static bool single_mass(const saltus_sheet *sheet, int *mass) {
-    const double *observer = saltus_system_observer(sheet->system);
-    bool two = saltus_system_dof(sheet->system) > 1;
-    *mass = observer[0] == 1 ? 1 : 2;
-    return two ? observer[0] + observer[1] == 1 && observer[0] * observer[1] == 0 : observer[0] == 1;
-}
-
-void saltus_sheet_displacement_name(const saltus_sheet *sheet, char *text, size_t room) {
-    char place[64];
-    int mass;
-    if (saltus_is_pipe(sheet->system))
-        snprintf(text, room, "displacement {/:Italic η}%s", bracketed(sheet, place, sizeof place));
-    else if (single_mass(sheet, &mass))
-        snprintf(text, room, "displacement {/:Italic x}_%d", mass);
-    else
-        snprintf(text, room, "contact coordinate {/:Italic g}");
-}
-
-void saltus_sheet_velocity_name(const saltus_sheet *sheet, char *text, size_t room) {
-    char place[64];
-    int mass;
-    if (saltus_is_pipe(sheet->system))
-        snprintf(text, room, "velocity ∂{/:Italic η}/∂{/:Italic τ} %s",
-                 bracketed(sheet, place, sizeof place));
-    else if (single_mass(sheet, &mass))
-        snprintf(text, room, "velocity d{/:Italic x}_%d/d{/:Italic t}", mass);
-    else
-        snprintf(text, room, "velocity d{/:Italic g}/d{/:Italic t}");
 }

@@ -6,31 +6,6 @@
 #include "io/spectrum.h"
 
 #include <math.h>
-#include <string.h>
-
-void saltus_range_add(saltus_range *range, double value) {
-    if (!isfinite(value))
-        return;
-    range->low = fmin(range->low, value);
-    range->high = fmax(range->high, value);
-}
-
-void saltus_range_pad(saltus_range *range, double part, double scale) {
-    double width = range->high - range->low, middle = 0.5 * (range->low + range->high);
-    double size = fmax(scale, fabs(middle));
-    if (!(width > 1e-6 * size)) {
-        range->low = middle - size;
-        range->high = middle + size;
-        width = 2 * size;
-    }
-    range->low -= part * width;
-    range->high += part * width;
-}
-
-bool saltus_sheet_observes(const saltus_sheet *sheet, int s) {
-    const double *a = saltus_system_stop_normal(sheet->system, s), *b = saltus_system_observer(sheet->system);
-    return memcmp(a, b, (size_t)saltus_system_dof(sheet->system) * sizeof *a) == 0;
-}
 
 long long saltus_sheet_impacts(const saltus_record *record, long long events) {
     long long count = 0;
@@ -65,7 +40,8 @@ static void find_ranges(saltus_sheet *sheet) {
     for (int f = 0; f < saltus_system_face_count(sheet->system); f++) {
         saltus_face face = saltus_system_face(sheet->system, f);
         double d = face.side * face.d;
-        if (saltus_sheet_observes(sheet, face.stop) && d > x.low - 0.6 * width && d < x.high + 0.6 * width)
+        if (saltus_stop_observed(sheet->system, face.stop) && d > x.low - 0.6 * width &&
+            d < x.high + 0.6 * width)
             saltus_range_add(&x, d);
     }
     const double *scale = saltus_system_scale(sheet->system);

@@ -4,7 +4,7 @@
 #define SALTUS_IO_SPECTRUM_H
 
 #include "io/caption.h"
-#include "saltus/spectrum.h"
+#include "saltus/io.h"
 
 #include <stddef.h>
 

@@ -3,11 +3,9 @@
 #include "io/caption.h"
 #include "io/describe.h"
 #include "io/gnuplot.h"
-#include "io/sheet.h"
 #include "io/spectrum.h"
 
 #include <math.h>
-#include <string.h>
 
 #define TRACE "#2c5f8a"
 #define BAND "#c3d4e4"
@@ -45,12 +43,11 @@ static void put_style(FILE *file) {
 }
 
 static void add_name(const row *r, saltus_line *line) {
-    saltus_sheet sheet = {.system = r->source->system};
     char name[160];
     int k = r->quantity.coordinate;
     if (k == 0) {
-        (r->quantity.velocity ? saltus_sheet_velocity_name : saltus_sheet_displacement_name)(&sheet, name,
-                                                                                             sizeof name);
+        (r->quantity.velocity ? saltus_velocity_name : saltus_displacement_name)(r->source->system, name,
+                                                                                 sizeof name);
         saltus_line_add(line, "%s", name);
     } else if (saltus_is_pipe(r->source->system))
         saltus_line_add(line, "mode %d, {/:Italic q}%s_{%d}", k, r->quantity.velocity ? "′" : "", k);

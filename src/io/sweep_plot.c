@@ -11,75 +11,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { views = SALTUS_VIEW_SETTLED + 1 };
-
-const char *saltus_view_word(saltus_view view) {
-    static const char *const words[views] = {"automatic", "turning",    "impacts",  "stroboscopic",
-                                             "class",     "attractors", "largest",  "speed",
-                                             "rate",      "contact",    "lyapunov", "settled"};
-    return words[view];
-}
-
-bool saltus_view_is_cloud(saltus_view view) {
-    return view == SALTUS_VIEW_TURNING || view == SALTUS_VIEW_IMPACTS || view == SALTUS_VIEW_STROBOSCOPIC;
-}
-
-double saltus_sweep_measure(saltus_view view, const saltus_sweep_row *row) {
-    if (row->verdict == SALTUS_PENDING || row->verdict == SALTUS_FAILED)
-        return NAN;
-    switch (view) {
-    case SALTUS_VIEW_CLASS:
-        return row->verdict == SALTUS_PERIODIC ? row->periods : NAN;
-    case SALTUS_VIEW_LARGEST:
-        return row->largest;
-    case SALTUS_VIEW_SPEED:
-        return row->largest_speed;
-    case SALTUS_VIEW_RATE:
-        return row->impact_rate;
-    case SALTUS_VIEW_CONTACT:
-        return row->contact_fraction;
-    case SALTUS_VIEW_LYAPUNOV:
-        return row->lyapunov;
-    case SALTUS_VIEW_SETTLED:
-        return saltus_verdict_settled(row->verdict) ? (double)row->settled : NAN;
-    default:
-        return NAN;
-    }
-}
-
-int saltus_sweep_visits(const saltus_sweep_file *sweep) {
-    return sweep->pass_count * sweep->options.seeds;
-}
-
-long long saltus_sweep_visit(const saltus_sweep_file *sweep, long long point, int k) {
-    int seeds = sweep->options.seeds;
-    return ((k / seeds) * sweep->points + point) * seeds + k % seeds;
-}
-
-static bool is_pending(const saltus_sweep_page *page, long long point, int k) {
-    return page->sweep->rows[saltus_sweep_visit(page->sweep, point, k)].verdict == SALTUS_PENDING;
-}
-
-int saltus_sweep_class_at(const saltus_sweep_page *page, long long point, bool *several) {
-    int visits = saltus_sweep_visits(page->sweep), most = 0, winner = -1, first = -1;
-    *several = false;
-    for (int k = 0; k < visits; k++) {
-        long long row = saltus_sweep_visit(page->sweep, point, k);
-        int own = page->classes.of_row[row], same = 0;
-        if (is_pending(page, point, k))
-            continue;
-        first = first < 0 ? own : first;
-        for (int j = 0; j < visits; j++)
-            same += page->classes.of_row[saltus_sweep_visit(page->sweep, point, j)] == own;
-        *several |= (!page->sweep->basins && page->sweep->rows[row].attractor > 0) || own != first;
-        if (same <= most)
-            continue;
-        most = same;
-        winner = own;
-    }
-    return winner >= 0 ? winner : page->classes.of_row[saltus_sweep_visit(page->sweep, point, 0)];
-}
-
 /* Whether a file holds the cloud of a view. */
 static bool holds(const saltus_sweep_file *sweep, saltus_view view) {
     switch (view) {
@@ -259,10 +190,59 @@ static saltus_status find_measure(const saltus_sweep_page *page, saltus_show *sh
     return SALTUS_OK;
 }
 
+/* Whether two numbers are the same but for rounding. */
+static bool same(double a, double b) {
+    return fabs(a - b) <= 1e-9 * fmax(fabs(a), fabs(b));
+}
+
+/* Whether a key of --set, which may end in the number of a stop, is `name` of stop s. */
+static bool means(const char *key, const char *name, int s) {
+    size_t length = strlen(name);
+    return strncmp(key, name, length) == 0 && (!key[length] || atoi(key + length) == s + 1);
+}
+
+/* The first parameter other than the key in which two systems of one structure differ; NULL: none. */
+static const char *difference(const saltus_spec *a, const saltus_spec *b, const char *key) {
+    int count;
+    const saltus_parameter *p = saltus_model_parameters(a->model, &count);
+    for (int k = 0; k < count; k++)
+        if (strcmp(p[k].name, key) != 0 && !same(a->parameters[k], b->parameters[k]))
+            return p[k].name;
+    for (int s = 0; s < a->stop_count; s++) {
+        const saltus_stop *stop = &a->stops[s], *other = &b->stops[s];
+        if (!means(key, "d", s) && !same(stop->d, other->d))
+            return "d";
+        if (!means(key, "r", s) && !same(stop->r, other->r))
+            return "r";
+        if (!means(key, "xi", s) && !same(stop->xi, other->xi))
+            return "xi";
+        if (stop->sides != other->sides)
+            return "sides";
+    }
+    return NULL;
+}
+
+/* Whether a branch is of periodic orbits over that key, of a system that differs in nothing else. */
+static saltus_status check_branch(const saltus_branch_file *file, const saltus_spec *spec, const char *key,
+                                  const char *path, saltus_message *message) {
+    if (file->options.locus != SALTUS_POINT_REGULAR || strcmp(file->options.key[0], key) != 0)
+        return saltus_fail(message, SALTUS_BAD_INPUT, "%.200s: %s in %s, the sweep is over %s", path,
+                           file->options.locus != SALTUS_POINT_REGULAR ? "are special points"
+                                                                       : "are periodic orbits",
+                           file->options.key[0], key);
+    if (file->spec.model != spec->model || file->spec.stop_count != spec->stop_count)
+        return saltus_fail(message, SALTUS_BAD_INPUT,
+                           "%.200s: is of another structure than the sweep (model or stops differ)", path);
+    const char *name = difference(&file->spec, spec, key);
+    if (name)
+        return saltus_fail(message, SALTUS_BAD_INPUT, "%.200s: has another %s than the sweep", path, name);
+    return SALTUS_OK;
+}
+
 /* Read the branches and draw them with the sweep. */
 static saltus_status draw_over(saltus_sweep_page *page, saltus_message *message) {
-    saltus_plot_options options = saltus_plot_defaults();
-    saltus_plot_page curves = {.system = page->system, .options = &options};
+    const saltus_plot_options no_labels = {.label_count = 0};
+    saltus_plot_page curves = {.system = page->system, .options = &no_labels};
     int count = page->wish->branch_count, read = 0;
     saltus_status status = find_measure(page, &curves.show, message);
     saltus_branch_file *files = status == SALTUS_OK ? calloc((size_t)count, sizeof *files) : NULL;
@@ -271,8 +251,8 @@ static saltus_status draw_over(saltus_sweep_page *page, saltus_message *message)
     for (; read < count && status == SALTUS_OK; read++) {
         status = saltus_branch_file_read(page->wish->branches[read], &files[read], message);
         if (status == SALTUS_OK)
-            status = saltus_plot_fits(&files[read], &page->sweep->spec, page->sweep->axes[0].key,
-                                      page->wish->branches[read], message);
+            status = check_branch(&files[read], &page->sweep->spec, page->sweep->axes[0].key,
+                                  page->wish->branches[read], message);
     }
     if (status == SALTUS_OK) {
         curves.files = files;

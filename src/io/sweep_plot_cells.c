@@ -1,10 +1,9 @@
-/* Axes of sweeps as cells, and rows as classes.
+/* What a figure shows of a sweep: axes as cells, rows as classes or as numbers.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "io/sweep_plot.h"
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 static double place_of(const saltus_cells *cells, double value) {
     return cells->logarithmic ? log(value) : value;
@@ -268,4 +267,73 @@ void saltus_classes_close(saltus_classes *classes) {
     free(classes->list);
     free(classes->of_row);
     *classes = (saltus_classes){0};
+}
+
+enum { views = SALTUS_VIEW_SETTLED + 1 };
+
+const char *saltus_view_word(saltus_view view) {
+    static const char *const words[views] = {"automatic", "turning",    "impacts",  "stroboscopic",
+                                             "class",     "attractors", "largest",  "speed",
+                                             "rate",      "contact",    "lyapunov", "settled"};
+    return words[view];
+}
+
+bool saltus_view_is_cloud(saltus_view view) {
+    return view == SALTUS_VIEW_TURNING || view == SALTUS_VIEW_IMPACTS || view == SALTUS_VIEW_STROBOSCOPIC;
+}
+
+double saltus_sweep_measure(saltus_view view, const saltus_sweep_row *row) {
+    if (row->verdict == SALTUS_PENDING || row->verdict == SALTUS_FAILED)
+        return NAN;
+    switch (view) {
+    case SALTUS_VIEW_CLASS:
+        return row->verdict == SALTUS_PERIODIC ? row->periods : NAN;
+    case SALTUS_VIEW_LARGEST:
+        return row->largest;
+    case SALTUS_VIEW_SPEED:
+        return row->largest_speed;
+    case SALTUS_VIEW_RATE:
+        return row->impact_rate;
+    case SALTUS_VIEW_CONTACT:
+        return row->contact_fraction;
+    case SALTUS_VIEW_LYAPUNOV:
+        return row->lyapunov;
+    case SALTUS_VIEW_SETTLED:
+        return saltus_verdict_settled(row->verdict) ? (double)row->settled : NAN;
+    default:
+        return NAN;
+    }
+}
+
+int saltus_sweep_visits(const saltus_sweep_file *sweep) {
+    return sweep->pass_count * sweep->options.seeds;
+}
+
+long long saltus_sweep_visit(const saltus_sweep_file *sweep, long long point, int k) {
+    int seeds = sweep->options.seeds;
+    return ((k / seeds) * sweep->points + point) * seeds + k % seeds;
+}
+
+static bool is_pending(const saltus_sweep_page *page, long long point, int k) {
+    return page->sweep->rows[saltus_sweep_visit(page->sweep, point, k)].verdict == SALTUS_PENDING;
+}
+
+int saltus_sweep_class_at(const saltus_sweep_page *page, long long point, bool *several) {
+    int visits = saltus_sweep_visits(page->sweep), most = 0, winner = -1, first = -1;
+    *several = false;
+    for (int k = 0; k < visits; k++) {
+        long long row = saltus_sweep_visit(page->sweep, point, k);
+        int own = page->classes.of_row[row], same = 0;
+        if (is_pending(page, point, k))
+            continue;
+        first = first < 0 ? own : first;
+        for (int j = 0; j < visits; j++)
+            same += page->classes.of_row[saltus_sweep_visit(page->sweep, point, j)] == own;
+        *several |= (!page->sweep->basins && page->sweep->rows[row].attractor > 0) || own != first;
+        if (same <= most)
+            continue;
+        most = same;
+        winner = own;
+    }
+    return winner >= 0 ? winner : page->classes.of_row[saltus_sweep_visit(page->sweep, point, 0)];
 }

@@ -1,11 +1,11 @@
 /* Diagrams of sweeps over one axis: clouds of points, and numbers told of each trajectory.
  * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "io/describe.h"
 #include "io/gnuplot.h"
 #include "io/sweep_plot.h"
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 /* More points than these are drawn as densities. */
 static const long long drawn_singly = 12000;
@@ -137,8 +137,7 @@ static bool shows_displacement(const saltus_sweep_page *page) {
 
 /* Whether the figure shows displacements that a face limits. */
 static bool limits(const saltus_sweep_page *page, saltus_face face) {
-    saltus_sheet sheet = {.system = page->system};
-    return shows_displacement(page) && saltus_sheet_observes(&sheet, face.stop);
+    return shows_displacement(page) && saltus_stop_observed(page->system, face.stop);
 }
 
 /* Room for the branches that are drawn over the cloud. */

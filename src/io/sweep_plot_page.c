@@ -6,7 +6,6 @@
 #include "io/sweep_plot.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* What the figure is, in a few words. */
@@ -38,12 +37,11 @@ static const char *subject(const saltus_sweep_page *page) {
 }
 
 void saltus_sweep_name_measure(const saltus_sweep_page *page, saltus_line *line) {
-    saltus_sheet sheet = {.system = page->system};
     char name[160];
     if (strncmp(page->x.key, "xi", 2) == 0)
         snprintf(name, sizeof name, "displacement {/:Italic η}({/:Italic ξ}, {/:Italic τ})");
     else
-        saltus_sheet_displacement_name(&sheet, name, sizeof name);
+        saltus_displacement_name(page->system, name, sizeof name);
     switch (page->view) {
     case SALTUS_VIEW_TURNING:
         saltus_line_add(line, "%s  where it turns", name);
@@ -99,7 +97,7 @@ static void name_axis(const saltus_sweep_page *page, const char *key, saltus_lin
                                         : "force");
         add_initial(key, line);
     } else
-        saltus_plot_name_parameter(&page->sweep->spec, key, line);
+        saltus_line_parameter(line, &page->sweep->spec, key);
 }
 
 static void add_symbol(const char *key, saltus_line *line) {

@@ -12,11 +12,8 @@
 #include "orbit/multipliers.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-enum { values_max = 1000 };
 
 static const double step_min = 1e-7, turn_min = 0.92; /* least cosine between tangents a step apart */
 
@@ -41,34 +38,10 @@ static saltus_status check_options(const saltus_branch_options *o, double value,
                            o->step, o->step_max);
     if (o->points < 1)
         return saltus_fail(message, SALTUS_BAD_INPUT, "points = %d: must be at least 1", o->points);
-    if (o->value_count < 0 || o->value_count > values_max)
+    if (o->value_count < 0 || o->value_count > SALTUS_BRANCH_VALUES_MAX)
         return saltus_fail(message, SALTUS_BAD_INPUT, "%d values asked for: at most %d are possible",
-                           o->value_count, values_max);
+                           o->value_count, SALTUS_BRANCH_VALUES_MAX);
     return SALTUS_OK;
-}
-
-saltus_status saltus_branch_add_start(saltus_branch *b, const saltus_branch_start *start,
-                                      saltus_message *message) {
-    saltus_branch_start *grown = realloc(b->starts, ((size_t)b->start_count + 1) * sizeof *grown),
-                        *place = NULL;
-    if (grown) {
-        b->starts = grown;
-        place = &grown[b->start_count];
-        *place = *start;
-        size_t n = (size_t)b->n, unknowns = (size_t)start->unknowns;
-        place->state = calloc(n, sizeof *place->state);
-        place->tangent = start->tangent ? calloc(unknowns, sizeof *place->tangent) : NULL;
-        if (place->state && (place->tangent || !start->tangent)) {
-            memcpy(place->state, start->state, n * sizeof *start->state);
-            if (start->tangent)
-                memcpy(place->tangent, start->tangent, unknowns * sizeof *start->tangent);
-            b->start_count++;
-            return SALTUS_OK;
-        }
-        free(place->state);
-        free(place->tangent);
-    }
-    return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch");
 }
 
 static saltus_status open_parts(saltus_branch *b, saltus_message *message) {
@@ -166,12 +139,6 @@ void saltus_branch_free(saltus_branch *b) {
     free(b);
 }
 
-saltus_status saltus_branch_end(saltus_branch *b, const saltus_solution *s, double accuracy,
-                                const char *reason, saltus_message *message) {
-    b->running = false;
-    return saltus_branch_emit(b, s, SALTUS_POINT_EP, accuracy, NULL, reason, message);
-}
-
 /* Step halved until a point is found with a tangent that has not turned too far. */
 static saltus_status take_step(saltus_branch *b, saltus_message *message) {
     for (;;) {
@@ -197,180 +164,13 @@ static void adapt_step(saltus_branch *b) {
     b->step = fmin(b->step, b->options.step_max);
 }
 
-/* A special point between `here` and `next`; a regular one where the branch may have come back to its begin.
- */
-typedef struct find {
-    saltus_point_kind kind;
-    saltus_test test;
-    double target, ahead, accuracy;
-} find;
-
-static bool crosses(double a, double c) {
-    return isfinite(a) && isfinite(c) && a != 0 && a * c <= 0;
-}
-
-/* Locate one; insert in order of arclength. */
-static int add_find(saltus_branch *b, find *finds, int count, saltus_point_kind kind, saltus_test test,
-                    double target) {
-    double far =
-        test == SALTUS_TEST_VALUE ? saltus_pursuit_value(b->pursuit, b->next.u) - target : b->next.test[test];
-    find f = {.kind = kind, .test = test, .target = target};
-    b->target = target;
-    b->here.test[SALTUS_TEST_VALUE] = saltus_pursuit_value(b->pursuit, b->here.u) - target;
-    if (!crosses(b->here.test[test], far))
-        return count;
-    double near = b->here.test[test];
-    if (far == 0)
-        f.ahead = b->next.ahead;
-    else if (saltus_branch_locate(b, test, b->next.ahead, far, &f.accuracy))
-        f.ahead = b->trial.ahead;
-    else if (kind == SALTUS_POINT_BP) /* singular there: found by interpolation later */
-        f.ahead = b->next.ahead * near / (near - far);
-    else
-        return count;
-    int k = count;
-    for (; k > 0 && finds[k - 1].ahead > f.ahead; k--)
-        finds[k] = finds[k - 1];
-    finds[k] = f;
-    return count + 1;
-}
-
-bool saltus_branch_pair_on_circle(const saltus_branch *b, const saltus_solution *s) {
-    for (int i = 0; i < b->n; i++)
-        if (fabs(s->multipliers[i].log_modulus) < 1e-6 && s->multipliers[i].im != 0)
-            return true;
-    return false;
-}
-
-static saltus_status give_join(saltus_branch *b, const find *f, saltus_message *message) {
-    static const char reason[] = "joins the orbits of half the period";
-    double value, accuracy = f->accuracy;
-    bool sharp = saltus_branch_flip_of_half(b, &value, &accuracy);
-    saltus_status status = saltus_branch_survey(b, &b->trial, message);
-    if (status == SALTUS_OK)
-        status = saltus_branch_emit(b, &b->trial, SALTUS_POINT_PD, accuracy, NULL, reason, message);
-    if (status == SALTUS_OK && sharp)
-        b->queue[b->queue_count - 1].value[0] = value;
-    if (status == SALTUS_OK)
-        status = saltus_branch_end(b, &b->trial, NAN, reason, message);
-    if (status == SALTUS_OK && sharp)
-        b->queue[b->queue_count - 1].value[0] = value;
-    return status;
-}
-
-/* Whether `trial` is where the branch joins that of half the period. So near to it the equations say little
- * about where; a flip of half the period in this very place tells. */
-static bool is_join(saltus_branch *b) {
-    double apart = saltus_branch_half_distance(b, &b->trial, false), value, accuracy;
-    double here = saltus_pursuit_value(b->pursuit, b->trial.u);
-    return apart < 1e-4 || (apart < 2e-2 && saltus_branch_flip_of_half(b, &value, &accuracy) &&
-                            fabs(value - here) < 1e-6 * b->unit);
-}
-
-/* Whether `trial`, a fold, is where orbits that are not their own mirror images become so: the branch of
- * symmetric orbits. */
-static bool is_own_image(saltus_branch *b) {
-    bool shift;
-    if (!saltus_system_mirror_symmetric(b->system, &shift))
-        return false;
-    double apart = saltus_branch_half_distance(b, &b->trial, true);
-    return apart < 1e-3 && apart < 0.05 * saltus_branch_half_distance(b, &b->here, true);
-}
-
-static saltus_status give_image(saltus_branch *b, const find *f, saltus_message *message) {
-    static const char reason[] = "joins the orbits that are their own mirror images";
-    saltus_status status = saltus_branch_survey(b, &b->trial, message);
-    if (status == SALTUS_OK)
-        status = saltus_branch_emit(b, &b->trial, SALTUS_POINT_BP, f->accuracy, NULL, reason, message);
-    return status == SALTUS_OK ? saltus_branch_end(b, &b->trial, NAN, reason, message) : status;
-}
-
-/* The point found becomes `trial` again. */
-static bool revisit(saltus_branch *b, find *f) {
-    saltus_message ignored;
-    if (f->kind == SALTUS_POINT_BP && saltus_branch_crossing(b, f->ahead, &f->accuracy))
-        return true;
-    return saltus_branch_visit(b, f->ahead, &b->trial, &ignored) == SALTUS_OK;
-}
-
-static saltus_status give_find(saltus_branch *b, find *f, saltus_message *message) {
-    b->target = f->target;
-    if (!revisit(b, f))
-        return SALTUS_OK;
-    saltus_status status = saltus_branch_survey(b, &b->trial, message);
-    if (status != SALTUS_OK)
-        return status;
-    if (f->kind == SALTUS_POINT_NS && !saltus_branch_pair_on_circle(b, &b->trial))
-        return SALTUS_OK;
-    if (f->kind == SALTUS_POINT_LP || f->kind == SALTUS_POINT_BP) {
-        if (is_join(b))
-            return give_join(b, f, message);
-        if (is_own_image(b))
-            return give_image(b, f, message);
-        status = saltus_branch_survey(b, &b->trial, message);
-        if (status != SALTUS_OK)
-            return status;
-    }
-    if (b->options.locus && b->options.locus == f->kind)
-        return saltus_locus_capture(b, -1, message);
-    if (f->kind == SALTUS_POINT_REGULAR && !saltus_branch_is_first(b))
-        return status;
-    if (f->kind == SALTUS_POINT_REGULAR) {
-        /* The other way from the same start leads around the same branch. */
-        b->start_next += b->start_next == 1 && b->start_count > 1 && b->starts[1].heading;
-        return saltus_branch_end(b, &b->trial, f->accuracy, "the branch is closed: it has come back",
-                                 message);
-    }
-    if (f->kind == SALTUS_POINT_EP)
-        return saltus_branch_end(b, &b->trial, f->accuracy, "end of the parameter's range", message);
-    status = saltus_branch_emit(b, &b->trial, f->kind, f->accuracy, NULL, NULL, message);
-    if (status == SALTUS_OK && (f->kind == SALTUS_POINT_PD || f->kind == SALTUS_POINT_BP))
-        status = saltus_branch_switch(b, f->kind, message);
-    return status;
-}
-
-/* All special points of the step, in order; the end of the range is one. At the begin of a branch that was
- * switched to, the determinants are zero to rounding and tell nothing. */
-static saltus_status give_finds(saltus_branch *b, int *given, saltus_message *message) {
-    find finds[7 + values_max];
-    int count = 0;
-    saltus_status status = SALTUS_OK;
-    if (!b->fresh) {
-        count = add_find(b, finds, count, SALTUS_POINT_LP, SALTUS_TEST_FOLD, 0);
-        count = add_find(b, finds, count, SALTUS_POINT_PD, SALTUS_TEST_FLIP, 0);
-        count = add_find(b, finds, count, SALTUS_POINT_BP, SALTUS_TEST_BRANCH, 0);
-        count = add_find(b, finds, count, SALTUS_POINT_NS, SALTUS_TEST_PAIR, 0);
-    }
-    count = add_find(b, finds, count, SALTUS_POINT_EP, SALTUS_TEST_VALUE, b->options.low[0]);
-    count = add_find(b, finds, count, SALTUS_POINT_EP, SALTUS_TEST_VALUE, b->options.high[0]);
-    if (b->first_count && b->points > 10)
-        count = add_find(b, finds, count, SALTUS_POINT_REGULAR, SALTUS_TEST_VALUE, b->first_value);
-    for (int k = 0; k < b->options.value_count; k++)
-        count = add_find(b, finds, count, SALTUS_POINT_UZ, SALTUS_TEST_VALUE, b->options.values[k]);
-    for (int k = 0; k < count && status == SALTUS_OK && b->running; k++)
-        status = give_find(b, &finds[k], message);
-    *given = count;
-    return status;
-}
-
-void saltus_solution_swap(saltus_solution *a, saltus_solution *c) {
-    saltus_solution swap = *a;
-    *a = *c;
-    *c = swap;
-}
-
-void saltus_branch_remember(saltus_branch *b) {
-    saltus_lap_label(&b->lap, b->last_label);
-    b->last_impacts = saltus_lap_impacts(&b->lap);
-    b->last_sticks = saltus_lap_sticking(&b->lap);
-}
-
 /* Special points do not count, unless there is no end of them. */
 static bool has_enough(const saltus_branch *b) {
     return b->points >= b->options.points || b->made >= 3 * b->options.points;
 }
 
-saltus_status saltus_branch_accept(saltus_branch *b, saltus_message *message) {
+/* `next` becomes `here`, and a regular point where it is far enough from the last. */
+static saltus_status accept(saltus_branch *b, saltus_message *message) {
     saltus_status status = SALTUS_OK;
     double apart = b->arclength + b->next.ahead - b->shown;
     if (apart >= 0.02 * b->options.step_max || b->points == 0 || b->tail_changed) {
@@ -445,6 +245,29 @@ static saltus_status survey_before(saltus_branch *b, saltus_message *message) {
     return saltus_branch_survey(b, &b->next, message);
 }
 
+/* The short way from a change of events at `here` to `next`, special points on it included. */
+static saltus_status finish_change(saltus_branch *b, saltus_message *message) {
+    double ahead = b->next.ahead;
+    int given;
+    b->here.test[SALTUS_TEST_PAIR] = NAN;
+    saltus_message why = {""};
+    saltus_status status = begin_step(b, &why);
+    b->here.test[SALTUS_TEST_PAIR] = NAN;
+    if (status == SALTUS_OK)
+        status = saltus_branch_visit(b, ahead, &b->next, &why);
+    if (status == SALTUS_OK)
+        status = saltus_branch_survey(b, &b->next, message);
+    else
+        return saltus_branch_end(b, &b->here, NAN, why.text, message);
+    if (status == SALTUS_OK)
+        status = saltus_branch_special_points(b, &given, message);
+    if (status != SALTUS_OK || !b->running)
+        return status;
+    if (given)
+        status = saltus_branch_survey(b, &b->next, message);
+    return status == SALTUS_OK ? accept(b, message) : status;
+}
+
 static saltus_status advance(saltus_branch *b, saltus_message *message) {
     saltus_message why = {""};
     double accuracy = NAN;
@@ -466,13 +289,15 @@ static saltus_status advance(saltus_branch *b, saltus_message *message) {
     if (lost)
         return saltus_branch_leap(b, b->next.ahead, "events change", message);
     if (status == SALTUS_OK)
-        status = give_finds(b, &given, message);
+        status = saltus_branch_special_points(b, &given, message);
     if (status != SALTUS_OK || !b->running)
         return status;
     adapt_step(b);
     if (breached) {
+        bool goes_on;
         saltus_solution_swap(&b->next, &b->trial);
-        return saltus_branch_change(b, accuracy, message);
+        status = saltus_branch_change(b, accuracy, &goes_on, message);
+        return status == SALTUS_OK && goes_on ? finish_change(b, message) : status;
     }
     if (given)
         status = saltus_branch_survey(b, &b->next, message);
@@ -480,34 +305,85 @@ static saltus_status advance(saltus_branch *b, saltus_message *message) {
     if (status == SALTUS_OK)
         status = settle_label(b, message);
     if (status == SALTUS_OK)
-        status = saltus_branch_accept(b, message);
+        status = accept(b, message);
     return status == SALTUS_OK && completes && b->running ? saltus_branch_retrace(b, message) : status;
 }
 
-saltus_status saltus_branch_finish_change(saltus_branch *b, saltus_message *message) {
-    double ahead = b->next.ahead;
-    int given;
-    b->here.test[SALTUS_TEST_PAIR] = NAN;
+/* Keep the section points of the orbit just walked as those of the branch's first. */
+static saltus_status keep_first(saltus_branch *b, double value, saltus_message *message) {
+    int n = b->n, periods = b->lap.periods;
+    saltus_event event;
+    double *grown = realloc(b->first, (size_t)(n * periods) * sizeof *grown);
+    if (!grown)
+        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch");
+    b->first = grown;
+    b->first_count = 1;
+    b->first_value = value;
+    memcpy(grown, b->lap.points, (size_t)n * sizeof *grown);
+    saltus_message ignored;
+    saltus_status status = saltus_flow_start(b->flow, 0, (saltus_time){0, 0}, grown, &ignored);
+    for (int k = 1; k < periods && status == SALTUS_OK; k++) {
+        status = saltus_flow_advance(b->flow, (saltus_time){k, 0}, 0, &event, &ignored);
+        saltus_flow_state(b->flow, 0, grown + k * n);
+        b->first_count += status == SALTUS_OK;
+    }
+    return SALTUS_OK;
+}
+
+/* Begin at a start; where there is no orbit, the branch has no point. */
+static saltus_status begin_branch(saltus_branch *b, const saltus_branch_start *start,
+                                  saltus_message *message) {
+    b->number = b->start_next - 1;
+    b->parent = start->parent;
+    b->depth = start->depth;
+    b->points = b->made = b->first_count = 0;
+    b->arclength = b->shown = 0;
+    b->step = b->options.step;
+    b->fresh = start->tangent != NULL;
+    b->running = true;
     saltus_message why = {""};
-    saltus_status status = begin_step(b, &why);
-    b->here.test[SALTUS_TEST_PAIR] = NAN;
+    saltus_status status = saltus_branch_place(b, &start->sequence, start->value, start->state,
+                                               !start->tangent && !start->grazes, &why);
+    if (status == SALTUS_OK && start->grazes) {
+        b->running = saltus_branch_go_on(b, b->here.tangent);
+        b->last_label[0] = 0;
+        return b->running ? accept(b, message) : SALTUS_OK;
+    }
+    if (status == SALTUS_OK && start->tangent)
+        memcpy(b->here.tangent, start->tangent, (size_t)start->unknowns * sizeof *start->tangent);
+    else if (status == SALTUS_OK)
+        saltus_solution_point(&b->here, b->here.tangent[b->here.unknowns - 1] * start->heading);
+    if (status != SALTUS_OK) {
+        b->running = false;
+        return status == SALTUS_NO_MEMORY ? saltus_fail(message, status, "%s", why.text) : SALTUS_OK;
+    }
+    b->reference[0] = b->reference[1] = NAN;
+    for (int k = 0; k < SALTUS_TESTS; k++)
+        b->here.test[k] = -1;
+    if (start->tangent == NULL)
+        status = saltus_branch_test(b, &b->here, message);
+    bool changed;
     if (status == SALTUS_OK)
-        status = saltus_branch_visit(b, ahead, &b->next, &why);
+        status = saltus_branch_survey(b, &b->here, message);
     if (status == SALTUS_OK)
-        status = saltus_branch_survey(b, &b->next, message);
-    else
-        return saltus_branch_end(b, &b->here, NAN, why.text, message);
+        status = saltus_branch_emit(b, &b->here, SALTUS_POINT_REGULAR, NAN, NULL, NULL, message);
+    for (int k = 0; k < b->options.value_count && status == SALTUS_OK; k++)
+        if (b->options.values[k] == start->value)
+            status = saltus_branch_emit(b, &b->here, SALTUS_POINT_UZ, 0, NULL, NULL, message);
     if (status == SALTUS_OK)
-        status = give_finds(b, &given, message);
-    if (status != SALTUS_OK || !b->running)
-        return status;
-    if (given)
-        status = saltus_branch_survey(b, &b->next, message);
-    return status == SALTUS_OK ? saltus_branch_accept(b, message) : status;
+        status = keep_first(b, start->value, message);
+    if (status == SALTUS_OK && !start->tangent)
+        status = saltus_branch_reframe(b, NULL, &changed, message);
+    b->points = 1;
+    saltus_branch_remember(b);
+    double bound = start->heading > 0 ? b->options.high[0] : b->options.low[0];
+    if (status == SALTUS_OK && start->heading && start->value == bound)
+        return saltus_branch_end(b, &b->here, 0, "end of the parameter's range", message);
+    return status;
 }
 
 static saltus_status begin(saltus_branch *b, const saltus_branch_start *start, saltus_message *message) {
-    return start->locus ? saltus_locus_begin(b, start, message) : saltus_branch_begin(b, start, message);
+    return start->locus ? saltus_locus_begin(b, start, message) : begin_branch(b, start, message);
 }
 
 saltus_status saltus_branch_step(saltus_branch *b, const saltus_branch_point **point,
@@ -539,5 +415,74 @@ saltus_status saltus_branch_step(saltus_branch *b, const saltus_branch_point **p
         return status;
     b->given = b->queue[b->queue_next++];
     *point = &b->given;
+    return status;
+}
+
+/* `here` becomes the orbit of a point, heading as it did. */
+static saltus_status restore(saltus_branch *b, const saltus_branch_point *point, saltus_message *message) {
+    saltus_sequence sequence;
+    memcpy(b->state, point->state, (size_t)b->n * sizeof *b->state);
+    saltus_status status = saltus_branch_tune(b, point->value[0], message);
+    if (status == SALTUS_OK)
+        status = saltus_sequence_make(b->flow, point->periods, b->state, &b->lap, &sequence, message);
+    if (status == SALTUS_OK)
+        status = saltus_branch_place(b, &sequence, point->value[0], b->state, true, message);
+    if (status != SALTUS_OK)
+        return status;
+    saltus_solution_point(&b->here, b->here.tangent[b->here.unknowns - 1] * point->heading);
+    b->number = point->branch;
+    b->parent = point->parent;
+    b->arclength = b->shown = point->arclength;
+    b->points = point->step + 1;
+    b->step = b->options.step;
+    b->fresh = false;
+    b->reference[0] = b->reference[1] = NAN;
+    return status;
+}
+
+static bool same_run(const saltus_branch *b, const saltus_branch_point *points, int count) {
+    enum { periods_max = 100000 };
+    for (int k = 0; k < count; k++) {
+        const saltus_branch_point *p = &points[k];
+        bool sound = p->dimension == b->n && p->spec.model == b->spec.model && p->state &&
+                     p->kind >= SALTUS_POINT_REGULAR && p->kind < SALTUS_POINT_KINDS && p->branch >= 0 &&
+                     p->branch < b->start_count + count && p->step >= 0 && p->periods >= 1 &&
+                     p->periods <= periods_max && isfinite(p->value[0]) && isfinite(p->arclength) &&
+                     isfinite(p->heading);
+        for (int i = 0; i < b->n && sound; i++)
+            sound = isfinite(p->state[i]);
+        if (!sound)
+            return false;
+    }
+    return count > 0;
+}
+
+saltus_status saltus_branch_resume(saltus_branch *b, const saltus_branch_point *points, int count, int *kept,
+                                   saltus_message *message) {
+    *kept = 0;
+    if (!same_run(b, points, count))
+        return saltus_fail(message, SALTUS_BAD_INPUT,
+                           "the points to resume from are unsound or belong to another run");
+    if (b->options.locus || b->options.switches)
+        return SALTUS_OK;
+    int last = count - 1;
+    while (last >= 0 && points[last].kind != SALTUS_POINT_REGULAR && points[last].kind != SALTUS_POINT_EP)
+        last--;
+    saltus_status status = SALTUS_OK;
+    *kept = last + 1;
+    if (last < 0)
+        return status;
+    if (points[last].branch >= b->start_count)
+        return saltus_fail(message, SALTUS_BAD_INPUT, "the points to resume from belong to another run");
+    b->start_next = points[last].branch + 1;
+    if (points[last].kind == SALTUS_POINT_EP)
+        return status;
+    status = restore(b, &points[last], message);
+    if (status == SALTUS_OK)
+        status = saltus_branch_test(b, &b->here, message);
+    if (status == SALTUS_OK)
+        status = saltus_branch_survey(b, &b->here, message);
+    saltus_branch_remember(b);
+    b->running = status == SALTUS_OK;
     return status;
 }

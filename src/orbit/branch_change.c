@@ -84,17 +84,14 @@ static bool leads_on(saltus_branch *b, double ahead) {
 bool saltus_branch_go_on(saltus_branch *b, const double *old) {
     static const double ahead[] = {1e-4, 1e-3, 1e-5, 1e-2};
     double sense = 0;
-    int m = b->here.unknowns;
-    for (int j = 0; j < m; j++)
+    for (int j = 0; j < b->here.unknowns; j++)
         sense += old[j] * b->here.tangent[j];
-    for (int j = 0; j < m && sense < 0; j++)
-        b->here.tangent[j] = -b->here.tangent[j];
+    saltus_solution_point(&b->here, sense);
     for (size_t k = 0; k < sizeof ahead / sizeof ahead[0]; k++)
         for (int way = 0; way < 2; way++) {
             if (leads_on(b, ahead[k]))
                 return true;
-            for (int j = 0; j < m; j++)
-                b->here.tangent[j] = -b->here.tangent[j];
+            saltus_solution_point(&b->here, -1);
         }
     return false;
 }
@@ -118,10 +115,12 @@ static saltus_status capture_grazing(saltus_branch *b, const saltus_sequence *be
     if (status != SALTUS_OK)
         return status;
     saltus_solution_swap(&b->here, &b->trial);
-    return saltus_locus_capture(b, mark, message);
+    return saltus_branch_capture(b, mark, message);
 }
 
-saltus_status saltus_branch_change(saltus_branch *b, double accuracy, saltus_message *message) {
+saltus_status saltus_branch_change(saltus_branch *b, double accuracy, bool *goes_on,
+                                   saltus_message *message) {
+    *goes_on = false;
     saltus_sequence sequence, before;
     char reason[REASON_MAX];
     int count;
@@ -177,7 +176,8 @@ saltus_status saltus_branch_change(saltus_branch *b, double accuracy, saltus_mes
     }
     complete_label(b, index, reason, old_heading * b->here.tangent[b->here.unknowns - 1] < 0);
     b->step = fmax(b->next.ahead, 0.25 * b->step);
-    return saltus_branch_finish_change(b, message);
+    *goes_on = true;
+    return SALTUS_OK;
 }
 
 /* Whether the walk has as much chatter and sticking as the last point given out. */
@@ -232,10 +232,7 @@ static saltus_point_kind kind_of_change(const saltus_branch_point *before, const
 
 /* `here` is a new beginning beyond a change. */
 static saltus_status resettle(saltus_branch *b, double heading, saltus_message *message) {
-    int m = b->here.unknowns;
-    bool backward = heading * b->here.tangent[m - 1] < 0;
-    for (int j = 0; j < m && backward; j++)
-        b->here.tangent[j] = -b->here.tangent[j];
+    saltus_solution_point(&b->here, heading * b->here.tangent[b->here.unknowns - 1]);
     b->reference[0] = b->reference[1] = NAN;
     saltus_status status = saltus_branch_test(b, &b->here, message);
     if (status == SALTUS_OK)
@@ -270,8 +267,8 @@ static void sharpen_chatter(saltus_branch *b, size_t index) {
 saltus_status saltus_branch_retrace(saltus_branch *b, saltus_message *message) {
     saltus_sequence old, fresh;
     saltus_message why = {""};
-    int m = b->here.unknowns;
-    double heading = b->here.tangent[m - 1], value = saltus_pursuit_value(b->pursuit, b->here.u);
+    double heading = b->here.tangent[b->here.unknowns - 1],
+           value = saltus_pursuit_value(b->pursuit, b->here.u);
     saltus_pursuit_extract(b->pursuit, b->here.u, &old, b->state);
     saltus_status status = saltus_branch_walk(b, &b->here, message);
     if (status != SALTUS_OK)
@@ -280,10 +277,8 @@ saltus_status saltus_branch_retrace(saltus_branch *b, saltus_message *message) {
     status = saltus_sequence_make(b->flow, old.periods, b->state, &b->lap, &fresh, &why);
     if (status == SALTUS_OK)
         status = saltus_branch_place(b, &fresh, value, b->state, true, &why);
-    m = b->here.unknowns;
-    bool backward = status == SALTUS_OK && heading * b->here.tangent[m - 1] < 0;
-    for (int j = 0; j < m && backward; j++)
-        b->here.tangent[j] = -b->here.tangent[j];
+    if (status == SALTUS_OK)
+        saltus_solution_point(&b->here, heading * b->here.tangent[b->here.unknowns - 1]);
     for (int k = b->queue_count - 1; k >= b->queue_next && status == SALTUS_OK; k--)
         if (b->queue[k].kind == SALTUS_POINT_CH) {
             sharpen_chatter(b, (size_t)k);

@@ -8,37 +8,12 @@
 #include "orbit/branch_private.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 enum { secants_max = 14 };
 
 static const double stride_min = 1e-5, turn_min = 0.9, crossing_aside = 3e-3;
-
-saltus_status saltus_locus_capture(saltus_branch *b, int mark, saltus_message *message) {
-    saltus_sequence sequence;
-    saltus_pursuit_extract(b->pursuit, b->trial.u, &sequence, b->state);
-    saltus_branch_start start = {.sequence = sequence,
-                                 .value = saltus_pursuit_value(b->pursuit, b->trial.u),
-                                 .state = b->state,
-                                 .tangent = b->trial.tangent,
-                                 .unknowns = b->trial.unknowns,
-                                 .parent = -1,
-                                 .locus = true,
-                                 .mark = mark};
-    saltus_status status = SALTUS_OK;
-    saltus_branch_drop_queue(b);
-    b->running = false;
-    b->locus.on = true;
-    b->start_next = b->start_count;
-    for (int heading = 1; heading >= -1 && status == SALTUS_OK; heading -= 2)
-        if (b->options.direction * heading >= 0) {
-            start.heading = heading;
-            status = saltus_branch_add_start(b, &start, message);
-        }
-    return status;
-}
 
 saltus_status saltus_locus_open(saltus_branch *b, saltus_message *message) {
     saltus_locus *l = &b->locus;

@@ -140,3 +140,15 @@ saltus_status saltus_branch_emit(saltus_branch *b, const saltus_solution *s, sal
     b->made++;
     return SALTUS_OK;
 }
+
+saltus_status saltus_branch_end(saltus_branch *b, const saltus_solution *s, double accuracy,
+                                const char *reason, saltus_message *message) {
+    b->running = false;
+    return saltus_branch_emit(b, s, SALTUS_POINT_EP, accuracy, NULL, reason, message);
+}
+
+void saltus_branch_remember(saltus_branch *b) {
+    saltus_lap_label(&b->lap, b->last_label);
+    b->last_impacts = saltus_lap_impacts(&b->lap);
+    b->last_sticks = saltus_lap_sticking(&b->lap);
+}

@@ -6,6 +6,9 @@
 #include "orbit/sequence.h"
 #include "saltus/branch.h"
 
+/* Values of the parameter that may be asked for. */
+enum { SALTUS_BRANCH_VALUES_MAX = 1000 };
+
 /* Functions whose zeros along a branch are special points. */
 typedef enum saltus_test {
     SALTUS_TEST_FOLD,   /* the parameter's share of the tangent */
@@ -102,6 +105,10 @@ struct saltus_branch {
 saltus_status saltus_branch_noted(saltus_branch *b, saltus_status status);
 bool saltus_solution_room(saltus_solution *solution, int unknowns, int dimension);
 void saltus_solution_clear(saltus_solution *solution);
+/* branch.c */
+void saltus_solution_swap(saltus_solution *a, saltus_solution *c);
+/* Turn the tangent round where `sense` is negative. */
+void saltus_solution_point(saltus_solution *solution, double sense);
 /* The point of the curve on the hyperplane at arclength `ahead` from `here`. Errors: no such point near. */
 saltus_status saltus_branch_visit(saltus_branch *b, double ahead, saltus_solution *out,
                                   saltus_message *message);
@@ -119,52 +126,42 @@ double saltus_branch_half_distance(saltus_branch *b, const saltus_solution *solu
 /* The zero of a test between `here` and `ahead`, at which the test has the value `far`; `trial` becomes the
  * point there. False if it cannot be had. */
 bool saltus_branch_locate(saltus_branch *b, saltus_test test, double ahead, double far, double *accuracy);
-
 /* The point where branches cross near `ahead`, as `trial`: its equations are singular, so it is interpolated
  * from points around it. */
 bool saltus_branch_crossing(saltus_branch *b, double ahead, double *accuracy);
+/* Whether a complex pair of multipliers is on the unit circle, not two real ones whose product is 1. */
+bool saltus_branch_pair_on_circle(const saltus_branch *b, const saltus_solution *solution);
 
 /* branch_point.c */
 /* Put a surveyed solution into the queue. */
 saltus_status saltus_branch_emit(saltus_branch *b, const saltus_solution *solution, saltus_point_kind kind,
                                  double accuracy, const char *after, const char *reason,
                                  saltus_message *message);
+/* The same as the last point of its branch. */
+saltus_status saltus_branch_end(saltus_branch *b, const saltus_solution *solution, double accuracy,
+                                const char *reason, saltus_message *message);
 void saltus_branch_point_clear(saltus_branch_point *point);
 /* Forget the points not yet given out. */
 void saltus_branch_drop_queue(saltus_branch *b);
-
-/* branch.c */
-/* Whether a complex pair of multipliers is on the unit circle, not two real ones whose product is 1. */
-bool saltus_branch_pair_on_circle(const saltus_branch *b, const saltus_solution *solution);
-void saltus_solution_swap(saltus_solution *a, saltus_solution *c);
-saltus_status saltus_branch_add_start(saltus_branch *b, const saltus_branch_start *start,
-                                      saltus_message *message);
 /* Keep the label of the walk just made as the last one. */
 void saltus_branch_remember(saltus_branch *b);
-/* `next` becomes `here`, and a regular point where it is far enough from the last. */
-saltus_status saltus_branch_accept(saltus_branch *b, saltus_message *message);
-/* The short way from a change of events at `here` to `next`, special points on it included. */
-saltus_status saltus_branch_finish_change(saltus_branch *b, saltus_message *message);
-saltus_status saltus_branch_end(saltus_branch *b, const saltus_solution *solution, double accuracy,
-                                const char *reason, saltus_message *message);
 
-/* branch_begin.c */
-/* Begin at a start; where there is no orbit, the branch has no point. */
-saltus_status saltus_branch_begin(saltus_branch *b, const saltus_branch_start *start,
-                                  saltus_message *message);
+/* branch_frame.c */
 /* Take on a sequence and put `here` on it, with a tangent of either sign; polished at this parameter, or only
  * evaluated. */
 saltus_status saltus_branch_place(saltus_branch *b, const saltus_sequence *sequence, double value,
                                   const double *state, bool polish, saltus_message *message);
-/* Whether the orbit just walked is the one that the branch began with. */
-bool saltus_branch_is_first(const saltus_branch *b);
 /* Move the base of `here` to the middle of the longest flight when an event comes near it, and cut the orbit
  * into more segments when perturbations grow too much over one. `tracked` (may be NULL) is a mark whose index
  * follows; *changed says whether the unknowns are others now. */
 saltus_status saltus_branch_reframe(saltus_branch *b, int *tracked, bool *changed, saltus_message *message);
-/* Try both ways along the tangent of `here`, the one nearer to `old` first: whether the flow follows the
- * sequence a little way on; then `next` is a point there. */
-bool saltus_branch_go_on(saltus_branch *b, const double *old);
+
+/* branch_switch.c */
+/* Keep a start, to be begun at later. */
+saltus_status saltus_branch_add_start(saltus_branch *b, const saltus_branch_start *start,
+                                      saltus_message *message);
+/* Keep the special point at `trial` as the first one of a locus; `mark` for grazing, else -1. */
+saltus_status saltus_branch_capture(saltus_branch *b, int mark, saltus_message *message);
 /* The start of a branch of twice the period at a grazing point, with an impact more in one of its halves:
  * `more` and `less` are the sequences on the two sides of grazing. */
 saltus_status saltus_branch_switch_grazing(saltus_branch *b, const saltus_sequence *more,
@@ -176,10 +173,18 @@ bool saltus_branch_flip_of_half(saltus_branch *b, double *value, double *accurac
 /* Starts of branches that leave at `trial`, which the pursuit has just evaluated. */
 saltus_status saltus_branch_switch(saltus_branch *b, saltus_point_kind kind, saltus_message *message);
 
+/* branch_special.c */
+/* All special points of the step from `here` to `next`, in order, the end of the range among them. */
+saltus_status saltus_branch_special_points(saltus_branch *b, int *given, saltus_message *message);
+
 /* branch_change.c */
+/* Try both ways along the tangent of `here`, the one nearer to `old` first: whether the flow follows the
+ * sequence a little way on; then `next` is a point there. */
+bool saltus_branch_go_on(saltus_branch *b, const double *old);
 /* Go on with another sequence of events at `trial`, where the present one ceases to be admissible, or end the
- * branch. */
-saltus_status saltus_branch_change(saltus_branch *b, double accuracy, saltus_message *message);
+ * branch. `goes_on`: `here` is the change itself and `next` a point beyond, the way to which is to be made.
+ */
+saltus_status saltus_branch_change(saltus_branch *b, double accuracy, bool *goes_on, saltus_message *message);
 /* Where between `here` and `next` the label changes though the prescribed events stay: in the part of the
  * sequence that is left to the flow. Gives the point out. */
 saltus_status saltus_branch_relabel(saltus_branch *b, saltus_message *message);
@@ -189,8 +194,6 @@ saltus_status saltus_branch_retrace(saltus_branch *b, saltus_message *message);
 saltus_status saltus_branch_leap(saltus_branch *b, double ahead, const char *why, saltus_message *message);
 
 /* branch_locus.c */
-/* Keep the special point at `trial` as the first one of a locus; `mark` for grazing, else -1. */
-saltus_status saltus_locus_capture(saltus_branch *b, int mark, saltus_message *message);
 saltus_status saltus_locus_open(saltus_branch *b, saltus_message *message);
 saltus_status saltus_locus_begin(saltus_branch *b, const saltus_branch_start *start, saltus_message *message);
 saltus_status saltus_locus_advance(saltus_branch *b, saltus_message *message);

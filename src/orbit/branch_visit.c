@@ -49,6 +49,17 @@ void saltus_solution_clear(saltus_solution *s) {
     *s = (saltus_solution){0};
 }
 
+void saltus_solution_swap(saltus_solution *a, saltus_solution *c) {
+    saltus_solution swap = *a;
+    *a = *c;
+    *c = swap;
+}
+
+void saltus_solution_point(saltus_solution *s, double sense) {
+    for (int j = 0; j < s->unknowns && sense < 0; j++)
+        s->tangent[j] = -s->tangent[j];
+}
+
 static double relative(int sign, double log_modulus, double *reference) {
     if (isnan(*reference))
         *reference = log_modulus;
@@ -297,4 +308,11 @@ bool saltus_branch_crossing(saltus_branch *b, double ahead, double *accuracy) {
     b->trial.residual = saltus_pursuit_residual(b->pursuit);
     free(u);
     return found;
+}
+
+bool saltus_branch_pair_on_circle(const saltus_branch *b, const saltus_solution *s) {
+    for (int i = 0; i < b->n; i++)
+        if (fabs(s->multipliers[i].log_modulus) < 1e-6 && s->multipliers[i].im != 0)
+            return true;
+    return false;
 }

@@ -1,0 +1,73 @@
+/* What all spectra need of a signal: that it can be analysed, its mean, its transform.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "signal/spectrum.h"
+
+saltus_status saltus_transform_open(saltus_transform *t, long long count, saltus_message *message) {
+    *t = (saltus_transform){.count = count, .bins = count / 2 + 1};
+    for (int pass = 0; pass < 2; pass++) {
+        t->input = saltus_arena_doubles(&t->arena, (size_t)count);
+        t->output = (double complex *)(void *)saltus_arena_doubles(&t->arena, 2 * (size_t)t->bins);
+        if (pass == 0 && !saltus_arena_open(&t->arena))
+            break;
+    }
+    fftw_make_planner_thread_safe();
+    if (t->arena.base)
+        t->plan = fftw_plan_dft_r2c_1d((int)count, t->input, t->output, FFTW_ESTIMATE | FFTW_DESTROY_INPUT);
+    return t->plan
+               ? SALTUS_OK
+               : saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a transform of %lld samples", count);
+}
+
+void saltus_transform_close(saltus_transform *t) {
+    if (t->plan)
+        fftw_destroy_plan(t->plan);
+    saltus_arena_close(&t->arena);
+    *t = (saltus_transform){0};
+}
+
+double saltus_bin_weight(long long k, long long count) {
+    return k == 0 || 2 * k == count ? 1 : 2;
+}
+
+saltus_status saltus_signal_check(const saltus_signal *signal, saltus_message *message) {
+    if (signal->count < 1 || signal->count > SALTUS_SAMPLES_MAX)
+        return saltus_fail(message, SALTUS_BAD_INPUT, "a signal of %lld samples: must have 1 to %d",
+                           signal->count, SALTUS_SAMPLES_MAX);
+    if (signal->per_period < 1)
+        return saltus_fail(message, SALTUS_BAD_INPUT, "%d samples per period: must be at least 1",
+                           signal->per_period);
+    for (long long j = 0; j < signal->count; j++)
+        if (!(fabs(signal->samples[j]) < 1e100))
+            return saltus_fail(message, SALTUS_BAD_INPUT,
+                               "sample %lld of the signal is %g: must be finite and below 1e100", j,
+                               signal->samples[j]);
+    return SALTUS_OK;
+}
+
+double saltus_signal_mean(const saltus_signal *signal) {
+    saltus_sum sum = {0, 0};
+    for (long long j = 0; j < signal->count; j++)
+        saltus_sum_add(&sum, signal->samples[j]);
+    return (sum.value + sum.rest) / (double)signal->count;
+}
+
+bool saltus_signal_moves(const saltus_signal *signal, double mean) {
+    double largest = 0, away = 0;
+    for (long long j = 0; j < signal->count; j++) {
+        largest = fmax(largest, fabs(signal->samples[j]));
+        away = fmax(away, fabs(signal->samples[j] - mean));
+    }
+    double rounding = signal->rounding > 0 ? signal->rounding : 1e-14 * largest;
+    /* Squares that vanish are no power either. */
+    return away > rounding && away > 1e-140;
+}
+
+saltus_signal saltus_signal_halved(const saltus_signal *signal, double *half) {
+    saltus_signal halved = *signal;
+    halved.samples = half;
+    halved.count = signal->count / 2;
+    halved.per_period = signal->per_period / 2;
+    for (long long j = 0; j < halved.count; j++)
+        half[j] = signal->samples[2 * j];
+    return halved;
+}
