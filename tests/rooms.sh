@@ -113,6 +113,8 @@ low/c.c -> high/d.c goes up: saltus_d
 low/c.c -> high/d.h goes up: included
 low/c.c -> saltus/high.h goes up: included
 more/e.h -> high/d.h: not a room of the table
+high/d.c -> high/e.c is part of a circle: saltus_e
+high/e.c -> high/d.c is part of a circle: saltus_d
 low/a.c -> low/b.c is part of a circle: saltus_b
 low/a.h -> low/b.h is part of a circle: included
 low/b.c -> low/c.c is part of a circle: saltus_c
