@@ -24,6 +24,8 @@ typedef struct saltus_time {
 
 /* cycle + phase as one number. */
 double saltus_time_periods(saltus_time time);
+/* Negative, 0 or positive as `a` is before, at or after `b`. */
+int saltus_time_compare(saltus_time a, saltus_time b);
 
 enum { SALTUS_DIRECTIONS_MAX = 2 };
 
@@ -197,6 +199,9 @@ saltus_status saltus_flow_strike(saltus_flow *flow, int lane, saltus_event_kind 
 double saltus_flow_step_length(const saltus_flow *flow, int lane);
 saltus_time saltus_flow_step_begin(const saltus_flow *flow, int lane);
 void saltus_flow_dense(const saltus_flow *flow, int lane, double since, double *state);
+/* The same at a time, not before the step's begin: negative within the step, 0 at its end, where it is the
+ * state before the event that may wait there, positive, and no state, beyond it. */
+int saltus_flow_state_at(const saltus_flow *flow, int lane, saltus_time time, double *state);
 /* The time derivative of the tangent vectors now (`columns` vectors of length dimension), contacts held: of
  * the first columns of the identity, the Jacobian of the vector field by columns. Dense output of the last
  * step is lost. */

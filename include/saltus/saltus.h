@@ -13,6 +13,7 @@
 #include "saltus/map.h"
 #include "saltus/motion.h"
 #include "saltus/orbit.h"
+#include "saltus/record.h"
 #include "saltus/scene.h"
 #include "saltus/series.h"
 #include "saltus/signal.h"

@@ -99,3 +99,14 @@ void saltus_flow_dense(const saltus_flow *flow, int lane, double since, double *
     for (int i = 0; i < flow->extra; i++)
         state[2 * flow->dof + i] = series_value(w->e + i * w->stride + lane, extras, w->order, since);
 }
+
+int saltus_flow_state_at(const saltus_flow *flow, int lane, saltus_time time, double *state) {
+    saltus_time begin = saltus_flow_step_begin(flow, lane);
+    double length = saltus_flow_step_length(flow, lane),
+           since = ((double)(time.cycle - begin.cycle) + (time.phase - begin.phase)) *
+                   saltus_system_period(saltus_flow_system(flow, lane));
+    int order = saltus_time_compare(time, saltus_flow_time(flow, lane));
+    if (order <= 0)
+        saltus_flow_dense(flow, lane, order < 0 && since < length ? since : length, state);
+    return order;
+}

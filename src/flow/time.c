@@ -23,3 +23,9 @@ saltus_time saltus_time_after(saltus_time time, double periods) {
     double whole = floor(phase);
     return (saltus_time){time.cycle + (long long)whole, phase - whole};
 }
+
+int saltus_time_compare(saltus_time a, saltus_time b) {
+    if (a.cycle != b.cycle)
+        return a.cycle < b.cycle ? -1 : 1;
+    return a.phase < b.phase ? -1 : a.phase > b.phase;
+}

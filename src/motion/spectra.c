@@ -126,28 +126,17 @@ static void add_sample(sampler *self, double share) {
     }
 }
 
-static int compare(saltus_time a, saltus_time b) {
-    if (a.cycle != b.cycle)
-        return a.cycle < b.cycle ? -1 : 1;
-    return a.phase < b.phase ? -1 : a.phase > b.phase;
-}
-
 /* The samples in the flow's last step, up to sample `end`, which is not taken. One at the very time of an
  * event is the mean of both sides. */
 static void take_samples(sampler *self, long long end, bool event) {
-    saltus_time begin = saltus_flow_step_begin(self->flow, 0), now = saltus_flow_time(self->flow, 0);
-    double period = saltus_system_period(self->system), length = saltus_flow_step_length(self->flow, 0);
     for (; self->next < end; self->next++) {
         saltus_time time = {self->next / self->per_period,
                             (double)(self->next % self->per_period) / self->per_period};
-        int order = compare(time, now);
+        int order = saltus_flow_state_at(self->flow, 0, time, self->state);
         if (order > 0)
             return;
-        double since = ((double)(time.cycle - begin.cycle) + (time.phase - begin.phase)) * period;
-        if (order < 0 || event) {
-            saltus_flow_dense(self->flow, 0, since < length ? since : length, self->state);
+        if (order < 0 || event)
             add_sample(self, order < 0 ? 1 : 0.5);
-        }
         if (order == 0) {
             saltus_flow_state(self->flow, 0, self->state);
             add_sample(self, event ? 0.5 : 1);
