@@ -14,9 +14,10 @@
 #define SALTUS_FLOW_KERNEL_H
 
 #include "base/memory.h"
+#include "base/simd.h"
 #include "system/system.h"
 
-enum { SALTUS_ORDER_MAX = 40, SALTUS_LANES_MAX = 16 };
+enum { SALTUS_LANES_MAX = SALTUS_PACK_MAX };
 
 typedef struct saltus_kernel saltus_kernel;
 

@@ -197,7 +197,7 @@ static bool faces_symmetric(const saltus_system *system) {
 static int count_forcing_orders(const saltus_system *system) {
     double term = 1, angle = 6 * system->omega / system->rate;
     int order = 0;
-    while (order < 40 && term > 1e-19)
+    while (order < SALTUS_ORDER_MAX && term > 1e-19)
         term *= angle / ++order;
     return order;
 }

@@ -6,7 +6,14 @@
 #include "base/memory.h"
 #include "saltus/system.h"
 
-enum { SALTUS_SCALARS_MAX = 12, SALTUS_ROWS_MAX = 8, SALTUS_COUPLINGS_MAX = 2 };
+enum {
+    SALTUS_MODES_MAX = 64, /* degrees of freedom */
+    SALTUS_ORDER_MIN = 8,  /* of Taylor series */
+    SALTUS_ORDER_MAX = 40,
+    SALTUS_SCALARS_MAX = 12,
+    SALTUS_ROWS_MAX = 8,
+    SALTUS_COUPLINGS_MAX = 2
+};
 
 /* The numbers a model's kernel works with. Scalars and rows may differ between the lanes of one flow;
  * couplings depend on the number of degrees of freedom alone and are shared. */
