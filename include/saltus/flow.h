@@ -136,9 +136,6 @@ void saltus_flow_forces(saltus_flow *flow, int lane, double *forces);
 /* Faces now in lasting contact, as bits. */
 unsigned saltus_flow_contacts(const saltus_flow *flow, int lane);
 saltus_flow_info saltus_flow_information(const saltus_flow *flow, int lane);
-/* Floating-point operations of one lane in one step of the Taylor integrator without an event, a fused
- * multiply and add counted as two; 0 for the stiff integrator. */
-double saltus_flow_operations(const saltus_flow *flow);
 
 /* Give a lane its next target: advance to time `until` (not before now) or to the first watched event. Where
  * that time is not a finite number the next run says so: SALTUS_BAD_INPUT. */

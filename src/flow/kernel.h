@@ -92,8 +92,6 @@ struct saltus_kernel {
     void (*plan)(saltus_work *work);
     /* Jets -> states at `advance`. */
     void (*evaluate)(saltus_work *work, int order);
-    /* Floating-point operations of one lane in one step, counted from the loops above. */
-    double (*operations)(const saltus_work *work);
 };
 
 /* The kernel for a model at width 1 or at this machine's SIMD width (0), chosen from the instruction sets

@@ -93,7 +93,6 @@ static saltus_status finish(worker *w, int lane) {
         m->count = (int)(info.impacts - task->settled);
     w->cost.steps += info.steps;
     w->cost.evaluations += info.field_evaluations;
-    w->cost.operations += (double)info.steps * saltus_flow_operations(w->flow);
     return fill(w, lane);
 }
 
@@ -204,7 +203,6 @@ saltus_status own_sweep(saltus_system *const *systems, int count, const own_requ
         cost->seconds += workers[k].cost.seconds;
         cost->steps += workers[k].cost.steps;
         cost->evaluations += workers[k].cost.evaluations;
-        cost->operations += workers[k].cost.operations;
     }
     free(workers);
     return status;
