@@ -97,6 +97,10 @@ typedef struct saltus_flow saltus_flow;
 saltus_status saltus_flow_new(const saltus_system *const *systems, int lanes,
                               const saltus_flow_options *options, saltus_flow **flow,
                               saltus_message *message);
+/* The same for one trajectory with `columns` tangent vectors, none of them a parameter column, whatever the
+ * options say of columns and directions. */
+saltus_status saltus_flow_single(const saltus_system *system, int columns, const saltus_flow_options *options,
+                                 saltus_flow **flow, saltus_message *message);
 /* NULL is accepted. */
 void saltus_flow_free(saltus_flow *flow);
 /* Number of trajectories that run side by side for a system on this processor, by the integrator chosen for

@@ -188,6 +188,14 @@ saltus_status saltus_flow_new(const saltus_system *const *systems, int lanes,
     return SALTUS_OK;
 }
 
+saltus_status saltus_flow_single(const saltus_system *system, int columns, const saltus_flow_options *options,
+                                 saltus_flow **flow, saltus_message *message) {
+    saltus_flow_options own = *options;
+    own.columns = columns;
+    own.directions = 0;
+    return saltus_flow_new(&system, 1, &own, flow, message);
+}
+
 /* Everything that the works take from a lane's system and the directions, anew. */
 static void reload(saltus_flow *flow, int lane) {
     const saltus_system *system = flow->lane[lane].system;

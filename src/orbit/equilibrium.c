@@ -346,14 +346,13 @@ static saltus_status describe(rest *r, saltus_equilibrium *out, saltus_message *
 
 static saltus_status open_rest(rest *r, saltus_equilibrium *out, saltus_message *message) {
     saltus_flow_options options = saltus_flow_defaults();
-    options.columns = r->n;
     reserve(r);
     out->state = calloc((size_t)r->n, sizeof *out->state);
     out->eigenvalues = calloc((size_t)r->n, sizeof *out->eigenvalues);
     if (!(out->state && out->eigenvalues && saltus_arena_open(&r->arena)))
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the equilibrium");
     reserve(r);
-    return saltus_flow_new(&r->system, 1, &options, &r->flow, message);
+    return saltus_flow_single(r->system, r->n, &options, &r->flow, message);
 }
 
 saltus_status saltus_equilibrium_find(const saltus_system *system, const double *guess,

@@ -100,11 +100,8 @@ saltus_status saltus_cocycle_run(const saltus_system *system, const saltus_orbit
     int n = saltus_system_dimension(system);
     size_t square = (size_t)n * (size_t)n;
     *cocycle = (saltus_cocycle){.n = n, .count = count_segments(system, n, periods)};
-    saltus_flow_options flow_options = options->flow;
-    flow_options.columns = n;
-    flow_options.directions = 0;
     saltus_flow *flow = NULL;
-    saltus_status status = saltus_flow_new(&system, 1, &flow_options, &flow, message);
+    saltus_status status = saltus_flow_single(system, n, &options->flow, &flow, message);
     double *columns = calloc(square + (size_t)n, sizeof *columns);
     cocycle->segments = calloc(square * (size_t)cocycle->count, sizeof *cocycle->segments);
     if (status == SALTUS_OK && !(columns && cocycle->segments))
