@@ -153,8 +153,7 @@ void saltus_contacts_rest(saltus_flow *flow, int lane, unsigned resting) {
 static unsigned touched_faces(const saltus_lane *self, int hit) {
     unsigned touched = self->contacts | 1u << hit;
     for (int f = 0; f < self->system->face_count; f++)
-        if (saltus_system_gap(self->system, f, self->state) >=
-            -8 * DBL_EPSILON * saltus_system_gap_size(self->system, f, self->state))
+        if (saltus_system_gap_sign(self->system, f, self->state) >= 0)
             touched |= 1u << f;
     return touched;
 }

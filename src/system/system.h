@@ -57,6 +57,8 @@ struct saltus_system {
 
 /* The sizes that a face's gap is the difference of: rounding moves it by parts in 1e16 of these. */
 double saltus_system_gap_size(const saltus_system *system, int face, const double *state);
+/* Whether a state is off a face (-1), on it but for rounding (0) or beyond it (1). */
+int saltus_system_gap_sign(const saltus_system *system, int face, const double *state);
 
 /* How a system changes along a direction in parameter space: the derivative of all that a flow takes from it.
  */
