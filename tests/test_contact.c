@@ -2,6 +2,10 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "check.h"
 
+#include "system/system.h"
+
+#include <float.h>
+
 enum { dimension_max = 20 };
 
 /* On every step: no gap beyond its stop by more than rounding, no held contact that pulls. */
@@ -343,6 +347,64 @@ static void no_section_drift(void **unused) {
     saltus_system_free(system);
 }
 
+/* Two masses, each before its own stop at 1 and moving towards it with velocity 1, free of forces. */
+static saltus_system *two_free_masses(void) {
+    saltus_spec spec = oscillator_spec(0, 0, 0, 1);
+    set_parameter(&spec, "N", 2);
+    add_stop(&spec, 1, 0.5, SALTUS_UPPER);
+    add_stop(&spec, 1, 0.5, SALTUS_UPPER);
+    spec.stops[1].weight[0] = 0;
+    spec.stops[1].weight[1] = 1;
+    return build(&spec);
+}
+
+/* Whether the masses' impacts, one of them a little ahead, are one event, and by how much the other gap is
+ * open then. */
+static bool hit_together(const saltus_system *system, double ahead, int *sign) {
+    saltus_flow_options options = saltus_flow_defaults();
+    double state[4] = {1 - 0x1p-10, 1 - 0x1p-10 + ahead, 1, 1};
+    saltus_flow *flow = open_flow(system, &options, 0, state);
+    saltus_event first = advance(flow, 1, SALTUS_WATCH_IMPACT);
+    saltus_flow_state(flow, 0, state);
+    *sign = saltus_system_gap_sign(system, 1 - first.face, state);
+    saltus_event second = advance(flow, 1, SALTUS_WATCH_IMPACT);
+    assert_int_equal(second.face, 1 - first.face);
+    saltus_flow_free(flow);
+    return second.time.phase == first.time.phase;
+}
+
+/* Where a gap is zero to rounding the same holds for all: such a start is accepted, its face is hit at once,
+ * and an impact elsewhere takes it along. */
+static void a_gap_is_zero_for_all_or_none(void **unused) {
+    (void)unused;
+    saltus_system *system = two_free_masses();
+    saltus_flow_options options = saltus_flow_defaults();
+    saltus_message message = {""};
+    saltus_flow *flow = NULL;
+    int seen[3] = {0};
+    check_ok(saltus_flow_single(system, 0, &options, &flow, &message), &message);
+    for (int k = -40; k <= 40; k++) {
+        double state[4] = {0, 1 + k * DBL_EPSILON, 1, 1};
+        int sign = saltus_system_gap_sign(system, 1, state), met;
+        if (abs(k) <= 15 || abs(k) >= 18)
+            assert_int_equal(sign, (k > 15) - (k < -15));
+        seen[sign + 1]++;
+        assert_int_equal(saltus_system_check_state(system, state, &message) == SALTUS_OK, sign <= 0);
+        assert_int_equal(saltus_flow_start(flow, 0, (saltus_time){0, 0}, state, &message) == SALTUS_OK,
+                         sign <= 0);
+        if (sign <= 0) {
+            saltus_flow_state(flow, 0, state);
+            assert_int_equal(state[3] < 0, sign == 0);
+        }
+        bool together = hit_together(system, k * DBL_EPSILON, &met);
+        assert_int_equal(together, met == 0);
+        seen[met + 1]++;
+    }
+    assert_true(seen[0] > 20 && seen[1] > 40 && seen[2] > 20);
+    saltus_flow_free(flow);
+    saltus_system_free(system);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(stops_are_never_passed),
@@ -352,6 +414,7 @@ int main(void) {
         cmocka_unit_test(elastic_impacts_keep_energy),
         cmocka_unit_test(starts_on_the_stop),
         cmocka_unit_test(starts_beyond_are_refused),
+        cmocka_unit_test(a_gap_is_zero_for_all_or_none),
         cmocka_unit_test(chatter_cut_off),
         cmocka_unit_test(chatter_ends_where_it_accumulates),
         cmocka_unit_test(mirror_symmetry),

@@ -132,16 +132,13 @@ static void products_have_the_eigenvalues_of_the_whole(void **unused) {
             for (int i = 0; i < n; i++)
                 for (int j = 0; j < n; j++)
                     h[i * n + j] = i == j ? 1 : 0.3;
-        saltus_periodic_product(triangles, n, count, product);
         for (int i = 0; i < n * n; i++)
             next[i] = i % (n + 1) == 0;
         for (int k = 0; k < count; k++) {
             multiply(triangles + k * n * n, next, n, whole);
             memcpy(next, whole, sizeof next);
         }
-        for (int i = 0; i < n * n; i++)
-            check_near(product[i], next[i], 1e-12);
-        multiply(h, product, n, whole);
+        multiply(h, next, n, whole);
         assert_true(saltus_periodic_eigenvalues(h, triangles, n, count, product, real, imaginary));
         check_traces(whole, n, real, imaginary, 1e-9);
         for (int i = 0; i < n; i++)

@@ -1,5 +1,4 @@
-/* The inner loops of the integrators: steps as long as the tolerance allows, cases with loops of their own,
- * the count of operations.
+/* The inner loops of the integrators: steps as long as the tolerance allows, cases with loops of their own.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "scenes.h"
 
@@ -345,114 +344,12 @@ static void all_loops_lead_to_the_same_point(void **unused) {
         }
 }
 
-/* Counts of a model: multiply and add are two operations. The order's loops count linearly with the tangent
- * vectors and with the contacts; a series of products costs more by the same at each higher order. */
-static double operations_of(const saltus_spec *spec, int order, int columns, bool held) {
-    saltus_system *system = build(spec);
-    saltus_flow_options options = saltus_flow_defaults();
-    saltus_message message = {""};
-    saltus_flow *flow = NULL;
-    const double state[2 * modes_max] = {0};
-    options.integrator = SALTUS_TAYLOR;
-    options.order = order;
-    options.columns = columns;
-    check_ok(saltus_flow_new((const saltus_system *[]){system}, 1, &options, &flow, &message), &message);
-    check_ok(saltus_flow_place(flow, 0, (saltus_time){0, 0.3}, state, held, &message), &message);
-    const double operations = saltus_flow_operations(flow);
-    saltus_flow_free(flow);
-    saltus_system_free(system);
-    return operations;
-}
-
-/* One mass: per order k q'' takes two products with q and q' and a sum, the division by k + 1 and by k + 2,
- * and the force's product; the Maxwell force three products. */
-static void operations_of_a_mass_add_up(void **unused) {
-    (void)unused;
-    for (int order = 8; order <= 40; order += 4)
-        for (int kind = 0; kind < 16; kind++) {
-            saltus_spec spec = oscillator_spec(0.1, 1.3, kind & 1 ? 0.7 : 0, 0.9);
-            const int n = kind & 2 ? 2 : 1, extra = kind & 4 ? 1 : 0, stops = kind & 8 ? 2 : 0;
-            set_parameter(&spec, "N", n);
-            if (extra)
-                set_parameter(&spec, "kz", 0.5);
-            for (int s = 0; s < stops; s++)
-                add_stop(&spec, 0.3 + s, 0.8, s ? SALTUS_LOWER : SALTUS_BOTH);
-            if (stops)
-                spec.stops[1].weight[0] = 2;
-            const int forced = kind & 1, faces = stops ? 3 : 0;
-            const double field = n * (4 * n + 1 + 2 * extra) + 4 * extra, later = n;
-            const double trajectory = order * (field + later + 2 * n * forced) + n + (order + 1);
-            const double gaps = stops * (order + 1.0) * (2 * n - 1) + faces * 3 * (order + 1);
-            const double evaluation = 2 * order * (2 * n + extra), sizes = 38 + 6 * n;
-            for (int columns = 0; columns < 3; columns++)
-                for (int held = 0; held < 2 && held <= stops; held++) {
-                    const double all = 1 + columns;
-                    const double expected = 40 + trajectory + columns * order * (field + later) + gaps +
-                                            held * all * order * (4 * n - 1) + all * (evaluation + sizes);
-                    check_near(operations_of(&spec, order, columns, held), expected, 0);
-                }
-        }
-}
-
-/* A pipe's terms add up, too. Two orders more lengthen each sum over the older coefficients by two: of the
- * tension's products, at an order and the next, eight operations for each mode; half as many for the square,
- * in which products come in pairs; for a tangent vector as many again for its own tension, and all of the
- * square; and for the velocity's and the gradient's series as long as there are orders of the forcing left.
- * An entry of a coupling takes two operations at each order. */
-static void operations_of_a_pipe_add_up(void **unused) {
-    (void)unused;
-    for (int modes = 1; modes <= 9; modes += 4)
-        for (int kind = 0; kind < 8; kind++) {
-            saltus_spec spec = pipe_spec(modes, 30), apart;
-            const bool cubic = kind & 1, forced = kind & 2, coupled = kind & 4;
-            double count[3][12];
-            if (!cubic)
-                set_parameter(&spec, "kappa", 0);
-            if (!forced)
-                set_parameter(&spec, "sigma", 0);
-            if (!coupled)
-                set_parameter(&spec, "beta", 0);
-            for (int columns = 0; columns < 3; columns++)
-                for (int k = 0; k < 12; k++)
-                    count[columns][k] = operations_of(&spec, 18 + 2 * k, columns, false);
-            const double forcing = forced && modes == 1 ? 16 : 0; /* the others' has ended by then */
-            for (int k = 1; k + 2 < 12; k++) {
-                const double column[3] = {count[1][k] - count[0][k], count[1][k + 1] - count[0][k + 1],
-                                          count[1][k + 2] - count[0][k + 2]};
-                check_near(count[0][k + 2] - 2 * count[0][k + 1] + count[0][k],
-                           modes * (8 + (cubic ? 4 : 0) + forcing), 0);
-                check_near(column[2] - 2 * column[1] + column[0], modes * (8 + (cubic ? 16 : 0) + forcing),
-                           0);
-                check_near(count[2][k] - count[1][k], column[0], 0);
-            }
-            /* The forcing's series take eight operations for each order, and two for a mode and a product. */
-            saltus_spec still = spec;
-            set_parameter(&still, "sigma", 0);
-            for (int last = 18; last <= 22 && forced && modes == 1; last += 2) {
-                double products = 0;
-                for (int k = 2; k < last; k += 2)
-                    products += 2 * k + 2 * (k - 2);
-                check_near(operations_of(&spec, last, 0, false) - operations_of(&still, last, 0, false),
-                           8 * last + 2 * modes * products, 0);
-            }
-            apart = spec;
-            set_parameter(&apart, "beta", 0);
-            const int order = 40, entries = 2 * (modes / 2) * ((modes + 1) / 2);
-            for (int columns = 0; columns < 2 && !forced; columns++)
-                check_near(operations_of(&spec, order, columns, false) -
-                               operations_of(&apart, order, columns, false),
-                           coupled ? (1 + columns) * order * 2 * entries : 0, 0);
-        }
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(steps_are_as_long_as_the_tolerance_allows),
         cmocka_unit_test(tangent_vectors_ask_for_steps_of_their_own),
         cmocka_unit_test(the_largest_step_follows_the_fastest_rate),
         cmocka_unit_test(parameter_columns_are_judged_by_their_growth),
-        cmocka_unit_test(operations_of_a_mass_add_up),
-        cmocka_unit_test(operations_of_a_pipe_add_up),
         cmocka_unit_test(all_loops_lead_to_the_same_point),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

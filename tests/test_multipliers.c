@@ -1,4 +1,4 @@
-/* Multipliers, eigenvectors and the linear algebra under them: against closed forms, products with prescribed
+/* Multipliers and the linear algebra under them: against closed forms, products with prescribed
  * multipliers, and an evaluation in 128-bit arithmetic.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "reference.h"
@@ -213,47 +213,19 @@ static double claim_nearest(double modulus, double angle, const saltus_multiplie
     return closest;
 }
 
-/* Per segment, A v_k must be a positive multiple of v_{k+1}; the logarithms of these add up to the modulus.
- */
-static double segment_residual(const double *segments, int n, int count, const saltus_multiplier *mu,
-                               const double *vectors) {
-    double worst = 0, growth = 0, modulus = hypot(mu->re, mu->im);
-    for (int k = 0; k < count; k++) {
-        const double *v = vectors + k * 2 * n, *next = vectors + (k + 1 < count ? k + 1 : 0) * 2 * n;
-        double complex turn = k + 1 < count ? 1 : (mu->re + mu->im * I) / modulus, image[n_max];
-        double square = 0, difference = 0;
-        for (int i = 0; i < n; i++) {
-            image[i] = 0;
-            for (int j = 0; j < n; j++)
-                image[i] += segments[(size_t)((k * n + j) * n + i)] * (v[j] + v[n + j] * I);
-            square += cabs(image[i]) * cabs(image[i]);
-        }
-        for (int i = 0; i < n; i++)
-            difference = fmax(difference, cabs(image[i] / sqrt(square) - turn * (next[i] + next[n + i] * I)));
-        worst = fmax(worst, difference);
-        growth += log(square) / 2;
-    }
-    return fmax(worst, fabs(growth - mu->log_modulus));
-}
-
 static void check_prescribed(const prescribed *p, unsigned long seed, double tolerance) {
     int n = p->n;
     double *segments = build_cocycle(p, seed), log_volume, sum = 0;
-    double *vectors = calloc((size_t)(2 * n * n * p->count), sizeof *vectors);
-    saltus_multiplier found[n_max], again[n_max];
+    saltus_multiplier found[n_max];
     saltus_message message = {""};
     bool claimed[n_max] = {false};
     check_ok(saltus_cocycle_multipliers(segments, n, p->count, 0, found, &log_volume, &message), &message);
-    check_ok(saltus_cocycle_vectors(segments, n, p->count, 0, n, again, vectors, &message), &message);
     for (int i = 0; i < n; i++) {
         check_near(claim_nearest(p->modulus[i], p->angle[i], found, n, claimed), 0, tolerance);
-        check_near(segment_residual(segments, n, p->count, &again[i], vectors + 2 * n * p->count * i), 0,
-                   1e3 * tolerance);
         assert_true(i == 0 || found[i].log_modulus <= found[i - 1].log_modulus);
         sum += found[i].log_modulus;
     }
     check_near(sum, log_volume, 1e-12 * fabs(log_volume) + n * tolerance);
-    free(vectors);
     free(segments);
 }
 
@@ -452,59 +424,7 @@ static void orbits_in_quadruple_precision(void **unused) {
     }
 }
 
-/* M v = mu v where the monodromy matrix has the digits; around the orbit, segment by segment, for all. */
-static void eigenvectors_of_orbits(void **unused) {
-    (void)unused;
-    static const char *const names[] = {"fig7d", "fig7b", "sdof14"};
-    for (int f = 0; f < 3; f++) {
-        reference r = read_reference(names[f]);
-        saltus_system *system = build(&r.spec);
-        saltus_orbit_options options = saltus_orbit_defaults();
-        saltus_message message = {""};
-        saltus_orbit orbit;
-        saltus_multiplier mu[n_max];
-        double vectors[2 * n_max * n_max], *all;
-        const double *scale = saltus_system_scale(system);
-        check_ok(saltus_orbit_find(system, r.periods, r.states[0], &options, &orbit, &message), &message);
-        check_ok(saltus_orbit_eigenvectors(system, &options, &orbit, r.n, mu, vectors, &message), &message);
-        for (int k = 0; k < r.n && mu[k].log_modulus > log(1e-6); k++) {
-            double *v = vectors + 2 * k * r.n, square = 0;
-            for (int i = 0; i < r.n; i++) {
-                double complex sum = -(mu[k].re + mu[k].im * I) * (v[i] + v[r.n + i] * I);
-                for (int j = 0; j < r.n; j++)
-                    sum += orbit.monodromy[i * r.n + j] * (v[j] + v[r.n + j] * I);
-                check_near(cabs(sum) / scale[i], 0, 1e-10);
-                square += (v[i] * v[i] + v[r.n + i] * v[r.n + i]) / scale[i] / scale[i];
-            }
-            check_near(square, 1, 1e-12);
-            int largest = 0;
-            double size[2 * n_max];
-            for (int i = 0; i < r.n; i++) {
-                size[i] = hypot(v[i], v[r.n + i]) / scale[i];
-                if (size[i] > size[largest])
-                    largest = i;
-            }
-            assert_true(v[largest] > 0);
-            check_near(v[r.n + largest] / scale[largest], 0, 1e-14);
-            check_near(mu[k].log_modulus, orbit.multipliers[k].log_modulus, 1e-9);
-        }
-        saltus_cocycle cocycle = run_cocycle(system, r.periods, orbit.state, 0);
-        all = calloc((size_t)(2 * r.n * r.n * cocycle.count), sizeof *all);
-        check_ok(saltus_cocycle_vectors(cocycle.segments, r.n, cocycle.count, 0, r.n, mu, all, &message),
-                 &message);
-        for (int k = 0; k < r.n; k++)
-            check_near(segment_residual(cocycle.segments, r.n, cocycle.count, &mu[k],
-                                        all + 2 * r.n * cocycle.count * k),
-                       0, 1e-9);
-        free(all);
-        saltus_cocycle_clear(&cocycle);
-        saltus_orbit_clear(&orbit);
-        saltus_system_free(system);
-        free(r.text);
-    }
-}
-
-/* Sticking makes two multipliers exact zeros without vectors; the others are resolved. */
+/* Sticking makes two multipliers exact zeros; the others are resolved. */
 static void sticking_orbit(void **unused) {
     (void)unused;
     reference r = read_reference("chatter25");
@@ -514,7 +434,6 @@ static void sticking_orbit(void **unused) {
     double log_volume, sum = 0;
     saltus_cocycle cocycle = run_cocycle(system, r.periods, r.states[0], 0);
     assert_int_equal(cocycle.zeros, 2);
-    double *all = calloc((size_t)(2 * r.n * r.n * cocycle.count), sizeof *all);
     check_ok(saltus_cocycle_multipliers(cocycle.segments, r.n, cocycle.count, 2, mu, &log_volume, &message),
              &message);
     for (int k = 0; k < r.n - 2; k++)
@@ -522,14 +441,6 @@ static void sticking_orbit(void **unused) {
     check_near(sum, log_volume, 1e-9);
     for (int k = r.n - 2; k < r.n; k++)
         assert_true(mu[k].re == 0 && mu[k].im == 0 && mu[k].log_modulus == -INFINITY);
-    check_ok(saltus_cocycle_vectors(cocycle.segments, r.n, cocycle.count, 2, r.n, mu, all, &message),
-             &message);
-    for (int k = 0; k < r.n - 2; k++)
-        check_near(
-            segment_residual(cocycle.segments, r.n, cocycle.count, &mu[k], all + 2 * r.n * cocycle.count * k),
-            0, 1e-8);
-    assert_true(isnan(all[2 * r.n * cocycle.count * (r.n - 1)]));
-    free(all);
     saltus_cocycle_clear(&cocycle);
     saltus_system_free(system);
     free(r.text);
@@ -778,7 +689,6 @@ int main(void) {
         cmocka_unit_test(small_qr),
         cmocka_unit_test(prescribed_multipliers),
         cmocka_unit_test(orbits_in_quadruple_precision),
-        cmocka_unit_test(eigenvectors_of_orbits),
         cmocka_unit_test(sticking_orbit),
         cmocka_unit_test(uncoupled_modes),
         cmocka_unit_test(impact_without_rebound),

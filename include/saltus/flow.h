@@ -99,6 +99,10 @@ typedef struct saltus_flow saltus_flow;
 saltus_status saltus_flow_new(const saltus_system *const *systems, int lanes,
                               const saltus_flow_options *options, saltus_flow **flow,
                               saltus_message *message);
+/* The same for one trajectory with `columns` tangent vectors, none of them a parameter column, whatever the
+ * options say of columns and directions. */
+saltus_status saltus_flow_single(const saltus_system *system, int columns, const saltus_flow_options *options,
+                                 saltus_flow **flow, saltus_message *message);
 /* NULL is accepted. */
 void saltus_flow_free(saltus_flow *flow);
 /* Number of trajectories that run side by side for a system on this processor, by the integrator chosen for
@@ -138,9 +142,6 @@ void saltus_flow_forces(saltus_flow *flow, int lane, double *forces);
 /* Faces now in lasting contact, as bits. */
 unsigned saltus_flow_contacts(const saltus_flow *flow, int lane);
 saltus_flow_info saltus_flow_information(const saltus_flow *flow, int lane);
-/* Floating-point operations of one lane in one step of the Taylor integrator without an event, a fused
- * multiply and add counted as two; 0 for the stiff integrator. */
-double saltus_flow_operations(const saltus_flow *flow);
 
 /* Give a lane its next target: advance to time `until` (not before now) or to the first watched event. Where
  * that time is not a finite number the next run says so: SALTUS_BAD_INPUT. */

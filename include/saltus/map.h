@@ -39,7 +39,6 @@ saltus_status saltus_map_new(const saltus_system *system, const saltus_section *
 /* NULL is accepted. */
 void saltus_map_free(saltus_map *map);
 int saltus_map_dimension(const saltus_map *map);
-const saltus_system *saltus_map_system(const saltus_map *map);
 /* The flow behind the map, for its information and contacts. */
 const saltus_flow *saltus_map_flow(const saltus_map *map);
 

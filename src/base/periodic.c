@@ -113,10 +113,6 @@ static void multiply_out(const double *triangles, int n, int count, int low, int
     }
 }
 
-void saltus_periodic_product(const double *triangles, int n, int count, double *product) {
-    multiply_out(triangles, n, count, 0, n, product);
-}
-
 /* Entry of h times the triangles' product. */
 static double entry(const periodic *p, int i, int j) {
     double sum = 0;

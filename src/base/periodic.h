@@ -12,7 +12,4 @@
 bool saltus_periodic_eigenvalues(double *h, double *triangles, int n, int count, double *product,
                                  double *real, double *imaginary);
 
-/* product = r_count ... r_1 for n x n upper triangles. */
-void saltus_periodic_product(const double *triangles, int n, int count, double *product);
-
 #endif

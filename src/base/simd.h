@@ -10,10 +10,10 @@
 #elif defined(__AVX2__) && defined(__FMA__)
 #include <immintrin.h>
 #define SALTUS_PACK 4
-#elif defined(__aarch64__)
-#include <arm_neon.h>
-#define SALTUS_PACK 2
 #else
+#if defined(__aarch64__)
+#include <arm_neon.h>
+#endif
 #define SALTUS_PACK 2
 #endif
 
@@ -22,6 +22,12 @@
 #else
 #define SALTUS_PACK_REGISTERS 16
 #endif
+
+/* The widest and the narrowest of all packs. */
+enum { SALTUS_PACK_MAX = 8, SALTUS_PACK_MIN = 2 };
+
+/* Everything in a kernel is inlined, so that constants reach the inner loops. */
+#define KERNEL_INLINE static inline __attribute__((always_inline))
 
 typedef double saltus_pack __attribute__((vector_size(8 * SALTUS_PACK), may_alias));
 typedef unsigned long long saltus_pack_word __attribute__((vector_size(8 * SALTUS_PACK), may_alias));

@@ -2,63 +2,24 @@
 #include "flow/collocation.h"
 
 #include "base/dense.h"
-#include "saltus/system.h"
+#include "flow/kernel_list.h"
 
 #include <gsl/gsl_math.h>
 #include <lapacke.h>
 #include <math.h>
-#include <stdint.h>
 #include <string.h>
 
-#if defined(__x86_64__)
-#include <immintrin.h>
-#elif defined(__aarch64__)
-#include <arm_neon.h>
-#endif
+#define DECLARE(isa) extern const saltus_collocation_kernel saltus_collocation_##isa;
+SALTUS_COLLOCATIONS(DECLARE)
 
-#if defined(__x86_64__)
-
-#define PACK 8
-#define TARGET __attribute__((target("avx512f,avx512dq,avx512vl,avx512bw,avx512cd,avx2,fma")))
-#define NAME(x) x##_v4
-#define FMA(a, b, c) ((pack)_mm512_fmadd_pd((__m512d)(a), (__m512d)(b), (__m512d)(c)))
-#include "flow/collocation_kernel.h"
-#undef PACK
-#undef TARGET
-#undef NAME
-#undef FMA
-
-#define PACK 4
-#define TARGET __attribute__((target("avx2,fma")))
-#define NAME(x) x##_v3
-#define FMA(a, b, c) ((pack)_mm256_fmadd_pd((__m256d)(a), (__m256d)(b), (__m256d)(c)))
-#include "flow/collocation_kernel.h"
-#undef PACK
-#undef TARGET
-#undef NAME
-#undef FMA
-
-#endif
-
-#define PACK 2
-#define TARGET
-#define NAME(x) x##_base
-#if defined(__aarch64__)
-#define FMA(a, b, c) ((pack)vfmaq_f64((float64x2_t)(c), (float64x2_t)(a), (float64x2_t)(b)))
-#else
-#define FMA(a, b, c) ((a) * (b) + (c))
-#endif
-#include "flow/collocation_kernel.h"
+#define ADDRESS(isa) &saltus_collocation_##isa,
+static const saltus_collocation_kernel *const kernels[] = {SALTUS_COLLOCATIONS(ADDRESS)};
 
 const saltus_collocation_kernel *saltus_collocation_find(int pack) {
-#if defined(__x86_64__)
-    if (pack == 8)
-        return &kernel_v4;
-    if (pack == 4)
-        return &kernel_v3;
-#endif
-    (void)pack;
-    return &kernel_base;
+    size_t k = 0;
+    while (kernels[k]->pack != pack)
+        k++;
+    return kernels[k];
 }
 
 enum { n = SALTUS_RADAU_NODES };

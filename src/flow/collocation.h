@@ -11,10 +11,16 @@
 #ifndef SALTUS_FLOW_COLLOCATION_H
 #define SALTUS_FLOW_COLLOCATION_H
 
+#include "base/simd.h"
+
 #include <stdbool.h>
 #include <stddef.h>
 
-enum { SALTUS_RADAU_NODES = 16, SALTUS_RADAU_PAIRS = SALTUS_RADAU_NODES / 2, SALTUS_RADAU_CHUNKS_MAX = 8 };
+enum {
+    SALTUS_RADAU_NODES = 16,
+    SALTUS_RADAU_PAIRS = SALTUS_RADAU_NODES / 2,
+    SALTUS_RADAU_CHUNKS_MAX = SALTUS_RADAU_NODES / SALTUS_PACK_MIN
+};
 
 /* A 16 x 16 matrix that acts on rows of 16 numbers from the right: out[j] = sum_i in[i] m[i][j]. */
 typedef double saltus_node_matrix[SALTUS_RADAU_NODES][SALTUS_RADAU_NODES];
@@ -69,7 +75,7 @@ typedef struct saltus_collocation_kernel {
     void (*apply)(const double *in, int rows, const double *m, double *out);
 } saltus_collocation_kernel;
 
-/* The kernel for packs of the given width. */
+/* The kernel for packs of a width that one of the field's kernels has. */
 const saltus_collocation_kernel *saltus_collocation_find(int pack);
 
 /* Fill in the method's numbers; false if an eigenvalue problem fails. */

@@ -113,8 +113,7 @@ void saltus_contacts_rest(saltus_flow *flow, int lane, unsigned resting) {
 static unsigned touched_faces(const saltus_lane *self, int hit) {
     unsigned touched = self->contacts | 1u << hit;
     for (int f = 0; f < self->system->face_count; f++)
-        if (saltus_system_gap(self->system, f, self->state) >=
-            -8 * DBL_EPSILON * saltus_system_gap_size(self->system, f, self->state))
+        if (saltus_system_gap_sign(self->system, f, self->state) >= 0)
             touched |= 1u << f;
     return touched;
 }
@@ -136,7 +135,7 @@ static unsigned closing_faces(const saltus_lane *self, int hit, unsigned touched
 static bool impact_map(const saltus_lane *self, int hit, bool forced, unsigned touched, unsigned closing,
                        const double *velocity, saltus_contact_map *map) {
     const saltus_system *system = self->system;
-    double after[64];
+    double after[SALTUS_MODES_MAX];
     int n = system->dof;
     for (int size = 1; size <= saltus_count_bits(touched); size++)
         for (unsigned subset = 1; subset <= touched; subset++) {
@@ -210,7 +209,7 @@ static void saltate_apart(saltus_flow *flow, int lane, int hit, const saltus_con
                           const double *velocity) {
     saltus_lane *self = &flow->lane[lane];
     int n = flow->dof;
-    double before[64];
+    double before[SALTUS_MODES_MAX];
     memcpy(self->trial, self->state, (size_t)flow->dimension * sizeof(double));
     memcpy(self->trial + n, velocity, (size_t)n * sizeof(double));
     for (int turn = 0; turn < 2; turn++)
@@ -391,7 +390,7 @@ saltus_status saltus_contacts_impact(saltus_flow *flow, int lane, int face, salt
         return SALTUS_STALLED;
     for (int k = 0; k < map->count; k++)
         impulses |= 1u << map->face[k];
-    double velocity_before[64];
+    double velocity_before[SALTUS_MODES_MAX];
     memcpy(velocity_before, self->state + n, (size_t)n * sizeof *velocity_before);
     if (flow->options.columns)
         saltus_field_at(flow, lane, self->state, self->now.phase, &self->hold, self->before);

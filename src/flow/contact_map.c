@@ -56,7 +56,7 @@ bool saltus_contact_map_build(const saltus_system *system, unsigned faces, unsig
 /* With G = N B and R the diagonal of 1 + r: pull = G^-1 R N, so d pull = G^-1 (d(R N) - dG pull). */
 void saltus_contact_map_vary(const saltus_system *system, const saltus_contact_map *map, unsigned elastic,
                              const saltus_variation *variation, double *push, double *pull) {
-    double change[SALTUS_FACES_MAX][64];
+    double change[SALTUS_FACES_MAX][SALTUS_MODES_MAX];
     int n = system->dof, m = map->count;
     for (int k = 0; k < m; k++)
         for (int i = 0; i < n; i++) {

@@ -181,7 +181,8 @@ static void collect_maxima(const saltus_lane *self, const double *c, int degree,
     }
 }
 
-void saltus_events_extremes(saltus_flow *flow, int lane, double step) {
+/* Raise the lane's extremes by the local maxima of gaps and of minus the holding forces within the step. */
+static void collect_extremes(saltus_flow *flow, int lane, double step) {
     saltus_lane *self = &flow->lane[lane];
     int degree = degree_of(flow);
     const bool last = step == flow->work.left[lane];
@@ -217,7 +218,7 @@ double saltus_events_first(saltus_flow *flow, int lane, double step) {
     self->pending = (saltus_event){.kind = SALTUS_STEP, .face = -1};
     if (self->coasting) {
         if (self->extremes)
-            saltus_events_extremes(flow, lane, step);
+            collect_extremes(flow, lane, step);
         return first;
     }
     search_gaps(flow, lane, step, &first);

@@ -42,8 +42,7 @@ static saltus_status resolve_start(saltus_flow *flow, int lane) {
         speed += fabs(self->state[system->dof + i]);
     }
     for (int f = 0; f < system->face_count; f++) {
-        if (saltus_system_gap(system, f, self->state) <
-            -4e-16 * saltus_system_gap_size(system, f, self->state))
+        if (saltus_system_gap_sign(system, f, self->state) < 0)
             continue;
         double velocity = saltus_face_normal(system, f, self->state + system->dof);
         if (fabs(velocity) <=

@@ -169,8 +169,6 @@ double saltus_column_observer(const saltus_flow *flow, int column, const double 
 /* The first event of a lane on the step just expanded, within `step`; sets lane->pending and returns its
  * time. */
 double saltus_events_first(saltus_flow *flow, int lane, double step);
-/* Raise the lane's extremes by the local maxima of gaps and of minus the holding forces within the step. */
-void saltus_events_extremes(saltus_flow *flow, int lane, double step);
 /* Carry the faces' gap knowledge to the end of the step; false if a gap has opened beyond its stop (a lost
  * impact). */
 bool saltus_events_carry(saltus_flow *flow, int lane, double step, int event_face, double *gap);

@@ -3,9 +3,11 @@
 #ifndef SALTUS_FLOW_ISOLATE_H
 #define SALTUS_FLOW_ISOLATE_H
 
+#include "system/system.h"
+
 #include <stdbool.h>
 
-enum { SALTUS_DEGREE_MAX = 44 };
+enum { SALTUS_DEGREE_MAX = SALTUS_ORDER_MAX };
 
 /* The first s in (0, 1] at which p(s) = sum c_k s^k rises through zero, given p <= 0 just after s = 0 or p(0)
  * > 0 (then the first rise after p has fallen below zero is found). A maximum that only touches zero is no

@@ -583,17 +583,6 @@ static void evaluate(saltus_work *w, int order) {
     }
 }
 
-/* A fused multiply and add is two operations; comparisons count for nothing. */
-static double operations(const saltus_work *w) {
-    const double n = w->dof, all = 1 + w->columns, orders = w->order + 1;
-    const double sizes = 8 + 6 * n, roots = 30, evaluation = 2 * (2 * n + w->extra) * w->order;
-    double sum = 40 + model_forcing_operations(w) + w->stops * orders * (2 * n - 1) + w->faces * 3 * orders;
-    for (int c = 0; c <= w->columns; c++)
-        for (int k = 0; k < w->order; k++)
-            sum += n + model_operations(w, k, c) + w->contacts * (4 * n - 1);
-    return sum + all * (sizes + roots + evaluation);
-}
-
 extern const saltus_kernel SALTUS_KERNEL_NAME;
 const saltus_kernel SALTUS_KERNEL_NAME = {
     .model = MODEL_NAME,
@@ -606,5 +595,4 @@ const saltus_kernel SALTUS_KERNEL_NAME = {
     .measure = measure,
     .plan = plan,
     .evaluate = evaluate,
-    .operations = operations,
 };

@@ -14,9 +14,10 @@
 #define SALTUS_FLOW_KERNEL_H
 
 #include "base/memory.h"
+#include "base/simd.h"
 #include "system/system.h"
 
-enum { SALTUS_ORDER_MAX = 40, SALTUS_LANES_MAX = 16 };
+enum { SALTUS_LANES_MAX = SALTUS_PACK_MAX };
 
 typedef struct saltus_kernel saltus_kernel;
 
@@ -91,8 +92,6 @@ struct saltus_kernel {
     void (*plan)(saltus_work *work);
     /* Jets -> states at `advance`. */
     void (*evaluate)(saltus_work *work, int order);
-    /* Floating-point operations of one lane in one step, counted from the loops above. */
-    double (*operations)(const saltus_work *work);
 };
 
 /* The kernel for a model at width 1 or at this machine's SIMD width (0), chosen from the instruction sets

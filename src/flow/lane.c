@@ -17,9 +17,6 @@ unsigned saltus_flow_contacts(const saltus_flow *flow, int lane) {
 saltus_flow_info saltus_flow_information(const saltus_flow *flow, int lane) {
     return flow->lane[lane].info;
 }
-double saltus_flow_operations(const saltus_flow *flow) {
-    return flow->integrator == SALTUS_TAYLOR ? flow->kernel->operations(&flow->work) : 0;
-}
 double saltus_flow_step_length(const saltus_flow *flow, int lane) {
     return flow->lane[lane].step;
 }

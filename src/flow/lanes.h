@@ -16,16 +16,12 @@
 #define SALTUS_FLOW_LANES_H
 
 #include "base/simd.h"
-
-/* Everything in the kernel is inlined, so that the layout's constants reach the inner loops. */
-#define KERNEL_INLINE static inline __attribute__((always_inline))
-
-enum { MODES_MAX = 64 };
+#include "system/system.h"
 
 #if SALTUS_WIDE
 
 #define LANES SALTUS_PACK
-enum { ROW_PACKS_MAX = MODES_MAX, ORDERS_PER_PACK = 1, ORDERS_AT_ONCE = 2 };
+enum { ROW_PACKS_MAX = SALTUS_MODES_MAX, ORDERS_PER_PACK = 1, ORDERS_AT_ONCE = 2 };
 typedef saltus_pack lane_t;
 typedef saltus_pack_word lane_word;
 KERNEL_INLINE lane_word lane_bits(lane_t a) {
@@ -68,15 +64,15 @@ KERNEL_INLINE lane_t row_element(const saltus_pack *row, int i) {
     return row[i];
 }
 
-/* Terms i, i + 8, i + 16, ... first, then pairs four, two and one apart. */
+/* With 8 for the widest pack: terms i, i + 8, i + 16, ... first, then pairs four, two and one apart. */
 KERNEL_INLINE saltus_pack row_sum(const saltus_pack *row, int n, int packs) {
     (void)packs;
-    lane_t t[8];
-    for (int i = 0; i < 8; i++)
+    lane_t t[SALTUS_PACK_MAX];
+    for (int i = 0; i < SALTUS_PACK_MAX; i++)
         t[i] = i < n ? row[i] : lane_constant(0);
-    for (int i = 8; i < n; i++)
-        t[i % 8] += row[i];
-    for (int half = 4; half > 0; half /= 2)
+    for (int i = SALTUS_PACK_MAX; i < n; i++)
+        t[i % SALTUS_PACK_MAX] += row[i];
+    for (int half = SALTUS_PACK_MAX / 2; half > 0; half /= 2)
         for (int i = 0; i < half; i++)
             t[i] += t[i + half];
     return t[0];
@@ -123,7 +119,11 @@ KERNEL_INLINE lane_t lane_total(saltus_pack a) {
 #else
 
 #define LANES 1
-enum { ROW_PACKS_MAX = MODES_MAX / SALTUS_PACK, ORDERS_PER_PACK = SALTUS_PACK, ORDERS_AT_ONCE = SALTUS_PACK };
+enum {
+    ROW_PACKS_MAX = SALTUS_MODES_MAX / SALTUS_PACK,
+    ORDERS_PER_PACK = SALTUS_PACK,
+    ORDERS_AT_ONCE = SALTUS_PACK
+};
 typedef double lane_t;
 typedef unsigned long long lane_word;
 typedef union lane_both {
@@ -181,7 +181,7 @@ KERNEL_INLINE saltus_pack lane_alternate(lane_t even, lane_t odd, int order) {
 
 KERNEL_INLINE saltus_pack row_sum(const saltus_pack *row, int n, int packs) {
     (void)n;
-    enum { count = 8 / SALTUS_PACK };
+    enum { count = SALTUS_PACK_MAX / SALTUS_PACK };
     saltus_pack t[count];
     for (int i = 0; i < count; i++)
         t[i] = i < packs ? row[i] : (saltus_pack){0};

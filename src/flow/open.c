@@ -15,7 +15,7 @@ saltus_flow_options saltus_flow_defaults(void) {
 static int automatic_order(double rtol) {
     const double digits = -log10(rtol), margin = 0.35 * gsl_pow_2(fmax(0, digits - 12));
     int order = 2 * (int)lround(0.6 * digits + 1.45 + margin);
-    return order < 8 ? 8 : order;
+    return order < SALTUS_ORDER_MIN ? SALTUS_ORDER_MIN : order;
 }
 
 static saltus_status check_options(const saltus_flow_options *o, saltus_message *message) {
@@ -24,9 +24,9 @@ static saltus_status check_options(const saltus_flow_options *o, saltus_message 
                            o->rtol);
     if (!(o->atol >= 0 && o->atol <= 1))
         return saltus_fail(message, SALTUS_BAD_INPUT, "atol = %g: must be at least 0 and at most 1", o->atol);
-    if (o->order != 0 && (o->order < 8 || o->order > SALTUS_ORDER_MAX))
-        return saltus_fail(message, SALTUS_BAD_INPUT, "order = %d: must be 0 or from 8 to %d", o->order,
-                           SALTUS_ORDER_MAX);
+    if (o->order != 0 && (o->order < SALTUS_ORDER_MIN || o->order > SALTUS_ORDER_MAX))
+        return saltus_fail(message, SALTUS_BAD_INPUT, "order = %d: must be 0 or from %d to %d", o->order,
+                           SALTUS_ORDER_MIN, SALTUS_ORDER_MAX);
     if (o->columns < 0 || o->columns > 256)
         return saltus_fail(message, SALTUS_BAD_INPUT, "columns = %d: must be from 0 to 256", o->columns);
     if (o->directions < 0 || o->directions > SALTUS_DIRECTIONS_MAX || o->directions > o->columns)
@@ -90,7 +90,6 @@ static void load_system(saltus_work *work, const saltus_kernel *kernel, int lane
 }
 
 static saltus_status open_works(saltus_flow *flow, const saltus_system *const *systems) {
-    enum { probe_order = 8 };
     const saltus_system *first = systems[0];
     saltus_status status = saltus_work_open(&flow->work, flow->kernel, first, flow->options.order,
                                             flow->options.columns, flow->options.directions);
@@ -99,7 +98,7 @@ static saltus_status open_works(saltus_flow *flow, const saltus_system *const *s
     flow->work.tolerance_tangent = fmax(flow->options.rtol, 1e-13);
     for (int l = 0; l < flow->lanes && status == SALTUS_OK; l++) {
         load_system(&flow->work, flow->kernel, l, systems[l]);
-        status = saltus_work_open(&flow->probe[l], flow->narrow, first, probe_order, 0, 0);
+        status = saltus_work_open(&flow->probe[l], flow->narrow, first, SALTUS_ORDER_MIN, 0, 0);
         if (status == SALTUS_OK)
             load_system(&flow->probe[l], flow->narrow, 0, systems[l]);
     }
@@ -177,7 +176,7 @@ saltus_status saltus_flow_new(const saltus_system *const *systems, int lanes,
     if (!made)
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the flow");
     /* Lanes beyond those asked for idle at rest with the first lane's system. */
-    const saltus_system *all[16];
+    const saltus_system *all[SALTUS_LANES_MAX];
     for (int l = 0; l < made->lanes; l++)
         all[l] = made->lane[l].system = systems[l < lanes ? l : 0];
     status = open_works(made, all);
@@ -187,6 +186,14 @@ saltus_status saltus_flow_new(const saltus_system *const *systems, int lanes,
     }
     *flow = made;
     return SALTUS_OK;
+}
+
+saltus_status saltus_flow_single(const saltus_system *system, int columns, const saltus_flow_options *options,
+                                 saltus_flow **flow, saltus_message *message) {
+    saltus_flow_options own = *options;
+    own.columns = columns;
+    own.directions = 0;
+    return saltus_flow_new(&system, 1, &own, flow, message);
 }
 
 /* Everything that the works take from a lane's system and the directions, anew. */

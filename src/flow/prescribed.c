@@ -50,7 +50,7 @@ saltus_status saltus_flow_coast(saltus_flow *flow, int lane, saltus_time until, 
 static bool release_equation(saltus_flow *flow, int lane, int face, saltus_strike *strike) {
     saltus_lane *self = &flow->lane[lane];
     saltus_work *w = &flow->work;
-    double acceleration[64], jerk[64], delta[64];
+    double acceleration[SALTUS_MODES_MAX], jerk[SALTUS_MODES_MAX], delta[SALTUS_MODES_MAX];
     unsigned contacts = self->contacts;
     if (!saltus_contacts_set(flow, lane, contacts & ~(1u << face)))
         return false;
@@ -83,7 +83,7 @@ static bool apply_law(saltus_flow *flow, int lane, saltus_event_kind kind, int f
     saltus_lane *self = &flow->lane[lane];
     int n = flow->dof;
     unsigned elastic = kind == SALTUS_IMPACT ? 1u << face : 0;
-    double velocity[64];
+    double velocity[SALTUS_MODES_MAX];
     memset(self->face, 0, sizeof self->face);
     if (kind == SALTUS_RELEASE) {
         self->face[face].touch = 3;

@@ -39,7 +39,7 @@ struct saltus_radau {
     double *damp, *stiff;             /* the field's linear part at rest: [bin of the phase][mode][mode] */
     double *factors;                  /* [slot][mode][mode][16] */
     int slots, held[slots_max];       /* which factors a slot holds: key, from 1 */
-    int order[64];
+    int order[SALTUS_MODES_MAX];
     double *tolerance;  /* [column], in units of displacement */
     double *unit;       /* [column]: rounding */
     double *size;       /* [column]: at the step's start */

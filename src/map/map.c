@@ -74,10 +74,7 @@ saltus_status saltus_map_new(const saltus_system *system, const saltus_section *
     made->derivative = derivative;
     made->n = saltus_system_dimension(system);
     made->dimension = made->n + (section->kind != SALTUS_SECTION_STROBOSCOPIC);
-    saltus_flow_options own = *options;
-    own.columns = derivative ? made->n : 0;
-    own.directions = 0;
-    status = saltus_flow_new(&system, 1, &own, &made->flow, message);
+    status = saltus_flow_single(system, derivative ? made->n : 0, options, &made->flow, message);
     reserve(made);
     if (status == SALTUS_OK && !saltus_arena_open(&made->arena))
         status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the map");
@@ -102,9 +99,6 @@ void saltus_map_free(saltus_map *map) {
 
 int saltus_map_dimension(const saltus_map *map) {
     return map->dimension;
-}
-const saltus_system *saltus_map_system(const saltus_map *map) {
-    return map->system;
 }
 const saltus_flow *saltus_map_flow(const saltus_map *map) {
     return map->flow;

@@ -39,7 +39,7 @@ static saltus_status find_mirror(const saltus_system *system, saltus_flow *flow,
 static saltus_status measure_forces(const saltus_system *system, const saltus_classify_options *options,
                                     saltus_motion *motion, saltus_message *message) {
     saltus_flow *flow = NULL;
-    saltus_status status = saltus_flow_new(&system, 1, &options->flow, &flow, message);
+    saltus_status status = saltus_flow_single(system, 0, &options->flow, &flow, message);
     if (status == SALTUS_OK)
         status = saltus_flow_start(flow, 0, (saltus_time){0, 0}, motion->state, message);
     if (status == SALTUS_OK)
@@ -104,17 +104,15 @@ saltus_status saltus_motion_take(const saltus_system *system, saltus_flow *flow,
 saltus_status saltus_motion_describe(const saltus_system *system, const saltus_orbit *orbit,
                                      const saltus_classify_options *options, saltus_motion *motion,
                                      saltus_message *message) {
-    saltus_flow_options plain = options->flow;
     saltus_orbit_options shooting = saltus_motion_shooting(options);
     saltus_orbit shorter = {0};
     saltus_lap lap = {.keeps_events = true};
     saltus_flow *flow = NULL;
     *motion = (saltus_motion){0};
-    plain.columns = plain.directions = 0;
-    saltus_status status = saltus_flow_new(&system, 1, &plain, &flow, message);
+    saltus_status status = saltus_flow_single(system, 0, &options->flow, &flow, message);
     if (status == SALTUS_OK)
         status = saltus_lap_around(&lap, flow, orbit->state, orbit->periods, message);
-    int least = status == SALTUS_OK ? saltus_lap_least_period(&lap, &plain) : orbit->periods;
+    int least = status == SALTUS_OK ? saltus_lap_least_period(&lap, &options->flow) : orbit->periods;
     if (least < orbit->periods)
         status = saltus_return_polish(flow, least, orbit->state, &shooting, &shorter, &lap, message);
     if (status == SALTUS_OK && !saltus_motion_open(system, &options->flow, motion))
@@ -135,11 +133,8 @@ saltus_status saltus_motion_mirror(const saltus_system *system, const saltus_flo
     bool shift;
     if (!saltus_system_mirror_symmetric(system, &shift))
         return saltus_fail(message, SALTUS_BAD_INPUT, "the scene has no mirror symmetry");
-    saltus_flow_options plain = *options;
     saltus_flow *flow = NULL;
-    plain.columns = 0;
-    plain.directions = 0;
-    saltus_status status = saltus_flow_new(&system, 1, &plain, &flow, message);
+    saltus_status status = saltus_flow_single(system, 0, options, &flow, message);
     if (status == SALTUS_OK)
         status = saltus_mirror_image(flow, state, (saltus_time){0, shift ? 0.5 : 0}, state, message);
     saltus_flow_free(flow);
@@ -148,12 +143,9 @@ saltus_status saltus_motion_mirror(const saltus_system *system, const saltus_flo
 
 saltus_status saltus_motion_settle(const saltus_system *system, const saltus_flow_options *options,
                                    long long periods, double *state, saltus_message *message) {
-    saltus_flow_options plain = *options;
     saltus_flow *flow = NULL;
     saltus_event event;
-    plain.columns = 0;
-    plain.directions = 0;
-    saltus_status status = saltus_flow_new(&system, 1, &plain, &flow, message);
+    saltus_status status = saltus_flow_single(system, 0, options, &flow, message);
     if (status == SALTUS_OK)
         status = saltus_flow_start(flow, 0, (saltus_time){0, 0}, state, message);
     if (status == SALTUS_OK && periods > 0)

@@ -121,11 +121,9 @@ static saltus_status follow(saltus_ensemble *e, saltus_flow *flow, long long cyc
 
 /* The last member, at the end of the transient, becomes the first. */
 static saltus_status run_transient(saltus_ensemble *e, saltus_message *message) {
-    saltus_flow_options plain = e->options->flow;
     saltus_flow *flow = NULL;
-    plain.columns = plain.directions = 0;
     e->transient = e->options->transient;
-    saltus_status status = saltus_flow_new(&e->system, 1, &plain, &flow, message);
+    saltus_status status = saltus_flow_single(e->system, 0, &e->options->flow, &flow, message);
     if (status == SALTUS_OK)
         status = saltus_flow_start(flow, 0, (saltus_time){0, 0}, e->initial, message);
     for (int m = e->members - 1; m >= 0 && status == SALTUS_OK; m--) {

@@ -178,9 +178,7 @@ saltus_status saltus_record_run(const saltus_system *system, const double *state
                            per_period);
     recorder self = {
         .record = record, .system = system, .per_period = per_period, .last = periods * per_period};
-    saltus_flow_options plain = *options;
-    plain.columns = 0;
-    saltus_status status = saltus_flow_new(&system, 1, &plain, &self.flow, message);
+    saltus_status status = saltus_flow_single(system, 0, options, &self.flow, message);
     if (status == SALTUS_OK && (status = open_record(&self, periods)) != SALTUS_OK)
         saltus_fail(message, status, "no memory for a record of %lld samples", self.last + 1);
     if (status == SALTUS_OK)

@@ -89,14 +89,13 @@ static saltus_status confirm(saltus_search *s, saltus_message *message) {
 }
 
 saltus_status saltus_search_open(saltus_search *s, const double *state, saltus_message *message) {
-    saltus_flow_options flow_options = s->options->flow;
+    const saltus_flow_options *options = &s->options->flow;
     int n = saltus_system_dimension(s->system);
-    flow_options.columns = flow_options.directions = 0;
     s->lap.keeps_events = true;
-    saltus_status status = saltus_flow_new(&s->system, 1, &flow_options, &s->flow, message);
+    saltus_status status = saltus_flow_single(s->system, 0, options, &s->flow, message);
     if (status == SALTUS_OK)
-        status = saltus_flow_new(&s->system, 1, &flow_options, &s->beside, message);
-    double close = fmax(1e-9, 1e4 * flow_options.rtol);
+        status = saltus_flow_single(s->system, 0, options, &s->beside, message);
+    double close = fmax(1e-9, 1e4 * options->rtol);
     if (status == SALTUS_OK && !saltus_settling_open(&s->settling, n, s->options->longest, close))
         status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory to classify");
     if (status == SALTUS_OK)

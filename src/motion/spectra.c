@@ -90,8 +90,6 @@ static void set_row(const sampler *self, const saltus_quantity *quantity, int k)
 
 static saltus_status open_sampler(sampler *self, const saltus_system *system,
                                   const saltus_spectrum_options *options, saltus_message *message) {
-    saltus_flow_options flow = options->flow;
-    flow.columns = flow.directions = 0;
     *self = (sampler){.system = system,
                       .quantities = options->quantity_count,
                       .dimension = saltus_system_dimension(system),
@@ -104,7 +102,7 @@ static saltus_status open_sampler(sampler *self, const saltus_system *system,
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a spectrum");
     for (int k = 0; k < self->quantities; k++)
         set_row(self, &options->quantities[k], k);
-    return saltus_flow_new(&system, 1, &flow, &self->flow, message);
+    return saltus_flow_single(system, 0, &options->flow, &self->flow, message);
 }
 
 static void close_sampler(sampler *self) {

@@ -157,9 +157,7 @@ static double distance_of_basin(const search *s, saltus_flow *flow, const saltus
 static bool within_basin(const search *s, const saltus_motion *orbit, saltus_status *status,
                          saltus_message *message) {
     saltus_flow *flow = NULL;
-    saltus_flow_options plain = *s->flow;
-    plain.columns = plain.directions = 0;
-    *status = saltus_flow_new(&s->system, 1, &plain, &flow, message);
+    *status = saltus_flow_single(s->system, 0, s->flow, &flow, message);
     bool near = *status == SALTUS_OK && distance_of_basin(s, flow, orbit) < near_enough(s);
     saltus_flow_free(flow);
     return near;

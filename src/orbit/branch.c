@@ -45,18 +45,15 @@ static saltus_status check_options(const saltus_branch_options *o, double value,
 }
 
 static saltus_status open_parts(saltus_branch *b, saltus_message *message) {
-    saltus_flow_options flow = b->options.orbit.flow;
-    flow.columns = flow.directions = 0;
     saltus_status status = saltus_system_new(&b->spec, &b->system, message);
     if (status != SALTUS_OK)
         return status;
     b->n = saltus_system_dimension(b->system);
-    const saltus_system *system = b->system;
     b->state = calloc((size_t)b->n, sizeof *b->state);
     b->lap.keeps_events = true;
     if (!b->state || !saltus_lap_reserve(&b->lap, 1, b->n))
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch");
-    status = saltus_flow_new(&system, 1, &flow, &b->flow, message);
+    status = saltus_flow_single(b->system, 0, &b->options.orbit.flow, &b->flow, message);
     if (status == SALTUS_OK)
         status = saltus_pursuit_new(&b->spec, &b->direction, b->origin, b->unit, &b->options.orbit,
                                     &b->pursuit, message);

@@ -180,20 +180,14 @@ static double force_terms(const rest *r, int f) {
     return sum;
 }
 
-static double gap_terms(const rest *r, int f, const double *state) {
-    double sum = fabs(r->system->faces[f].d);
-    for (int i = 0; i < r->system->dof; i++)
-        sum += fabs(r->system->stop_normal[r->system->faces[f].stop][i] * state[i]);
-    return sum;
-}
-
 /* The contacts to try after those just solved with: the same if all push and no stop is passed. */
 static unsigned corrected_contacts(const rest *r) {
     int pulling = -1, passed = -1;
     double strongest = INFINITY, farthest = 0;
     for (int f = 0; f < r->system->face_count; f++) {
         double force = r->force[f] - nothing * force_terms(r, f);
-        double gap = saltus_system_gap(r->system, f, r->state) - 10 * nothing * gap_terms(r, f, r->state);
+        double gap = saltus_system_gap(r->system, f, r->state) -
+                     10 * nothing * saltus_system_gap_size(r->system, f, r->state);
         if (r->contacts >> f & 1) {
             if (force <= 0 && force < strongest) {
                 strongest = force;
@@ -209,11 +203,11 @@ static unsigned corrected_contacts(const rest *r) {
                          : r->contacts;
 }
 
-/* Faces that a state touches or passes. */
+/* Faces that a guess touches or passes, more or less. */
 static unsigned touched_faces(const rest *r, const double *state) {
     unsigned touched = 0;
     for (int f = 0; f < r->system->face_count; f++)
-        if (saltus_system_gap(r->system, f, state) > -1e-9 * gap_terms(r, f, state))
+        if (saltus_system_gap(r->system, f, state) > -1e-9 * saltus_system_gap_size(r->system, f, state))
             touched |= 1u << f;
     return touched;
 }
@@ -346,14 +340,13 @@ static saltus_status describe(rest *r, saltus_equilibrium *out, saltus_message *
 
 static saltus_status open_rest(rest *r, saltus_equilibrium *out, saltus_message *message) {
     saltus_flow_options options = saltus_flow_defaults();
-    options.columns = r->n;
     reserve(r);
     out->state = calloc((size_t)r->n, sizeof *out->state);
     out->eigenvalues = calloc((size_t)r->n, sizeof *out->eigenvalues);
     if (!(out->state && out->eigenvalues && saltus_arena_open(&r->arena)))
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the equilibrium");
     reserve(r);
-    return saltus_flow_new(&r->system, 1, &options, &r->flow, message);
+    return saltus_flow_single(r->system, r->n, &options, &r->flow, message);
 }
 
 saltus_status saltus_equilibrium_find(const saltus_system *system, const double *guess,

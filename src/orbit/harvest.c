@@ -194,15 +194,14 @@ static saltus_status arrange(const saltus_system *system, const saltus_harvest_o
                              saltus_harvest *harvest, saltus_message *message) {
     bool shift;
     double image[SALTUS_STATE_MAX];
-    saltus_flow_options plain = options->flow;
+    saltus_flow_options flow_options = options->flow;
     saltus_flow *flow = NULL;
     if (harvest->count)
         qsort(harvest->orbits, (size_t)harvest->count, sizeof *harvest->orbits, by_period);
     if (!saltus_system_mirror_symmetric(system, &shift))
         return SALTUS_OK;
-    plain.columns = plain.directions = 0;
-    plain.stop = NULL; /* what has been found is arranged in any case */
-    saltus_status status = saltus_flow_new(&system, 1, &plain, &flow, message);
+    flow_options.stop = NULL; /* what has been found is arranged in any case */
+    saltus_status status = saltus_flow_single(system, 0, &flow_options, &flow, message);
     for (int k = 0; k < harvest->count && status == SALTUS_OK; k++) {
         const saltus_orbit *orbit = &harvest->orbits[k].orbit;
         status = saltus_mirror_image(flow, orbit->state, (saltus_time){0, shift ? 0.5 : 0}, image, message);
@@ -257,11 +256,9 @@ saltus_status saltus_harvest_run(const saltus_system *system, const saltus_harve
     saltus_status status = check_options(system, options, message);
     if (status != SALTUS_OK)
         return status;
-    saltus_flow_options plain = options->flow;
     saltus_flow *flow = NULL;
     saltus_returns *returns = NULL;
-    plain.columns = plain.directions = 0;
-    status = saltus_flow_new(&system, 1, &plain, &flow, message);
+    status = saltus_flow_single(system, 0, &options->flow, &flow, message);
     if (status == SALTUS_OK)
         status = saltus_returns_new(system, options->longest, options->tries, options->recurrence, &returns,
                                     message);

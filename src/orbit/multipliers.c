@@ -1,4 +1,4 @@
-/* Floquet multipliers and vectors, small ones included.
+/* Floquet multipliers, small ones included.
  *
  * The derivative over an orbit is a product of derivatives over short segments, A_m ... A_1. Formed as one
  * matrix it loses every multiplier below rounding times the largest one, and at five modes they reach 1e-40,
@@ -9,10 +9,6 @@
  * left to the periodic QR iteration (base/periodic.h), which needs no separation. (Dieci & Van Vleck, Appl.
  * Numer. Math. 17 (1995) 275-291; Lust, Int. J. Bifurcation Chaos 11 (2001) 2389-2410.)
  *
- * Vectors: in the bases Q_k an invariant direction is y_k = R_k y_{k-1} without components beyond its block.
- * The block's part is an eigenvector of a small matrix. The components before it belong to larger
- * multipliers: R_k is solved for them backwards around the orbit, where they die out.
- *
  * An orbit with lasting contacts loses two dimensions per contact; as many multipliers are exact zeros.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "orbit/multipliers.h"
@@ -22,7 +18,6 @@
 #include "base/periodic.h"
 #include "orbit/volume.h"
 
-#include <complex.h>
 #include <lapacke.h>
 #include <math.h>
 #include <stdlib.h>
@@ -100,11 +95,8 @@ saltus_status saltus_cocycle_run(const saltus_system *system, const saltus_orbit
     int n = saltus_system_dimension(system);
     size_t square = (size_t)n * (size_t)n;
     *cocycle = (saltus_cocycle){.n = n, .count = count_segments(system, n, periods)};
-    saltus_flow_options flow_options = options->flow;
-    flow_options.columns = n;
-    flow_options.directions = 0;
     saltus_flow *flow = NULL;
-    saltus_status status = saltus_flow_new(&system, 1, &flow_options, &flow, message);
+    saltus_status status = saltus_flow_single(system, n, &options->flow, &flow, message);
     double *columns = calloc(square + (size_t)n, sizeof *columns);
     cocycle->segments = calloc(square * (size_t)cocycle->count, sizeof *cocycle->segments);
     if (status == SALTUS_OK && !(columns && cocycle->segments))
@@ -127,9 +119,8 @@ void saltus_cocycle_clear(saltus_cocycle *cocycle) {
 typedef struct iteration {
     saltus_arena arena;
     int n, count;
-    bool keep;              /* all bases, not only the first and the last */
     const double *segments; /* by columns */
-    double *bases;          /* Q_0 ... Q_m, or one place for each in turn */
+    double *basis;          /* Q_0 ... Q_m, each in turn */
     double *start;          /* Q_0 */
     double *turn;           /* T = Q_0^T Q_m */
     double *triangles;      /* R_1 ... R_m */
@@ -141,16 +132,9 @@ typedef struct iteration {
     double *product, *real, *imaginary, *work;
 } iteration;
 
-/* A multiplier and where it comes from: an eigenvalue of a block, which is scaled to order one. */
-typedef struct found_multiplier {
-    saltus_multiplier value;
-    int first, last;
-    double real, imaginary;
-} found_multiplier;
-
 static void reserve(iteration *it) {
     size_t n = (size_t)it->n, square = n * n, count = (size_t)it->count;
-    it->bases = saltus_arena_doubles(&it->arena, square * (it->keep ? count + 1 : 1));
+    it->basis = saltus_arena_doubles(&it->arena, square);
     it->start = saltus_arena_doubles(&it->arena, square);
     it->turn = saltus_arena_doubles(&it->arena, square);
     it->triangles = saltus_arena_doubles(&it->arena, square * count);
@@ -162,10 +146,6 @@ static void reserve(iteration *it) {
     it->real = saltus_arena_doubles(&it->arena, n);
     it->imaginary = saltus_arena_doubles(&it->arena, n);
     it->work = saltus_arena_doubles(&it->arena, 2 * n);
-}
-
-static double *basis_at(const iteration *it, int m) {
-    return it->bases + (it->keep ? (size_t)m * (size_t)(it->n * it->n) : 0);
 }
 
 static double *triangle_at(const iteration *it, int m) {
@@ -192,7 +172,7 @@ static void generic_basis(iteration *it) {
         state = (state * 1664525UL + 1013904223UL) & 0xffffffffUL;
         it->product[i] = (double)state / 4294967296.0 - 0.5;
     }
-    saltus_dense_qr(it->product, it->n, basis_at(it, it->count), it->work);
+    saltus_dense_qr(it->product, it->n, it->basis, it->work);
 }
 
 /* out = A_m q in balanced coordinates. */
@@ -211,18 +191,16 @@ static void multiply(const iteration *it, int m, const double *q, double *out) {
 /* One cycle of orthogonal iteration from the last basis. */
 static void cycle(iteration *it) {
     int n = it->n;
-    const double *last = basis_at(it, it->count);
-    memcpy(it->start, last, (size_t)(n * n) * sizeof *last);
-    memmove(it->bases, it->start, (size_t)(n * n) * sizeof *last);
+    memcpy(it->start, it->basis, (size_t)(n * n) * sizeof *it->start);
     for (int m = 0; m < it->count; m++) {
-        multiply(it, m, basis_at(it, m), triangle_at(it, m));
-        saltus_dense_qr(triangle_at(it, m), n, basis_at(it, m + 1), it->work);
+        multiply(it, m, it->basis, triangle_at(it, m));
+        saltus_dense_qr(triangle_at(it, m), n, it->basis, it->work);
     }
     memset(it->turn, 0, (size_t)(n * n) * sizeof *it->turn);
     for (int l = 0; l < n; l++)
         for (int i = 0; i < n; i++)
             for (int j = 0; j < n; j++)
-                it->turn[i * n + j] += it->start[l * n + i] * last[l * n + j];
+                it->turn[i * n + j] += it->start[l * n + i] * it->basis[l * n + j];
     memcpy(it->before, it->joins, (size_t)(n + 1) * sizeof *it->joins);
     for (int k = 1; k < n; k++) {
         it->joins[k] = 0;
@@ -242,16 +220,15 @@ static bool promising(const iteration *it, double cycles) {
     return false;
 }
 
-/* Cycles until none more would be worth its while: few, where the periodic QR iteration does the rest, many
- * where vectors are asked for. */
+/* Cycles until some more would not be worth their while: the periodic QR iteration does the rest. */
 static bool iterate(iteration *it) {
-    enum { cycles_min = 3, cycles_max = 300 };
+    enum { cycles_min = 3, cycles_max = 300, worthwhile = 3 };
     if (!balance(it))
         return false;
     generic_basis(it);
     for (int k = 0; k < cycles_max; k++) {
         cycle(it);
-        if (k + 1 >= cycles_min && !promising(it, it->keep ? cycles_max : 3))
+        if (k + 1 >= cycles_min && !promising(it, worthwhile))
             break;
     }
     return true;
@@ -306,18 +283,16 @@ static double fill_block(iteration *it, int first, int last) {
 }
 
 /* A real multiplier that stands alone. */
-static void single_multiplier(const iteration *it, int at, found_multiplier *out) {
+static saltus_multiplier single_multiplier(const iteration *it, int at) {
     double turn = it->turn[at * it->n + at], logarithm = log_growth(it, at) + log(fabs(turn));
-    *out = (found_multiplier){.value = {copysign(exp(logarithm), turn), 0, logarithm},
-                              .first = at,
-                              .last = at + 1,
-                              .real = copysign(1, turn)};
+    return (saltus_multiplier){copysign(exp(logarithm), turn), 0, logarithm};
 }
 
-static bool block_multipliers(iteration *it, int first, int last, found_multiplier *out) {
+/* Those of the block [first, last). */
+static bool block_multipliers(iteration *it, int first, int last, saltus_multiplier *out) {
     int size = last - first;
     if (size == 1) {
-        single_multiplier(it, first, out);
+        *out = single_multiplier(it, first);
         return true;
     }
     double scale = fill_block(it, first, last);
@@ -327,30 +302,22 @@ static bool block_multipliers(iteration *it, int first, int last, found_multipli
     for (int i = 0; i < size; i++) {
         double modulus = hypot(it->real[i], it->imaginary[i]), logarithm = scale + log(modulus);
         double value = exp(logarithm);
-        out[i] =
-            (found_multiplier){.value = {modulus > 0 ? value * (it->real[i] / modulus) : 0,
-                                         modulus > 0 ? value * (it->imaginary[i] / modulus) : 0, logarithm},
-                               .first = first,
-                               .last = last,
-                               .real = it->real[i],
-                               .imaginary = it->imaginary[i]};
+        out[i] = (saltus_multiplier){modulus > 0 ? value * (it->real[i] / modulus) : 0,
+                                     modulus > 0 ? value * (it->imaginary[i] / modulus) : 0, logarithm};
     }
     return true;
 }
 
 static int by_modulus(const void *a, const void *b) {
-    const saltus_multiplier *x = &((const found_multiplier *)a)->value,
-                            *y = &((const found_multiplier *)b)->value;
+    const saltus_multiplier *x = a, *y = b;
     if (x->log_modulus != y->log_modulus)
         return x->log_modulus < y->log_modulus ? 1 : -1;
     return x->im < y->im ? 1 : x->im > y->im ? -1 : 0;
 }
 
-/* All multipliers, sorted; the number of resolved ones goes to *resolved. */
-static bool find_multipliers(iteration *it, int zeros, found_multiplier *found, int *resolved,
-                             double *log_volume) {
+/* All multipliers, sorted. */
+static bool find_multipliers(iteration *it, int zeros, saltus_multiplier *found, double *log_volume) {
     int n = it->n, first = 0, count = count_resolved(it, zeros);
-    *resolved = count;
     *log_volume = count < n - zeros ? NAN : 0;
     for (int i = 1; i <= count; i++) {
         *log_volume += log_growth(it, i - 1);
@@ -361,187 +328,22 @@ static bool find_multipliers(iteration *it, int zeros, found_multiplier *found, 
         first = i;
     }
     for (int i = count; i < n; i++)
-        found[i].value = (saltus_multiplier){0, 0, i < n - zeros ? NAN : -INFINITY};
+        found[i] = (saltus_multiplier){0, 0, i < n - zeros ? NAN : -INFINITY};
     qsort(found, (size_t)count, sizeof *found, by_modulus);
     return true;
-}
-
-/* Null vector of a block's matrix T R_m ... R_1 less one of its eigenvalues, of unit length. */
-static bool block_vector(iteration *it, const found_multiplier *found, double complex *z) {
-    int size = found->last - found->first, parts = found->imaginary == 0 ? 1 : 2, all = parts * size;
-    size_t room = (size_t)(all * all);
-    double *matrix = calloc(room + (size_t)all, sizeof *matrix), smallest;
-    if (!matrix)
-        return false;
-    double *vector = matrix + room;
-    fill_block(it, found->first, found->last);
-    saltus_periodic_product(it->block + size * size, size, it->count, it->product);
-    for (int part = 0; part < parts; part++)
-        for (int i = 0; i < size; i++) {
-            double *row = matrix + (part * size + i) * all + part * size;
-            for (int k = 0; k < size; k++)
-                for (int j = k; j < size; j++)
-                    row[j] += it->block[i * size + k] * it->product[k * size + j];
-            row[i] -= found->real;
-            if (parts == 2)
-                row[part ? i - size : i + size] = part ? -found->imaginary : found->imaginary;
-        }
-    bool solved = saltus_dense_null_vectors(matrix, all, all, 1, vector, &smallest);
-    for (int i = 0; i < size; i++)
-        z[found->first + i] = vector[i] + (parts == 2 ? vector[size + i] : 0) * I;
-    free(matrix);
-    return solved;
-}
-
-/* The block's part of a vector forwards around the orbit; growth over each segment goes to `growth`. */
-static void carry_forwards(const iteration *it, const found_multiplier *found, double complex *path,
-                           double *growth) {
-    int n = it->n;
-    for (int m = 0; m < it->count; m++) {
-        const double *r = triangle_at(it, m);
-        const double complex *y = path + (size_t)m * (size_t)n;
-        double complex *next = path + (size_t)(m + 1) * (size_t)n;
-        double square = 0;
-        for (int i = found->first; i < found->last; i++) {
-            next[i] = 0;
-            for (int j = i; j < found->last; j++)
-                next[i] += r[i * n + j] * y[j];
-            square += creal(next[i]) * creal(next[i]) + cimag(next[i]) * cimag(next[i]);
-        }
-        growth[m] = sqrt(square);
-        for (int i = found->first; i < found->last; i++)
-            next[i] /= growth[m];
-    }
-}
-
-/* The components before the block, once backwards around the orbit from those at its end. */
-static void carry_backwards(const iteration *it, const found_multiplier *found, double complex *path,
-                            const double *growth) {
-    int n = it->n;
-    for (int m = it->count - 1; m >= 0; m--) {
-        const double *r = triangle_at(it, m);
-        double complex *y = path + (size_t)m * (size_t)n;
-        const double complex *next = y + n;
-        for (int i = found->first - 1; i >= 0; i--) {
-            double complex sum = growth[m] * next[i];
-            for (int j = i + 1; j < found->last; j++)
-                sum -= r[i * n + j] * y[j];
-            y[i] = sum / r[i * n + i];
-        }
-    }
-}
-
-/* What the components before the block must be at the end for a vector that closes; returns the change. */
-static double close_path(const iteration *it, const found_multiplier *found, double complex *path) {
-    int n = it->n;
-    double complex *end = path + (size_t)it->count * (size_t)n;
-    double complex turn = (found->real + found->imaginary * I) / hypot(found->real, found->imaginary);
-    double change = 0;
-    for (int i = 0; i < found->first; i++) {
-        double complex sum = 0;
-        for (int j = 0; j < found->first; j++)
-            sum += it->turn[j * n + i] * path[j];
-        change = fmax(change, cabs(turn * sum - end[i]));
-        end[i] = turn * sum;
-    }
-    return change;
-}
-
-/* Components y in the bases Q_m to vectors of unit length in the caller's coordinates. */
-static void write_vectors(const iteration *it, const found_multiplier *found, const double complex *path,
-                          double *vectors) {
-    int n = it->n;
-    for (int m = 0; m < it->count; m++) {
-        const double complex *y = path + (size_t)m * (size_t)n;
-        double *real = vectors + (size_t)m * 2 * (size_t)n, *imaginary = real + n, square = 0;
-        for (int i = 0; i < n; i++) {
-            double complex sum = 0;
-            for (int j = 0; j < found->last; j++)
-                sum += basis_at(it, m)[i * n + j] * y[j];
-            real[i] = it->balance[i] * creal(sum);
-            imaginary[i] = it->balance[i] * cimag(sum);
-            square += real[i] * real[i] + imaginary[i] * imaginary[i];
-        }
-        for (int i = 0; i < 2 * n; i++)
-            real[i] /= sqrt(square);
-    }
-}
-
-static bool find_vector(iteration *it, const found_multiplier *found, double complex *path, double *growth,
-                        double *vectors) {
-    enum { cycles_max = 1000 };
-    size_t length = (size_t)it->n * (size_t)(it->count + 1);
-    memset(path, 0, length * sizeof *path);
-    if (!block_vector(it, found, path))
-        return false;
-    carry_forwards(it, found, path, growth);
-    double change = INFINITY, before = INFINITY;
-    for (int k = 0; k < cycles_max && found->first > 0; k++) {
-        carry_backwards(it, found, path, growth);
-        before = change;
-        change = close_path(it, found, path);
-        if (change == 0 || (change < 1e-10 && change >= 0.5 * before))
-            break;
-    }
-    write_vectors(it, found, path, vectors);
-    return true;
-}
-
-static saltus_status open_iteration(iteration *it, found_multiplier **found, saltus_message *message) {
-    reserve(it);
-    *found = calloc((size_t)it->n, sizeof **found);
-    if (!(*found && saltus_arena_open(&it->arena)))
-        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the multipliers");
-    reserve(it);
-    return SALTUS_OK;
-}
-
-static saltus_status no_convergence(saltus_message *message) {
-    return saltus_fail(message, SALTUS_NO_CONVERGENCE, "the multipliers' eigenvalue iteration fails");
 }
 
 saltus_status saltus_cocycle_multipliers(const double *segments, int n, int count, int zeros,
                                          saltus_multiplier *out, double *log_volume,
                                          saltus_message *message) {
     iteration it = {.n = n, .count = count, .segments = segments};
-    found_multiplier *found = NULL;
-    int resolved;
-    saltus_status status = open_iteration(&it, &found, message);
-    if (status == SALTUS_OK && !(iterate(&it) && find_multipliers(&it, zeros, found, &resolved, log_volume)))
-        status = no_convergence(message);
-    for (int i = 0; i < n && status == SALTUS_OK; i++)
-        out[i] = found[i].value;
-    saltus_arena_close(&it.arena);
-    free(found);
-    return status;
-}
-
-saltus_status saltus_cocycle_vectors(const double *segments, int n, int count, int zeros, int wanted,
-                                     saltus_multiplier *out, double *vectors, saltus_message *message) {
-    iteration it = {.n = n, .count = count, .keep = true, .segments = segments};
-    found_multiplier *found = NULL;
-    int resolved = 0;
-    double log_volume;
-    size_t length = 2 * (size_t)n * (size_t)count;
-    saltus_status status = open_iteration(&it, &found, message);
-    double complex *path = calloc((size_t)n * (size_t)(count + 1), sizeof *path);
-    double *growth = calloc((size_t)count, sizeof *growth);
-    if (status == SALTUS_OK && !(path && growth))
-        status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the eigenvectors");
-    if (status == SALTUS_OK && !(iterate(&it) && find_multipliers(&it, zeros, found, &resolved, &log_volume)))
-        status = no_convergence(message);
-    for (int i = 0; i < wanted && status == SALTUS_OK; i++) {
-        double *vector = vectors + (size_t)i * length;
-        for (size_t k = 0; k < length; k++)
-            vector[k] = NAN;
-        if (i < resolved && !find_vector(&it, &found[i], path, growth, vector))
-            status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the eigenvectors");
-    }
-    for (int i = 0; i < n && status == SALTUS_OK; i++)
-        out[i] = found[i].value;
-    free(path);
-    free(growth);
-    free(found);
+    saltus_status status = SALTUS_OK;
+    reserve(&it);
+    if (!saltus_arena_open(&it.arena))
+        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the multipliers");
+    reserve(&it);
+    if (!(iterate(&it) && find_multipliers(&it, zeros, out, log_volume)))
+        status = saltus_fail(message, SALTUS_NO_CONVERGENCE, "the multipliers' eigenvalue iteration fails");
     saltus_arena_close(&it.arena);
     return status;
 }
@@ -580,55 +382,6 @@ saltus_status saltus_orbit_multipliers(const saltus_system *system, const saltus
                                             orbit->multipliers, &orbit->log_volume, message);
     }
     free(product);
-    saltus_cocycle_clear(&cocycle);
-    return status;
-}
-
-/* Unit length beside the scales, the largest component real and positive. */
-static void normalise(const saltus_system *system, double *vector) {
-    int n = saltus_system_dimension(system);
-    const double *scale = saltus_system_scale(system);
-    double *real = vector, *imaginary = vector + n, square = 0, largest = 0;
-    double complex turn = 1;
-    for (int i = 0; i < n; i++) {
-        double complex z = (real[i] + imaginary[i] * I) / scale[i];
-        square += cabs(z) * cabs(z);
-        if (cabs(z) > largest) {
-            largest = cabs(z);
-            turn = conj(z) / largest;
-        }
-    }
-    for (int i = 0; i < n; i++) {
-        double complex z = turn * (real[i] + imaginary[i] * I) / sqrt(square);
-        real[i] = creal(z);
-        imaginary[i] = cimag(z);
-    }
-}
-
-saltus_status saltus_orbit_eigenvectors(const saltus_system *system, const saltus_orbit_options *options,
-                                        const saltus_orbit *orbit, int wanted, saltus_multiplier *multipliers,
-                                        double *vectors, saltus_message *message) {
-    size_t n = (size_t)orbit->dimension;
-    saltus_cocycle cocycle;
-    saltus_status status =
-        saltus_cocycle_run(system, options, orbit->periods, orbit->state, &cocycle, message);
-    size_t length = 2 * n * (size_t)cocycle.count;
-    double *all = calloc((size_t)wanted * length + 1, sizeof *all);
-    saltus_multiplier *found = calloc(n, sizeof *found);
-    if (status == SALTUS_OK && !(all && found))
-        status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the eigenvectors");
-    if (status == SALTUS_OK)
-        status = saltus_cocycle_vectors(cocycle.segments, cocycle.n, cocycle.count, cocycle.zeros, wanted,
-                                        found, all, message);
-    for (int i = 0; i < wanted && status == SALTUS_OK; i++) {
-        double *vector = vectors + (size_t)i * 2 * n;
-        memcpy(vector, all + (size_t)i * length, 2 * n * sizeof *vector);
-        normalise(system, vector);
-        if (multipliers)
-            multipliers[i] = found[i];
-    }
-    free(all);
-    free(found);
     saltus_cocycle_clear(&cocycle);
     return status;
 }

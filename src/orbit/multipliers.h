@@ -1,4 +1,4 @@
-/* Floquet multipliers and vectors of an orbit, from its derivative in short segments.
+/* Floquet multipliers of an orbit, from its derivative in short segments.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_ORBIT_MULTIPLIERS_H
 #define SALTUS_ORBIT_MULTIPLIERS_H
@@ -28,27 +28,10 @@ void saltus_cocycle_clear(saltus_cocycle *cocycle);
 saltus_status saltus_cocycle_multipliers(const double *segments, int n, int count, int zeros,
                                          saltus_multiplier *out, double *log_volume, saltus_message *message);
 
-/* The multipliers and the right eigenvectors of the first `wanted` of them, carried along: `vectors` holds
- * for each of these, and for the start of each segment, the real and the imaginary part (wanted x count x 2 x
- * n), of unit Euclidean length together. A segment takes a vector to a positive multiple of the next one, the
- * last segment to a positive multiple of the first one times mu / |mu|. NAN for zeros and where not resolved.
- */
-saltus_status saltus_cocycle_vectors(const double *segments, int n, int count, int zeros, int wanted,
-                                     saltus_multiplier *out, double *vectors, saltus_message *message);
-
 /* Fill orbit->monodromy, multipliers, sticks, log_volume and sum_rule from orbit->state, which must be a
  * periodic point of period orbit->periods. The arrays are allocated. Errors: those of the flow,
  * SALTUS_NO_MEMORY. */
 saltus_status saltus_orbit_multipliers(const saltus_system *system, const saltus_orbit_options *options,
                                        saltus_orbit *orbit, saltus_message *message);
-
-/* Right eigenvectors of the monodromy matrix at the section, by decreasing modulus of the multipliers, which
- * go to `multipliers` (wanted; may be NULL). `vectors` holds for each the real and the imaginary part (wanted
- * x 2 x dimension); divided by the system's scales they have unit Euclidean length together, and their
- * largest component is real and positive. NAN for zeros and where not resolved. Costs one more run around the
- * orbit. Errors: those of the flow, SALTUS_NO_MEMORY, SALTUS_NO_CONVERGENCE. */
-saltus_status saltus_orbit_eigenvectors(const saltus_system *system, const saltus_orbit_options *options,
-                                        const saltus_orbit *orbit, int wanted, saltus_multiplier *multipliers,
-                                        double *vectors, saltus_message *message);
 
 #endif

@@ -217,8 +217,6 @@ static saltus_status hunt(search *s, int periods, const double *guess, const sal
 static saltus_status open_search(search *s, const saltus_system *system, const saltus_orbit_options *options,
                                  saltus_message *message) {
     int n = saltus_system_dimension(system);
-    saltus_flow_options flow = options->flow;
-    flow.columns = flow.directions = 0;
     s->n = n;
     s->lap.keeps_events = true;
     s->state = calloc(2 * (size_t)n, sizeof *s->state);
@@ -226,7 +224,7 @@ static saltus_status open_search(search *s, const saltus_system *system, const s
     saltus_status status =
         s->state ? SALTUS_OK : saltus_fail(message, SALTUS_NO_MEMORY, "no memory for shooting");
     if (status == SALTUS_OK)
-        status = saltus_flow_new(&system, 1, &flow, &s->flow, message);
+        status = saltus_flow_single(system, 0, &options->flow, &s->flow, message);
     if (status == SALTUS_OK)
         status = saltus_pursuit_new(saltus_system_spec(system), NULL, 0, 1, options, &s->pursuit, message);
     return status;

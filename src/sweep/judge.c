@@ -217,13 +217,12 @@ static void keep_orbit(saltus_trajectory *t, int periods) {
 /* Sticking makes an orbit superstable, and whether a chatter is complete may hang on the tolerance: an orbit
  * that sticks must close with the tightest one too. */
 static bool closes_tightly(saltus_trajectory *t, int periods) {
-    const saltus_system *system = t->system;
     saltus_flow_options options = saltus_flow_defaults();
     saltus_flow *flow = NULL;
     saltus_event event;
     double end[SALTUS_STATE_MAX];
     options.integrator = t->sweep->options.flow.integrator;
-    saltus_status status = saltus_flow_new(&system, 1, &options, &flow, NULL);
+    saltus_status status = saltus_flow_single(t->system, 0, &options, &flow, NULL);
     t->starved |= status == SALTUS_NO_MEMORY;
     if (status == SALTUS_OK)
         status = saltus_flow_start(flow, 0, (saltus_time){0, 0}, t->state, NULL);

@@ -9,18 +9,17 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "sweep/sweep.h"
 
+#include "flow/kernel.h"
 #include "system/system.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-enum { lanes_max = 16 };
-
 /* A flow and the trajectories in its lanes. */
 typedef struct lane_set {
     saltus_flow *flow;
     int lanes, live;
-    saltus_trajectory *at[lanes_max]; /* NULL: the lane rests */
+    saltus_trajectory *at[SALTUS_LANES_MAX]; /* NULL: the lane rests */
 } lane_set;
 
 typedef struct worker {
@@ -30,8 +29,8 @@ typedef struct worker {
     lane_set plain, tangent;
     saltus_flow *single[2]; /* of one lane, without and with a tangent vector; made when they are needed */
     int size, waiting;
-    saltus_trajectory *queue[2 * lanes_max]; /* that wait for a lane without a tangent vector */
-    saltus_trajectory trajectory[2 * lanes_max];
+    saltus_trajectory *queue[2 * SALTUS_LANES_MAX]; /* that wait for a lane without a tangent vector */
+    saltus_trajectory trajectory[2 * SALTUS_LANES_MAX];
 } worker;
 
 static int lane_count(const saltus_sweep *sweep) {
@@ -42,7 +41,7 @@ static int lane_count(const saltus_sweep *sweep) {
 }
 
 static bool open_flow(const worker *w, int lanes, int columns, saltus_flow **flow) {
-    const saltus_system *systems[lanes_max];
+    const saltus_system *systems[SALTUS_LANES_MAX];
     saltus_flow_options options = w->sweep->options.flow;
     saltus_message message = {""};
     options.columns = columns;

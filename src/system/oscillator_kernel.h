@@ -102,16 +102,4 @@ KERNEL_INLINE void model_order(frame f, int k, int c, double inverse, saltus_pac
                                               -*SCALAR(oscillator_rate_z) * *EXTRA(k, c));
 }
 
-static double model_forcing_operations(const saltus_work *w) {
-    return w->order + 1;
-}
-
-/* The operations of model_order. */
-static double model_operations(const saltus_work *w, int k, int c) {
-    const bool extra = w->terms & SALTUS_TERM_EXTRA;
-    const double row = 4.0 * w->dof + 1 + (w->terms & SALTUS_TERM_FORCED && c == 0 ? 2 : 0) +
-                       (extra ? 2 : 0) + (k == 0 && c == 0 ? 1 : 0);
-    return w->dof * row + (extra ? 4 : 0);
-}
-
 #endif

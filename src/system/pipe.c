@@ -9,7 +9,7 @@
 enum { p_N, p_alpha, p_beta, p_kappa, p_u0, p_sigma, p_omega };
 
 static const saltus_parameter parameters[] = {
-    [p_N] = {"N", true, 5, 1, 64, false, false, "number of Galerkin modes"},
+    [p_N] = {"N", true, 5, 1, SALTUS_MODES_MAX, false, false, "number of Galerkin modes"},
     [p_alpha] = {"alpha", false, 0.005, 0, 10, false, false, "Kelvin-Voigt material damping"},
     [p_beta] = {"beta", false, 0.64, 0, 1, false, true, "fluid mass over total mass"},
     [p_kappa] = {"kappa", false, 5000, 0, 1e9, false, false, "axial-stretching stiffness A L^2 / (2 I)"},

@@ -359,32 +359,6 @@ KERNEL_INLINE void model_order(frame f, int k, int c, double inverse, saltus_pac
     }
 }
 
-static double model_forcing_operations(const saltus_work *w) {
-    const int last = w->order < w->forcing_orders ? w->order : w->forcing_orders;
-    return w->terms & SALTUS_TERM_FORCED ? 8.0 * (last + 1) : 8;
-}
-
-/* The operations of model_order, loop by loop. */
-static double model_operations(const saltus_work *w, int k, int c) {
-    const bool cubic = w->terms & SALTUS_TERM_CUBIC, coupled = w->terms & SALTUS_TERM_COUPLED;
-    const int forcing = w->terms & SALTUS_TERM_FORCED ? w->forcing_orders : 0;
-    const int moving = k < forcing ? k : forcing, slope = k - 2 < forcing ? k - 2 : forcing;
-    const double n = w->dof, couple = coupled ? 4 * (w->dof / 2) * ((w->dof + 1) / 2) : 0;
-    double row = 2 + 2 + 1, sum = couple;
-    if (k % 2 == 0) {
-        const int inner = c ? 4 * k + 2 : 2 * k + 2, own = c && k > 0 ? 4 * (k - 1) + 2 : 0;
-        row += 4 * moving + 2 + 2 + (k > 0 ? 8 + 4 * (k - 2) + 4 * slope + 10 : 8);
-        row += cubic ? inner + own : 0;
-        sum += forcing ? 2 * couple : 0;
-    }
-    if (cubic) {
-        row += c ? 5 : 3;
-        sum += n - 1 + 11;
-    }
-    row += (cubic ? 2 : 0) + (c || !cubic ? 2 : 0) + (k > 0 ? 2 : 0) + (k > 0 && c && cubic ? 2 : 0);
-    return sum + n * row;
-}
-
 /* Derivatives of the drives. The angle theta + omega t changes by (elapsed + t) d omega, `elapsed` being the
  * time since theta was fixed; order k of t times a series is the series' order k - 1. */
 KERNEL_INLINE void model_vary_forcing(frame f, int d, int order, lane_t sine, lane_t cosine) {

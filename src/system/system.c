@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "system/system.h"
 
+#include <float.h>
 #include <gsl/gsl_math.h>
 #include <math.h>
 #include <stdlib.h>
@@ -197,7 +198,7 @@ static bool faces_symmetric(const saltus_system *system) {
 static int count_forcing_orders(const saltus_system *system) {
     double term = 1, angle = 6 * system->omega / system->rate;
     int order = 0;
-    while (order < 40 && term > 1e-19)
+    while (order < SALTUS_ORDER_MAX && term > 1e-19)
         term *= angle / ++order;
     return order;
 }
@@ -321,6 +322,12 @@ double saltus_system_gap_size(const saltus_system *system, int face, const doubl
     return size;
 }
 
+int saltus_system_gap_sign(const saltus_system *system, int face, const double *state) {
+    double gap = saltus_system_gap(system, face, state);
+    double rounding = 8 * DBL_EPSILON * saltus_system_gap_size(system, face, state);
+    return (gap > rounding) - (gap < -rounding);
+}
+
 double saltus_system_trace(const saltus_system *system, const double *state) {
     return system->spec.model->trace(system, state);
 }
@@ -387,12 +394,12 @@ saltus_status saltus_system_check_state(const saltus_system *system, const doubl
                                i + 1);
     for (int f = 0; f < system->face_count; f++) {
         saltus_face face = system->faces[f];
-        double gap = saltus_system_gap(system, f, state);
-        if (gap > 4 * GSL_DBL_EPSILON * saltus_system_gap_size(system, f, state))
+        if (saltus_system_gap_sign(system, f, state) > 0)
             return saltus_fail(
                 message, SALTUS_BAD_INPUT,
                 "initial state: the displacement %.6g at stop %d is beyond its %s side (d = %g)",
-                face.side * (gap + face.d), face.stop + 1, face.side > 0 ? "upper" : "lower", face.d);
+                face.side * (saltus_system_gap(system, f, state) + face.d), face.stop + 1,
+                face.side > 0 ? "upper" : "lower", face.d);
     }
     return SALTUS_OK;
 }

@@ -6,7 +6,14 @@
 #include "base/memory.h"
 #include "saltus/system.h"
 
-enum { SALTUS_SCALARS_MAX = 12, SALTUS_ROWS_MAX = 8, SALTUS_COUPLINGS_MAX = 2 };
+enum {
+    SALTUS_MODES_MAX = 64, /* degrees of freedom */
+    SALTUS_ORDER_MIN = 8,  /* of Taylor series */
+    SALTUS_ORDER_MAX = 40,
+    SALTUS_SCALARS_MAX = 12,
+    SALTUS_ROWS_MAX = 8,
+    SALTUS_COUPLINGS_MAX = 2
+};
 
 /* The numbers a model's kernel works with. Scalars and rows may differ between the lanes of one flow;
  * couplings depend on the number of degrees of freedom alone and are shared. */
@@ -50,6 +57,8 @@ struct saltus_system {
 
 /* The sizes that a face's gap is the difference of: rounding moves it by parts in 1e16 of these. */
 double saltus_system_gap_size(const saltus_system *system, int face, const double *state);
+/* Whether a state is off a face (-1), on it but for rounding (0) or beyond it (1). */
+int saltus_system_gap_sign(const saltus_system *system, int face, const double *state);
 
 /* How a system changes along a direction in parameter space: the derivative of all that a flow takes from it.
  */

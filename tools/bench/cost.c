@@ -1,7 +1,8 @@
 /* Costs of the parts of a run, measured on the pipe at omega = 42 unless a row says otherwise.
  *
- * Times are medians of repeated stretches of the same settled motion; the operations in a step are counted by
- * the library and free of noise. A scene that does not ask for a feature should take neither.
+ * Times are medians of repeated stretches of the same settled motion; the steps and the evaluations of the
+ * field in a step (for Taylor series the orders expanded) are counted by the library and free of noise. A
+ * scene that does not ask for a feature should take neither.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "cost.h"
 
@@ -25,7 +26,7 @@ typedef struct asked {
 
 /* Mean over a stretch. */
 typedef struct spent {
-    double us, steps, impacts, operations;
+    double us, steps, impacts, evaluations;
 } spent;
 
 static cost_row *add_row(cost_table *costs, const char *table, const char *what) {
@@ -38,7 +39,7 @@ static cost_row *add_row(cost_table *costs, const char *table, const char *what)
 static void fill_row(cost_row *row, const spent *s, double base) {
     row->us = s->us;
     row->steps = s->steps;
-    row->operations = s->operations > 0 ? s->operations : NAN;
+    row->evaluations = s->evaluations;
     row->impacts = s->impacts;
     row->ratio = s->us / base;
 }
@@ -124,7 +125,8 @@ static bool measure_stretches(saltus_flow *flow, const saltus_system *system, co
     *s = (spent){.us = 1e6 * median(seconds, stretches),
                  .steps = (double)(after.steps - before.steps) / periods,
                  .impacts = (double)(after.impacts - before.impacts) / periods,
-                 .operations = saltus_flow_operations(flow)};
+                 .evaluations = (double)(after.field_evaluations - before.field_evaluations) /
+                                (double)(after.steps - before.steps)};
     return true;
 }
 
@@ -260,7 +262,7 @@ static bool cost_of_lanes(cost_table *costs, int settle, int length) {
     const int width = done ? saltus_flow_width(systems[0]) : 0;
     for (int lanes = 1; lanes <= lanes_max && lanes <= width && done; lanes *= 2) {
         char what[96];
-        spent s = {.steps = NAN, .impacts = NAN};
+        spent s = {.steps = NAN, .impacts = NAN, .evaluations = NAN};
         done = measure_lanes(systems, lanes, settle, length, &s.us);
         base = lanes == 1 ? s.us : base;
         snprintf(what, sizeof what, "%d lane%s", lanes, lanes > 1 ? "s" : "");
@@ -321,7 +323,7 @@ static bool measure_threads(int threads, int points, int periods, double *us) {
 static bool cost_of_threads(cost_table *costs, bool quick) {
     double base = NAN;
     for (int threads = 1; threads <= 2; threads++) {
-        spent s = {.steps = NAN, .impacts = NAN};
+        spent s = {.steps = NAN, .impacts = NAN, .evaluations = NAN};
         char what[96];
         if (!measure_threads(threads, quick ? 64 : 256, quick ? 200 : 400, &s.us))
             return false;
@@ -362,7 +364,7 @@ static bool cost_of_classification(cost_table *costs) {
     saltus_spec spec = pipe_of(42, 5);
     saltus_system *system = NULL;
     double state[SALTUS_SCENE_STATE_MAX];
-    spent plain = {.steps = NAN, .impacts = NAN}, classified = plain;
+    spent plain = {.steps = NAN, .impacts = NAN, .evaluations = NAN}, classified = plain;
     set_stop(&spec, &(asked){.stop = true, .d = 0.035});
     const bool done = saltus_system_new(&spec, &system, NULL) == SALTUS_OK &&
                       saltus_system_default_state(system, state, NULL) == SALTUS_OK &&
@@ -389,7 +391,7 @@ static void print_number(FILE *file, const char *format, double value) {
 }
 
 void cost_csv(FILE *file, const cost_table *costs) {
-    fprintf(file, "table,what,us,steps,operations_per_step,impacts,ratio\n");
+    fprintf(file, "table,what,us,steps,evaluations_per_step,impacts,ratio\n");
     for (int k = 0; k < costs->count; k++) {
         const cost_row *row = &costs->rows[k];
         fprintf(file, "%s,\"%s\",", row->table, row->what);
@@ -397,7 +399,7 @@ void cost_csv(FILE *file, const cost_table *costs) {
         fprintf(file, ",");
         print_number(file, "%.4g", row->steps);
         fprintf(file, ",");
-        print_number(file, "%.0f", row->operations);
+        print_number(file, "%.4g", row->evaluations);
         fprintf(file, ",");
         print_number(file, "%.4g", row->impacts);
         fprintf(file, ",");
@@ -409,7 +411,7 @@ void cost_csv(FILE *file, const cost_table *costs) {
 static void print_table(FILE *file, const cost_table *costs, const char *table, const char *head,
                         const char *unit) {
     fprintf(file,
-            "| %s | %s | ratio | steps | operations in a step | impacts |\n"
+            "| %s | %s | ratio | steps | evaluations in a step | impacts |\n"
             "| --- | --- | --- | --- | --- | --- |\n",
             head, unit);
     for (int k = 0; k < costs->count; k++) {
@@ -421,7 +423,7 @@ static void print_table(FILE *file, const cost_table *costs, const char *table, 
         fprintf(file, " | ");
         print_number(file, "%.1f", row->steps);
         fprintf(file, " | ");
-        print_number(file, "%.0f", row->operations);
+        print_number(file, "%.4g", row->evaluations);
         fprintf(file, " | ");
         print_number(file, "%.1f", row->impacts);
         fprintf(file, " |\n");
@@ -449,6 +451,7 @@ void cost_print(FILE *file, const cost_table *costs, bool brief) {
     print_table(file, costs, "terms", "terms of the field (u0 = 2, alpha = 0)", "µs a step");
     print_short(file, costs, others, 3, "verdicts, and many trajectories (d = 0.035)", "µs a period of one");
     if (!brief)
-        fprintf(file, "Settled motion, rtol 1e-13; threads: a sweep over omega at rtol 1e-10.\n\n");
+        fprintf(file, "Settled motion, rtol 1e-13; threads: a sweep over omega at rtol 1e-10. Evaluations of "
+                      "the field: orders of a Taylor series, or nodes of all sweeps of collocation.\n\n");
     print_table(file, costs, "modes", "modes (ratio to N = 5)", "µs a period");
 }

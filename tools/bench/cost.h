@@ -12,11 +12,11 @@ enum { cost_rows_max = 64 };
 typedef struct cost_row {
     const char *table;
     char what[96];
-    double us;         /* CPU time of one forcing period of one trajectory; threads: wall time */
-    double steps;      /* of the integrator in a period */
-    double operations; /* floating-point operations in a step without an event */
-    double impacts;    /* in a period */
-    double ratio;      /* of the times, to the row that the table compares with */
+    double us;          /* CPU time of one forcing period of one trajectory; threads: wall time */
+    double steps;       /* of the integrator in a period */
+    double evaluations; /* of the field in a step; Taylor series: orders expanded */
+    double impacts;     /* in a period */
+    double ratio;       /* of the times, to the row that the table compares with */
 } cost_row;
 
 typedef struct cost_table {

@@ -33,8 +33,7 @@ static saltus_flow *open_flow(const problem *p, saltus_integrator integrator, do
     options.rtol = rtol;
     options.atol = 1e-3 * rtol;
     options.integrator = integrator;
-    options.columns = tangents ? p->orbit.n : 0;
-    return saltus_flow_new((const saltus_system *const *)&p->system, 1, &options, &flow, NULL) == SALTUS_OK
+    return saltus_flow_single(p->system, tangents ? p->orbit.n : 0, &options, &flow, NULL) == SALTUS_OK
                ? flow
                : NULL;
 }

@@ -21,7 +21,6 @@
  * scaled by the time simulated); --check compares all counts with those of steps of at most 1e-3 at rtol
  * 1e-13, on every k-th omega; --calibrate, with --rivals of the other libraries too.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "peak.h"
 #include "sweep_measure.h"
 
 #include <math.h>
@@ -223,17 +222,14 @@ static bool check(sweep *s) {
     return wrong == 0;
 }
 
-/* How much of the core's peak the flow reaches with one thread. */
-static void print_operations(const row *rows, int count) {
-    const char *instructions;
-    const double peak = bench_peak(&instructions);
-    printf("\nPeak of this core (%s): %.1f GFlop/s.\n", instructions, 1e-9 * peak);
+/* What an order of one lane's series takes, with all that goes on around it. */
+static void print_orders(const row *rows, int count) {
+    printf("\n");
     for (int k = 0; k < count; k++) {
         const sweep_cost *cost = &rows[k].cost;
-        if (rows[k].program->own.threads == 1)
-            printf("%s: %.0f operations in a step, %.2f GFlop/s, %.2f of the peak.\n", rows[k].program->name,
-                   cost->operations / (double)cost->steps, 1e-9 * cost->operations / cost->seconds,
-                   cost->operations / cost->seconds / peak);
+        printf("%s: %.1f orders in a step, %.2f ns an order.\n", rows[k].program->name,
+               (double)cost->evaluations / (double)cost->steps,
+               1e9 * cost->seconds / (double)cost->evaluations);
     }
 }
 
@@ -270,7 +266,7 @@ static bool table_of_programs(sweep *s, bool rivals, int lanes, const row *flows
     printf("\nFlow: %d lanes take 1/%.2f of the time of one lane, two threads 1/%.2f of the wall time of "
            "one.\n",
            lanes, flows[1].cost.seconds / unit.flow, flows[0].cost.wall / flows[2].cost.wall);
-    print_operations(flows, flow_count);
+    print_orders(flows, flow_count);
     return true;
 }
 

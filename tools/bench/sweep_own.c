@@ -93,7 +93,6 @@ static saltus_status finish(worker *w, int lane) {
         m->count = (int)(info.impacts - task->settled);
     w->cost.steps += info.steps;
     w->cost.evaluations += info.field_evaluations;
-    w->cost.operations += (double)info.steps * saltus_flow_operations(w->flow);
     return fill(w, lane);
 }
 
@@ -204,7 +203,6 @@ saltus_status own_sweep(saltus_system *const *systems, int count, const own_requ
         cost->seconds += workers[k].cost.seconds;
         cost->steps += workers[k].cost.steps;
         cost->evaluations += workers[k].cost.evaluations;
-        cost->operations += workers[k].cost.operations;
     }
     free(workers);
     return status;
@@ -217,7 +215,7 @@ saltus_status own_period(const saltus_system *system, const own_request *request
     const long pieces = request->step_max > 0 ? (long)ceil(period / request->step_max) : 1;
     saltus_flow *flow = NULL;
     saltus_event event;
-    saltus_status status = saltus_flow_new(&system, 1, &options, &flow, message);
+    saltus_status status = saltus_flow_single(system, 0, &options, &flow, message);
     if (status == SALTUS_OK)
         status = saltus_flow_start(flow, 0, (saltus_time){0, 0}, state, message);
     for (long k = 1; k <= pieces && status == SALTUS_OK; k++)

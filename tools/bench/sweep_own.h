@@ -20,7 +20,6 @@ typedef struct own_request {
 typedef struct sweep_cost {
     double seconds, wall;
     long long steps, evaluations;
-    double operations; /* of floating point, as far as they are counted */
 } sweep_cost;
 
 /* Goes one forcing period on from `state` (both states motion_dimension long) and counts the impacts, with
