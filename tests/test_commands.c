@@ -1,61 +1,12 @@
 /* What commands say: their help, the defaults that it tells, the summaries of sweeps whose rows are made up.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "folder.h"
+#include "command.h"
 #include "json.h"
 #include "made_sweep.h"
 
-#include <sys/wait.h>
-#include <unistd.h>
+#include <time.h>
 
 enum { classes_max = 40 };
-
-typedef struct fixture {
-    char folder[64], path[320];
-} fixture;
-
-static int open_fixture(void **state) {
-    fixture *f = calloc(1, sizeof *f);
-    strcpy(f->folder, "/tmp/saltus-test-XXXXXX");
-    assert_non_null(mkdtemp(f->folder));
-    *state = f;
-    return 0;
-}
-
-static int close_fixture(void **state) {
-    fixture *f = *state;
-    folder_files(f->folder, true);
-    rmdir(f->folder);
-    free(f);
-    return 0;
-}
-
-static const char *path_in(fixture *f, const char *name) {
-    snprintf(f->path, sizeof f->path, "%s/%s", f->folder, name);
-    return f->path;
-}
-
-/* The exit status of a command line of the shell; what it says goes to `out` and `err`. */
-static int run(const fixture *f, const char *line) {
-    char text[1200];
-    snprintf(text, sizeof text, "cd %s && %s %s >out 2>err", f->folder, SALTUS_COMMAND, line);
-    int outcome = system(text);
-    return WIFEXITED(outcome) ? WEXITSTATUS(outcome) : 128;
-}
-
-static char *said(fixture *f, const char *where) {
-    size_t length;
-    return read_all(path_in(f, where), &length);
-}
-
-/* What a command that succeeds without a word on stderr says. */
-static char *told(fixture *f, const char *line) {
-    int status = run(f, line);
-    char *errors = said(f, "err");
-    if (status != 0 || errors[0])
-        fail_msg("%s: exit status %d: %s", line, status, errors);
-    free(errors);
-    return said(f, "out");
-}
 
 static void check_told(fixture *f, const char *line, const char *wanted) {
     char *text = told(f, line);
@@ -314,6 +265,57 @@ static void a_resumed_sweep_counts_what_it_computes(void **state) {
     }
 }
 
+static double clock_now(void) {
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+/* The time and the speed that are told, to people and in JSON, are those of what was computed: no longer than
+ * the command took, and their product is how much was done. */
+static void a_sweep_tells_its_time_and_speed(void **state) {
+    enum { points = 5, passes = 3, places = points * passes };
+    const saltus_scene scene = oscillator_scene();
+    const saltus_axis axis = axis_of(points);
+    fixture *f = *state;
+    saltus_sweep_options options = saltus_sweep_defaults();
+    options.passes = 7;
+    kinds = 5;
+    for (int k = 0; k < 4; k++) {
+        const int left = k < 2 ? 2 : places;
+        char line[256], end[40] = "";
+        double seconds, rate;
+        int used = 0;
+        made_write(path_in(f, "s.h5"), &scene, &axis, 1, &options, fill_kinds, places - left);
+        snprintf(
+            line, sizeof line,
+            "sweep impact-oscillator --over omega=0.9:1.1:%d --what max --start both --threads 1 --resume "
+            "-o s.h5%s",
+            points, k % 2 ? " --json" : "");
+        double begin = clock_now();
+        char *text = told(f, line);
+        double wall = clock_now() - begin;
+        if (k % 2) {
+            json *summary = json_read(text);
+            seconds = json_number_at(summary, "seconds");
+            rate = json_number_at(summary, "trajectories_per_second");
+            json_free(summary);
+        } else {
+            char *last = strstr(text, " trajectories/s");
+            assert_non_null(last);
+            while (last[-1] != '\n')
+                last--;
+            assert_int_equal(sscanf(last, "%lf s, %lf trajectories/s%n", &seconds, &rate, &used), 2);
+            snprintf(end, sizeof end, "%s\n", left < places ? "; the others were there" : "");
+            assert_string_equal(last + used, end);
+        }
+        assert_true(seconds > 0 && seconds <= 1.005 * wall);
+        check_near(rate * seconds, left, 0.006 * left);
+        free(text);
+        remove(path_in(f, "s.h5"));
+    }
+}
+
 /* For people: twelve names at most, each with its number and its share; what is left is told together. */
 static void a_table_of_classes_has_twelve_lines(void **state) {
     static const int tried[] = {1, 12, 13, 20};
@@ -418,6 +420,7 @@ int main(void) {
         cmocka_unit_test(help_has_many_names),
         cmocka_unit_test(told_defaults_are_those_of_the_library),
         cmocka_unit_test(a_resumed_sweep_counts_what_it_computes),
+        cmocka_unit_test(a_sweep_tells_its_time_and_speed),
         cmocka_unit_test(a_table_of_classes_has_twelve_lines),
         cmocka_unit_test(what_could_be_decided_is_told),
     };
