@@ -3,7 +3,9 @@
 #include "command.h"
 #include "json.h"
 #include "made_sweep.h"
+#include "text_lines.h"
 
+#include <hdf5.h>
 #include <time.h>
 
 enum { classes_max = 40 };
@@ -131,6 +133,133 @@ static void told_defaults_are_those_of_the_library(void **state) {
                      table[k].option, value, table[k].value);
     }
     free(help);
+}
+
+static int extent_of(const char *path, const char *name) {
+    hsize_t extent[8] = {0};
+    hid_t file = H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT), set = H5Dopen2(file, name, H5P_DEFAULT),
+          space = H5Dget_space(set);
+    assert_true(H5Sget_simple_extent_dims(space, extent, NULL) > 0);
+    H5Sclose(space);
+    H5Dclose(set);
+    H5Fclose(file);
+    return (int)extent[0];
+}
+
+/* How much was written: the samples and the events of the file, the periods that were asked for. */
+static void a_run_tells_what_its_file_holds(void **state) {
+    fixture *f = *state;
+    char *text = told(f, "simulate impact-oscillator --periods 4 --transient 7 --samples 12 -o run.h5"),
+         wanted[80];
+    snprintf(wanted, sizeof wanted, "run.h5: %d samples, %d events over 4 periods\n",
+             extent_of(path_in(f, "run.h5"), "trajectory/time"),
+             extent_of(path_in(f, "run.h5"), "events/time"));
+    assert_string_equal(text, wanted);
+    free(text);
+}
+
+/* The points and branches of a continuation are those of its JSON, one way or both ways; singular where it is
+ * one. */
+static void a_branch_tells_its_points(void **state) {
+    static const char *const ways[] = {"up", "down", "both"};
+    fixture *f = *state;
+    for (int k = 0; k < 3; k++) {
+        char line[160], wanted[120];
+        int points = 0, branches = 0;
+        snprintf(line, sizeof line,
+                 "continue impact-oscillator --in omega=0.99:1.01 --points 3 --direction %s --json -o b.h5",
+                 ways[k]);
+        char *text = told(f, line);
+        for (const char *at = text; *at; at += *at == '\n', points++) {
+            json *point = json_value(&at);
+            int branch = (int)json_number_at(point, "branch");
+            branches = branch >= branches ? branch + 1 : branches;
+            json_free(point);
+        }
+        free(text);
+        text = told(f, "continue impact-oscillator --in omega=0.99:1.01 -o b.h5 --resume");
+        snprintf(wanted, sizeof wanted, "impact-oscillator: %d points on %d branch%s in b.h5\n", points,
+                 branches, branches == 1 ? "" : "es");
+        assert_int_equal(strncmp(text, wanted, strlen(wanted)), 0);
+        free(text);
+        remove(path_in(f, "b.h5"));
+    }
+}
+
+/* The scenes are listed with their titles; one that is named is printed as it is. */
+static void scenes_are_listed_and_printed(void **state) {
+    char *list = told(*state, "scenes"), *rest = list;
+    for (int k = 0; k < saltus_scene_builtin_count(); k++) {
+        const char *name = saltus_scene_builtin_name(k);
+        saltus_message message = {""};
+        saltus_scene scene;
+        check_ok(saltus_scene_load(name, &scene, &message), &message);
+        char *line = strtok_r(rest, "\n", &rest);
+        size_t length = strlen(name);
+        assert_non_null(line);
+        assert_true(strncmp(line, name, length) == 0 && line[length] == ' ');
+        assert_string_equal(line + length + strspn(line + length, " "), scene.title);
+    }
+    assert_null(strtok_r(rest, "\n", &rest));
+    free(list);
+    for (int k = 0; k < saltus_scene_builtin_count(); k += saltus_scene_builtin_count() - 1) {
+        char line[64];
+        snprintf(line, sizeof line, "scenes %s", saltus_scene_builtin_name(k));
+        check_told(*state, line, saltus_scene_builtin_text(k));
+    }
+}
+
+/* A scene that is checked is told with all of its numbers, each with what it means. */
+static void a_checked_scene_is_told(void **state) {
+    static const char *const texts[] = {"model: pipe\nN: 3\nalpha: 0.006\nomega: 41.25\nsigma: 0.3\nstops:\n "
+                                        " - {d: 0.03, r: 0.7, xi: 0.25, sides: "
+                                        "lower}\n  - {d: 0.04, r: 0.8, xi: 0.75, sides: both}\n",
+                                        "model: oscillator\nN: 2\nc: 0.125\nk2: 1.75\nF: 0.3\nomega: "
+                                        "0.123456789012\nstop: {d: 0.35, r: 0.65, "
+                                        "weight: [0.5, -1.5]}\n"};
+    static const char *const sides[] = {"", "upper side", "lower side", "both sides"};
+    fixture *f = *state;
+    for (int m = 0; m < 2; m++) {
+        saltus_message message = {""};
+        saltus_scene scene;
+        text_lines lines;
+        int count;
+        FILE *file = fopen(path_in(f, "mine.yaml"), "w");
+        assert_non_null(file);
+        fputs(texts[m], file);
+        fclose(file);
+        check_ok(saltus_scene_load(path_in(f, "mine.yaml"), &scene, &message), &message);
+        saltus_system *system = build(&scene.spec);
+        lines.text = told(f, "check mine.yaml");
+        lines.at = lines.text;
+        const saltus_parameter *p = saltus_model_parameters(scene.spec.model, &count);
+        char head[200];
+        lines_next(&lines, "mine: ok", NULL, 0);
+        snprintf(head, sizeof head, "model: %s (%s)", saltus_model_name(scene.spec.model),
+                 saltus_model_summary(scene.spec.model));
+        lines_next(&lines, head, NULL, 0);
+        for (int k = 0; k < count; k++) {
+            const char *end = strchr(lines.at, '\n'), *at = strstr(lines.at, p[k].name);
+            assert_true(end && at && at < end);
+            assert_int_equal(strncmp(end - strlen(p[k].meaning), p[k].meaning, strlen(p[k].meaning)), 0);
+            double value = strtod(at + strlen(p[k].name), NULL), exact = scene.spec.parameters[k];
+            check_near(value, exact, 5.1e-9 * fabs(exact));
+            lines.at = end + 1;
+        }
+        for (int s = 0; s < scene.spec.stop_count; s++) {
+            const saltus_stop *stop = &scene.spec.stops[s];
+            snprintf(head, sizeof head, "stop %d: %s, d = %g, r = %g, ", s + 1, sides[stop->sides], stop->d,
+                     stop->r);
+            if (m == 0)
+                lines_next(&lines, head, "xi = ", 1, stop->xi);
+            else
+                lines_next(&lines, head, "weight = [", 2, stop->weight[0], stop->weight[1]);
+        }
+        snprintf(head, sizeof head, ", integrator %s", saltus_system_integrator(system));
+        lines_next(&lines, "forcing period T = ", head, 1, saltus_system_period(system));
+        lines_end(&lines);
+        saltus_system_free(system);
+    }
 }
 
 /* A name of motions and how many there are. */
@@ -419,6 +548,10 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(help_has_many_names),
         cmocka_unit_test(told_defaults_are_those_of_the_library),
+        cmocka_unit_test(a_run_tells_what_its_file_holds),
+        cmocka_unit_test(a_branch_tells_its_points),
+        cmocka_unit_test(scenes_are_listed_and_printed),
+        cmocka_unit_test(a_checked_scene_is_told),
         cmocka_unit_test(a_resumed_sweep_counts_what_it_computes),
         cmocka_unit_test(a_sweep_tells_its_time_and_speed),
         cmocka_unit_test(a_table_of_classes_has_twelve_lines),
