@@ -158,6 +158,50 @@ static void a_run_tells_what_its_file_holds(void **state) {
     free(text);
 }
 
+/* What the last command said, under another name. */
+static void keep(fixture *f, const char *name) {
+    char from[320];
+    snprintf(from, sizeof from, "%s", path_in(f, "out"));
+    assert_int_equal(rename(from, path_in(f, name)), 0);
+}
+
+/* Newton's method begins at the orbit of a file, stable or not, without running to where its motion settles.
+ */
+static void an_orbit_of_a_file_is_where_it_begins(void **state) {
+    fixture *f = *state;
+    FILE *file = fopen(path_in(f, "flip.yaml"), "w");
+    assert_non_null(file);
+    fputs("model: oscillator\nc: 0.05\nF: 1\nomega: 2.6\nstop: {d: 0, r: 0.8}\n", file);
+    fclose(file);
+    /* Beyond its flip the orbit goes on, unstable. */
+    free(told(f, "orbit flip.yaml --periods 1 --json"));
+    keep(f, "orbit.json");
+    char *text = told(f, "orbit flip.yaml --from orbit.json --set omega=2.7 --json");
+    keep(f, "unstable.json");
+    json *first = json_read(text);
+    assert_string_equal(json_text_at(first, "label"), "1/1");
+    assert_true(json_at(first, "stable")->kind == JSON_FALSE);
+    free(text);
+    for (int k = 0; k < 2; k++) {
+        int status = run(f, k ? "orbit flip.yaml --from unstable.json --json --verbose --transient 900"
+                              : "orbit flip.yaml --from unstable.json --json --verbose");
+        double residual;
+        char *err = said(f, "err");
+        text = said(f, "out");
+        assert_int_equal(status, 0);
+        assert_int_equal(sscanf(err, "step 0 residual %lf", &residual), 1);
+        assert_true(residual < 1e-9);
+        json *again = json_read(text);
+        for (const json *a = json_at(first, "state")->first, *b = json_at(again, "state")->first; a;
+             a = a->next, b = b->next)
+            check_near(b->number, a->number, 1e-10);
+        json_free(again);
+        free(text);
+        free(err);
+    }
+    json_free(first);
+}
+
 /* The points and branches of a continuation are those of its JSON, one way or both ways; singular where it is
  * one. */
 static void a_branch_tells_its_points(void **state) {
@@ -549,6 +593,7 @@ int main(void) {
         cmocka_unit_test(help_has_many_names),
         cmocka_unit_test(told_defaults_are_those_of_the_library),
         cmocka_unit_test(a_run_tells_what_its_file_holds),
+        cmocka_unit_test(an_orbit_of_a_file_is_where_it_begins),
         cmocka_unit_test(a_branch_tells_its_points),
         cmocka_unit_test(scenes_are_listed_and_printed),
         cmocka_unit_test(a_checked_scene_is_told),
