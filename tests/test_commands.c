@@ -176,30 +176,33 @@ static void an_orbit_of_a_file_is_where_it_begins(void **state) {
     /* Beyond its flip the orbit goes on, unstable. */
     free(told(f, "orbit flip.yaml --periods 1 --json"));
     keep(f, "orbit.json");
-    char *text = told(f, "orbit flip.yaml --from orbit.json --set omega=2.7 --json");
-    keep(f, "unstable.json");
-    json *first = json_read(text);
-    assert_string_equal(json_text_at(first, "label"), "1/1");
-    assert_true(json_at(first, "stable")->kind == JSON_FALSE);
-    free(text);
+    char *text[2], *steps[2];
     for (int k = 0; k < 2; k++) {
-        int status = run(f, k ? "orbit flip.yaml --from unstable.json --json --verbose --transient 900"
-                              : "orbit flip.yaml --from unstable.json --json --verbose");
-        double residual;
-        char *err = said(f, "err");
-        text = said(f, "out");
-        assert_int_equal(status, 0);
-        assert_int_equal(sscanf(err, "step 0 residual %lf", &residual), 1);
-        assert_true(residual < 1e-9);
-        json *again = json_read(text);
-        for (const json *a = json_at(first, "state")->first, *b = json_at(again, "state")->first; a;
-             a = a->next, b = b->next)
-            check_near(b->number, a->number, 1e-10);
-        json_free(again);
-        free(text);
-        free(err);
+        assert_int_equal(
+            run(f, k ? "orbit flip.yaml --from orbit.json --set omega=2.7 --json --verbose --transient 9"
+                     : "orbit flip.yaml --from orbit.json --set omega=2.7 --json --verbose"),
+            0);
+        text[k] = said(f, "out");
+        steps[k] = said(f, "err");
     }
-    json_free(first);
+    assert_string_equal(text[0], text[1]);
+    assert_string_equal(steps[0], steps[1]);
+    json *orbit = json_read(text[0]);
+    assert_string_equal(json_text_at(orbit, "label"), "1/1");
+    assert_true(json_at(orbit, "stable")->kind == JSON_FALSE);
+    keep(f, "unstable.json");
+    char *again = told(f, "orbit flip.yaml --from unstable.json --json");
+    json *same = json_read(again);
+    for (const json *x = json_at(orbit, "state")->first, *y = json_at(same, "state")->first; x;
+         x = x->next, y = y->next)
+        check_near(y->number, x->number, 1e-10);
+    json_free(orbit);
+    json_free(same);
+    free(again);
+    for (int k = 0; k < 2; k++) {
+        free(text[k]);
+        free(steps[k]);
+    }
 }
 
 /* The points and branches of a continuation are those of its JSON, one way or both ways; singular where it is
