@@ -6,6 +6,7 @@
 #include "text_lines.h"
 
 #include <hdf5.h>
+#include <sys/stat.h>
 #include <time.h>
 
 enum { classes_max = 40 };
@@ -541,6 +542,62 @@ static void a_table_of_classes_has_twelve_lines(void **state) {
     }
 }
 
+static void fill_clouds(made_place *m) {
+    m->row[0] = made_periodic(1, 1);
+    m->turning_count[0] = m->impact_count[0] = 1;
+    m->turning[0] = 0.01;
+    m->impact[0] = (saltus_sweep_impact){0.1, 0.25, 0};
+}
+
+/* Words between quotes are one, and what is there is not computed again: figure 8 of sweeps that are made up,
+ * with a gnuplot that keeps what it is told. */
+static void titles_of_the_paper_are_whole(void **state) {
+    static const char *const restitution[] = {"r=0.8", "r=0.7", "r=0.6"};
+    fixture *f = *state;
+    char path[4200], *usual = strdup(getenv("PATH"));
+    FILE *file = fopen(path_in(f, "gnuplot"), "w");
+    assert_non_null(file);
+    fputs("#!/bin/sh\ncat >>scripts\nprintf %080d 0\nprintf 'IEND....'\n", file);
+    fclose(file);
+    chmod(path_in(f, "gnuplot"), 0755);
+    for (int k = 0; k < 3; k++) {
+        const saltus_axis axis = {.key = "omega", .low = 0.055, .high = 55, .count = 125};
+        saltus_sweep_options options = saltus_sweep_defaults();
+        saltus_message message = {""};
+        saltus_scene scene;
+        char name[16];
+        check_ok(saltus_scene_load("fig8", &scene, &message), &message);
+        check_ok(saltus_scene_set(&scene, restitution[k], &message), &message);
+        options.transient = 200;
+        options.keep = SALTUS_KEEP_TURNING | SALTUS_KEEP_IMPACTS;
+        snprintf(name, sizeof name, "fig8%c.h5", 'a' + k);
+        made_write(path_in(f, name), &scene, &axis, 1, &options, fill_clouds, axis.count);
+    }
+    snprintf(path, sizeof path, "%s:%s", f->folder, usual);
+    setenv("PATH", path, 1);
+    char *text = told(f, "paper --quick --figure 8 --resume --quiet -o ."), *scripts = said(f, "scripts");
+    setenv("PATH", usual, 1);
+    const char *at = text, *title = scripts;
+    for (int k = 0; k < 3; k++)
+        for (int view = 0; view < 2; view++) {
+            char words[80];
+            snprintf(words, sizeof words, "pipe with a one-sided stop, r = %s", restitution[k] + 2);
+            title = strstr(title, words);
+            assert_non_null(title);
+            title += strlen(words);
+            at = view ? at : strstr(at, "all were there\n");
+            assert_non_null(at);
+            snprintf(words, sizeof words, "figure: fig8%c-%s.png\n", 'a' + k,
+                     view ? "velocity" : "displacement");
+            at = strstr(at, words);
+            assert_non_null(at);
+        }
+    free(scripts);
+    free(text);
+    free(usual);
+    folder_files(f->folder, true);
+}
+
 static int undecided_rows;
 
 static void fill_undecided(made_place *m) {
@@ -603,6 +660,7 @@ int main(void) {
         cmocka_unit_test(a_resumed_sweep_counts_what_it_computes),
         cmocka_unit_test(a_sweep_tells_its_time_and_speed),
         cmocka_unit_test(a_table_of_classes_has_twelve_lines),
+        cmocka_unit_test(titles_of_the_paper_are_whole),
         cmocka_unit_test(what_could_be_decided_is_told),
     };
     return cmocka_run_group_tests(tests, open_fixture, close_fixture);
