@@ -542,6 +542,79 @@ static void a_table_of_classes_has_twelve_lines(void **state) {
     }
 }
 
+/* Nothing pulls or pushes: each place is a rest of its own, and one row has found none. */
+static void fill_rests(made_place *m) {
+    int k = (int)(m->place % (2 * kinds - 1));
+    m->row[0] = made_other(m->place ? SALTUS_ROW_EQUILIBRIUM : SALTUS_ROW_UNDECIDED);
+    m->state[0] = -0.05 * (k < kinds ? k : (k - kinds) / 2);
+}
+
+/* For people: twelve attractors at most, those first that most of the plane leads to, each with its number
+ * and its share; how many are left, and the rows that have none. In JSON there are all of them. */
+static void a_table_of_attractors_has_twelve_lines(void **state) {
+    static const int tried[] = {1, 12, 13, 15};
+    enum { rows = 49 };
+    const saltus_axis axes[2] = {{.key = "q1", .low = -0.6, .high = 0.6, .count = 7},
+                                 {.key = "v1", .low = -0.5, .high = 0.5, .count = 7}};
+    static const char line[] =
+        "basins impact-oscillator --set k=0 F=0 c=5 --over q1=-0.6:0.6:7 --over v1=-0.5:0.5:7 "
+        "--resume -o b.h5";
+    saltus_sweep_options options = saltus_sweep_defaults();
+    saltus_message message = {""};
+    saltus_scene scene = oscillator_scene();
+    fixture *f = *state;
+    options.record = 1;
+    check_ok(saltus_scene_set(&scene, "k=0", &message), &message);
+    check_ok(saltus_scene_set(&scene, "F=0", &message), &message);
+    check_ok(saltus_scene_set(&scene, "c=5", &message), &message);
+    for (size_t t = 0; t < sizeof tried / sizeof tried[0]; t++) {
+        char in_json[160], label[32];
+        int number, sum = 0, last = rows;
+        double share;
+        kinds = tried[t];
+        made_write_as(true, path_in(f, "b.h5"), &scene, axes, 2, &options, fill_rests, rows);
+        snprintf(in_json, sizeof in_json, "%s --json", line);
+        char *text = told(f, in_json);
+        json *summary = json_read(text);
+        free(text);
+        const json *one = json_at(summary, "attractors");
+        assert_int_equal(json_count(one), kinds);
+        text = told(f, line);
+        char *rest = text, *shown = strtok_r(rest, "\n", &rest);
+        assert_string_equal(shown, "impact-oscillator: 49 points, 49 trajectories in b.h5");
+        shown = strtok_r(NULL, "\n", &rest);
+        assert_int_equal(strncmp(shown, "attractor ", 10), 0);
+        one = one->first;
+        for (int k = 0; k < kinds; k++, one = one->next) {
+            int count = (int)json_number_at(one, "count");
+            assert_true(count <= last && count > 0);
+            check_near(json_number_at(one, "share"), (double)count / rows, 1e-15);
+            sum += last = count;
+            if (k >= 12)
+                continue;
+            shown = strtok_r(NULL, "\n", &rest);
+            assert_int_equal(sscanf(shown, "%31s %d %lf %%", label, &number, &share), 3);
+            assert_string_equal(label, json_text_at(one, "label"));
+            assert_int_equal(number, count);
+            check_near(share, 100.0 * count / rows, 0.0051);
+        }
+        assert_int_equal(sum, rows - 1);
+        if (kinds > 12) {
+            snprintf(label, sizeof label, "%d others", kinds - 12);
+            assert_string_equal(strtok_r(NULL, "\n", &rest), label);
+        }
+        shown = strtok_r(NULL, "\n", &rest);
+        assert_int_equal(sscanf(shown, "none found %d %lf %%", &number, &share), 2);
+        assert_int_equal(number, 1);
+        check_near(share, 100.0 / rows, 0.0051);
+        assert_string_equal(strtok_r(NULL, "\n", &rest), "all were there");
+        assert_null(strtok_r(NULL, "\n", &rest));
+        json_free(summary);
+        free(text);
+        remove(path_in(f, "b.h5"));
+    }
+}
+
 static void fill_clouds(made_place *m) {
     m->row[0] = made_periodic(1, 1);
     m->turning_count[0] = m->impact_count[0] = 1;
@@ -660,6 +733,7 @@ int main(void) {
         cmocka_unit_test(a_resumed_sweep_counts_what_it_computes),
         cmocka_unit_test(a_sweep_tells_its_time_and_speed),
         cmocka_unit_test(a_table_of_classes_has_twelve_lines),
+        cmocka_unit_test(a_table_of_attractors_has_twelve_lines),
         cmocka_unit_test(titles_of_the_paper_are_whole),
         cmocka_unit_test(what_could_be_decided_is_told),
     };
