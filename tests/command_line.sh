@@ -242,6 +242,12 @@ for signal in KILL TERM; do
     [ $signal = KILL ] || [ $got -eq 1 ] || fail "continue exits with $got after SIG$signal"
     [ $signal = KILL ] || grep -q -- --resume err || fail "continue says nothing after SIG$signal: $(cat err)"
     "$saltus" orbit impact-oscillator --from long.h5:1 >/dev/null || fail "SIG$signal leaves no readable file"
+    # As many points as are told, and not one more.
+    if [ $signal = TERM ]; then
+        there=$(sed -n 's/^saltus: interrupted; long.h5 holds the \([0-9]*\) points so far.*/\1/p' err)
+        "$saltus" orbit impact-oscillator --from "long.h5:$there" >/dev/null || fail "$there points are told, there are less"
+        "$saltus" orbit impact-oscillator --from "long.h5:$((there + 1))" >out 2>&1 && fail "$there points are told, there are more"
+    fi
     # shellcheck disable=SC2086
     keep out $long -o long.h5 --resume
     grep -q "end of the parameter's range" out || fail "the run is not completed after SIG$signal: $(cat out)"
