@@ -62,12 +62,10 @@ static void sentences_name_what_is_wrong(void **state) {
     } cases[] = {
         {"unheard-of x", 2, "unheard-of: unknown command"},
         {"classify --json", 2, "classify: needs a scene"},
-        {"spectrum", 2, "spectrum: needs a scene"},
         {"classify pipe two-mass", 2, "two-mass: |already pipe"},
         {"export a.h5 b.h5 -o never.csv", 2, "b.h5: |a.h5"},
         {"lyapunov pipe --unheard-of 3", 2, "--unheard-of: |saltus lyapunov; |saltus lyapunov --help"},
         {"classify pipe --longest", 2, "--longest: needs a value (p)"},
-        {"classify pipe --rtol", 2, "--rtol: needs a value (x)"},
         {"classify pipe --set", 2, "--set: must be "},
         {"classify pipe --set omega", 2, "--set omega: must be "},
         {"classify pipe --set --json", 2, "--set --json: must be "},
@@ -87,7 +85,6 @@ static void sentences_name_what_is_wrong(void **state) {
 
         {"diagnose pipe", 2, "diagnose: needs -o "},
         {"simulate pipe --periods 3", 2, "simulate: needs --periods n and -o "},
-        {"simulate pipe -o never.h5", 2, "simulate: needs --periods n and -o "},
         {"orbit pipe", 2, "orbit: needs --periods p"},
         {"scenes nosuch", 2, "nosuch: no built-in scene"},
 
@@ -104,7 +101,6 @@ static void sentences_name_what_is_wrong(void **state) {
         {"continue pipe --in omega=40:44 --at 41,x,42 -o never.h5", 2, "--at x,42: must be numbers"},
         {"continue pipe --in omega=40:44 --at 41,42x -o never.h5", 2, "--at 42x: must be numbers"},
         {"continue pipe --in omega=40:44 --at 41, -o never.h5", 2, "--at : must be numbers"},
-        {"continue pipe --in omega=40:44 --at inf -o never.h5", 2, "--at inf: must be numbers"},
         {"continue twice.yaml --in omega=2.69:2.71 --transient 3 -o never.h5", 2,
          "twice: its motion is no periodic orbit |, but undecided: no stable orbit |; name one by --from"},
         {"continue impact-oscillator --set F=0 --in F=0:1 -o never.h5", 2,
@@ -118,11 +114,9 @@ static void sentences_name_what_is_wrong(void **state) {
         {"spectrum pipe --set N=3 --of q1 --of v4", 2, "--of v4"},
 
         {"sweep pipe --over d=0.01:0.02:2", 2, "sweep: needs --over "},
-        {"sweep pipe -o never.h5", 2, "sweep: needs --over "},
         {"sweep pipe --over d=0.01,0.02 --transient 5 --at-most 6 -o never.h5", 2,
          "--at-most and --transient: "},
         {"sweep pipe --over d=0.01,0.02 --start down -o never.h5", 2, "--start down: |reset, carry or both"},
-        {"sweep pipe --over d=0.01,0.02 --what max,min -o never.h5", 2, "--what max,min: must be "},
         {"sweep pipe --over d=0.01,0.02 --what max, -o never.h5", 2, "--what max,: must be "},
         {"sweep pipe --over d=0.01:0.02:2 --over r=0.7:0.8:3 --over xi=0.3:0.4:4 -o never.h5", 2,
          "--over xi=0.3:0.4:4: only two "},
@@ -132,25 +126,19 @@ static void sentences_name_what_is_wrong(void **state) {
         {"basins pipe --over q1=0:1:2 --over v1=0:1:2 --over v2=0:1:2 -o never.h5", 2,
          "basins: needs --over "},
         {"basins pipe --over q1=0:0.01:2 --over d=0.1:1:3 -o never.h5", 2, "--over d=0.1:1:3: "},
-        {"basins pipe --over d=0.1:1:3 --over q1=0:0.01:2 -o never.h5", 2, "--over d=0.1:1:3: "},
         {"basins pipe --over q0=0:1:3 --over q1=0:0.01:2 -o never.h5", 2, "--over q0=0:1:3: "},
         {"basins pipe --over qx=0:1:3 --over q1=0:0.01:2 -o never.h5", 2, "--over qx=0:1:3: "},
-        {"basins pipe --over x1=0:1:3 --over q1=0:0.01:2 -o never.h5", 2, "--over x1=0:1:3: "},
 
-        {"export -o never.csv", 2, "export: needs a file and -o "},
         {"export sweep.h5", 2, "export: needs a file and -o "},
         {"export sweep.h5 --table all -o never.csv", 2,
          "--table all: |rows, turning, impacts or stroboscopic"},
-        {"plot -o never.png", 2, "plot: needs a file and -o "},
         {"plot sweep.h5", 2, "plot: needs a file and -o "},
         {"plot sweep.h5 --show speeds -o never.png", 2, "--show speeds: "},
         {"plot sweep.h5 --view all -o never.png", 2, "--view all: must be turning, "},
         {"plot two.h5 --label F=0.5,a -o never.png", 2, "--label F=0.5,a: must have the form "},
         {"plot two.h5 --label F=1,c=2,b --label F=1,c=2, -o never.png", 2, "--label F=1,c=2,: must have "},
-        {"plot two.h5 --label F=1,c=x,a -o never.png", 2, "--label F=1,c=x,a: must have the form "},
         {"plot two.h5 --label F=1,c=nan,a -o never.png", 2, "--label F=1,c=nan,a: must have the form "},
         {"plot two.h5 --label F=,c=1,a -o never.png", 2, "--label F=,c=1,a: must have the form "},
-        {"plot two.h5 --label =1,c=1,a -o never.png", 2, "--label =1,c=1,a: must have the form "},
         {"plot sweep.h5 --view impacts --show speed -o never.png", 2,
          "plot: --view, --title and --over are of "},
         {"plot sweep.h5 --title A --label F=1,c=2,a -o never.png", 2,
@@ -160,7 +148,6 @@ static void sentences_name_what_is_wrong(void **state) {
 
         {"paper pipe", 2, "pipe: unexpected; paper "},
         {"paper --figure 1", 2, "--figure 1: must be from 2 to 8"},
-        {"paper --figure 9", 2, "--figure 9: must be from 2 to 8"},
         {"paper --figure 22", 2, "--figure 22: must be from 2 to 8"},
         {"paper --format bmp", 2, "--format bmp: must be png, pdf or svg"},
         {"paper --figure 3 -o sweep.h5/never", 1, "paper: -o sweep.h5/never: no folder |: Not a directory"},
@@ -177,11 +164,10 @@ static void ranges_have_one_form(void **state) {
         {"plot two.h5 -o never.png", "--range"},
     };
     static const char *const texts[] = {
-        "F",       "F=",      "F=:",      "F=1",    "F=1:",
-        "F=:1",    "F=:-1:2", "=1:2",     ":1:2",   "F=1:2x",
-        "F=1x:2",  "F=x1:2",  "F=2:1",    "F=1:1",  "F=nan:1",
-        "F=0:nan", "F=0:inf", "F=-inf:0", "F:1:2",  "F=1=:2",
-        "F=1:2:3", "F=1:=2",  "F=1,2",    "F==1:2", "a-key-of-more-than-thirty-characters=1:2"};
+        "F",       "F=",     "F=:",    "F=1",
+        "F=1:",    "F=:1",   "=1:2",   "F=1:2x",
+        "F=1x:2",  "F=2:1",  "F=1:1",  "F=0:nan",
+        "F=0:inf", "F=1=:2", "F==1:2", "a-key-of-more-than-thirty-characters=1:2"};
     char line[300], words[120];
     for (size_t c = 0; c < sizeof commands / sizeof commands[0]; c++)
         for (size_t k = c; k < sizeof texts / sizeof texts[0]; k += c ? 6 : 1) {
@@ -195,12 +181,9 @@ static void ranges_have_one_form(void **state) {
  * locus, and any setting that the run does not have is another run, and the sentence tells which one it was.
  */
 static void another_run_is_not_gone_on_with(void **state) {
-    static const char *const two[] = {"m=1.5",         "c=0.3",         "k=2",        "F=0.75",    "F0=0.25",
-                                      "m2=2",          "c2=0.4",        "k2=1.5",     "F2=0.1",    "F02=0.1",
-                                      "kz=0.2",        "tz=2",          "omega=2",    "d=0.5",     "r=0.9",
+    static const char *const two[] = {"m=1.5",         "tz=2",          "omega=2",    "d=0.5",     "r=0.9",
                                       "weight=0.5,-1", "weight=1,-0.5", "sides=both", "sides=none"};
-    static const char *const pipe[] = {"alpha=0.01", "beta=0.5", "kappa=4000", "u0=4",    "sigma=0.3",
-                                       "omega=25",   "d=0.05",   "r=0.8",      "xi=0.25", "sides=lower"};
+    static const char *const pipe[] = {"alpha=0.01", "omega=25", "xi=0.25", "sides=lower"};
     static const char *const same_two[] = {"F=0.5", "weight=1,-1", "d=0.3 r=0.8", "sides=upper", "N=2"};
     static const struct {
         const char *line, *own;
