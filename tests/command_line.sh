@@ -1,5 +1,6 @@
 #!/bin/sh
-# The command line: bad input gets one clear sentence, the right exit status and no file; good input works.
+# The command line: bad input gets one clear sentence, the right exit status and no file; good input works. The
+# commands' own sentences are those of test_refusals.
 # Argument: the saltus program.
 # SPDX-License-Identifier: GPL-3.0-or-later
 set -u
@@ -57,15 +58,9 @@ refuse 2 binary.yaml classify binary.yaml
 refuse 2 folder classify ./folder
 refuse 2 missing.yaml classify missing.yaml
 refuse 2 nosuchscene classify nosuchscene
-refuse 2 "r=1.2" classify pipe --set r=1.2
 refuse 2 "colour=1" classify pipe --set colour=1
 refuse 2 "d = -0.01" classify pipe --set d=-0.01 sides=both
 refuse 2 "q1=" classify pipe --set q1=
-refuse 2 "second" classify pipe second
-refuse 2 "scene" classify
-refuse 2 "-o" diagnose pipe
-refuse 2 "--periods" simulate pipe -o run.csv
-refuse 2 "--periods" orbit fig7d
 refuse 2 "missing.json" orbit fig7d --from missing.json
 refuse 2 "unknown.yaml" orbit fig7d --from unknown.yaml
 refuse 2 "binary.yaml" orbit fig7d --from binary.yaml
@@ -73,28 +68,16 @@ refuse 2 "empty.yaml" orbit fig7d --from empty.yaml
 refuse 2 "folder" orbit fig7d --from folder
 refuse 2 "mirror" orbit fig7d --periods 4 --mirror
 refuse 1 "Newton" orbit fig7a --periods 9 --transient 11
-refuse 2 "--in" continue fig7d -o branch.h5
-refuse 2 "-o" continue fig7d --in omega=35:56
-refuse 2 "--in omega" continue fig7d --in omega -o branch.h5
-refuse 2 "--in omega=56:35" continue fig7d --in omega=56:35 -o branch.h5
 refuse 2 "omega=50:56" continue fig7d --in omega=50:56 -o branch.h5
 refuse 2 "frequency" continue fig7d --in frequency=50:56 -o branch.h5
 refuse 2 "whole number" continue fig7d --in N=3:6 -o branch.h5
-refuse 2 "--at 60" continue fig7d --in omega=35:56 --at 60 -o branch.h5
-refuse 2 "--at x" continue fig7d --in omega=35:56 --at x -o branch.h5
-refuse 2 "--and" continue fig7d --in omega=35:56 --locus PD -o branch.h5
 refuse 2 "--of q9" spectrum fig7d --of q9
 refuse 2 "--of speed" spectrum fig7d --of speed
-refuse 2 "--of v2" spectrum fig7d --of q1 --of v1 --of v2
-refuse 2 "--samples 18" spectrum fig7d --samples 18
 refuse 2 "--segment 0" spectrum fig7d --segment 0
-refuse 2 "spectrum.bmp" spectrum fig7d -o spectrum.bmp
 refuse 2 "two orbits take 8" spectrum fig7d --periods 7
 refuse 2 "segment = 9" spectrum fig7d --segment 9 --periods 8
 refuse 2 "1000000 periods" spectrum fig7d --periods 1000000
 refuse 1 "nowhere/spectrum.csv" spectrum fig7d -o nowhere/spectrum.csv
-refuse 2 "--exponents 11" lyapunov fig7d --exponents 11
-refuse 2 "only one" lyapunov fig7d --all --exponents 2
 refuse 2 "--precision 0" lyapunov fig7d --precision 0
 refuse 2 "--interval -1" lyapunov fig7d --interval -1
 refuse 2 "interval = 0.3" lyapunov fig7d --interval 0.3
@@ -107,7 +90,6 @@ refuse 1 "nowhere/branch.h5" continue fig7d --in omega=35:56 -o nowhere/branch.h
 refuse 2 "branch.h5" continue fig7d --in omega=35:56 -o branch.h5 --resume
 refuse 2 "unknown.yaml" plot unknown.yaml -o branch.png
 refuse 2 "missing.h5" plot missing.h5 -o branch.png
-refuse 2 "-o" plot missing.h5
 refuse 2 "sheet.bmp" diagnose fig3 -o sheet.bmp
 refuse 2 "run.txt" simulate fig3 --periods 2 -o run.txt
 refuse 1 "nowhere/run.csv" simulate fig3 --periods 2 -o nowhere/run.csv
@@ -176,6 +158,7 @@ accept "sheet.pdf" diagnose fig3 -o sheet.pdf
 accept "sheet.png" diagnose fig3 -o sheet.png --data sheet.h5
 [ -s sheet.h5 ] && [ -s sheet.gp ] || fail "--data leaves no sheet.h5 and sheet.gp"
 grep -q "multiples of" sheet.gp || fail "the page of fig3 has no spectrum"
+grep -q "stroboscopic section" sheet.gp && fail "the page of an orbit has a section"
 accept "quasi-periodic" diagnose impact-oscillator --set c=0 omega=0.618034 d=3 -o torus.svg --data torus.h5
 for word in "stroboscopic section, 2000 points" "95 % band" "convergence of the largest exponent"; do
     grep -q "$word" torus.gp || fail "the page of a torus has no '$word'"
@@ -259,6 +242,12 @@ for signal in KILL TERM; do
     [ $signal = KILL ] || [ $got -eq 1 ] || fail "continue exits with $got after SIG$signal"
     [ $signal = KILL ] || grep -q -- --resume err || fail "continue says nothing after SIG$signal: $(cat err)"
     "$saltus" orbit impact-oscillator --from long.h5:1 >/dev/null || fail "SIG$signal leaves no readable file"
+    # As many points as are told, and not one more.
+    if [ $signal = TERM ]; then
+        there=$(sed -n 's/^saltus: interrupted; long.h5 holds the \([0-9]*\) points so far.*/\1/p' err)
+        "$saltus" orbit impact-oscillator --from "long.h5:$there" >/dev/null || fail "$there points are told, there are less"
+        "$saltus" orbit impact-oscillator --from "long.h5:$((there + 1))" >out 2>&1 && fail "$there points are told, there are more"
+    fi
     # shellcheck disable=SC2086
     keep out $long -o long.h5 --resume
     grep -q "end of the parameter's range" out || fail "the run is not completed after SIG$signal: $(cat out)"

@@ -17,6 +17,7 @@ typedef struct made_place {
     long long turning_count[MADE_SEEDS], impact_count[MADE_SEEDS], strobe_count[MADE_SEEDS];
     double turning[MADE_POINTS], strobe[MADE_POINTS];
     saltus_sweep_impact impact[MADE_POINTS];
+    double state[MADE_SEEDS * MADE_DIMENSION]; /* at the end, one seed after the other */
 } made_place;
 
 typedef void made_fill(made_place *place);
@@ -31,18 +32,18 @@ static inline saltus_sweep_row made_other(int verdict) {
         .verdict = verdict, .attractor = verdict == SALTUS_FAILED ? -1 : 0, .lyapunov = NAN};
 }
 
-/* Write the sweep of a scene; places from `done` on are left out. */
-static inline void made_write(const char *path, const saltus_scene *scene, const saltus_axis *axes, int count,
-                              const saltus_sweep_options *options, made_fill *fill, long long done) {
+/* Write the sweep or the basins of a scene; places from `done` on are left out. */
+static inline void made_write_as(bool basins, const char *path, const saltus_scene *scene,
+                                 const saltus_axis *axes, int count, const saltus_sweep_options *options,
+                                 made_fill *fill, long long done) {
     saltus_message message = {""};
     saltus_sweep *sweep = NULL;
     saltus_sweep_output *output = NULL;
     check_ok(saltus_sweep_new(scene, axes, count, options, &sweep, &message), &message);
-    check_ok(saltus_sweep_output_open(path, sweep, false, false, &output, &message), &message);
+    check_ok(saltus_sweep_output_open(path, sweep, basins, false, &output, &message), &message);
     long long points = saltus_sweep_points(sweep), places = points * saltus_sweep_pass_count(sweep);
     made_place *m = calloc(1, sizeof *m);
-    double *states = calloc(MADE_SEEDS * MADE_DIMENSION, sizeof *states);
-    assert_true(m && states);
+    assert_non_null(m);
     for (long long k = 0; k < places && k < done; k++) {
         *m = (made_place){.place = k,
                           .point = k % points,
@@ -53,7 +54,7 @@ static inline void made_write(const char *path, const saltus_scene *scene, const
         fill(m);
         const saltus_sweep_result result = {.place = k,
                                             .rows = m->row,
-                                            .states = states,
+                                            .states = m->state,
                                             .turning_counts = m->turning_count,
                                             .impact_counts = m->impact_count,
                                             .strobe_counts = m->strobe_count,
@@ -64,8 +65,12 @@ static inline void made_write(const char *path, const saltus_scene *scene, const
     }
     check_ok(saltus_sweep_output_close(output, &message), &message);
     saltus_sweep_free(sweep);
-    free(states);
     free(m);
+}
+
+static inline void made_write(const char *path, const saltus_scene *scene, const saltus_axis *axes, int count,
+                              const saltus_sweep_options *options, made_fill *fill, long long done) {
+    made_write_as(false, path, scene, axes, count, options, fill, done);
 }
 
 static inline saltus_sweep_file made_read(const char *path) {

@@ -100,10 +100,14 @@ if [ -z "${SALTUS_SANITIZED:-}" ] && command -v mpirun >/dev/null && ldd "$saltu
     $together -n 2 "$saltus" sweep $many -o inbox.h5 --threads 1 --json >summary || fail "many points on two ranks do not run"
     [ "$(number rows) $(number computed) $(number ranks)" = '19200 19200 2' ] || fail "many points on two ranks: $(cat summary)"
     same many.h5 inbox.h5 "many points on two ranks"
-    # One point is done by one of them, the others learn that there is nothing to do.
-    # shellcheck disable=SC2086
-    timeout -k 5 120 $together -n 3 "$saltus" sweep impact-oscillator --over omega=1 --quiet -o one.h5 --json >summary 2>err &&
+    # One point is done by one of them, and not by the first, who lets the others choose before; they learn that there
+    # is nothing else to do.
+    # shellcheck disable=SC2086,SC2016
+    timeout -k 5 120 $together -n 3 sh -c '"$@"; code=$?; times >"cpu.$OMPI_COMM_WORLD_RANK"; exit "$code"' - \
+        "$saltus" sweep impact-oscillator --over omega=1 --transient 50000 --record 1 --what max --quiet -o one.h5 --json >summary 2>err &&
         [ "$(number rows) $(number computed) $(number ranks)" = '1 1 3' ] || fail "three ranks and one point: $(cat summary err)"
+    tail -qn 1 cpu.0 cpu.1 cpu.2 | awk -F '[ms ]+' '{cpu[NR] = 60 * $1 + $2} END {exit !(cpu[2] > cpu[1] + 0.05 || cpu[3] > cpu[1] + 0.05)}' ||
+        fail "the first rank does the only point: $(tail -n 1 cpu.0 cpu.1 cpu.2)"
     # A signal that only the last of them gets ends all; the run goes on later.
     # shellcheck disable=SC2086
     $together -n 2 "$saltus" $sweep --record 800 -o ended.h5 >/dev/null 2>err &

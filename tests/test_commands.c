@@ -1,61 +1,15 @@
 /* What commands say: their help, the defaults that it tells, the summaries of sweeps whose rows are made up.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "folder.h"
+#include "command.h"
 #include "json.h"
 #include "made_sweep.h"
+#include "text_lines.h"
 
-#include <sys/wait.h>
-#include <unistd.h>
+#include <hdf5.h>
+#include <sys/stat.h>
+#include <time.h>
 
 enum { classes_max = 40 };
-
-typedef struct fixture {
-    char folder[64], path[320];
-} fixture;
-
-static int open_fixture(void **state) {
-    fixture *f = calloc(1, sizeof *f);
-    strcpy(f->folder, "/tmp/saltus-test-XXXXXX");
-    assert_non_null(mkdtemp(f->folder));
-    *state = f;
-    return 0;
-}
-
-static int close_fixture(void **state) {
-    fixture *f = *state;
-    folder_files(f->folder, true);
-    rmdir(f->folder);
-    free(f);
-    return 0;
-}
-
-static const char *path_in(fixture *f, const char *name) {
-    snprintf(f->path, sizeof f->path, "%s/%s", f->folder, name);
-    return f->path;
-}
-
-/* The exit status of a command line of the shell; what it says goes to `out` and `err`. */
-static int run(const fixture *f, const char *line) {
-    char text[1200];
-    snprintf(text, sizeof text, "cd %s && %s %s >out 2>err", f->folder, SALTUS_COMMAND, line);
-    int outcome = system(text);
-    return WIFEXITED(outcome) ? WEXITSTATUS(outcome) : 128;
-}
-
-static char *said(fixture *f, const char *where) {
-    size_t length;
-    return read_all(path_in(f, where), &length);
-}
-
-/* What a command that succeeds without a word on stderr says. */
-static char *told(fixture *f, const char *line) {
-    int status = run(f, line);
-    char *errors = said(f, "err");
-    if (status != 0 || errors[0])
-        fail_msg("%s: exit status %d: %s", line, status, errors);
-    free(errors);
-    return said(f, "out");
-}
 
 static void check_told(fixture *f, const char *line, const char *wanted) {
     char *text = told(f, line);
@@ -180,6 +134,180 @@ static void told_defaults_are_those_of_the_library(void **state) {
                      table[k].option, value, table[k].value);
     }
     free(help);
+}
+
+static int extent_of(const char *path, const char *name) {
+    hsize_t extent[8] = {0};
+    hid_t file = H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT), set = H5Dopen2(file, name, H5P_DEFAULT),
+          space = H5Dget_space(set);
+    assert_true(H5Sget_simple_extent_dims(space, extent, NULL) > 0);
+    H5Sclose(space);
+    H5Dclose(set);
+    H5Fclose(file);
+    return (int)extent[0];
+}
+
+/* How much was written: the samples and the events of the file, the periods that were asked for. */
+static void a_run_tells_what_its_file_holds(void **state) {
+    fixture *f = *state;
+    char *text = told(f, "simulate impact-oscillator --periods 4 --transient 7 --samples 12 -o run.h5"),
+         wanted[80];
+    snprintf(wanted, sizeof wanted, "run.h5: %d samples, %d events over 4 periods\n",
+             extent_of(path_in(f, "run.h5"), "trajectory/time"),
+             extent_of(path_in(f, "run.h5"), "events/time"));
+    assert_string_equal(text, wanted);
+    free(text);
+}
+
+/* What the last command said, under another name. */
+static void keep(fixture *f, const char *name) {
+    char from[320];
+    snprintf(from, sizeof from, "%s", path_in(f, "out"));
+    assert_int_equal(rename(from, path_in(f, name)), 0);
+}
+
+/* Newton's method begins at the orbit of a file, stable or not, without running to where its motion settles.
+ */
+static void an_orbit_of_a_file_is_where_it_begins(void **state) {
+    fixture *f = *state;
+    FILE *file = fopen(path_in(f, "flip.yaml"), "w");
+    assert_non_null(file);
+    fputs("model: oscillator\nc: 0.05\nF: 1\nomega: 2.6\nstop: {d: 0, r: 0.8}\n", file);
+    fclose(file);
+    /* Beyond its flip the orbit goes on, unstable. */
+    free(told(f, "orbit flip.yaml --periods 1 --json"));
+    keep(f, "orbit.json");
+    char *text[2], *steps[2];
+    for (int k = 0; k < 2; k++) {
+        assert_int_equal(
+            run(f, k ? "orbit flip.yaml --from orbit.json --set omega=2.7 --json --verbose --transient 9"
+                     : "orbit flip.yaml --from orbit.json --set omega=2.7 --json --verbose"),
+            0);
+        text[k] = said(f, "out");
+        steps[k] = said(f, "err");
+    }
+    assert_string_equal(text[0], text[1]);
+    assert_string_equal(steps[0], steps[1]);
+    json *orbit = json_read(text[0]);
+    assert_string_equal(json_text_at(orbit, "label"), "1/1");
+    assert_true(json_at(orbit, "stable")->kind == JSON_FALSE);
+    keep(f, "unstable.json");
+    char *again = told(f, "orbit flip.yaml --from unstable.json --json");
+    json *same = json_read(again);
+    for (const json *x = json_at(orbit, "state")->first, *y = json_at(same, "state")->first; x;
+         x = x->next, y = y->next)
+        check_near(y->number, x->number, 1e-10);
+    json_free(orbit);
+    json_free(same);
+    free(again);
+    for (int k = 0; k < 2; k++) {
+        free(text[k]);
+        free(steps[k]);
+    }
+}
+
+/* The points and branches of a continuation are those of its JSON, one way or both ways; singular where it is
+ * one. */
+static void a_branch_tells_its_points(void **state) {
+    static const char *const ways[] = {"up", "down", "both"};
+    fixture *f = *state;
+    for (int k = 0; k < 3; k++) {
+        char line[160], wanted[120];
+        int points = 0, branches = 0;
+        snprintf(line, sizeof line,
+                 "continue impact-oscillator --in omega=0.99:1.01 --points 3 --direction %s --json -o b.h5",
+                 ways[k]);
+        char *text = told(f, line);
+        for (const char *at = text; *at; at += *at == '\n', points++) {
+            json *point = json_value(&at);
+            int branch = (int)json_number_at(point, "branch");
+            branches = branch >= branches ? branch + 1 : branches;
+            json_free(point);
+        }
+        free(text);
+        text = told(f, "continue impact-oscillator --in omega=0.99:1.01 -o b.h5 --resume");
+        snprintf(wanted, sizeof wanted, "impact-oscillator: %d points on %d branch%s in b.h5\n", points,
+                 branches, branches == 1 ? "" : "es");
+        assert_int_equal(strncmp(text, wanted, strlen(wanted)), 0);
+        free(text);
+        remove(path_in(f, "b.h5"));
+    }
+}
+
+/* The scenes are listed with their titles; one that is named is printed as it is. */
+static void scenes_are_listed_and_printed(void **state) {
+    char *list = told(*state, "scenes"), *rest = list;
+    for (int k = 0; k < saltus_scene_builtin_count(); k++) {
+        const char *name = saltus_scene_builtin_name(k);
+        saltus_message message = {""};
+        saltus_scene scene;
+        check_ok(saltus_scene_load(name, &scene, &message), &message);
+        char *line = strtok_r(rest, "\n", &rest);
+        size_t length = strlen(name);
+        assert_non_null(line);
+        assert_true(strncmp(line, name, length) == 0 && line[length] == ' ');
+        assert_string_equal(line + length + strspn(line + length, " "), scene.title);
+    }
+    assert_null(strtok_r(rest, "\n", &rest));
+    free(list);
+    for (int k = 0; k < saltus_scene_builtin_count(); k += saltus_scene_builtin_count() - 1) {
+        char line[64];
+        snprintf(line, sizeof line, "scenes %s", saltus_scene_builtin_name(k));
+        check_told(*state, line, saltus_scene_builtin_text(k));
+    }
+}
+
+/* A scene that is checked is told with all of its numbers, each with what it means. */
+static void a_checked_scene_is_told(void **state) {
+    static const char *const texts[] = {"model: pipe\nN: 3\nalpha: 0.006\nomega: 41.25\nsigma: 0.3\nstops:\n "
+                                        " - {d: 0.03, r: 0.7, xi: 0.25, sides: "
+                                        "lower}\n  - {d: 0.04, r: 0.8, xi: 0.75, sides: both}\n",
+                                        "model: oscillator\nN: 2\nc: 0.125\nk2: 1.75\nF: 0.3\nomega: "
+                                        "0.123456789012\nstop: {d: 0.35, r: 0.65, "
+                                        "weight: [0.5, -1.5]}\n"};
+    static const char *const sides[] = {"", "upper side", "lower side", "both sides"};
+    fixture *f = *state;
+    for (int m = 0; m < 2; m++) {
+        saltus_message message = {""};
+        saltus_scene scene;
+        text_lines lines;
+        int count;
+        FILE *file = fopen(path_in(f, "mine.yaml"), "w");
+        assert_non_null(file);
+        fputs(texts[m], file);
+        fclose(file);
+        check_ok(saltus_scene_load(path_in(f, "mine.yaml"), &scene, &message), &message);
+        saltus_system *system = build(&scene.spec);
+        lines.text = told(f, "check mine.yaml");
+        lines.at = lines.text;
+        const saltus_parameter *p = saltus_model_parameters(scene.spec.model, &count);
+        char head[200];
+        lines_next(&lines, "mine: ok", NULL, 0);
+        snprintf(head, sizeof head, "model: %s (%s)", saltus_model_name(scene.spec.model),
+                 saltus_model_summary(scene.spec.model));
+        lines_next(&lines, head, NULL, 0);
+        for (int k = 0; k < count; k++) {
+            const char *end = strchr(lines.at, '\n'), *at = strstr(lines.at, p[k].name);
+            assert_true(end && at && at < end);
+            assert_int_equal(strncmp(end - strlen(p[k].meaning), p[k].meaning, strlen(p[k].meaning)), 0);
+            double value = strtod(at + strlen(p[k].name), NULL), exact = scene.spec.parameters[k];
+            check_near(value, exact, 5.1e-9 * fabs(exact));
+            lines.at = end + 1;
+        }
+        for (int s = 0; s < scene.spec.stop_count; s++) {
+            const saltus_stop *stop = &scene.spec.stops[s];
+            snprintf(head, sizeof head, "stop %d: %s, d = %g, r = %g, ", s + 1, sides[stop->sides], stop->d,
+                     stop->r);
+            if (m == 0)
+                lines_next(&lines, head, "xi = ", 1, stop->xi);
+            else
+                lines_next(&lines, head, "weight = [", 2, stop->weight[0], stop->weight[1]);
+        }
+        snprintf(head, sizeof head, ", integrator %s", saltus_system_integrator(system));
+        lines_next(&lines, "forcing period T = ", head, 1, saltus_system_period(system));
+        lines_end(&lines);
+        saltus_system_free(system);
+    }
 }
 
 /* A name of motions and how many there are. */
@@ -314,6 +442,57 @@ static void a_resumed_sweep_counts_what_it_computes(void **state) {
     }
 }
 
+static double clock_now(void) {
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+/* The time and the speed that are told, to people and in JSON, are those of what was computed: no longer than
+ * the command took, and their product is how much was done. */
+static void a_sweep_tells_its_time_and_speed(void **state) {
+    enum { points = 5, passes = 3, places = points * passes };
+    const saltus_scene scene = oscillator_scene();
+    const saltus_axis axis = axis_of(points);
+    fixture *f = *state;
+    saltus_sweep_options options = saltus_sweep_defaults();
+    options.passes = 7;
+    kinds = 5;
+    for (int k = 0; k < 4; k++) {
+        const int left = k < 2 ? 2 : places;
+        char line[256], end[40] = "";
+        double seconds, rate;
+        int used = 0;
+        made_write(path_in(f, "s.h5"), &scene, &axis, 1, &options, fill_kinds, places - left);
+        snprintf(
+            line, sizeof line,
+            "sweep impact-oscillator --over omega=0.9:1.1:%d --what max --start both --threads 1 --resume "
+            "-o s.h5%s",
+            points, k % 2 ? " --json" : "");
+        double begin = clock_now();
+        char *text = told(f, line);
+        double wall = clock_now() - begin;
+        if (k % 2) {
+            json *summary = json_read(text);
+            seconds = json_number_at(summary, "seconds");
+            rate = json_number_at(summary, "trajectories_per_second");
+            json_free(summary);
+        } else {
+            char *last = strstr(text, " trajectories/s");
+            assert_non_null(last);
+            while (last[-1] != '\n')
+                last--;
+            assert_int_equal(sscanf(last, "%lf s, %lf trajectories/s%n", &seconds, &rate, &used), 2);
+            snprintf(end, sizeof end, "%s\n", left < places ? "; the others were there" : "");
+            assert_string_equal(last + used, end);
+        }
+        assert_true(seconds > 0 && seconds <= 1.005 * wall);
+        check_near(rate * seconds, left, 0.006 * left);
+        free(text);
+        remove(path_in(f, "s.h5"));
+    }
+}
+
 /* For people: twelve names at most, each with its number and its share; what is left is told together. */
 static void a_table_of_classes_has_twelve_lines(void **state) {
     static const int tried[] = {1, 12, 13, 20};
@@ -361,6 +540,135 @@ static void a_table_of_classes_has_twelve_lines(void **state) {
         free(text);
         remove(path_in(f, "s.h5"));
     }
+}
+
+/* Nothing pulls or pushes: each place is a rest of its own, and one row has found none. */
+static void fill_rests(made_place *m) {
+    int k = (int)(m->place % (2 * kinds - 1));
+    m->row[0] = made_other(m->place ? SALTUS_ROW_EQUILIBRIUM : SALTUS_ROW_UNDECIDED);
+    m->state[0] = -0.05 * (k < kinds ? k : (k - kinds) / 2);
+}
+
+/* For people: twelve attractors at most, those first that most of the plane leads to, each with its number
+ * and its share; how many are left, and the rows that have none. In JSON there are all of them. */
+static void a_table_of_attractors_has_twelve_lines(void **state) {
+    static const int tried[] = {1, 12, 13, 15};
+    enum { rows = 49 };
+    const saltus_axis axes[2] = {{.key = "q1", .low = -0.6, .high = 0.6, .count = 7},
+                                 {.key = "v1", .low = -0.5, .high = 0.5, .count = 7}};
+    static const char line[] =
+        "basins impact-oscillator --set k=0 F=0 c=5 --over q1=-0.6:0.6:7 --over v1=-0.5:0.5:7 "
+        "--resume -o b.h5";
+    saltus_sweep_options options = saltus_sweep_defaults();
+    saltus_message message = {""};
+    saltus_scene scene = oscillator_scene();
+    fixture *f = *state;
+    options.record = 1;
+    check_ok(saltus_scene_set(&scene, "k=0", &message), &message);
+    check_ok(saltus_scene_set(&scene, "F=0", &message), &message);
+    check_ok(saltus_scene_set(&scene, "c=5", &message), &message);
+    for (size_t t = 0; t < sizeof tried / sizeof tried[0]; t++) {
+        char in_json[160], label[32];
+        int number, sum = 0, last = rows;
+        double share;
+        kinds = tried[t];
+        made_write_as(true, path_in(f, "b.h5"), &scene, axes, 2, &options, fill_rests, rows);
+        snprintf(in_json, sizeof in_json, "%s --json", line);
+        char *text = told(f, in_json);
+        json *summary = json_read(text);
+        free(text);
+        const json *one = json_at(summary, "attractors");
+        assert_int_equal(json_count(one), kinds);
+        text = told(f, line);
+        char *rest = text, *shown = strtok_r(rest, "\n", &rest);
+        assert_string_equal(shown, "impact-oscillator: 49 points, 49 trajectories in b.h5");
+        shown = strtok_r(NULL, "\n", &rest);
+        assert_int_equal(strncmp(shown, "attractor ", 10), 0);
+        one = one->first;
+        for (int k = 0; k < kinds; k++, one = one->next) {
+            int count = (int)json_number_at(one, "count");
+            assert_true(count <= last && count > 0);
+            check_near(json_number_at(one, "share"), (double)count / rows, 1e-15);
+            sum += last = count;
+            if (k >= 12)
+                continue;
+            shown = strtok_r(NULL, "\n", &rest);
+            assert_int_equal(sscanf(shown, "%31s %d %lf %%", label, &number, &share), 3);
+            assert_string_equal(label, json_text_at(one, "label"));
+            assert_int_equal(number, count);
+            check_near(share, 100.0 * count / rows, 0.0051);
+        }
+        assert_int_equal(sum, rows - 1);
+        if (kinds > 12) {
+            snprintf(label, sizeof label, "%d others", kinds - 12);
+            assert_string_equal(strtok_r(NULL, "\n", &rest), label);
+        }
+        shown = strtok_r(NULL, "\n", &rest);
+        assert_int_equal(sscanf(shown, "none found %d %lf %%", &number, &share), 2);
+        assert_int_equal(number, 1);
+        check_near(share, 100.0 / rows, 0.0051);
+        assert_string_equal(strtok_r(NULL, "\n", &rest), "all were there");
+        assert_null(strtok_r(NULL, "\n", &rest));
+        json_free(summary);
+        free(text);
+        remove(path_in(f, "b.h5"));
+    }
+}
+
+static void fill_clouds(made_place *m) {
+    m->row[0] = made_periodic(1, 1);
+    m->turning_count[0] = m->impact_count[0] = 1;
+    m->turning[0] = 0.01;
+    m->impact[0] = (saltus_sweep_impact){0.1, 0.25, 0};
+}
+
+/* Words between quotes are one, and what is there is not computed again: figure 8 of sweeps that are made up,
+ * with a gnuplot that keeps what it is told. */
+static void titles_of_the_paper_are_whole(void **state) {
+    static const char *const restitution[] = {"r=0.8", "r=0.7", "r=0.6"};
+    fixture *f = *state;
+    char path[4200], *usual = strdup(getenv("PATH"));
+    FILE *file = fopen(path_in(f, "gnuplot"), "w");
+    assert_non_null(file);
+    fputs("#!/bin/sh\ncat >>scripts\nprintf %080d 0\nprintf 'IEND....'\n", file);
+    fclose(file);
+    chmod(path_in(f, "gnuplot"), 0755);
+    for (int k = 0; k < 3; k++) {
+        const saltus_axis axis = {.key = "omega", .low = 0.055, .high = 55, .count = 125};
+        saltus_sweep_options options = saltus_sweep_defaults();
+        saltus_message message = {""};
+        saltus_scene scene;
+        char name[16];
+        check_ok(saltus_scene_load("fig8", &scene, &message), &message);
+        check_ok(saltus_scene_set(&scene, restitution[k], &message), &message);
+        options.transient = 200;
+        options.keep = SALTUS_KEEP_TURNING | SALTUS_KEEP_IMPACTS;
+        snprintf(name, sizeof name, "fig8%c.h5", 'a' + k);
+        made_write(path_in(f, name), &scene, &axis, 1, &options, fill_clouds, axis.count);
+    }
+    snprintf(path, sizeof path, "%s:%s", f->folder, usual);
+    setenv("PATH", path, 1);
+    char *text = told(f, "paper --quick --figure 8 --resume --quiet -o ."), *scripts = said(f, "scripts");
+    setenv("PATH", usual, 1);
+    const char *at = text, *title = scripts;
+    for (int k = 0; k < 3; k++)
+        for (int view = 0; view < 2; view++) {
+            char words[80];
+            snprintf(words, sizeof words, "pipe with a one-sided stop, r = %s", restitution[k] + 2);
+            title = strstr(title, words);
+            assert_non_null(title);
+            title += strlen(words);
+            at = view ? at : strstr(at, "all were there\n");
+            assert_non_null(at);
+            snprintf(words, sizeof words, "figure: fig8%c-%s.png\n", 'a' + k,
+                     view ? "velocity" : "displacement");
+            at = strstr(at, words);
+            assert_non_null(at);
+        }
+    free(scripts);
+    free(text);
+    free(usual);
+    folder_files(f->folder, true);
 }
 
 static int undecided_rows;
@@ -417,8 +725,16 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(help_has_many_names),
         cmocka_unit_test(told_defaults_are_those_of_the_library),
+        cmocka_unit_test(a_run_tells_what_its_file_holds),
+        cmocka_unit_test(an_orbit_of_a_file_is_where_it_begins),
+        cmocka_unit_test(a_branch_tells_its_points),
+        cmocka_unit_test(scenes_are_listed_and_printed),
+        cmocka_unit_test(a_checked_scene_is_told),
         cmocka_unit_test(a_resumed_sweep_counts_what_it_computes),
+        cmocka_unit_test(a_sweep_tells_its_time_and_speed),
         cmocka_unit_test(a_table_of_classes_has_twelve_lines),
+        cmocka_unit_test(a_table_of_attractors_has_twelve_lines),
+        cmocka_unit_test(titles_of_the_paper_are_whole),
         cmocka_unit_test(what_could_be_decided_is_told),
     };
     return cmocka_run_group_tests(tests, open_fixture, close_fixture);

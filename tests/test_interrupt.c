@@ -18,13 +18,16 @@
 #include <time.h>
 #include <unistd.h>
 
-enum { words_max = 32, patience_ms = 20000 };
+enum { words_max = 32, patience_ms = 20000, slow_points = 1000 };
 
 /* A folder to work in, with one for the made-up gnuplot and one for nameless files. */
 typedef struct fixture {
     char folder[64], tools[80], nameless[80], paper[80], path[4200];
     struct fixture *late; /* of the child that is signalled twice, seconds apart; it runs beside the others */
     pid_t late_child;
+    struct fixture *slow; /* of the sweep that is held for seconds meanwhile */
+    pid_t slow_child;
+    double held_since;
 } fixture;
 
 static const char *path_in(const fixture *f, const char *name, char path[320]) {
@@ -49,6 +52,7 @@ static fixture *make_fixture(void) {
 static int open_fixture(void **state) {
     fixture *f = make_fixture();
     f->late = make_fixture();
+    f->slow = make_fixture();
     *state = f;
     return 0;
 }
@@ -155,13 +159,49 @@ static int close_fixture(void **state) {
     fixture *f = *state;
     if (f->late_child)
         end_of(f->late_child);
+    if (f->slow_child) {
+        kill(f->slow_child, SIGKILL);
+        end_of(f->slow_child);
+    }
     remove_fixture(f->late);
+    remove_fixture(f->slow);
     remove_fixture(f);
     return 0;
 }
 
+static long long size_of(const char *path) {
+    struct stat facts;
+    return stat(path, &facts) == 0 ? (long long)facts.st_size : -1;
+}
+
+static double clock_now(void) {
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+/* Begin the sweep that is held when a part of it is done: a row takes more than forty bytes of the journal.
+ */
+static void begin_slow(fixture *f) {
+    char journal[320], line[160];
+    if (f->slow_child)
+        return;
+    path_in(f->slow, "slow.h5.journal", journal);
+    snprintf(
+        line, sizeof line,
+        "sweep impact-oscillator --over omega=0.9:1.1:%d --transient 60 --record 10 --what max --threads 1 "
+        "-o slow.h5",
+        slow_points);
+    f->slow_child = start(f->slow, line, plainly, SIGTERM);
+    for (int k = 0; k < 10 * patience_ms && size_of(journal) < 40 * slow_points; k++)
+        pause_ms(0.1);
+    kill(f->slow_child, SIGSTOP);
+    f->held_since = clock_now();
+}
+
 /* Begin the child whose figure takes seconds, with a signal before and one after them. */
 static void begin_late(fixture *f) {
+    begin_slow(f);
     if (f->late_child)
         return;
     make_gnuplot(f->late, "kill -TERM $PPID; sleep 2.1; kill -TERM $PPID; sleep 0.2");
@@ -311,6 +351,36 @@ static void a_late_second_signal_ends_the_program(void **state) {
     assert_int_equal(folder_files(f->late->nameless, true), 0);
 }
 
+/* Where there is no terminal a sweep that takes seconds says now and then, on a line of its own, how much is
+ * done, how fast and how long the rest will take at that speed. */
+static void a_long_sweep_is_told_in_lines(void **state) {
+    fixture *f = *state;
+    double part, rate, left;
+    long long done, all;
+    int used = 0;
+    begin_slow(f);
+    double held = clock_now() - f->held_since;
+    if (held < 2.1)
+        pause_ms(1000 * (2.1 - held));
+    double since = f->held_since;
+    kill(f->slow_child, SIGCONT);
+    assert_int_equal(end_of(f->slow_child), 0);
+    f->slow_child = 0;
+    double passed = clock_now() - since;
+    char *text = said(f->slow, "err");
+    assert_int_equal(sscanf(text, "saltus: %lf %% (%lld of %lld points), %lf points/s, %lf s left\n%n", &part,
+                            &done, &all, &rate, &left, &used),
+                     5);
+    if (text[used] || !(fabs(part - 100. * (double)done / (double)all) <= 0.0501))
+        fail_msg("a sweep of %d points says %s", slow_points, text);
+    assert_true(all == slow_points && done >= all / 10 && done <= all);
+    /* All was done in this time or, with what went before, in two seconds more. */
+    assert_true((double)done / rate >= 2.09 && (double)done / rate <= passed + 2);
+    assert_true(left >= (double)(all - done) / rate * (1 - 1e-3) &&
+                left < (double)(all - done) / rate * (1 + 1e-3) + 1);
+    free(text);
+}
+
 /* Where the figure is all that is left to do it is finished, and the command has done what it was asked for.
  */
 static void a_signal_during_the_last_figure_is_too_late(void **state) {
@@ -365,11 +435,6 @@ static void a_signal_during_a_figure_ends_paper(void **state) {
     assert_int_equal(stat(data, &after), 0);
     assert_int_equal(before.st_size, after.st_size);
     assert_int_equal(folder_files(f->paper, true), 4);
-}
-
-static long long size_of(const char *path) {
-    struct stat facts;
-    return stat(path, &facts) == 0 ? (long long)facts.st_size : -1;
 }
 
 /* The largest that the first sweep's journal gets, of a paper that is ended when the journal is gone. */
@@ -521,6 +586,7 @@ int main(void) {
         cmocka_unit_test(a_signal_at_the_end_of_a_sweep_ends_paper),
         cmocka_unit_test(a_signal_at_any_moment_leaves_whole_files),
         cmocka_unit_test(a_late_second_signal_ends_the_program),
+        cmocka_unit_test(a_long_sweep_is_told_in_lines),
     };
     return cmocka_run_group_tests(tests, open_fixture, close_fixture);
 }

@@ -597,6 +597,53 @@ static void each_listed_option_has_a_case(void **state) {
     }
 }
 
+/* The default that is told of an option that takes a value: one word; its length, or 0. */
+static int default_of(const listed *o, const char **word) {
+    const char *at = strstr(o->line, "(default ");
+    *word = at ? at + strlen("(default ") : NULL;
+    int length = at ? (int)strcspn(*word, " )") : 0;
+    return length && o->argument[0] && (*word)[length] == ')' ? length : 0;
+}
+
+/* Who says what is the default anyway changes nothing. */
+static void told_defaults_change_nothing(void **state) {
+    static const struct {
+        const char *command, *line, *file;
+    } runs[] = {{"classify", "classify impact-oscillator --json", "out"},
+                {"simulate", SIMULATE, "r.h5"},
+                {"orbit", "orbit impact-oscillator --periods 1 --json", "out"},
+                {"continue", "continue impact-oscillator --in omega=0.996:1.004 -o b.h5", "b.h5"},
+                {"lyapunov", "lyapunov " CHAOS " --precision 0.3 --transient 20 --json", "out"},
+                {"spectrum", SPECTRUM_JSON, "out"},
+                {"sweep", SWEEP, "s.h5"},
+                {"basins", BASINS, "s.h5"},
+                {"export", "export ../in/sweep.h5 -o t.csv", "t.csv"}};
+    const listed *options;
+    const fixture *f = *state;
+    int count = list_options(*state, &options);
+    ((fixture *)*state)->last[0] = ((fixture *)*state)->with[0] = '\0';
+    for (size_t k = 0; k < sizeof runs / sizeof runs[0]; k++) {
+        char more[512] = "";
+        size_t used = 0;
+        int said = 0, length;
+        for (int i = 0; i < count; i++) {
+            const char *word;
+            if (strcmp(options[i].command, runs[k].command) != 0 || strstr(runs[k].line, options[i].name) ||
+                (length = default_of(&options[i], &word)) == 0)
+                continue;
+            used +=
+                (size_t)snprintf(more + used, sizeof more - used, " %s %.*s", options[i].name, length, word);
+            said++;
+        }
+        assert_true(said > 0 && used < sizeof more);
+        clear(f, "base");
+        clear(f, "with");
+        if (run_in(f, "base", runs[k].line, "") != 0 || run_in(f, "with", runs[k].line, more) != 0 ||
+            !same_files(f, runs[k].file))
+            fail_msg("%s:%s is something else than nothing", runs[k].line, more);
+    }
+}
+
 /* A command that has all it needs, but for the option. */
 static const char *beginning_of(const char *command) {
     static const char *const lines[][2] = {
@@ -926,8 +973,32 @@ static size_t words_on_terminal(const fixture *f, const char *line, const char *
     return heard;
 }
 
+/* What a line of a terminal shows in the end: a new line begins an empty one, a return goes back to its
+ * beginning, and there it may be wiped to its end. */
+static void last_line(const char *said, char *shown, size_t room) {
+    size_t at = 0;
+    memset(shown, 0, room);
+    for (const char *c = said; *c; c++)
+        if (*c == '\r')
+            at = 0;
+        else if (strncmp(c, "\033[K", 3) == 0) {
+            memset(shown + at, 0, room - at);
+            c += 2;
+        } else if (*c == '\n') {
+            memset(shown, 0, room);
+            at = 0;
+        } else {
+            assert_true(at + 1 < room);
+            shown[at++] = *c;
+        }
+    for (size_t k = strlen(shown); k > 0 && shown[k - 1] == ' '; k--)
+        shown[k - 1] = '\0';
+    if (at != 0)
+        shown[0] = shown[0] ? shown[0] : '?';
+}
+
 /* On a terminal there is a progress line; --quiet is heeded by every command that lists it, and elsewhere
- * stderr is empty. */
+ * stderr is empty. In the end nothing of it is left. */
 static void quiet_commands_are_silent(void **state) {
     static const char *const lines[][2] = {
         {"classify", "classify impact-oscillator"},
@@ -938,6 +1009,7 @@ static void quiet_commands_are_silent(void **state) {
         {"lyapunov", "lyapunov impact-oscillator --transient 20 --periods 1800"},
         {"spectrum", "spectrum impact-oscillator --samples 64"},
         {"paper", "paper --figure 3 -o p"}};
+    static char words[65536], shown[512];
     const listed *options;
     const fixture *f = *state;
     int count = list_options(*state, &options), quiet = 0;
@@ -946,8 +1018,11 @@ static void quiet_commands_are_silent(void **state) {
     assert_int_equal(quiet, sizeof lines / sizeof lines[0]);
     for (size_t k = 0; k < sizeof lines / sizeof lines[0]; k++) {
         clear(f, "with");
-        if (words_on_terminal(f, lines[k][1], "", NULL, 0) == 0)
+        if (words_on_terminal(f, lines[k][1], "", words, sizeof words) == 0)
             fail_msg("%s shows no progress on a terminal", lines[k][0]);
+        last_line(words, shown, sizeof shown);
+        if (shown[0])
+            fail_msg("%s leaves '%s' on the terminal", lines[k][0], shown);
         if (words_on_terminal(f, lines[k][1], "--quiet", NULL, 0) != 0)
             fail_msg("%s --quiet is not silent", lines[k][0]);
         size_t length;
@@ -1204,6 +1279,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(each_listed_option_has_a_case),
         cmocka_unit_test(each_option_takes_effect),
+        cmocka_unit_test(told_defaults_change_nothing),
         cmocka_unit_test(bad_values_are_refused_by_name),
         cmocka_unit_test(lists_are_taken_up_to_their_room),
         cmocka_unit_test(unknown_options_are_refused_by_every_command),

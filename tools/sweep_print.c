@@ -54,7 +54,7 @@ static share *count_shares(const saltus_sweep_file *file) {
         shares[k].attractor = k;
     for (long long k = 0; k < file->row_count && shares; k++) {
         int attractor = file->rows[k].attractor;
-        if (attractor >= 0 && attractor < file->attractor_count)
+        if (attractor >= 0)
             shares[attractor].count++;
     }
     if (shares)

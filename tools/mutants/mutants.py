@@ -168,6 +168,15 @@ def write_tree(root, tree, chosen, finder):
                     os.remove(path)
 
 
+def written_lines(chosen, finder):
+    """The line of each mutant in the tree: those before it in its file may have made that longer."""
+    def longer(mutant):
+        return mutant.text.count("\n") - finder.source(mutant.file)[mutant.start:mutant.end].count(b"\n")
+
+    return [mutant.line + sum(longer(m) for _, m in chosen if m.file == mutant.file and m.start < mutant.start)
+            for _, mutant in chosen]
+
+
 def put(path, text, mode):
     os.makedirs(os.path.dirname(path), exist_ok=True)
     try:
@@ -329,8 +338,8 @@ def main():
         bad = build(tree, into)
         if not bad:
             break
-        out = {mutant for _, mutant in chosen
-               if any((mutant.file, mutant.line + k) in bad for k in range(mutant.text.count("\n") + 1))}
+        out = {mutant for (_, mutant), line in zip(chosen, written_lines(chosen, finder))
+               if any((mutant.file, line + k) in bad for k in range(mutant.text.count("\n") + 1))}
         if not out:
             raise SystemExit(f"mutants: no mutant stands at {sorted(bad)}")
         refused |= out
