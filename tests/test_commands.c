@@ -545,7 +545,7 @@ static void a_table_of_classes_has_twelve_lines(void **state) {
 /* Nothing pulls or pushes: each place is a rest of its own, and one row has found none. */
 static void fill_rests(made_place *m) {
     int k = (int)(m->place % (2 * kinds - 1));
-    m->row[0] = made_other(m->place ? SALTUS_ROW_EQUILIBRIUM : SALTUS_ROW_UNDECIDED);
+    m->row[0] = made_other(m->place ? SALTUS_EQUILIBRIUM : SALTUS_UNDECIDED);
     m->state[0] = -0.05 * (k < kinds ? k : (k - kinds) / 2);
 }
 
