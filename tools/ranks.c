@@ -48,11 +48,11 @@ static bool refuse(long count, const char *why) {
 
 #ifdef SALTUS_WITH_MPI
 
-struct ranks_parcel {
+struct ranks_outgoing {
     MPI_Request request;
     void *bytes;
     size_t size;
-    struct ranks_parcel *next;
+    struct ranks_outgoing *next;
 };
 
 static bool joined(void) {
@@ -138,41 +138,41 @@ int ranks_threads(void) {
     return share < 1 ? 1 : share < own ? share : own;
 }
 
-saltus_status ranks_send_own(ranks_mail *mail, int to, int kind, void *bytes, size_t size,
+saltus_status ranks_send_own(ranks_outbox *outbox, int to, int kind, void *bytes, size_t size,
                              saltus_message *message) {
-    struct ranks_parcel *parcel = malloc(sizeof *parcel);
-    if (!parcel || size > INT_MAX) {
-        free(parcel);
+    struct ranks_outgoing *outgoing = malloc(sizeof *outgoing);
+    if (!outgoing || size > INT_MAX) {
+        free(outgoing);
         free(bytes);
         if (size > INT_MAX)
             return saltus_fail(message, SALTUS_BAD_INPUT,
                                "a result of %zu bytes is too large to be sent between processes", size);
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a message between processes");
     }
-    *parcel = (struct ranks_parcel){.bytes = bytes, .size = size, .next = mail->first};
-    MPI_Isend(bytes, (int)size, MPI_BYTE, to, kind, MPI_COMM_WORLD, &parcel->request);
-    mail->first = parcel;
-    mail->bytes += size;
+    *outgoing = (struct ranks_outgoing){.bytes = bytes, .size = size, .next = outbox->first};
+    MPI_Isend(bytes, (int)size, MPI_BYTE, to, kind, MPI_COMM_WORLD, &outgoing->request);
+    outbox->first = outgoing;
+    outbox->bytes += size;
     return SALTUS_OK;
 }
 
-bool ranks_delivered(ranks_mail *mail) {
-    for (struct ranks_parcel **place = &mail->first; *place;) {
-        struct ranks_parcel *parcel = *place;
+bool ranks_delivered(ranks_outbox *outbox) {
+    for (struct ranks_outgoing **place = &outbox->first; *place;) {
+        struct ranks_outgoing *outgoing = *place;
         int done = 0;
-        MPI_Test(&parcel->request, &done, MPI_STATUS_IGNORE);
+        MPI_Test(&outgoing->request, &done, MPI_STATUS_IGNORE);
         if (done) {
-            *place = parcel->next;
-            mail->bytes -= parcel->size;
-            free(parcel->bytes);
-            free(parcel);
+            *place = outgoing->next;
+            outbox->bytes -= outgoing->size;
+            free(outgoing->bytes);
+            free(outgoing);
         } else
-            place = &parcel->next;
+            place = &outgoing->next;
     }
-    return !mail->first;
+    return !outbox->first;
 }
 
-bool ranks_receive(int kind, ranks_letter *letter) {
+bool ranks_receive(int kind, ranks_packet *packet) {
     MPI_Status status;
     int waiting = 0, size = 0;
     if (ranks_count() == 1)
@@ -181,12 +181,12 @@ bool ranks_receive(int kind, ranks_letter *letter) {
     if (!waiting)
         return false;
     MPI_Get_count(&status, MPI_BYTE, &size);
-    *letter = (ranks_letter){.from = status.MPI_SOURCE, .size = (size_t)size};
-    letter->bytes = malloc(letter->size ? letter->size : 1);
+    *packet = (ranks_packet){.from = status.MPI_SOURCE, .size = (size_t)size};
+    packet->bytes = malloc(packet->size ? packet->size : 1);
     /* Without memory for one message there is no way to go on, nor to say so to the others. */
-    if (!letter->bytes)
+    if (!packet->bytes)
         MPI_Abort(MPI_COMM_WORLD, 1);
-    MPI_Recv(letter->bytes, size, MPI_BYTE, status.MPI_SOURCE, kind, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
+    MPI_Recv(packet->bytes, size, MPI_BYTE, status.MPI_SOURCE, kind, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
     return true;
 }
 
@@ -210,31 +210,31 @@ int ranks_threads(void) {
     return 0;
 }
 
-saltus_status ranks_send_own(ranks_mail *mail, int to, int kind, void *bytes, size_t size,
+saltus_status ranks_send_own(ranks_outbox *outbox, int to, int kind, void *bytes, size_t size,
                              saltus_message *message) {
-    (void)mail, (void)to, (void)kind, (void)size;
+    (void)outbox, (void)to, (void)kind, (void)size;
     free(bytes);
     return saltus_fail(message, SALTUS_BAD_INPUT, "this saltus was built without MPI");
 }
 
-bool ranks_delivered(ranks_mail *mail) {
-    (void)mail;
+bool ranks_delivered(ranks_outbox *outbox) {
+    (void)outbox;
     return true;
 }
 
-bool ranks_receive(int kind, ranks_letter *letter) {
-    (void)kind, (void)letter;
+bool ranks_receive(int kind, ranks_packet *packet) {
+    (void)kind, (void)packet;
     return false;
 }
 
 #endif
 
-saltus_status ranks_send(ranks_mail *mail, int to, int kind, const void *bytes, size_t size,
+saltus_status ranks_send(ranks_outbox *outbox, int to, int kind, const void *bytes, size_t size,
                          saltus_message *message) {
     void *copy = malloc(size ? size : 1);
     if (!copy)
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a message between processes");
     if (size)
         memcpy(copy, bytes, size);
-    return ranks_send_own(mail, to, kind, copy, size, message);
+    return ranks_send_own(outbox, to, kind, copy, size, message);
 }

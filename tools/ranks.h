@@ -1,6 +1,6 @@
-/* Processes that mpirun or srun started together, called ranks, and letters between them. A letter is sent
+/* Processes that mpirun or srun started together, called ranks, and packets between them. A packet is sent
  * and received without waiting; whoever waits sleeps in between, so that no core is lost to it. Without MPI,
- * and for a program started alone, there is one rank and there are no letters.
+ * and for a program started alone, there is one rank and there are no packets.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_TOOLS_RANKS_H
 #define SALTUS_TOOLS_RANKS_H
@@ -11,7 +11,7 @@
 #include <stddef.h>
 
 /* Take part, where several ranks were started. All but the first fall silent: what goes wrong on them is told
- * by letter. False after a message. To be called before the program has threads. */
+ * by packet. False after a message. To be called before the program has threads. */
 bool ranks_join(void);
 /* Part again at the end of the program, whether joined or not. */
 void ranks_leave(void);
@@ -21,28 +21,28 @@ int ranks_here(void);
 /* Threads that each should use: the cores of this machine are shared by the ranks on it. 0: started alone. */
 int ranks_threads(void);
 
-typedef struct ranks_letter {
+typedef struct ranks_packet {
     int from;
     size_t size;
     void *bytes; /* to be freed by the receiver */
-} ranks_letter;
+} ranks_packet;
 
 /* Letters on their way out. Zeroed, it is empty. */
-typedef struct ranks_mail {
-    struct ranks_parcel *first;
+typedef struct ranks_outbox {
+    struct ranks_outgoing *first;
     size_t bytes;
-} ranks_mail;
+} ranks_outbox;
 
 /* Send a copy of `size` bytes. Letters of one kind, a small number from 0, arrive in the order in which they
  * were sent. Errors: SALTUS_NO_MEMORY, SALTUS_BAD_INPUT (over 2 GB). */
-saltus_status ranks_send(ranks_mail *mail, int to, int kind, const void *bytes, size_t size,
+saltus_status ranks_send(ranks_outbox *outbox, int to, int kind, const void *bytes, size_t size,
                          saltus_message *message);
-/* The same with bytes from malloc that become the mail's, also on error. */
-saltus_status ranks_send_own(ranks_mail *mail, int to, int kind, void *bytes, size_t size,
+/* The same with bytes from malloc that become the outbox's, also on error. */
+saltus_status ranks_send_own(ranks_outbox *outbox, int to, int kind, void *bytes, size_t size,
                              saltus_message *message);
 /* Forget what has been delivered; true when nothing is left. */
-bool ranks_delivered(ranks_mail *mail);
-/* Receive a letter of a kind, if one has arrived. */
-bool ranks_receive(int kind, ranks_letter *letter);
+bool ranks_delivered(ranks_outbox *outbox);
+/* Receive a packet of a kind, if one has arrived. */
+bool ranks_receive(int kind, ranks_packet *packet);
 
 #endif

@@ -3,13 +3,13 @@
 
 #include "cli.h"
 #include "interrupt.h"
-#include "sweep_desk.h"
+#include "sweep_exchange.h"
 
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
 
-/* What the feed returns to end the engine; the desk knows why. */
+/* What the feed returns to end the engine; the exchange knows why. */
 static const saltus_status dropped = SALTUS_NO_CONVERGENCE;
 
 /* Bytes of results that may wait to be sent before the computation waits too. */
@@ -52,283 +52,288 @@ void sweep_tally_clear(sweep_tally *tally) {
     *tally = (sweep_tally){0};
 }
 
-static bool is_settled(const sweep_desk *desk, long long task) {
-    return desk->settled && (desk->settled[task / 8] >> task % 8 & 1);
+static bool is_settled(const sweep_exchange *exchange, long long task) {
+    return exchange->settled && (exchange->settled[task / 8] >> task % 8 & 1);
 }
 
-int sweep_desk_tasks(sweep_desk *desk, long long *tasks, int most) {
+int sweep_exchange_tasks(sweep_exchange *exchange, long long *tasks, int most) {
     int count = 0;
-    for (; count < most && desk->next < desk->tasks && !desk->stopped; desk->next++) {
-        long long task = (desk->longest + desk->next) % desk->tasks;
-        if (!is_settled(desk, task))
+    for (; count < most && exchange->next < exchange->tasks && !exchange->stopped; exchange->next++) {
+        long long task = (exchange->longest + exchange->next) % exchange->tasks;
+        if (!is_settled(exchange, task))
             tasks[count++] = task;
     }
-    desk->open -= count;
+    exchange->open -= count;
     return count;
 }
 
-void sweep_desk_stop(sweep_desk *desk, saltus_status status, const saltus_message *message) {
-    pthread_mutex_lock(&desk->lock);
-    if (desk->status == SALTUS_OK && status != SALTUS_OK) {
-        desk->status = status;
-        desk->message = *message;
+void sweep_exchange_stop(sweep_exchange *exchange, saltus_status status, const saltus_message *message) {
+    pthread_mutex_lock(&exchange->lock);
+    if (exchange->status == SALTUS_OK && status != SALTUS_OK) {
+        exchange->status = status;
+        exchange->message = *message;
     }
-    desk->interrupted |= status == SALTUS_OK;
-    desk->stopped = true;
-    pthread_cond_broadcast(&desk->changed);
-    pthread_mutex_unlock(&desk->lock);
+    exchange->interrupted |= status == SALTUS_OK;
+    exchange->stopped = true;
+    pthread_cond_broadcast(&exchange->changed);
+    pthread_mutex_unlock(&exchange->lock);
 }
 
-bool sweep_desk_sound(sweep_desk *desk) {
-    pthread_mutex_lock(&desk->lock);
-    bool sound = desk->status == SALTUS_OK;
-    pthread_mutex_unlock(&desk->lock);
+bool sweep_exchange_sound(sweep_exchange *exchange) {
+    pthread_mutex_lock(&exchange->lock);
+    bool sound = exchange->status == SALTUS_OK;
+    pthread_mutex_unlock(&exchange->lock);
     return sound;
 }
 
-saltus_status sweep_desk_take(sweep_desk *desk, const saltus_sweep_result *result, saltus_message *message) {
-    int seeds = saltus_sweep_choices(desk->sweep)->seeds;
+saltus_status sweep_exchange_take(sweep_exchange *exchange, const saltus_sweep_result *result,
+                                  saltus_message *message) {
+    int seeds = saltus_sweep_choices(exchange->sweep)->seeds;
     saltus_status status = SALTUS_OK;
-    pthread_mutex_lock(&desk->writing);
-    bool fresh = !saltus_sweep_output_has(desk->output, result->place);
+    pthread_mutex_lock(&exchange->writing);
+    bool fresh = !saltus_sweep_output_has(exchange->output, result->place);
     if (fresh)
-        status = saltus_sweep_output_take(desk->output, result, message);
+        status = saltus_sweep_output_take(exchange->output, result, message);
     for (int s = 0; s < seeds && fresh && status == SALTUS_OK; s++)
-        status = sweep_tally_add(&desk->tally, &result->rows[s], message);
-    desk->computed += fresh && status == SALTUS_OK ? seeds : 0;
-    pthread_mutex_unlock(&desk->writing);
-    pthread_mutex_lock(&desk->lock);
-    desk->done += fresh && status == SALTUS_OK;
-    pthread_mutex_unlock(&desk->lock);
+        status = sweep_tally_add(&exchange->tally, &result->rows[s], message);
+    exchange->computed += fresh && status == SALTUS_OK ? seeds : 0;
+    pthread_mutex_unlock(&exchange->writing);
+    pthread_mutex_lock(&exchange->lock);
+    exchange->done += fresh && status == SALTUS_OK;
+    pthread_mutex_unlock(&exchange->lock);
     return status;
 }
 
 /* The next task from what the first rank has sent, which may have to be waited for. */
-static long long next_of_inbox(sweep_desk *desk) {
-    while (!desk->stopped && desk->count == 0 && !desk->dry)
-        pthread_cond_wait(&desk->changed, &desk->lock);
-    if (desk->stopped || desk->count == 0)
+static long long next_of_inbox(sweep_exchange *exchange) {
+    while (!exchange->stopped && exchange->count == 0 && !exchange->dry)
+        pthread_cond_wait(&exchange->changed, &exchange->lock);
+    if (exchange->stopped || exchange->count == 0)
         return -1;
-    long long task = desk->inbox[desk->first];
-    desk->first = (desk->first + 1) % SWEEP_INBOX_MAX;
-    desk->count--;
+    long long task = exchange->inbox[exchange->first];
+    exchange->first = (exchange->first + 1) % SWEEP_INBOX_MAX;
+    exchange->count--;
     return task;
 }
 
 static long long next_task(void *context) {
-    sweep_desk *desk = context;
+    sweep_exchange *exchange = context;
     long long task = -1;
-    pthread_mutex_lock(&desk->lock);
-    if (desk->here > 0)
-        task = next_of_inbox(desk);
+    pthread_mutex_lock(&exchange->lock);
+    if (exchange->here > 0)
+        task = next_of_inbox(exchange);
     else {
         /* Every rank has its first share before this one goes on to its own. */
-        while (!desk->stopped && desk->met < desk->ranks - 1)
-            pthread_cond_wait(&desk->changed, &desk->lock);
-        if (sweep_desk_tasks(desk, &task, 1) == 0)
+        while (!exchange->stopped && exchange->met < exchange->ranks - 1)
+            pthread_cond_wait(&exchange->changed, &exchange->lock);
+        if (sweep_exchange_tasks(exchange, &task, 1) == 0)
             task = -1;
     }
-    pthread_mutex_unlock(&desk->lock);
+    pthread_mutex_unlock(&exchange->lock);
     return task;
 }
 
 /* A result into the outbox, once there is room. */
-static saltus_status post_result(sweep_desk *desk, const saltus_sweep_result *result,
+static saltus_status post_result(sweep_exchange *exchange, const saltus_sweep_result *result,
                                  saltus_message *message) {
-    size_t size = saltus_sweep_packed_size(desk->sweep, result);
-    sweep_parcel *parcel = malloc(sizeof *parcel);
+    size_t size = saltus_sweep_packed_size(exchange->sweep, result);
+    sweep_packed *packed = malloc(sizeof *packed);
     void *bytes = malloc(size);
-    if (!parcel || !bytes) {
-        free(parcel);
+    if (!packed || !bytes) {
+        free(packed);
         free(bytes);
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a result of %zu bytes", size);
     }
-    saltus_sweep_pack(desk->sweep, result, bytes);
-    *parcel = (sweep_parcel){.bytes = bytes, .size = size};
-    pthread_mutex_lock(&desk->lock);
-    while (desk->outbox_bytes > outbox_max && !desk->stopped)
-        pthread_cond_wait(&desk->changed, &desk->lock);
-    *desk->outbox_end = parcel;
-    desk->outbox_end = &parcel->next;
-    desk->outbox_bytes += size;
-    pthread_cond_broadcast(&desk->changed);
-    pthread_mutex_unlock(&desk->lock);
+    saltus_sweep_pack(exchange->sweep, result, bytes);
+    *packed = (sweep_packed){.bytes = bytes, .size = size};
+    pthread_mutex_lock(&exchange->lock);
+    while (exchange->outbox_bytes > outbox_max && !exchange->stopped)
+        pthread_cond_wait(&exchange->changed, &exchange->lock);
+    *exchange->outbox_end = packed;
+    exchange->outbox_end = &packed->next;
+    exchange->outbox_bytes += size;
+    pthread_cond_broadcast(&exchange->changed);
+    pthread_mutex_unlock(&exchange->lock);
     return SALTUS_OK;
 }
 
 /* A result that is there is kept, whatever happens after it. */
 static saltus_status take_result(void *context, const saltus_sweep_result *result, saltus_message *message) {
-    sweep_desk *desk = context;
-    saltus_status status =
-        desk->here > 0 ? post_result(desk, result, message) : sweep_desk_take(desk, result, message);
+    sweep_exchange *exchange = context;
+    saltus_status status = exchange->here > 0 ? post_result(exchange, result, message)
+                                              : sweep_exchange_take(exchange, result, message);
     if (status != SALTUS_OK)
-        sweep_desk_stop(desk, status, message);
-    pthread_mutex_lock(&desk->lock);
-    bool stopped = desk->stopped;
-    pthread_mutex_unlock(&desk->lock);
+        sweep_exchange_stop(exchange, status, message);
+    pthread_mutex_lock(&exchange->lock);
+    bool stopped = exchange->stopped;
+    pthread_mutex_unlock(&exchange->lock);
     return stopped ? dropped : SALTUS_OK;
 }
 
 static bool has_stopped(void *context) {
-    sweep_desk *desk = context;
-    return atomic_load_explicit(&desk->stopped, memory_order_relaxed);
+    sweep_exchange *exchange = context;
+    return atomic_load_explicit(&exchange->stopped, memory_order_relaxed);
 }
 
-/* Sleep until something changes at the desk, or for a time. */
-static void rest(sweep_desk *desk, double seconds) {
+/* Sleep until something changes at the exchange, or for a time. */
+static void rest(sweep_exchange *exchange, double seconds) {
     struct timespec until;
     clock_gettime(CLOCK_MONOTONIC, &until);
     long nanoseconds = until.tv_nsec + (long)(1e9 * seconds);
     until.tv_sec += nanoseconds / 1000000000;
     until.tv_nsec = nanoseconds % 1000000000;
-    pthread_mutex_lock(&desk->lock);
-    if (!desk->finished || desk->ranks > 1)
-        pthread_cond_timedwait(&desk->changed, &desk->lock, &until);
-    pthread_mutex_unlock(&desk->lock);
+    pthread_mutex_lock(&exchange->lock);
+    if (!exchange->finished || exchange->ranks > 1)
+        pthread_cond_timedwait(&exchange->changed, &exchange->lock, &until);
+    pthread_mutex_unlock(&exchange->lock);
 }
 
-/* Signals, letters and progress, until this rank's threads have come to an end and nothing is under way. */
+/* Signals, packets and progress, until this rank's threads have come to an end and nothing is under way. */
 static void *attend(void *context) {
     static const double nap = 1e-4, longest_nap = 2e-3, alone = 0.1;
-    sweep_desk *desk = context;
+    sweep_exchange *exchange = context;
     double pause = nap;
     for (bool over = false; !over;) {
         if (interrupt_asked())
-            sweep_desk_stop(desk, SALTUS_OK, NULL);
-        bool busy = desk->ranks > 1 && sweep_ranks_serve(desk);
-        pthread_mutex_lock(&desk->lock);
-        bool finished = desk->finished;
-        long long done = desk->done;
-        pthread_mutex_unlock(&desk->lock);
-        over = finished && (desk->ranks == 1 || sweep_ranks_over(desk));
-        if (desk->here == 0)
-            progress_show(&desk->progress, done);
+            sweep_exchange_stop(exchange, SALTUS_OK, NULL);
+        bool busy = exchange->ranks > 1 && sweep_ranks_exchange(exchange);
+        pthread_mutex_lock(&exchange->lock);
+        bool finished = exchange->finished;
+        long long done = exchange->done;
+        pthread_mutex_unlock(&exchange->lock);
+        over = finished && (exchange->ranks == 1 || sweep_ranks_over(exchange));
+        if (exchange->here == 0)
+            progress_show(&exchange->progress, done);
         pause = busy ? nap : pause < longest_nap ? 2 * pause : pause;
         if (!over && !busy)
-            rest(desk, desk->ranks > 1 ? pause : alone);
+            rest(exchange, exchange->ranks > 1 ? pause : alone);
     }
     return NULL;
 }
 
-static saltus_status compute(sweep_desk *desk, saltus_message *message) {
+static saltus_status compute(sweep_exchange *exchange, saltus_message *message) {
     pthread_t attendant;
-    if (pthread_create(&attendant, NULL, attend, desk) != 0)
+    if (pthread_create(&attendant, NULL, attend, exchange) != 0)
         return saltus_fail(message, SALTUS_NO_MEMORY, "no further thread can be started");
     const saltus_sweep_feed feed = {
-        .context = desk, .next = next_task, .take = take_result, .stopped = has_stopped};
-    saltus_status status = saltus_sweep_run(desk->sweep, &feed, message);
+        .context = exchange, .next = next_task, .take = take_result, .stopped = has_stopped};
+    saltus_status status = saltus_sweep_run(exchange->sweep, &feed, message);
     if (status != SALTUS_OK && status != dropped)
-        sweep_desk_stop(desk, status, message);
-    pthread_mutex_lock(&desk->lock);
-    desk->finished = true;
-    pthread_cond_broadcast(&desk->changed);
-    pthread_mutex_unlock(&desk->lock);
+        sweep_exchange_stop(exchange, status, message);
+    pthread_mutex_lock(&exchange->lock);
+    exchange->finished = true;
+    pthread_cond_broadcast(&exchange->changed);
+    pthread_mutex_unlock(&exchange->lock);
     pthread_join(attendant, NULL);
-    *message = desk->message;
-    return desk->status;
+    *message = exchange->message;
+    return exchange->status;
 }
 
 /* Mark the tasks that an earlier run has done. */
-static saltus_status mark_settled(sweep_desk *desk, unsigned char **marks, saltus_message *message) {
-    *marks = calloc((size_t)desk->tasks / 8 + 1, 1);
+static saltus_status mark_settled(sweep_exchange *exchange, unsigned char **marks, saltus_message *message) {
+    *marks = calloc((size_t)exchange->tasks / 8 + 1, 1);
     if (!*marks)
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the list of tasks");
-    for (long long task = 0; task < desk->tasks; task++) {
-        int length = saltus_sweep_task_length(desk->sweep, task), there = 0;
+    for (long long task = 0; task < exchange->tasks; task++) {
+        int length = saltus_sweep_task_length(exchange->sweep, task), there = 0;
         for (int k = 0; k < length; k++)
-            there += saltus_sweep_output_has(desk->output, saltus_sweep_task_place(desk->sweep, task, k));
-        desk->done += there;
+            there +=
+                saltus_sweep_output_has(exchange->output, saltus_sweep_task_place(exchange->sweep, task, k));
+        exchange->done += there;
         if (there == length) {
             (*marks)[task / 8] |= (unsigned char)(1u << task % 8);
-            desk->open--;
+            exchange->open--;
         }
     }
-    desk->settled = *marks;
+    exchange->settled = *marks;
     return SALTUS_OK;
 }
 
 /* The first rank opens the file before anything is computed. */
-static saltus_status open_output(sweep_desk *desk, unsigned char **marks, saltus_message *message) {
-    const sweep_order *order = desk->order;
-    desk->tasks = desk->open = saltus_sweep_tasks(desk->sweep);
-    desk->places = saltus_sweep_points(desk->sweep) * saltus_sweep_pass_count(desk->sweep);
-    while (desk->longest < desk->tasks && saltus_sweep_task_length(desk->sweep, desk->longest) == 1)
-        desk->longest++;
-    if (desk->here > 0)
+static saltus_status open_output(sweep_exchange *exchange, unsigned char **marks, saltus_message *message) {
+    const sweep_order *order = exchange->order;
+    exchange->tasks = exchange->open = saltus_sweep_tasks(exchange->sweep);
+    exchange->places = saltus_sweep_points(exchange->sweep) * saltus_sweep_pass_count(exchange->sweep);
+    while (exchange->longest < exchange->tasks &&
+           saltus_sweep_task_length(exchange->sweep, exchange->longest) == 1)
+        exchange->longest++;
+    if (exchange->here > 0)
         return SALTUS_OK;
-    saltus_status status = saltus_sweep_output_open(order->path, desk->sweep, order->basins, order->resume,
-                                                    &desk->output, message);
-    return status == SALTUS_OK && order->resume ? mark_settled(desk, marks, message) : status;
+    saltus_status status = saltus_sweep_output_open(order->path, exchange->sweep, order->basins,
+                                                    order->resume, &exchange->output, message);
+    return status == SALTUS_OK && order->resume ? mark_settled(exchange, marks, message) : status;
 }
 
 /* What the run has come to, on the first rank. */
-static int conclude(sweep_desk *desk, saltus_status status, const saltus_message *message,
+static int conclude(sweep_exchange *exchange, saltus_status status, const saltus_message *message,
                     saltus_status written, const saltus_message *closing) {
     if (status != SALTUS_OK)
         return cli_report_cause(status, message);
     if (written != SALTUS_OK)
         return cli_report_cause(written, closing);
-    if (desk->done == desk->places)
+    if (exchange->done == exchange->places)
         return CLI_DONE;
     fprintf(stderr, "saltus: interrupted; %s holds %lld of %lld points so far, --resume goes on\n",
-            desk->order->path, desk->done, desk->places);
+            exchange->order->path, exchange->done, exchange->places);
     return CLI_FAILED;
 }
 
-static int run_desk(sweep_desk *desk, saltus_status status, saltus_message *message, sweep_report *report) {
+static int run_desk(sweep_exchange *exchange, saltus_status status, saltus_message *message,
+                    sweep_report *report) {
     saltus_message closing = {""};
     unsigned char *marks = NULL;
-    bool together = desk->ranks > 1;
+    bool together = exchange->ranks > 1;
     /* A signal that came before: what is in the file stays. */
     if (status == SALTUS_OK && interrupt_asked())
         status = saltus_fail(message, SALTUS_INTERRUPTED, "interrupted");
     if (together)
-        status = sweep_ranks_gather(desk, status, message);
+        status = sweep_ranks_gather(exchange, status, message);
     if (status == SALTUS_OK)
-        status = open_output(desk, &marks, message);
+        status = open_output(exchange, &marks, message);
     int code = CLI_FAILED;
-    bool begun = together ? sweep_ranks_begin(desk, status, &code) : status == SALTUS_OK;
+    bool begun = together ? sweep_ranks_begin(exchange, status, &code) : status == SALTUS_OK;
     double begin = progress_clock();
-    progress_begin(&desk->progress, desk->order->quiet, desk->places, desk->done);
+    progress_begin(&exchange->progress, exchange->order->quiet, exchange->places, exchange->done);
     if (begun)
-        status = compute(desk, message);
+        status = compute(exchange, message);
     report->seconds = progress_clock() - begin;
-    progress_wipe(&desk->progress, "writing ...");
-    saltus_status written = saltus_sweep_output_close(desk->output, &closing);
-    progress_wipe(&desk->progress, NULL);
-    if (desk->here == 0)
-        code = conclude(desk, status, message, written, &closing);
-    report->tally = desk->tally;
-    report->computed = desk->computed;
+    progress_wipe(&exchange->progress, "writing ...");
+    saltus_status written = saltus_sweep_output_close(exchange->output, &closing);
+    progress_wipe(&exchange->progress, NULL);
+    if (exchange->here == 0)
+        code = conclude(exchange, status, message, written, &closing);
+    report->tally = exchange->tally;
+    report->computed = exchange->computed;
     free(marks);
-    return begun && together ? sweep_ranks_part(desk, code) : code;
+    return begun && together ? sweep_ranks_end(exchange, code) : code;
 }
 
-static void free_outbox(sweep_desk *desk) {
-    while (desk->outbox) {
-        sweep_parcel *parcel = desk->outbox;
-        desk->outbox = parcel->next;
-        free(parcel->bytes);
-        free(parcel);
+static void free_outbox(sweep_exchange *exchange) {
+    while (exchange->outbox) {
+        sweep_packed *packed = exchange->outbox;
+        exchange->outbox = packed->next;
+        free(packed->bytes);
+        free(packed);
     }
 }
 
-static void prepare_desk(sweep_desk *desk, const sweep_order *order, int ranks) {
+static void prepare_desk(sweep_exchange *exchange, const sweep_order *order, int ranks) {
     enum { usual_lanes = 8 };
     pthread_condattr_t clock;
-    desk->order = order;
-    desk->sweep = order->sweep;
-    desk->ranks = ranks;
-    desk->here = ranks_here();
-    desk->outbox_end = &desk->outbox;
+    exchange->order = order;
+    exchange->sweep = order->sweep;
+    exchange->ranks = ranks;
+    exchange->here = ranks_here();
+    exchange->outbox_end = &exchange->outbox;
     const saltus_sweep_options *how = order->sweep ? saltus_sweep_choices(order->sweep) : NULL;
-    desk->hands = (how && how->lanes ? how->lanes : usual_lanes) * (how && how->threads ? how->threads : 1);
+    exchange->hands =
+        (how && how->lanes ? how->lanes : usual_lanes) * (how && how->threads ? how->threads : 1);
     pthread_condattr_init(&clock);
     pthread_condattr_setclock(&clock, CLOCK_MONOTONIC);
-    pthread_cond_init(&desk->changed, &clock);
+    pthread_cond_init(&exchange->changed, &clock);
     pthread_condattr_destroy(&clock);
-    pthread_mutex_init(&desk->lock, NULL);
-    pthread_mutex_init(&desk->writing, NULL);
+    pthread_mutex_init(&exchange->lock, NULL);
+    pthread_mutex_init(&exchange->writing, NULL);
 }
 
 int run_sweep(const sweep_order *order, saltus_status status, const saltus_message *reason,
@@ -337,20 +342,20 @@ int run_sweep(const sweep_order *order, saltus_status status, const saltus_messa
     *report = (sweep_report){.first = ranks_here() == 0, .ranks = ranks_count()};
     if (order->sweep)
         report->rows = saltus_sweep_rows(order->sweep);
-    sweep_desk *desk = calloc(1, sizeof *desk);
+    sweep_exchange *exchange = calloc(1, sizeof *exchange);
     sweep_rank *known = calloc((size_t)report->ranks, sizeof *known);
     int code = CLI_FAILED;
-    if (desk && known) {
-        prepare_desk(desk, order, report->ranks);
-        desk->known = known;
-        code = run_desk(desk, status, &message, report);
-        free_outbox(desk);
-        pthread_mutex_destroy(&desk->writing);
-        pthread_mutex_destroy(&desk->lock);
-        pthread_cond_destroy(&desk->changed);
+    if (exchange && known) {
+        prepare_desk(exchange, order, report->ranks);
+        exchange->known = known;
+        code = run_desk(exchange, status, &message, report);
+        free_outbox(exchange);
+        pthread_mutex_destroy(&exchange->writing);
+        pthread_mutex_destroy(&exchange->lock);
+        pthread_cond_destroy(&exchange->changed);
     } else
         fprintf(stderr, "saltus: no memory\n");
     free(known);
-    free(desk);
+    free(exchange);
     return code;
 }

@@ -1,8 +1,8 @@
-/* The desk of a running sweep, on every rank: what there is to do, what has come in, whether to stop. The
- * threads that compute and one that attends to signals, progress and letters meet at it.
+/* What the threads of a rank exchange while a sweep runs: what there is to do, what has come in, whether to
+ * stop. The threads that compute and one that attends to signals, progress and packets meet at it.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef SALTUS_TOOLS_SWEEP_DESK_H
-#define SALTUS_TOOLS_SWEEP_DESK_H
+#ifndef SALTUS_TOOLS_SWEEP_EXCHANGE_H
+#define SALTUS_TOOLS_SWEEP_EXCHANGE_H
 
 #include "progress.h"
 #include "ranks.h"
@@ -14,18 +14,18 @@
 enum { SWEEP_INBOX_MAX = 4096 };
 
 /* A packed result on its way to the first rank. */
-typedef struct sweep_parcel {
+typedef struct sweep_packed {
     void *bytes;
     size_t size;
-    struct sweep_parcel *next;
-} sweep_parcel;
+    struct sweep_packed *next;
+} sweep_packed;
 
 /* What the first rank knows of another. */
 typedef struct sweep_rank {
     bool met, left;
 } sweep_rank;
 
-typedef struct sweep_desk {
+typedef struct sweep_exchange {
     const sweep_order *order;
     const saltus_sweep *sweep;
     int ranks, here, hands; /* hands: trajectories that this rank computes at a time, about */
@@ -46,7 +46,7 @@ typedef struct sweep_desk {
     long long inbox[SWEEP_INBOX_MAX];
     int first, count;
     bool asked, dry;
-    sweep_parcel *outbox, **outbox_end;
+    sweep_packed *outbox, **outbox_end;
     size_t outbox_bytes;
     long long sent;
     /* The first rank's file and tally, under a lock of their own: writing may take its time. */
@@ -56,35 +56,36 @@ typedef struct sweep_desk {
     long long computed;
     progress progress;
     /* The attending thread's. */
-    ranks_mail mail;
+    ranks_outbox sending;
     long long received, due; /* results of other ranks, and how many those that left have sent */
     int left;
     sweep_rank *known; /* per rank */
     bool told;         /* the others know that it is to stop */
-} sweep_desk;
+} sweep_exchange;
 
 /* run_sweep.c */
 /* Take up to `most` of the tasks that are left; returns how many. The caller holds the lock. */
-int sweep_desk_tasks(sweep_desk *desk, long long *tasks, int most);
+int sweep_exchange_tasks(sweep_exchange *exchange, long long *tasks, int most);
 /* Stop, with the first reason that there was. */
-void sweep_desk_stop(sweep_desk *desk, saltus_status status, const saltus_message *message);
+void sweep_exchange_stop(sweep_exchange *exchange, saltus_status status, const saltus_message *message);
 /* A result into the file. */
-saltus_status sweep_desk_take(sweep_desk *desk, const saltus_sweep_result *result, saltus_message *message);
+saltus_status sweep_exchange_take(sweep_exchange *exchange, const saltus_sweep_result *result,
+                                  saltus_message *message);
 
 /* Whether nothing has failed. */
-bool sweep_desk_sound(sweep_desk *desk);
+bool sweep_exchange_sound(sweep_exchange *exchange);
 
 /* sweep_ranks.c: the same over several ranks. */
 /* How the preparations went on all ranks: the first learns why one is not ready. */
-saltus_status sweep_ranks_gather(sweep_desk *desk, saltus_status status, saltus_message *message);
+saltus_status sweep_ranks_gather(sweep_exchange *exchange, saltus_status status, saltus_message *message);
 /* Whether the run begins; the first rank decides by its status. If not, the exit code goes to *code. */
-bool sweep_ranks_begin(sweep_desk *desk, saltus_status status, int *code);
-/* Read and write letters. True when something was done. */
-bool sweep_ranks_serve(sweep_desk *desk);
+bool sweep_ranks_begin(sweep_exchange *exchange, saltus_status status, int *code);
+/* Read and write packets. True when something was done. */
+bool sweep_ranks_exchange(sweep_exchange *exchange);
 /* Whether the attending thread may end, once this rank's own threads have. */
-bool sweep_ranks_over(sweep_desk *desk);
+bool sweep_ranks_over(sweep_exchange *exchange);
 /* The other ranks: tell the first that nothing more will come, and wait until it has the file. The exit code
  * is that of the first. The first rank: let them go. */
-int sweep_ranks_part(sweep_desk *desk, int code);
+int sweep_ranks_end(sweep_exchange *exchange, int code);
 
 #endif
