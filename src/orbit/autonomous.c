@@ -1,7 +1,7 @@
 /* Periodic orbits whose period is unknown: scenes without forcing.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "orbit/multipliers.h"
-#include "orbit/pursuit.h"
+#include "orbit/shooting.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -16,22 +16,22 @@ static saltus_status relax(const saltus_spec *spec, const saltus_direction *omeg
                                 .driven = true,
                                 .cuts = 1,
                                 .cut = {options->phase}};
-    saltus_pursuit *pursuit = NULL;
+    saltus_shooting *shooting = NULL;
     double *u = calloc((size_t)orbit->dimension + 1, sizeof *u);
-    saltus_status status = u ? saltus_pursuit_new(spec, omega, value, value, options, &pursuit, message)
+    saltus_status status = u ? saltus_shooting_new(spec, omega, value, value, options, &shooting, message)
                              : saltus_fail(message, SALTUS_NO_MEMORY, "no memory for shooting");
     if (status == SALTUS_OK)
-        status = saltus_pursuit_shape(pursuit, &sequence, message);
+        status = saltus_shooting_shape(shooting, &sequence, message);
     if (status == SALTUS_OK)
-        status = saltus_pursuit_fill(pursuit, value, state, u, message);
+        status = saltus_shooting_fill(shooting, value, state, u, message);
     if (status == SALTUS_OK)
-        status = saltus_pursuit_relax(pursuit, u, &orbit->iterations, message);
+        status = saltus_shooting_relax(shooting, u, &orbit->iterations, message);
     if (status == SALTUS_OK) {
-        saltus_pursuit_extract(pursuit, u, &sequence, state);
-        *found = saltus_pursuit_value(pursuit, u);
-        orbit->residual = saltus_pursuit_residual(pursuit);
+        saltus_shooting_extract(shooting, u, &sequence, state);
+        *found = saltus_shooting_value(shooting, u);
+        orbit->residual = saltus_shooting_residual(shooting);
     }
-    saltus_pursuit_free(pursuit);
+    saltus_shooting_free(shooting);
     free(u);
     return status;
 }

@@ -55,8 +55,8 @@ static saltus_status open_parts(saltus_branch *b, saltus_message *message) {
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch");
     status = saltus_flow_single(b->system, 0, &b->options.orbit.flow, &b->flow, message);
     if (status == SALTUS_OK)
-        status = saltus_pursuit_new(&b->spec, &b->direction, b->origin, b->unit, &b->options.orbit,
-                                    &b->pursuit, message);
+        status = saltus_shooting_new(&b->spec, &b->direction, b->origin, b->unit, &b->options.orbit,
+                                     &b->shooting, message);
     return status;
 }
 
@@ -127,7 +127,7 @@ void saltus_branch_free(saltus_branch *b) {
     saltus_solution_clear(&b->next);
     saltus_solution_clear(&b->trial);
     saltus_locus_close(b);
-    saltus_pursuit_free(b->pursuit);
+    saltus_shooting_free(b->shooting);
     saltus_flow_free(b->flow);
     saltus_system_free(b->system);
     saltus_lap_close(&b->lap);
@@ -192,7 +192,7 @@ static saltus_status begin_step(saltus_branch *b, saltus_message *message) {
     double pair = b->here.test[SALTUS_TEST_PAIR];
     bool follows = b->here.follows;
     b->reference[0] = b->reference[1] = NAN;
-    saltus_status status = saltus_pursuit_evaluate(b->pursuit, b->here.u, message);
+    saltus_status status = saltus_shooting_evaluate(b->shooting, b->here.u, message);
     /* Where branches cross the equations leave the tangent open; it is the one that was chosen. */
     if (status == SALTUS_OK && !b->fresh)
         status = saltus_branch_test(b, &b->here, message);

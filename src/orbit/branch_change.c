@@ -125,7 +125,7 @@ saltus_status saltus_branch_change(saltus_branch *b, double accuracy, bool *goes
     char reason[REASON_MAX];
     int count;
     saltus_breach_kind kind = b->trial.worst.kind;
-    double value = saltus_pursuit_value(b->pursuit, b->trial.u);
+    double value = saltus_shooting_value(b->shooting, b->trial.u);
     double old_heading = b->trial.tangent[b->trial.unknowns - 1];
     if (kind == SALTUS_BREACH_HOLD || kind == SALTUS_BREACH_FORCE)
         return saltus_branch_leap(b, b->trial.ahead, "the contact changes", message);
@@ -137,7 +137,7 @@ saltus_status saltus_branch_change(saltus_branch *b, double accuracy, bool *goes
         return saltus_branch_end(b, &b->trial, NAN, "joins the orbits of half the period at their grazing",
                                  message);
     if (status == SALTUS_OK)
-        status = saltus_pursuit_evaluate(b->pursuit, b->trial.u, message);
+        status = saltus_shooting_evaluate(b->shooting, b->trial.u, message);
     double *old = calloc((size_t)b->trial.unknowns + SALTUS_MARKS_MAX, sizeof *old);
     if (status == SALTUS_OK && !old)
         status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch");
@@ -146,9 +146,9 @@ saltus_status saltus_branch_change(saltus_branch *b, double accuracy, bool *goes
         return status;
     }
     memcpy(old, b->trial.tangent, (size_t)b->trial.unknowns * sizeof *old);
-    saltus_pursuit_extract(b->pursuit, b->trial.u, &sequence, b->state);
+    saltus_shooting_extract(b->shooting, b->trial.u, &sequence, b->state);
     before = sequence;
-    const saltus_breach *breaches = saltus_pursuit_breaches(b->pursuit, &count);
+    const saltus_breach *breaches = saltus_shooting_breaches(b->shooting, &count);
     regraze(breaches, count, sequence.cuts * b->n, &sequence, old, reason);
     if (b->options.locus == SALTUS_POINT_GR) {
         free(old);
@@ -167,7 +167,7 @@ saltus_status saltus_branch_change(saltus_branch *b, double accuracy, bool *goes
     if (!on) {
         snprintf(b->queue[index].reason, SALTUS_REASON_MAX, "%s", reason);
         b->trial.ahead = 0;
-        status = saltus_pursuit_shape(b->pursuit, &before, message);
+        status = saltus_shooting_shape(b->shooting, &before, message);
         if (status != SALTUS_OK)
             return status;
         saltus_branch_survey(b, &b->trial, &why);
@@ -257,7 +257,7 @@ static bool same_events(const saltus_branch_point *before, const saltus_lap *aft
 static void sharpen_chatter(saltus_branch *b, size_t index) {
     const double back = 1e-3;
     double width = bracket_change(b, -back, false);
-    double value = isnan(width) ? NAN : saltus_pursuit_value(b->pursuit, b->trial.u);
+    double value = isnan(width) ? NAN : saltus_shooting_value(b->shooting, b->trial.u);
     if (b->trial.ahead > -0.9 * back && fabs(value - b->queue[index].value[0]) < 1e-4 * b->unit) {
         b->queue[index].value[0] = value;
         b->queue[index].accuracy = width * fabs(b->trial.tangent[b->trial.unknowns - 1]) * b->unit;
@@ -268,8 +268,8 @@ saltus_status saltus_branch_retrace(saltus_branch *b, saltus_message *message) {
     saltus_sequence old, fresh;
     saltus_message why = {""};
     double heading = b->here.tangent[b->here.unknowns - 1],
-           value = saltus_pursuit_value(b->pursuit, b->here.u);
-    saltus_pursuit_extract(b->pursuit, b->here.u, &old, b->state);
+           value = saltus_shooting_value(b->shooting, b->here.u);
+    saltus_shooting_extract(b->shooting, b->here.u, &old, b->state);
     saltus_status status = saltus_branch_walk(b, &b->here, message);
     if (status != SALTUS_OK)
         return status;
@@ -311,14 +311,14 @@ saltus_status saltus_branch_leap(saltus_branch *b, double ahead, const char *why
         return saltus_branch_end(b, &b->here, NAN, why, message);
     }
     int m = b->trial.unknowns;
-    double heading = b->trial.tangent[m - 1], value = saltus_pursuit_value(b->pursuit, b->trial.u);
+    double heading = b->trial.tangent[m - 1], value = saltus_shooting_value(b->shooting, b->trial.u);
     double *base = calloc(3 * (size_t)b->n, sizeof *base), *rate = base ? base + b->n : NULL;
     double *guess = base ? base + 2 * b->n : NULL;
     if (!base)
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch");
-    saltus_pursuit_extract(b->pursuit, b->trial.u, &old, base);
+    saltus_shooting_extract(b->shooting, b->trial.u, &old, base);
     for (int i = 0; i < b->n; i++)
-        rate[i] = b->trial.tangent[i] * saltus_pursuit_scale(b->pursuit)[i] / heading;
+        rate[i] = b->trial.tangent[i] * saltus_shooting_scale(b->shooting)[i] / heading;
     saltus_status status = saltus_branch_emit(b, &b->trial, SALTUS_POINT_GR, width * fabs(heading) * b->unit,
                                               NULL, why, message);
     size_t index = (size_t)b->queue_count - 1;

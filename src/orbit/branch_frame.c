@@ -7,12 +7,12 @@
 #include <string.h>
 
 /* The null vector of the Jacobian just evaluated: the tangent but for its sign. */
-static saltus_status find_tangent(saltus_pursuit *pursuit, double *tangent, saltus_message *message) {
-    int m = saltus_pursuit_unknowns(pursuit);
+static saltus_status find_tangent(saltus_shooting *shooting, double *tangent, saltus_message *message) {
+    int m = saltus_shooting_unknowns(shooting);
     double values[2], *vectors = calloc(2 * (size_t)m, sizeof *vectors);
     if (!vectors)
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch");
-    saltus_status status = saltus_pursuit_null_plane(pursuit, vectors, values, message);
+    saltus_status status = saltus_shooting_null_plane(shooting, vectors, values, message);
     memcpy(tangent, vectors, (size_t)m * sizeof *tangent);
     free(vectors);
     return status;
@@ -22,17 +22,17 @@ static saltus_status find_tangent(saltus_pursuit *pursuit, double *tangent, salt
 saltus_status saltus_branch_place(saltus_branch *b, const saltus_sequence *sequence, double value,
                                   const double *state, bool polish, saltus_message *message) {
     int iterations = 0;
-    saltus_status status = saltus_pursuit_shape(b->pursuit, sequence, message);
-    if (status == SALTUS_OK && !saltus_solution_room(&b->here, saltus_pursuit_unknowns(b->pursuit), b->n))
+    saltus_status status = saltus_shooting_shape(b->shooting, sequence, message);
+    if (status == SALTUS_OK && !saltus_solution_room(&b->here, saltus_shooting_unknowns(b->shooting), b->n))
         status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch");
     if (status == SALTUS_OK)
-        status = saltus_pursuit_fill(b->pursuit, value, state, b->here.u, message);
+        status = saltus_shooting_fill(b->shooting, value, state, b->here.u, message);
     if (status == SALTUS_OK && polish)
-        status = saltus_pursuit_correct(b->pursuit, b->here.u, NULL, NULL, true, &iterations, message);
+        status = saltus_shooting_correct(b->shooting, b->here.u, NULL, NULL, true, &iterations, message);
     else if (status == SALTUS_OK)
-        status = saltus_pursuit_evaluate(b->pursuit, b->here.u, message);
+        status = saltus_shooting_evaluate(b->shooting, b->here.u, message);
     if (status == SALTUS_OK)
-        status = find_tangent(b->pursuit, b->here.tangent, message);
+        status = find_tangent(b->shooting, b->here.tangent, message);
     b->here.ahead = 0;
     b->here.iterations = iterations;
     return saltus_branch_noted(b, status);
@@ -125,14 +125,14 @@ static saltus_status state_at(saltus_branch *b, const saltus_sequence *old, doub
     cut.cuts = 2;
     cut.cut[0] = old->base;
     cut.cut[1] = base;
-    saltus_status status = saltus_pursuit_shape(b->pursuit, &cut, message);
-    int m = saltus_pursuit_unknowns(b->pursuit);
+    saltus_status status = saltus_shooting_shape(b->shooting, &cut, message);
+    int m = saltus_shooting_unknowns(b->shooting);
     if (status == SALTUS_OK && !saltus_solution_room(&b->trial, m, b->n))
         status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch");
     if (status == SALTUS_OK)
-        status = saltus_pursuit_fill(b->pursuit, value, state, b->trial.u, message);
+        status = saltus_shooting_fill(b->shooting, value, state, b->trial.u, message);
     for (int i = 0; i < b->n && status == SALTUS_OK; i++)
-        state[i] = b->trial.u[b->n + i] * saltus_pursuit_scale(b->pursuit)[i];
+        state[i] = b->trial.u[b->n + i] * saltus_shooting_scale(b->shooting)[i];
     return status;
 }
 
@@ -141,7 +141,7 @@ static bool trim_runs(const saltus_branch *b, saltus_sequence *s, int *order) {
     double speed[SALTUS_MARKS_MAX];
     int count = s->count, kept = 0;
     for (int k = 0; k < count; k++)
-        speed[k] = saltus_pursuit_speed(b->pursuit, order[k]);
+        speed[k] = saltus_shooting_speed(b->shooting, order[k]);
     for (int k = 0; k < count; k++) {
         if (kept > 0 && saltus_sequence_in_tail(s, speed, kept, s->mark[k].face, speed[k]) &&
             s->mark[k].kind == SALTUS_IMPACT && !s->mark[k].driven) {
@@ -163,7 +163,7 @@ static int count_cuts(const saltus_branch *b, const saltus_sequence *old) {
     int asked = b->options.orbit.segments;
     if (asked > 0)
         return asked < SALTUS_CUTS_MAX ? asked : SALTUS_CUTS_MAX;
-    bool crowded = saltus_pursuit_growth(b->pursuit) > growth_max && 2 * old->cuts <= SALTUS_CUTS_MAX / 2;
+    bool crowded = saltus_shooting_growth(b->shooting) > growth_max && 2 * old->cuts <= SALTUS_CUTS_MAX / 2;
     return crowded ? 2 * old->cuts : old->cuts;
 }
 
@@ -208,11 +208,11 @@ static bool better_frame(const saltus_branch *b, const saltus_sequence *old, sal
 saltus_status saltus_branch_reframe(saltus_branch *b, int *tracked, bool *changed, saltus_message *message) {
     saltus_sequence old, fresh;
     int order[SALTUS_MARKS_MAX], m = b->here.unknowns;
-    saltus_pursuit_extract(b->pursuit, b->here.u, &old, b->state);
+    saltus_shooting_extract(b->shooting, b->here.u, &old, b->state);
     *changed = better_frame(b, &old, &fresh, order);
     if (!*changed)
         return SALTUS_OK;
-    double value = saltus_pursuit_value(b->pursuit, b->here.u);
+    double value = saltus_shooting_value(b->shooting, b->here.u);
     double *tangent = calloc((size_t)m, sizeof *tangent);
     if (!tangent)
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch");

@@ -75,7 +75,7 @@ static saltus_status point_inner(saltus_branch *b, const double *plane, saltus_m
         add_direction(&b->direction, &l->direction[k], l->normal[k] * l->unit[k]);
     b->origin = 0;
     b->unit = 1;
-    return saltus_pursuit_redirect(b->pursuit, &b->spec, &b->direction, 0, 1, message);
+    return saltus_shooting_redirect(b->shooting, &b->spec, &b->direction, 0, 1, message);
 }
 
 static saltus_test test_of(saltus_point_kind kind) {
@@ -85,12 +85,12 @@ static saltus_test test_of(saltus_point_kind kind) {
                                      : SALTUS_TEST_BRANCH;
 }
 
-/* The test function of the locus at a solution that the pursuit has just evaluated; NaN where there is none.
+/* The test function of the locus at a solution that the shooting has just evaluated; NaN where there is none.
  */
 static double locus_test(saltus_branch *b, saltus_solution *s) {
     saltus_message ignored;
     int count;
-    const saltus_breach *breaches = saltus_pursuit_breaches(b->pursuit, &count);
+    const saltus_breach *breaches = saltus_shooting_breaches(b->shooting, &count);
     if (b->options.locus == SALTUS_POINT_GR) {
         for (int k = 0; k < count; k++)
             if (breaches[k].kind == SALTUS_BREACH_SPEED && breaches[k].mark == b->locus.mark)
@@ -107,10 +107,10 @@ static double other_breach(const saltus_branch *b, const saltus_solution *s) {
     saltus_sequence sequence;
     int count;
     double worst = -1;
-    const saltus_breach *breaches = saltus_pursuit_breaches(b->pursuit, &count);
+    const saltus_breach *breaches = saltus_shooting_breaches(b->shooting, &count);
     if (b->options.locus != SALTUS_POINT_GR)
         return s->test[SALTUS_TEST_BREACH];
-    saltus_pursuit_extract(b->pursuit, s->u, &sequence, b->state);
+    saltus_shooting_extract(b->shooting, s->u, &sequence, b->state);
     const saltus_mark *own = &sequence.mark[b->locus.mark];
     for (int k = 0; k < count; k++) {
         bool touch = breaches[k].face == own->face && fabs(breaches[k].time - own->time) < 1e-4;
@@ -176,7 +176,7 @@ saltus_status saltus_locus_begin(saltus_branch *b, const saltus_branch_start *st
     if (status != SALTUS_OK)
         return status;
     b->here.iterations = 0;
-    b->here.residual = saltus_pursuit_residual(b->pursuit);
+    b->here.residual = saltus_shooting_residual(b->shooting);
     if (!keep_vector(&l->inner, start->tangent, start->unknowns))
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a locus");
     status = saltus_branch_survey(b, &b->here, message);
@@ -272,7 +272,7 @@ static bool correct(saltus_branch *b, const double *plane, const double *last, d
     memcpy(b->here.tangent, l->inner, (size_t)m * sizeof *l->inner);
     b->reference[0] = b->reference[1] = NAN;
     saltus_status status =
-        saltus_pursuit_correct(b->pursuit, b->here.u, l->inner, b->next.u, false, &iterations, &ignored);
+        saltus_shooting_correct(b->shooting, b->here.u, l->inner, b->next.u, false, &iterations, &ignored);
     if (status == SALTUS_OK)
         status = saltus_branch_test(b, &b->here, &ignored);
     return saltus_branch_noted(b, status) == SALTUS_OK &&
@@ -351,7 +351,7 @@ saltus_status saltus_locus_advance(saltus_branch *b, saltus_message *message) {
         memcpy(b->here.u, last, (size_t)m * sizeof *last);
         b->here.u[m - 1] = 0;
         if (status == SALTUS_OK)
-            status = saltus_pursuit_evaluate(b->pursuit, b->here.u, message);
+            status = saltus_shooting_evaluate(b->shooting, b->here.u, message);
         if (status == SALTUS_OK)
             status = saltus_branch_survey(b, &b->here, message);
         free(last);

@@ -53,7 +53,7 @@ static void fold_events(saltus_event *events, int count, int periods) {
 /* Events of an orbit that the flow does not follow: those prescribed. */
 static void prescribed_events(const saltus_branch *b, const saltus_sequence *s, saltus_event *events) {
     for (int k = 0; k < s->count; k++) {
-        double whole = floor(s->mark[k].time), speed = saltus_pursuit_speed(b->pursuit, k);
+        double whole = floor(s->mark[k].time), speed = saltus_shooting_speed(b->shooting, k);
         saltus_face face = saltus_system_face(b->system, s->mark[k].face);
         events[k] = (saltus_event){.kind = s->mark[k].kind,
                                    .face = s->mark[k].face,
@@ -69,7 +69,7 @@ static void fill_motion(saltus_branch *b, const saltus_solution *s, saltus_branc
     saltus_sequence sequence;
     const saltus_lap *lap = &b->lap;
     size_t n = (size_t)b->n * sizeof(double);
-    saltus_pursuit_extract(b->pursuit, s->u, &sequence, b->state);
+    saltus_shooting_extract(b->shooting, s->u, &sequence, b->state);
     point->periods = sequence.periods;
     if (s->follows) {
         point->impacts = saltus_lap_impacts(lap);
@@ -81,7 +81,7 @@ static void fill_motion(saltus_branch *b, const saltus_solution *s, saltus_branc
         memcpy(point->state, lap->points, n);
     } else {
         saltus_message ignored;
-        saltus_pursuit_evaluate(b->pursuit, s->u, &ignored);
+        saltus_shooting_evaluate(b->shooting, s->u, &ignored);
         point->event_count = sequence.count;
         for (int k = 0; k < sequence.count; k++) {
             point->impacts += sequence.mark[k].kind != SALTUS_RELEASE;
@@ -106,7 +106,7 @@ saltus_status saltus_branch_emit(saltus_branch *b, const saltus_solution *s, sal
                                    .parent = b->parent,
                                    .step = b->points,
                                    .arclength = b->arclength + s->ahead,
-                                   .value = {saltus_pursuit_value(b->pursuit, s->u), NAN},
+                                   .value = {saltus_shooting_value(b->shooting, s->u), NAN},
                                    .heading = s->tangent[s->unknowns - 1] * b->unit,
                                    .spec = *saltus_system_spec(b->system),
                                    .dimension = b->n,

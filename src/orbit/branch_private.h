@@ -69,7 +69,7 @@ struct saltus_branch {
     saltus_spec spec; /* as the run began */
     saltus_direction direction;
     double origin, unit;
-    saltus_pursuit *pursuit;
+    saltus_shooting *shooting;
     saltus_flow *flow;     /* event-driven, without tangent vectors */
     saltus_system *system; /* of the flow */
     saltus_lap lap;
@@ -112,7 +112,7 @@ void saltus_solution_point(saltus_solution *solution, double sense);
 /* The point of the curve on the hyperplane at arclength `ahead` from `here`. Errors: no such point near. */
 saltus_status saltus_branch_visit(saltus_branch *b, double ahead, saltus_solution *out,
                                   saltus_message *message);
-/* The tests of a solution that the pursuit has just evaluated. */
+/* The tests of a solution that the shooting has just evaluated. */
 saltus_status saltus_branch_test(saltus_branch *b, saltus_solution *out, saltus_message *message);
 /* The system of the event-driven flow becomes that of a parameter value. */
 saltus_status saltus_branch_tune(saltus_branch *b, double value, saltus_message *message);
@@ -170,7 +170,7 @@ saltus_status saltus_branch_switch_grazing(saltus_branch *b, const saltus_sequen
 /* Where `trial` joins the orbits of half the period its equations are singular: the flip's place on the
  * branch of half the period. False if there is none near. */
 bool saltus_branch_flip_of_half(saltus_branch *b, double *value, double *accuracy);
-/* Starts of branches that leave at `trial`, which the pursuit has just evaluated. */
+/* Starts of branches that leave at `trial`, which the shooting has just evaluated. */
 saltus_status saltus_branch_switch(saltus_branch *b, saltus_point_kind kind, saltus_message *message);
 
 /* branch_special.c */

@@ -19,11 +19,11 @@ static bool crosses(double a, double c) {
 /* Locate one; insert in order of arclength. */
 static int add_find(saltus_branch *b, find *finds, int count, saltus_point_kind kind, saltus_test test,
                     double target) {
-    double far =
-        test == SALTUS_TEST_VALUE ? saltus_pursuit_value(b->pursuit, b->next.u) - target : b->next.test[test];
+    double far = test == SALTUS_TEST_VALUE ? saltus_shooting_value(b->shooting, b->next.u) - target
+                                           : b->next.test[test];
     find f = {.kind = kind, .test = test, .target = target};
     b->target = target;
-    b->here.test[SALTUS_TEST_VALUE] = saltus_pursuit_value(b->pursuit, b->here.u) - target;
+    b->here.test[SALTUS_TEST_VALUE] = saltus_shooting_value(b->shooting, b->here.u) - target;
     if (!crosses(b->here.test[test], far))
         return count;
     double near = b->here.test[test];
@@ -62,7 +62,7 @@ static saltus_status give_join(saltus_branch *b, const find *f, saltus_message *
  * about where; a flip of half the period in this very place tells. */
 static bool is_join(saltus_branch *b) {
     double apart = saltus_branch_half_distance(b, &b->trial, false), value, accuracy;
-    double here = saltus_pursuit_value(b->pursuit, b->trial.u);
+    double here = saltus_shooting_value(b->shooting, b->trial.u);
     return apart < 1e-4 || (apart < 2e-2 && saltus_branch_flip_of_half(b, &value, &accuracy) &&
                             fabs(value - here) < 1e-6 * b->unit);
 }

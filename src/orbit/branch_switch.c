@@ -32,9 +32,9 @@ saltus_status saltus_branch_add_start(saltus_branch *b, const saltus_branch_star
 
 saltus_status saltus_branch_capture(saltus_branch *b, int mark, saltus_message *message) {
     saltus_sequence sequence;
-    saltus_pursuit_extract(b->pursuit, b->trial.u, &sequence, b->state);
+    saltus_shooting_extract(b->shooting, b->trial.u, &sequence, b->state);
     saltus_branch_start start = {.sequence = sequence,
-                                 .value = saltus_pursuit_value(b->pursuit, b->trial.u),
+                                 .value = saltus_shooting_value(b->shooting, b->trial.u),
                                  .state = b->state,
                                  .tangent = b->trial.tangent,
                                  .unknowns = b->trial.unknowns,
@@ -66,14 +66,14 @@ static void double_sequence(const saltus_sequence *s, saltus_sequence *twice) {
 }
 
 /* The flip's determinant of the orbit at a parameter value, relative to the first one asked for. */
-static bool flip_at(saltus_pursuit *half, double value, double *u, double *reference, double *test) {
-    int sign, iterations, m = saltus_pursuit_unknowns(half);
+static bool flip_at(saltus_shooting *half, double value, double *u, double *reference, double *test) {
+    int sign, iterations, m = saltus_shooting_unknowns(half);
     double log_modulus;
     saltus_message ignored;
-    u[m - 1] += (value - saltus_pursuit_value(half, u)) / saltus_pursuit_scale(half)[m - 1];
-    if (saltus_pursuit_correct(half, u, NULL, NULL, false, &iterations, &ignored) != SALTUS_OK)
+    u[m - 1] += (value - saltus_shooting_value(half, u)) / saltus_shooting_scale(half)[m - 1];
+    if (saltus_shooting_correct(half, u, NULL, NULL, false, &iterations, &ignored) != SALTUS_OK)
         return false;
-    saltus_pursuit_flip(half, &sign, &log_modulus);
+    saltus_shooting_flip(half, &sign, &log_modulus);
     if (isnan(*reference))
         *reference = log_modulus;
     *test = sign * exp(log_modulus - *reference);
@@ -81,7 +81,7 @@ static bool flip_at(saltus_pursuit *half, double value, double *u, double *refer
 }
 
 /* Secants in the parameter. */
-static bool secants_to_flip(saltus_pursuit *half, double *u, double unit, double *value, double *accuracy) {
+static bool secants_to_flip(saltus_shooting *half, double *u, double unit, double *value, double *accuracy) {
     enum { secants_max = 12 };
     double reference = NAN, last = *value, now = last + 1e-5 * unit, before, test;
     if (!flip_at(half, last, u, &reference, &before))
@@ -106,26 +106,26 @@ static bool secants_to_flip(saltus_pursuit *half, double *u, double unit, double
 
 bool saltus_branch_flip_of_half(saltus_branch *b, double *value, double *accuracy) {
     saltus_sequence sequence;
-    saltus_pursuit *half = NULL;
+    saltus_shooting *half = NULL;
     saltus_message ignored;
-    saltus_pursuit_extract(b->pursuit, b->trial.u, &sequence, b->state);
-    *value = saltus_pursuit_value(b->pursuit, b->trial.u);
+    saltus_shooting_extract(b->shooting, b->trial.u, &sequence, b->state);
+    *value = saltus_shooting_value(b->shooting, b->trial.u);
     if (sequence.count % 2)
         return false;
     sequence.cuts = 1;
     sequence.periods /= 2;
     sequence.count /= 2;
     double *u = calloc((size_t)(b->n + sequence.count + 1), sizeof *u);
-    saltus_status status = u ? saltus_pursuit_new(&b->spec, &b->direction, b->origin, b->unit,
-                                                  &b->options.orbit, &half, &ignored)
+    saltus_status status = u ? saltus_shooting_new(&b->spec, &b->direction, b->origin, b->unit,
+                                                   &b->options.orbit, &half, &ignored)
                              : SALTUS_NO_MEMORY;
     if (status == SALTUS_OK)
-        status = saltus_pursuit_shape(half, &sequence, &ignored);
+        status = saltus_shooting_shape(half, &sequence, &ignored);
     if (status == SALTUS_OK)
-        status = saltus_pursuit_fill(half, *value, b->state, u, &ignored);
+        status = saltus_shooting_fill(half, *value, b->state, u, &ignored);
     bool found =
         saltus_branch_noted(b, status) == SALTUS_OK && secants_to_flip(half, u, b->unit, value, accuracy);
-    saltus_pursuit_free(half);
+    saltus_shooting_free(half);
     free(u);
     return found;
 }
@@ -178,24 +178,24 @@ static void leaving(const double *plane, const double *old, int m, bool pitchfor
 /* `cuts` is how many the old branch has where this is not a flip or pitchfork. */
 static saltus_status leave(saltus_branch *b, const saltus_sequence *sequence, int cuts, bool pitchfork,
                            saltus_message *message) {
-    saltus_pursuit *pursuit = NULL;
+    saltus_shooting *shooting = NULL;
     int m = b->n + sequence->count + 1;
     double values[2], *work = calloc(5 * (size_t)m, sizeof *work);
     double *u = work, *plane = work + m, *old = work + 3 * (size_t)m, *tangent = work + 4 * (size_t)m;
-    double value = saltus_pursuit_value(b->pursuit, b->trial.u);
+    double value = saltus_shooting_value(b->shooting, b->trial.u);
     saltus_status status =
         work ? SALTUS_OK : saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch");
     if (status == SALTUS_OK)
-        status = saltus_pursuit_new(&b->spec, &b->direction, b->origin, b->unit, &b->options.orbit, &pursuit,
-                                    message);
+        status = saltus_shooting_new(&b->spec, &b->direction, b->origin, b->unit, &b->options.orbit,
+                                     &shooting, message);
     if (status == SALTUS_OK)
-        status = saltus_pursuit_shape(pursuit, sequence, message);
+        status = saltus_shooting_shape(shooting, sequence, message);
     if (status == SALTUS_OK)
-        status = saltus_pursuit_fill(pursuit, value, b->state, u, message);
+        status = saltus_shooting_fill(shooting, value, b->state, u, message);
     if (status == SALTUS_OK)
-        status = saltus_pursuit_evaluate(pursuit, u, message);
+        status = saltus_shooting_evaluate(shooting, u, message);
     if (status == SALTUS_OK)
-        status = saltus_pursuit_null_plane(pursuit, plane, values, message);
+        status = saltus_shooting_null_plane(shooting, plane, values, message);
     if (status == SALTUS_OK) {
         if (!pitchfork)
             join_tangent(sequence, cuts, b->trial.tangent, b->n, old);
@@ -213,7 +213,7 @@ static saltus_status leave(saltus_branch *b, const saltus_sequence *sequence, in
         if (!pitchfork && status == SALTUS_OK)
             status = saltus_branch_add_start(b, &start, message);
     }
-    saltus_pursuit_free(pursuit);
+    saltus_shooting_free(shooting);
     free(work);
     return status == SALTUS_NO_MEMORY ? status : SALTUS_OK;
 }
@@ -221,7 +221,7 @@ static saltus_status leave(saltus_branch *b, const saltus_sequence *sequence, in
 saltus_status saltus_branch_switch(saltus_branch *b, saltus_point_kind kind, saltus_message *message) {
     saltus_sequence here, twice;
     bool shift, mirror = saltus_system_mirror_symmetric(b->system, &shift);
-    saltus_pursuit_extract(b->pursuit, b->trial.u, &here, b->state);
+    saltus_shooting_extract(b->shooting, b->trial.u, &here, b->state);
     int cuts = here.cuts;
     here.cuts = 1;
     if (b->depth >= b->options.switches || 2 * here.count > SALTUS_MARKS_MAX)

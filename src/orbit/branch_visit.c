@@ -72,16 +72,16 @@ saltus_status saltus_branch_test(saltus_branch *b, saltus_solution *out, saltus_
     double log_modulus;
     const double *guide = out == &b->here ? out->tangent : b->here.tangent;
     saltus_status status =
-        saltus_pursuit_tangent(b->pursuit, guide, out->tangent, &sign, &log_modulus, message);
+        saltus_shooting_tangent(b->shooting, guide, out->tangent, &sign, &log_modulus, message);
     if (status != SALTUS_OK)
         return status;
-    out->residual = saltus_pursuit_residual(b->pursuit);
+    out->residual = saltus_shooting_residual(b->shooting);
     out->test[SALTUS_TEST_BRANCH] = relative(sign, log_modulus, &b->reference[0]);
-    saltus_pursuit_flip(b->pursuit, &sign, &log_modulus);
+    saltus_shooting_flip(b->shooting, &sign, &log_modulus);
     out->test[SALTUS_TEST_FLIP] = relative(sign, log_modulus, &b->reference[1]);
     out->test[SALTUS_TEST_FOLD] = out->tangent[out->unknowns - 1];
-    out->test[SALTUS_TEST_VALUE] = saltus_pursuit_value(b->pursuit, out->u) - b->target;
-    const saltus_breach *breaches = saltus_pursuit_breaches(b->pursuit, &count);
+    out->test[SALTUS_TEST_VALUE] = saltus_shooting_value(b->shooting, out->u) - b->target;
+    const saltus_breach *breaches = saltus_shooting_breaches(b->shooting, &count);
     out->worst = (saltus_breach){.value = -INFINITY};
     for (int k = 0; k < count; k++)
         if (breaches[k].value > out->worst.value)
@@ -100,8 +100,8 @@ saltus_status saltus_branch_visit(saltus_branch *b, double ahead, saltus_solutio
         out->u[j] = fma(ahead, b->here.tangent[j], b->here.u[j]);
     memcpy(out->tangent, out->u, (size_t)m * sizeof *out->u);
     out->ahead = ahead;
-    saltus_status status = saltus_pursuit_correct(b->pursuit, out->u, b->here.tangent, out->tangent, false,
-                                                  &out->iterations, message);
+    saltus_status status = saltus_shooting_correct(b->shooting, out->u, b->here.tangent, out->tangent, false,
+                                                   &out->iterations, message);
     return saltus_branch_noted(b, status == SALTUS_OK ? saltus_branch_test(b, out, message) : status);
 }
 
@@ -138,12 +138,12 @@ saltus_status saltus_branch_walk(saltus_branch *b, saltus_solution *s, saltus_me
     saltus_sequence sequence;
     saltus_message ignored;
     s->follows = false;
-    saltus_status status = saltus_branch_tune(b, saltus_pursuit_value(b->pursuit, s->u), message);
+    saltus_status status = saltus_branch_tune(b, saltus_shooting_value(b->shooting, s->u), message);
     if (status != SALTUS_OK)
         return saltus_branch_noted(b, status);
-    saltus_pursuit_extract(b->pursuit, s->u, &sequence, b->state);
-    status =
-        saltus_sequence_walk(&sequence, b->flow, saltus_pursuit_states(b->pursuit, s->u), &b->lap, &ignored);
+    saltus_shooting_extract(b->shooting, s->u, &sequence, b->state);
+    status = saltus_sequence_walk(&sequence, b->flow, saltus_shooting_states(b->shooting, s->u), &b->lap,
+                                  &ignored);
     s->follows = status == SALTUS_OK && saltus_sequence_follows(&sequence, &b->lap);
     saltus_branch_noted(b, status);
     return status == SALTUS_NO_MEMORY ? saltus_fail(message, status, "%s", ignored.text) : SALTUS_OK;
@@ -158,7 +158,7 @@ saltus_status saltus_branch_survey(saltus_branch *b, saltus_solution *s, saltus_
     s->log_volume = s->sum_rule = s->test[SALTUS_TEST_PAIR] = NAN;
     if (status != SALTUS_OK)
         return status;
-    const saltus_sequence *sequence = saltus_pursuit_sequence(b->pursuit);
+    const saltus_sequence *sequence = saltus_shooting_sequence(b->shooting);
     saltus_orbit orbit = {.dimension = b->n, .periods = sequence->periods, .state = b->state};
     saltus_orbit_options options = b->options.orbit;
     options.phase = sequence->base - floor(sequence->base);
@@ -178,28 +178,29 @@ saltus_status saltus_branch_survey(saltus_branch *b, saltus_solution *s, saltus_
 
 double saltus_branch_half_distance(saltus_branch *b, const saltus_solution *s, bool mirrored) {
     saltus_sequence sequence;
-    saltus_pursuit *pursuit = NULL;
+    saltus_shooting *shooting = NULL;
     saltus_message ignored;
     double largest = INFINITY;
-    saltus_pursuit_extract(b->pursuit, s->u, &sequence, b->state);
+    saltus_shooting_extract(b->shooting, s->u, &sequence, b->state);
     if (sequence.periods % 2 && !mirrored)
         return largest;
     sequence.cuts = 2;
     sequence.cut[1] = sequence.base + 0.5 * sequence.periods;
     double *u = calloc((size_t)(2 * b->n + sequence.count + 1), sizeof *u);
-    saltus_status status = u ? saltus_pursuit_new(&b->spec, &b->direction, b->origin, b->unit,
-                                                  &b->options.orbit, &pursuit, &ignored)
+    saltus_status status = u ? saltus_shooting_new(&b->spec, &b->direction, b->origin, b->unit,
+                                                   &b->options.orbit, &shooting, &ignored)
                              : SALTUS_NO_MEMORY;
     if (status == SALTUS_OK)
-        status = saltus_pursuit_shape(pursuit, &sequence, &ignored);
+        status = saltus_shooting_shape(shooting, &sequence, &ignored);
     if (status == SALTUS_OK)
-        status = saltus_pursuit_fill(pursuit, saltus_pursuit_value(b->pursuit, s->u), b->state, u, &ignored);
+        status =
+            saltus_shooting_fill(shooting, saltus_shooting_value(b->shooting, s->u), b->state, u, &ignored);
     if (saltus_branch_noted(b, status) == SALTUS_OK) {
         largest = 0;
         for (int i = 0; i < b->n; i++)
             largest = fmax(largest, fabs(u[b->n + i] + (mirrored ? u[i] : -u[i])));
     }
-    saltus_pursuit_free(pursuit);
+    saltus_shooting_free(shooting);
     free(u);
     return largest;
 }
@@ -304,8 +305,8 @@ bool saltus_branch_crossing(saltus_branch *b, double ahead, double *accuracy) {
         if (pass == 0)
             found = sample_crossing(b, middle, fmin(4e-4, 0.1 * b->next.ahead), test, u);
     }
-    found = found && saltus_pursuit_evaluate(b->pursuit, b->trial.u, &ignored) == SALTUS_OK;
-    b->trial.residual = saltus_pursuit_residual(b->pursuit);
+    found = found && saltus_shooting_evaluate(b->shooting, b->trial.u, &ignored) == SALTUS_OK;
+    b->trial.residual = saltus_shooting_residual(b->shooting);
     free(u);
     return found;
 }

@@ -4,7 +4,7 @@
 #define SALTUS_ORBIT_SEQUENCE_H
 
 #include "orbit/lap.h"
-#include "orbit/pursuit.h"
+#include "orbit/shooting.h"
 
 /* Walk once around an orbit that is known at the cuts of its sequence: `states` has one state for each. The
  * flow starts anew at each cut, so that strong growth does not lead it astray. The lap, which keeps events,

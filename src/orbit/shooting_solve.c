@@ -1,7 +1,7 @@
 /* Newton's method, tangents and null vectors of the equations of a prescribed sequence.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "base/dense.h"
-#include "orbit/pursuit_private.h"
+#include "orbit/shooting_private.h"
 
 #include <errno.h>
 #include <math.h>
@@ -11,7 +11,7 @@ enum { halvings_max = 8 };
 
 /* The Jacobian with one row more: a normal, or the parameter held fixed; with `turned`, the orbit closes on
  * minus its begin. */
-static bool factor_bordered(saltus_pursuit *p, const double *normal, bool turned) {
+static bool factor_bordered(saltus_shooting *p, const double *normal, bool turned) {
     int m = p->unknowns;
     memcpy(p->matrix, p->jacobian, (size_t)(p->equations * m) * sizeof(double));
     double *last = p->matrix + (size_t)p->equations * (size_t)m;
@@ -22,7 +22,7 @@ static bool factor_bordered(saltus_pursuit *p, const double *normal, bool turned
     return saltus_dense_factor(&p->lu, p->matrix);
 }
 
-static double hyperplane(const saltus_pursuit *p, const double *u, const double *normal,
+static double hyperplane(const saltus_shooting *p, const double *u, const double *normal,
                          const double *anchor) {
     double sum = 0;
     for (int j = 0; j < p->unknowns && normal; j++)
@@ -30,7 +30,7 @@ static double hyperplane(const saltus_pursuit *p, const double *u, const double 
     return sum;
 }
 
-static void report(const saltus_pursuit *p, int iteration) {
+static void report(const saltus_shooting *p, int iteration) {
     if (p->options.history)
         p->options.history(p->options.context, iteration, p->residual_size,
                            p->sequence.count ? "event times unknown" : "stroboscopic map");
@@ -38,13 +38,13 @@ static void report(const saltus_pursuit *p, int iteration) {
 
 /* Halve the step until the residual falls; undamped, the first trial stands if it can be evaluated at all.
  * *status tells of failures that no shorter step could mend. */
-static bool take_step(saltus_pursuit *p, double *u, bool damped, double before, saltus_status *status,
+static bool take_step(saltus_shooting *p, double *u, bool damped, double before, saltus_status *status,
                       saltus_message *message) {
     double factor = 1;
     for (int h = 0; h < halvings_max; h++, factor /= 2) {
         for (int j = 0; j < p->unknowns; j++)
             p->trial[j] = fma(factor, p->step[j], u[j]);
-        saltus_status tried = saltus_pursuit_evaluate(p, p->trial, message);
+        saltus_status tried = saltus_shooting_evaluate(p, p->trial, message);
         bool sound = tried == SALTUS_OK;
         if (tried == SALTUS_NO_MEMORY || tried == SALTUS_INTERRUPTED) {
             *status = tried;
@@ -62,9 +62,10 @@ static bool take_step(saltus_pursuit *p, double *u, bool damped, double before, 
 
 /* Quadratic convergence costs one step more and gives all the digits there are: the iteration ends when the
  * residual no longer falls. */
-saltus_status saltus_pursuit_correct(saltus_pursuit *p, double *u, const double *normal, const double *anchor,
-                                     bool damped, int *iterations, saltus_message *message) {
-    saltus_status status = saltus_pursuit_evaluate(p, u, message);
+saltus_status saltus_shooting_correct(saltus_shooting *p, double *u, const double *normal,
+                                      const double *anchor, bool damped, int *iterations,
+                                      saltus_message *message) {
+    saltus_status status = saltus_shooting_evaluate(p, u, message);
     double tolerance = p->options.tolerance, best = p->residual_size;
     *iterations = 0;
     report(p, 0);
@@ -86,7 +87,7 @@ saltus_status saltus_pursuit_correct(saltus_pursuit *p, double *u, const double 
         report(p, *iterations);
         if (!taken || (best <= tolerance && p->residual_size >= best)) {
             memcpy(u, p->kept, (size_t)p->unknowns * sizeof *u);
-            status = saltus_pursuit_evaluate(p, u, message);
+            status = saltus_shooting_evaluate(p, u, message);
             break;
         }
         if (!damped && p->residual_size > 1e3 * fmax(best, tolerance))
@@ -109,10 +110,10 @@ static saltus_status dense_failure(const char *what, saltus_message *message) {
     return saltus_fail(message, SALTUS_NO_CONVERGENCE, "%s", what);
 }
 
-saltus_status saltus_pursuit_relax(saltus_pursuit *p, double *u, int *iterations, saltus_message *message) {
+saltus_status saltus_shooting_relax(saltus_shooting *p, double *u, int *iterations, saltus_message *message) {
     /* Relative to the largest singular value: directions that the orbit is free to move in. */
     const double open_direction = 1e-9;
-    saltus_status status = saltus_pursuit_evaluate(p, u, message);
+    saltus_status status = saltus_shooting_evaluate(p, u, message);
     report(p, 0);
     for (*iterations = 0; status == SALTUS_OK && *iterations < p->options.iterations;) {
         double before = p->residual_size;
@@ -131,7 +132,7 @@ saltus_status saltus_pursuit_relax(saltus_pursuit *p, double *u, int *iterations
         report(p, *iterations);
         if (!taken || p->residual_size >= before) {
             memcpy(u, p->kept, (size_t)p->unknowns * sizeof *u);
-            status = saltus_pursuit_evaluate(p, u, message);
+            status = saltus_shooting_evaluate(p, u, message);
             break;
         }
     }
@@ -141,8 +142,8 @@ saltus_status saltus_pursuit_relax(saltus_pursuit *p, double *u, int *iterations
     return status;
 }
 
-saltus_status saltus_pursuit_tangent(saltus_pursuit *p, const double *guide, double *tangent, int *sign,
-                                     double *log_determinant, saltus_message *message) {
+saltus_status saltus_shooting_tangent(saltus_shooting *p, const double *guide, double *tangent, int *sign,
+                                      double *log_determinant, saltus_message *message) {
     int m = p->unknowns;
     double size = 0;
     if (!factor_bordered(p, guide, false))
@@ -159,14 +160,14 @@ saltus_status saltus_pursuit_tangent(saltus_pursuit *p, const double *guide, dou
     return SALTUS_OK;
 }
 
-void saltus_pursuit_flip(saltus_pursuit *p, int *sign, double *log_determinant) {
+void saltus_shooting_flip(saltus_shooting *p, int *sign, double *log_determinant) {
     factor_bordered(p, NULL, true);
     *sign = p->lu.sign;
     *log_determinant = p->lu.log_modulus;
 }
 
-saltus_status saltus_pursuit_null_plane(saltus_pursuit *p, double *vectors, double values[2],
-                                        saltus_message *message) {
+saltus_status saltus_shooting_null_plane(saltus_shooting *p, double *vectors, double values[2],
+                                         saltus_message *message) {
     memcpy(p->matrix, p->jacobian, (size_t)(p->equations * p->unknowns) * sizeof(double));
     errno = 0;
     if (!saltus_dense_null_vectors(p->matrix, p->equations, p->unknowns, 2, vectors, values))
@@ -175,8 +176,8 @@ saltus_status saltus_pursuit_null_plane(saltus_pursuit *p, double *vectors, doub
 }
 
 /* The states at the cuts follow from the one at the base; times come from the sequence. */
-saltus_status saltus_pursuit_fill(saltus_pursuit *p, double value, const double *state, double *u,
-                                  saltus_message *message) {
+saltus_status saltus_shooting_fill(saltus_shooting *p, double value, const double *state, double *u,
+                                   saltus_message *message) {
     const saltus_sequence *s = &p->sequence;
     int n = p->n;
     for (int i = 0; i < n; i++)
@@ -190,7 +191,7 @@ saltus_status saltus_pursuit_fill(saltus_pursuit *p, double value, const double 
     for (int cut = 1; cut < s->cuts && status == SALTUS_OK; cut++) {
         /* The residual of the segment before this cut is the state at its end less the unknown, still zero.
          */
-        status = saltus_pursuit_evaluate(p, u, message);
+        status = saltus_shooting_evaluate(p, u, message);
         for (int i = 0; i < n && status == SALTUS_OK; i++)
             u[cut * n + i] += p->residual[(cut - 1) * n + i];
     }

@@ -5,14 +5,14 @@
  * rows, which a piece multiplies by A. A mark at time t contributes the equation's gradient as a row, and to
  * its own column the shift that a delay of t causes (saltus_strike).
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "orbit/pursuit_private.h"
+#include "orbit/shooting_private.h"
 
 #include <math.h>
 #include <string.h>
 
 /* Where the walk is. */
 typedef struct walk {
-    saltus_pursuit *p;
+    saltus_shooting *p;
     const double *u; /* unscaled */
     double time;     /* in periods */
     bool driven;
@@ -25,7 +25,7 @@ static saltus_time as_time(double periods) {
 }
 
 /* The tangent vectors of a new piece: the identity, and how the state answers to the parameter. */
-static void begin_piece(saltus_pursuit *p) {
+static void begin_piece(saltus_shooting *p) {
     int n = p->n;
     memset(p->tangents, 0, (size_t)(n * p->columns) * sizeof(double));
     for (int i = 0; i < n; i++)
@@ -36,7 +36,7 @@ static void begin_piece(saltus_pursuit *p) {
 }
 
 /* answer = A answer, with the columns that the flow has now. */
-static void end_piece(saltus_pursuit *p) {
+static void end_piece(saltus_shooting *p) {
     int n = p->n, m = p->unknowns;
     saltus_flow_tangents(p->flow, 0, p->tangents);
     memset(p->next, 0, (size_t)(n * m) * sizeof(double));
@@ -53,7 +53,7 @@ static void end_piece(saltus_pursuit *p) {
     p->next = swap;
 }
 
-static void note_breach(saltus_pursuit *p, saltus_breach_kind kind, double value, int mark, int face,
+static void note_breach(saltus_shooting *p, saltus_breach_kind kind, double value, int mark, int face,
                         double time) {
     if (p->breach_count < p->breach_room)
         p->breaches[p->breach_count++] =
@@ -62,7 +62,7 @@ static void note_breach(saltus_pursuit *p, saltus_breach_kind kind, double value
 
 /* How far a coasting flow came to breaching: gaps of free faces, forces of holding ones. */
 static saltus_status coast(walk *w, double until, int mark, saltus_message *message) {
-    saltus_pursuit *p = w->p;
+    saltus_shooting *p = w->p;
     saltus_extreme extremes[SALTUS_FACES_MAX];
     unsigned contacts = saltus_flow_contacts(p->flow, 0);
     double begin = saltus_time_periods(saltus_flow_time(p->flow, 0));
@@ -110,7 +110,7 @@ static saltus_status run_piece(walk *w, double until, int mark, saltus_message *
 
 /* Start at a cut: the state there is itself unknown. */
 static saltus_status open_segment(walk *w, int cut, unsigned contacts, saltus_message *message) {
-    saltus_pursuit *p = w->p;
+    saltus_shooting *p = w->p;
     int n = p->n, m = p->unknowns;
     w->time = p->sequence.cut[cut];
     /* Where the flow finds its events itself, what the start touches is for it to resolve. */
@@ -132,7 +132,7 @@ static saltus_status open_segment(walk *w, int cut, unsigned contacts, saltus_me
 }
 
 /* The equation of a mark and its row, from the answer before the piece that led to it. */
-static void mark_row(saltus_pursuit *p, int k, const saltus_strike *strike, double scale) {
+static void mark_row(saltus_shooting *p, int k, const saltus_strike *strike, double scale) {
     int n = p->n, m = p->unknowns, row = p->sequence.cuts * n + k;
     double *gradient = p->jacobian + (size_t)row * (size_t)m, period = saltus_system_period(p->system);
     p->residual[row] = strike->equation / scale;
@@ -148,7 +148,7 @@ static void mark_row(saltus_pursuit *p, int k, const saltus_strike *strike, doub
 
 /* How a contact interval and an impact stand at a mark. */
 static void mark_breaches(walk *w, int k, const saltus_strike *strike) {
-    saltus_pursuit *p = w->p;
+    saltus_shooting *p = w->p;
     const saltus_mark *mark = &p->sequence.mark[k];
     if (mark->kind == SALTUS_RELEASE) {
         note_breach(p, SALTUS_BREACH_HOLD, w->held_since[mark->face] - w->time, k, mark->face, w->time);
@@ -160,7 +160,7 @@ static void mark_breaches(walk *w, int k, const saltus_strike *strike) {
 }
 
 static saltus_status pass_mark(walk *w, int k, saltus_message *message) {
-    saltus_pursuit *p = w->p;
+    saltus_shooting *p = w->p;
     const saltus_mark *mark = &p->sequence.mark[k];
     int own = p->sequence.cuts * p->n + k;
     saltus_strike strike = {.equation_gradient = p->gradient, .shift = p->shift};
@@ -181,7 +181,7 @@ static saltus_status pass_mark(walk *w, int k, saltus_message *message) {
 
 /* Continuity: the state at a segment's end is that at the next cut. */
 static void match(walk *w, int cut) {
-    saltus_pursuit *p = w->p;
+    saltus_shooting *p = w->p;
     int n = p->n, m = p->unknowns, next = (cut + 1) % p->sequence.cuts;
     const double *scale = p->scale;
     end_piece(p);
@@ -195,7 +195,7 @@ static void match(walk *w, int cut) {
     }
 }
 
-static void finish(saltus_pursuit *p) {
+static void finish(saltus_shooting *p) {
     p->residual_size = 0;
     for (int i = 0; i < p->equations; i++) {
         p->residual_size = fmax(p->residual_size, fabs(p->residual[i]));
@@ -204,7 +204,7 @@ static void finish(saltus_pursuit *p) {
     }
 }
 
-saltus_status saltus_pursuit_evaluate(saltus_pursuit *p, const double *u, saltus_message *message) {
+saltus_status saltus_shooting_evaluate(saltus_shooting *p, const double *u, saltus_message *message) {
     const saltus_sequence *s = &p->sequence;
     for (int j = 0; j < p->unknowns; j++)
         p->plain[j] = u[j] * p->scale[j];
@@ -215,7 +215,7 @@ saltus_status saltus_pursuit_evaluate(saltus_pursuit *p, const double *u, saltus
         w.held_since[f] = s->base;
     p->breach_count = 0;
     p->residual_size = INFINITY;
-    saltus_status status = saltus_pursuit_tune(p, saltus_pursuit_value(p, u), message);
+    saltus_status status = saltus_shooting_tune(p, saltus_shooting_value(p, u), message);
     for (int cut = 0; cut < s->cuts && status == SALTUS_OK; cut++) {
         double until = cut + 1 < s->cuts ? s->cut[cut + 1] : s->base + s->periods;
         status = open_segment(&w, cut, contacts, message);

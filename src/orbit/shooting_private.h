@@ -1,13 +1,13 @@
-/* Private to the files pursuit*.c: the workspace.
+/* Private to the files shooting*.c: the workspace.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef SALTUS_ORBIT_PURSUIT_PRIVATE_H
-#define SALTUS_ORBIT_PURSUIT_PRIVATE_H
+#ifndef SALTUS_ORBIT_SHOOTING_PRIVATE_H
+#define SALTUS_ORBIT_SHOOTING_PRIVATE_H
 
 #include "base/dense.h"
 #include "base/memory.h"
-#include "orbit/pursuit.h"
+#include "orbit/shooting.h"
 
-struct saltus_pursuit {
+struct saltus_shooting {
     saltus_arena arena;       /* of the vectors that depend on the state's dimension alone */
     saltus_arena shape_arena; /* of those that depend on the sequence */
     saltus_spec spec;
@@ -38,6 +38,6 @@ struct saltus_pursuit {
 };
 
 /* Make the system that of a parameter value. */
-saltus_status saltus_pursuit_tune(saltus_pursuit *pursuit, double value, saltus_message *message);
+saltus_status saltus_shooting_tune(saltus_shooting *shooting, double value, saltus_message *message);
 
 #endif
