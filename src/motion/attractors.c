@@ -13,15 +13,11 @@
 /* Section points of the same orbit agree to Newton's accuracy; distinct orbits do not. */
 static const double same_point = 1e-6;
 
-static saltus_ending ending_of(const saltus_motion *motion) {
-    return (saltus_ending){motion->verdict, motion->periods, motion->state, motion->section_states};
-}
-
 /* Count a motion with its attractor, or take it over as a new one. */
 static void sort_in(const saltus_system *system, saltus_attractors *found, saltus_motion *motion) {
-    saltus_ending ending = ending_of(motion);
+    saltus_ending ending = saltus_motion_ending(motion);
     for (int k = 0; k < found->count; k++) {
-        saltus_ending known = ending_of(&found->motions[k]);
+        saltus_ending known = saltus_motion_ending(&found->motions[k]);
         if (saltus_same_attractor(system, &known, &ending, same_point)) {
             found->shares[k]++;
             saltus_motion_clear(motion);
@@ -82,7 +78,7 @@ saltus_status saltus_attractors_find(const saltus_system *system, int seeds, uns
         status = saltus_state_random(system, rng, state, message);
         if (status == SALTUS_OK)
             status = saltus_classify(system, state, &asking, &motion, message);
-        /* One that was interrupted is none. */
+        /* A classification that was interrupted before it settled says nothing of an attractor. */
         bool asked_to = self.refused || saltus_motion_stopped(&options->flow),
              stopped = asked_to && !saltus_verdict_settled(motion.verdict);
         if (status == SALTUS_INTERRUPTED || (status == SALTUS_OK && stopped)) {

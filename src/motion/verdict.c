@@ -35,6 +35,10 @@ void saltus_verdict_label(saltus_verdict verdict, long long impacts, int periods
         snprintf(label, SALTUS_LABEL_MAX, "%s", words[verdict]);
 }
 
+saltus_ending saltus_motion_ending(const saltus_motion *motion) {
+    return (saltus_ending){motion->verdict, motion->periods, motion->state, motion->section_states};
+}
+
 bool saltus_same_attractor(const saltus_system *system, const saltus_ending *a, const saltus_ending *b,
                            double distance) {
     if (a->verdict != b->verdict || (a->verdict == SALTUS_PERIODIC && a->periods != b->periods))

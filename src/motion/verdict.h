@@ -13,9 +13,12 @@ typedef struct saltus_ending {
     const double *points; /* of a periodic motion: its section points, periods x dimension */
 } saltus_ending;
 
+saltus_ending saltus_motion_ending(const saltus_motion *motion);
+
 /* Whether two trajectories of a system have ended on the same attractor: on the same orbit, in the same rest,
  * or both on something that is neither and of the same kind. `distance`, relative to the system's scales, is
- * what section points of the same orbit may be apart by the accuracy with which they are known. */
+ * what section points of the same orbit may be apart by the accuracy with which they are known. Of the second
+ * one its state is enough. */
 bool saltus_same_attractor(const saltus_system *system, const saltus_ending *a, const saltus_ending *b,
                            double distance);
 

@@ -6,6 +6,8 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "sweep/sweep.h"
 
+#include "motion/verdict.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -49,12 +51,11 @@ void saltus_basins_free(saltus_basins *basins) {
     free(basins);
 }
 
-/* The known motion that passes through a state, or rests there; -1 where there is none. */
-static int find(const saltus_basins *basins, const double *state, double limit) {
+/* The known motion that a trajectory has ended on; -1 where there is none. */
+static int find(const saltus_basins *basins, saltus_ending ending, double distance) {
     for (int k = 0; k < basins->count; k++) {
-        const saltus_motion *m = &basins->motions[k];
-        const double *points = m->periods ? m->section_states : m->state;
-        if (saltus_orbit_passes(basins->sweep->system, points, m->periods ? m->periods : 1, state, limit))
+        saltus_ending known = saltus_motion_ending(&basins->motions[k]);
+        if (saltus_same_attractor(basins->sweep->system, &known, &ending, distance))
             return k;
     }
     return -1;
@@ -84,7 +85,7 @@ static saltus_status polish(saltus_basins *basins, const double *state, int *att
         saltus_motion_clear(&motion);
         return status == SALTUS_NO_MEMORY ? status : SALTUS_OK;
     }
-    *attractor = find(basins, motion.state, same_orbit);
+    *attractor = find(basins, saltus_motion_ending(&motion), same_orbit);
     if (*attractor < 0 && !grow(basins))
         status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the attractors");
     if (*attractor < 0 && status == SALTUS_OK) {
@@ -100,7 +101,8 @@ saltus_status saltus_basins_sort(saltus_basins *basins, const saltus_sweep_row *
     *attractor = -1;
     if (!saltus_verdict_settled(row->verdict))
         return SALTUS_OK;
-    *attractor = find(basins, state, near_orbit);
+    *attractor =
+        find(basins, (saltus_ending){(saltus_verdict)row->verdict, row->periods, state, NULL}, near_orbit);
     return *attractor >= 0 ? SALTUS_OK : polish(basins, state, attractor, message);
 }
 
