@@ -1,5 +1,6 @@
-/* A sweep's row and a classification of its end state are one verdict, on random points of pipes and
- * oscillators. SALTUS_LONG_TESTS: ten times as many points, another seed.
+/* One verdict whoever is asked: a sweep's row and a classification of its end state on random points of pipes
+ * and oscillators; a chatter near the section by all that give labels. SALTUS_LONG_TESTS: ten times as many
+ * points, another seed.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "sweep_check.h"
 
@@ -49,9 +50,68 @@ static void rows_and_motions_agree(void **unused) {
     gsl_rng_free(rng);
 }
 
+/* What a branch through the orbit says of its first point. */
+static void check_branch_label(const saltus_spec *spec, const saltus_motion *motion, const char *label) {
+    saltus_branch_options options = saltus_branch_defaults();
+    saltus_message message = {""};
+    saltus_branch *branch;
+    const saltus_branch_point *point;
+    double omega = spec->parameters[saltus_model_parameter_index(spec->model, "omega")];
+    strcpy(options.key[0], "omega");
+    options.low[0] = omega;
+    options.high[0] = omega * 1.001;
+    check_ok(saltus_branch_new(spec, motion->periods, motion->state, &options, &branch, &message), &message);
+    check_ok(saltus_branch_step(branch, &point, &message), &message);
+    assert_non_null(point);
+    assert_string_equal(point->label, label);
+    assert_int_equal(point->impacts, motion->impacts);
+    assert_int_equal(point->sticking_intervals, motion->sticking_intervals);
+    saltus_branch_free(branch);
+}
+
+/* A chatter is one wherever the section lies in it: a contact that begins just before, at and just after
+ * phase 0, as classification, a sweep, a branch and a harvest tell it. */
+static void chatter_is_told_alike(void **unused) {
+    (void)unused;
+    static const double shifts[] = {-1e-3, -1e-5, -1e-6, -1e-7, -1e-8, 0, 1e-8, 1e-7, 1e-6, 1e-5, 1e-3};
+    bool before = false, after = false;
+    for (size_t k = 0; k < sizeof shifts / sizeof shifts[0]; k++) {
+        double omega = 1.0117980957031247 + shifts[k];
+        char setting[64];
+        snprintf(setting, sizeof setting, "c=0.3 F=1 d=0.2 r=0.01 omega=%.17g", omega);
+        saltus_scene scene = scene_of("impact-oscillator", setting);
+        saltus_sweep_options options = saltus_sweep_defaults();
+        options.threads = 1;
+        single s = run_single(&scene, "omega", omega, &options);
+        saltus_system *system = build(&scene.spec);
+        saltus_motion motion = motion_from(system, s.result.states, 20);
+        assert_string_equal(motion.label, "chatter/1");
+        assert_string_equal(s.label, motion.label);
+        before |= motion.events[0].kind == SALTUS_STICK;
+        after |= motion.events[0].kind == SALTUS_RELEASE;
+        check_branch_label(&scene.spec, &motion, motion.label);
+        saltus_harvest_options search = saltus_harvest_defaults();
+        saltus_harvest harvest;
+        saltus_message message = {""};
+        search.longest = 1;
+        search.periods = 50;
+        search.state = motion.state;
+        check_ok(saltus_harvest_run(system, &search, &harvest, &message), &message);
+        assert_int_equal(harvest.count, 1);
+        assert_int_equal(harvest.orbits[0].impacts, -1);
+        assert_int_equal(harvest.orbits[0].sticking_intervals, motion.sticking_intervals);
+        saltus_harvest_clear(&harvest);
+        saltus_motion_clear(&motion);
+        saltus_system_free(system);
+        close_single(&s);
+    }
+    assert_true(before && after);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(rows_and_motions_agree),
+        cmocka_unit_test(chatter_is_told_alike),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
