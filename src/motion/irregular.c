@@ -9,8 +9,8 @@
  * section points fill closed curves and have a spectrum of lines.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "motion/ensemble.h"
+#include "motion/evidence.h"
 #include "motion/motion.h"
-#include "motion/opinions.h"
 #include "motion/stable_orbit.h"
 #include "saltus/series.h"
 
@@ -122,7 +122,7 @@ static saltus_status run_on(judge *j, long long samples, bool *left, saltus_mess
 }
 
 static saltus_status ask_points(judge *j, saltus_message *message) {
-    return saltus_opinions_ask(j->system, j->points, points_there(j), &j->motion->evidence, message);
+    return saltus_evidence_of_points(j->system, j->points, points_there(j), &j->motion->evidence, message);
 }
 
 /* Is there a stable orbit among the points? */

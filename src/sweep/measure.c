@@ -1,7 +1,7 @@
 /* What a motion without a period is, by its largest exponent.
  *
  * A tangent vector is carried along in runs that are doubled; after each the exponent is weighed as
- * classification does (motion/opinions.h), but from one trajectory and from fewer periods. Chaos is asserted
+ * classification does (motion/evidence.h), but from one trajectory and from fewer periods. Chaos is asserted
  * from an eighth of the periods that may be measured, and where both halves of them tell it. A negative
  * exponent means that a period must show: the trajectory is given at most the time that it had to settle once
  * more.
@@ -9,7 +9,7 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "sweep/sweep.h"
 
-#include "motion/opinions.h"
+#include "motion/evidence.h"
 #include "saltus/series.h"
 #include "saltus/spectrum.h"
 

@@ -1,7 +1,7 @@
 /* Private: what exponents and section points say about a motion without a period.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef SALTUS_MOTION_OPINIONS_H
-#define SALTUS_MOTION_OPINIONS_H
+#ifndef SALTUS_MOTION_EVIDENCE_H
+#define SALTUS_MOTION_EVIDENCE_H
 
 #include "saltus/motion.h"
 
@@ -31,7 +31,7 @@ saltus_outcome saltus_runs_conclude(const saltus_runs *runs, saltus_outcome outc
                                     const saltus_evidence *evidence);
 /* Second opinions on `count` section points (dimension numbers each, SALTUS_SERIES_LEAST at least): fills 0-1
  * test, broadband part, closed curves and dimension. Errors: SALTUS_NO_MEMORY, SALTUS_BAD_INPUT. */
-saltus_status saltus_opinions_ask(const saltus_system *system, const double *points, long long count,
-                                  saltus_evidence *evidence, saltus_message *message);
+saltus_status saltus_evidence_of_points(const saltus_system *system, const double *points, long long count,
+                                        saltus_evidence *evidence, saltus_message *message);
 
 #endif

@@ -1,6 +1,6 @@
 /* What exponents and section points say about a motion without a period.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "motion/opinions.h"
+#include "motion/evidence.h"
 
 #include "motion/motion.h"
 #include "saltus/series.h"
@@ -33,8 +33,8 @@ static void observe(const saltus_system *system, const double *points, long long
     }
 }
 
-saltus_status saltus_opinions_ask(const saltus_system *system, const double *values, long long count,
-                                  saltus_evidence *evidence, saltus_message *message) {
+saltus_status saltus_evidence_of_points(const saltus_system *system, const double *values, long long count,
+                                        saltus_evidence *evidence, saltus_message *message) {
     const double *scale = saltus_system_scale(system);
     double weights[SALTUS_STATE_MAX], *series = calloc((size_t)count, sizeof *series);
     saltus_series_options options = saltus_series_defaults();
