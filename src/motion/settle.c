@@ -55,7 +55,7 @@ void saltus_settling_reset(saltus_settling *s, const saltus_system *system) {
     memset(s->streak, 0, ((size_t)s->longest + 1) * sizeof *s->streak);
 }
 
-const double *saltus_settling_point(const saltus_settling *s, int back) {
+static const double *point_before(const saltus_settling *s, int back) {
     return s->points + (size_t)((s->count - 1 - back) % s->size) * (size_t)s->n;
 }
 
@@ -79,16 +79,15 @@ void saltus_settling_add(saltus_settling *s, const double *state, long long impa
     s->contact[slot] = contact_events;
     s->count++;
     for (int p = 1; p <= s->longest && p < s->count; p++)
-        s->streak[p] =
-            distance(s, state, saltus_settling_point(s, p), recurrence) < recurrence ? s->streak[p] + 1 : 0;
+        s->streak[p] = distance(s, state, point_before(s, p), recurrence) < recurrence ? s->streak[p] + 1 : 0;
 }
 
 /* Largest distance between points p apart, over p points that end `back` periods ago. */
 static double recurrence_over(const saltus_settling *s, int p, int points, int back) {
     double largest = 0;
     for (int k = 0; k < points; k++)
-        largest = fmax(largest, distance(s, saltus_settling_point(s, back + k),
-                                         saltus_settling_point(s, back + k + p), INFINITY));
+        largest =
+            fmax(largest, distance(s, point_before(s, back + k), point_before(s, back + k + p), INFINITY));
     return largest;
 }
 
@@ -96,8 +95,7 @@ static double recurrence_over(const saltus_settling *s, int p, int points, int b
 static double turning_cosine(const saltus_settling *s, int p) {
     double product = 0, now = 0, before = 0;
     for (int k = 0; k < p; k++) {
-        const double *x = saltus_settling_point(s, k), *y = saltus_settling_point(s, k + p),
-                     *z = saltus_settling_point(s, k + 2 * p);
+        const double *x = point_before(s, k), *y = point_before(s, k + p), *z = point_before(s, k + 2 * p);
         for (int i = 0; i < s->n; i++) {
             double last = (x[i] - y[i]) * s->weight[i], first = (y[i] - z[i]) * s->weight[i];
             product += last * first;
@@ -110,7 +108,7 @@ static double turning_cosine(const saltus_settling *s, int p) {
 
 /* The i-th entry of the recurrence of a cycle, `back` periods ago. */
 static double recurred(const saltus_settling *s, int p, int back, int i) {
-    return (saltus_settling_point(s, back)[i] - saltus_settling_point(s, back + p)[i]) * s->weight[i];
+    return (point_before(s, back)[i] - point_before(s, back + p)[i]) * s->weight[i];
 }
 
 /* Distance left where the recurrences turn as well: each is a times the one before it and b times the one
@@ -210,6 +208,10 @@ long long saltus_settling_contacts(const saltus_settling *s, int period) {
 
 double saltus_settling_recurrence(const saltus_settling *s, int period) {
     return recurrence_over(s, period, period, 0);
+}
+
+const double *saltus_settling_point(const saltus_settling *s, int back) {
+    return point_before(s, back);
 }
 
 double saltus_settling_closest(const saltus_settling *s) {
