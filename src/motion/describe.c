@@ -128,6 +128,22 @@ saltus_status saltus_motion_describe(const saltus_system *system, const saltus_o
     return status;
 }
 
+saltus_status saltus_motion_polish(const saltus_system *system, int periods, const double *state, double near,
+                                   const saltus_classify_options *options, saltus_motion *motion) {
+    saltus_orbit_options shooting = saltus_motion_shooting(options);
+    saltus_orbit orbit = {0};
+    *motion = (saltus_motion){0};
+    saltus_status status = saltus_orbit_find(system, periods, state, &shooting, &orbit, NULL);
+    bool own = status == SALTUS_OK && saltus_multipliers_stable(orbit.multipliers, orbit.dimension) &&
+               saltus_system_distance(system, orbit.state, state) < near;
+    if (own)
+        status = saltus_motion_describe(system, &orbit, options, motion, NULL);
+    else if (status == SALTUS_OK)
+        status = SALTUS_NO_CONVERGENCE;
+    saltus_orbit_clear(&orbit);
+    return status;
+}
+
 saltus_status saltus_motion_mirror(const saltus_system *system, const saltus_flow_options *options,
                                    double *state, saltus_message *message) {
     bool shift;

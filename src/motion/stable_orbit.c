@@ -77,13 +77,7 @@ static bool leads_to_stable(const search *s, saltus_fixed_point *f, const double
 static bool confirm(const search *s, int p, const double *state, saltus_motion *motion) {
     saltus_classify_options options = saltus_classify_defaults();
     options.flow = *s->flow;
-    saltus_orbit_options shooting = saltus_motion_shooting(&options);
-    saltus_orbit orbit = {0};
-    bool stable = saltus_orbit_find(s->system, p, state, &shooting, &orbit, NULL) == SALTUS_OK &&
-                  saltus_multipliers_stable(orbit.multipliers, orbit.dimension) &&
-                  saltus_motion_describe(s->system, &orbit, &options, motion, NULL) == SALTUS_OK;
-    saltus_orbit_clear(&orbit);
-    return stable;
+    return saltus_motion_polish(s->system, p, state, INFINITY, &options, motion) == SALTUS_OK;
 }
 
 static int compare(const void *a, const void *b) {

@@ -116,28 +116,18 @@ static saltus_judgement polish(saltus_trajectory *t) {
     return judgement;
 }
 
-/* The stable orbit of a period at the present state, described; false where there is none. */
-static bool stable_orbit(saltus_trajectory *t, int periods, saltus_motion *motion) {
-    saltus_classify_options options = polishing(t);
-    saltus_orbit_options shooting = saltus_motion_shooting(&options);
-    saltus_orbit orbit = {0};
-    saltus_status status = saltus_orbit_find(t->system, periods, t->state, &shooting, &orbit, NULL);
-    bool own = status == SALTUS_OK && saltus_multipliers_stable(orbit.multipliers, orbit.dimension) &&
-               saltus_system_distance(t->system, orbit.state, t->state) < same_orbit;
-    if (own)
-        status = saltus_motion_describe(t->system, &orbit, &options, motion, NULL);
-    saltus_orbit_clear(&orbit);
-    t->starved |= status == SALTUS_NO_MEMORY;
-    return own && status == SALTUS_OK;
-}
-
 /* The period is in doubt: the stable orbit of the shortest part of it is the one. */
 static saltus_judgement resolve(saltus_trajectory *t, int periods) {
+    saltus_classify_options options = polishing(t);
     saltus_judgement judgement = goes_on;
     for (int part = 1; part <= periods && judgement.verdict == SALTUS_PENDING; part++) {
         saltus_motion motion = {0};
-        if (periods % part == 0 && stable_orbit(t, part, &motion))
+        saltus_status status = SALTUS_NO_CONVERGENCE;
+        if (periods % part == 0)
+            status = saltus_motion_polish(t->system, part, t->state, same_orbit, &options, &motion);
+        if (status == SALTUS_OK)
             judgement = adopt(t, &motion);
+        t->starved |= status == SALTUS_NO_MEMORY;
         saltus_motion_clear(&motion);
     }
     return judgement;
