@@ -12,7 +12,7 @@ void saltus_json_value(FILE *file, double value) {
         fputs("null", file);
 }
 
-void saltus_json_string(FILE *file, const char *text) {
+static void put_string(FILE *file, const char *text) {
     fputc('"', file);
     for (const unsigned char *c = (const unsigned char *)text; *c; c++)
         if (*c == '"' || *c == '\\')
@@ -35,7 +35,7 @@ void saltus_json_member(FILE *file, const char *key, double value) {
 
 void saltus_json_text(FILE *file, const char *key, const char *text) {
     saltus_json_key(file, key);
-    saltus_json_string(file, text);
+    put_string(file, text);
 }
 
 void saltus_json_vector(FILE *file, const double *vector, int length) {
@@ -165,7 +165,7 @@ void saltus_json_parameters(FILE *file, const saltus_spec *spec) {
     const saltus_parameter *p = saltus_model_parameters(spec->model, &count);
     saltus_json_key(file, "parameters");
     fputs("{\"model\": ", file);
-    saltus_json_string(file, saltus_model_name(spec->model));
+    put_string(file, saltus_model_name(spec->model));
     for (int k = 0; k < count; k++)
         saltus_json_member(file, p[k].name, spec->parameters[k]);
     if (spec->stop_count) {

@@ -8,7 +8,6 @@
 
 /* A number, or null where JSON has none. */
 void saltus_json_value(FILE *file, double value);
-void saltus_json_string(FILE *file, const char *text);
 void saltus_json_vector(FILE *file, const double *vector, int length);
 
 /* Members of an object after its first one, with the comma before them. */

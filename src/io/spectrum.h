@@ -19,8 +19,6 @@ typedef struct saltus_spectra_source {
 
 /* "8 orbits of 4 T, 4096 samples a period", "2048 T, Welch with 31 segments of 128 T, ..." */
 void saltus_spectra_method(const saltus_spectra *spectra, char *text, size_t room);
-/* Comment lines and one row per line or bin; failures are left in the file's error flag. */
-void saltus_spectra_csv(const saltus_spectra_source *source, FILE *file);
 /* gnuplot's script. */
 void saltus_spectra_script(const saltus_spectra_source *source, const char *path, FILE *file);
 /* The low frequencies of the first spectrum, which moves, as a panel of another figure: its datablock $low1,

@@ -89,8 +89,9 @@ static void put_columns(const saltus_spectra *spectra, bool lines, FILE *file) {
     fputc('\n', file);
 }
 
-/* Quantities of one motion have their lines and bins in the same places; those that do not move have none. */
-void saltus_spectra_csv(const saltus_spectra_source *source, FILE *file) {
+/* Comment lines and one row per line or bin; failures are left in the file's error flag. Quantities of one
+ * motion have their lines and bins in the same places; those that do not move have none. */
+static void put_table(const saltus_spectra_source *source, FILE *file) {
     const saltus_spectra *spectra = source->spectra;
     double peak[SALTUS_QUANTITIES_MAX] = {0};
     const saltus_spectrum *first = NULL;
@@ -130,7 +131,7 @@ static saltus_status write_table(const saltus_spectra_source *source, const char
     saltus_status status = saltus_output_open(&output, path, message);
     if (status != SALTUS_OK)
         return status;
-    saltus_spectra_csv(source, output.file);
+    put_table(source, output.file);
     return saltus_output_close(&output, SALTUS_OK, message);
 }
 

@@ -267,7 +267,8 @@ static saltus_status draw_over(saltus_sweep_page *page, saltus_message *message)
     return status;
 }
 
-saltus_status saltus_sweep_draw(const saltus_sweep_file *sweep, const char *path,
+/* Draw a sweep that has been read. `path` names it in messages. */
+static saltus_status draw_sweep(const saltus_sweep_file *sweep, const char *path,
                                 const saltus_sweep_view *view, const char *figure, saltus_message *message) {
     saltus_system *system = NULL;
     saltus_status status = saltus_system_new(&sweep->spec, &system, message);
@@ -308,7 +309,7 @@ saltus_status saltus_plot_sweep(const char *path, const saltus_sweep_view *view,
     saltus_status status = saltus_sweep_file_read(path, &sweep, message);
     if (status != SALTUS_OK)
         return status;
-    status = saltus_sweep_draw(&sweep, path, view, figure, message);
+    status = draw_sweep(&sweep, path, view, figure, message);
     saltus_sweep_file_clear(&sweep);
     return status;
 }

@@ -131,8 +131,4 @@ typedef struct saltus_map_kind {
 bool saltus_sweep_name_regions(const saltus_sweep_page *page, const saltus_map_kind *kinds, const int *kind,
                                int columns, int rows, int step);
 
-/* Draw a sweep that has been read. `path` names it in messages. */
-saltus_status saltus_sweep_draw(const saltus_sweep_file *sweep, const char *path,
-                                const saltus_sweep_view *view, const char *figure, saltus_message *message);
-
 #endif

@@ -5,7 +5,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-long long saltus_map_point(const saltus_map *map, int column, int row) {
+/* Point of the grid at a cell of each axis. */
+static long long point_of(const saltus_map *map, int column, int row) {
     return map->page->x.order[column] + (long long)map->page->y.order[row] * map->page->x.count;
 }
 
@@ -15,7 +16,8 @@ static int stride(saltus_span span) {
     return 1 + (span.last - span.first) / looks;
 }
 
-int saltus_map_kind_at(const saltus_map *map, saltus_span column, saltus_span row, long long *point) {
+/* The kind that most cells of a pixel have, -1 where there are none; *point: one of these cells' points. */
+static int kind_at(const saltus_map *map, saltus_span column, saltus_span row, long long *point) {
     enum { most_looks = 64 };
     int seen[most_looks], counts[most_looks], distinct = 0, best = 0;
     long long points[most_looks];
@@ -23,7 +25,7 @@ int saltus_map_kind_at(const saltus_map *map, saltus_span column, saltus_span ro
         return -1;
     for (int j = row.first; j <= row.last; j += stride(row))
         for (int i = column.first; i <= column.last; i += stride(column)) {
-            long long own = saltus_map_point(map, i, j);
+            long long own = point_of(map, i, j);
             int k = 0;
             while (k < distinct && seen[k] != map->kind[own])
                 k++;
@@ -47,7 +49,7 @@ static double number_at(const saltus_map *map, saltus_span column, saltus_span r
     *point = -1;
     for (int j = row.first; column.first >= 0 && row.first >= 0 && j <= row.last; j += stride(row))
         for (int i = column.first; i <= column.last; i += stride(column)) {
-            double number = map->number[ *point = saltus_map_point(map, i, j)];
+            double number = map->number[ *point = point_of(map, i, j)];
             if (isnan(number))
                 continue;
             sum += number;
@@ -68,7 +70,7 @@ static void paint_kind(saltus_map *map, int x, int y, int fineness) {
     enum { hatch = 10 };
     const double ink = 0.3;
     long long point = -1;
-    int kind = saltus_map_kind_at(map, map->columns[x], map->rows[y], &point);
+    int kind = kind_at(map, map->columns[x], map->rows[y], &point);
     if (kind < 0)
         return;
     uint32_t colour = map->kinds[kind].colour;
@@ -130,7 +132,7 @@ static bool put_names(const saltus_map *map) {
         for (int x = 0; x < columns; x++) {
             long long point;
             int column = (2 * x + 1) * step * fineness / 2, row = (2 * y + 1) * step * fineness / 2;
-            kind[y * columns + x] = saltus_map_kind_at(map, map->columns[column], map->rows[row], &point);
+            kind[y * columns + x] = kind_at(map, map->columns[column], map->rows[row], &point);
         }
     bool sound = kind && saltus_sweep_name_regions(map->page, map->kinds, kind, columns, rows, step);
     free(kind);

@@ -24,11 +24,6 @@ typedef struct saltus_map {
     bool logarithmic, clipped;
 } saltus_map;
 
-/* Point of the grid at a cell of each axis. */
-long long saltus_map_point(const saltus_map *map, int column, int row);
-/* The kind that most cells of a pixel have, -1 where there are none; *point: one of these cells' points. */
-int saltus_map_kind_at(const saltus_map *map, saltus_span column, saltus_span row, long long *point);
-
 /* sweep_plot_kinds.c: fill `kinds`, `kind`, `number` and `several`. False when there is no memory. */
 bool saltus_map_classes(saltus_map *map);
 bool saltus_map_counts(saltus_map *map);

@@ -153,7 +153,9 @@ void saltus_orbit_label(long long impacts, int periods, char label[SALTUS_LABEL_
         snprintf(label, SALTUS_LABEL_MAX, "%lld/%d", impacts, periods);
 }
 
-double saltus_orbit_accuracy(const saltus_flow_options *flow) {
+/* How near section points of one orbit are to each other, as Newton's method finds them with such a flow,
+ * relative to the system's scales. */
+static double orbit_accuracy(const saltus_flow_options *flow) {
     return fmax(1e-8, 1e4 * flow->rtol);
 }
 
@@ -161,7 +163,7 @@ int saltus_lap_least_period(const saltus_lap *lap, const saltus_flow_options *fl
     int n = saltus_system_dimension(lap->system);
     for (int p = 1; p <= lap->periods / 2; p++)
         if (lap->periods % p == 0 && saltus_system_distance(lap->system, lap->points + (size_t)(p * n),
-                                                            lap->points) < saltus_orbit_accuracy(flow))
+                                                            lap->points) < orbit_accuracy(flow))
             return p;
     return lap->periods;
 }

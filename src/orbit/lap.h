@@ -59,9 +59,6 @@ bool saltus_lap_held(const saltus_lap *lap);
 /* "n/p", "chatter/p" or "held". */
 void saltus_lap_label(const saltus_lap *lap, char label[SALTUS_LABEL_MAX]);
 
-/* How near section points of one orbit are to each other, as Newton's method finds them with such a flow,
- * relative to the system's scales. */
-double saltus_orbit_accuracy(const saltus_flow_options *flow);
 /* The least divisor of the lap's periods after which its orbit already closes. */
 int saltus_lap_least_period(const saltus_lap *lap, const saltus_flow_options *flow);
 /* Whether an orbit passes through a state at section phase 0. */
