@@ -164,12 +164,17 @@ saltus_status saltus_search_run(saltus_search *s, long long at_most, saltus_moti
 saltus_status saltus_search_conclude(saltus_search *s, saltus_motion *motion, saltus_message *message) {
     if (s->found)
         return saltus_motion_take(s->system, s->beside, &s->orbit, &s->lap, s->options, motion, message);
-    if (motion->verdict == SALTUS_UNDECIDED)
+    if (motion->verdict == SALTUS_UNDECIDED) {
+        char recurrence[64] = "";
+        double closest = saltus_settling_closest(&s->settling);
+        if (isfinite(closest))
+            snprintf(recurrence, sizeof recurrence, "; closest recurrence %.2g of the state's scale",
+                     closest);
         snprintf(motion->reason, sizeof motion->reason,
-                 "no stable orbit of period up to %d T after %lld periods%s; closest recurrence %.2g of the "
-                 "state's scale; a longer --transient or a Lyapunov exponent would decide",
-                 s->options->longest, s->settling.count, s->stopped ? " (stopped)" : "",
-                 saltus_settling_closest(&s->settling));
+                 "no stable orbit of period up to %d T after %lld periods%s%s; a longer --transient or a "
+                 "Lyapunov exponent would decide",
+                 s->options->longest, s->settling.count, s->stopped ? " (stopped)" : "", recurrence);
+    }
     return saltus_motion_rest(s->system, s->flow, s->options, motion, message);
 }
 
