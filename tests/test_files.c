@@ -616,7 +616,7 @@ static void words_of_the_command_line_have_their_limits(void **state) {
         {"plot x.h5 -o x.svg --range ", "=0:1", "x.h5", "=0:1: must have the form key=low:high", 15, 2},
         {"plot x.h5 -o x.svg --label ", "=0,d=1,n", "x.h5", "=0,d=1,n: must have the form", 15, 2},
         {"plot x.h5 -o x.svg --label d=1,", "=0,n", "x.h5", "=0,n: must have the form", 15, 2},
-        {"continue impact-oscillator -o x.h5 --in ", "=0:1", ": neither a parameter",
+        {"continue impact-oscillator -o x.h5 --in ", "=0:1", ": neither a parameter of the model oscillator",
          "=0:1: must have the form key=low:high", 15, 2},
         {"sweep impact-oscillator -o x.h5 --over ", "=0:1:3", ": neither a parameter",
          "=0:1:3: no key stands before", 15, 2},

@@ -1246,6 +1246,12 @@ static void unsuitable_options(void **unused) {
     options = saltus_series_defaults();
     options.frequencies = 0;
     check_refused(&points, &options);
+    saltus_series_chaos chaos;
+    saltus_message message = {""};
+    options.frequencies = 100001;
+    assert_int_equal(saltus_series_chaos_test(s.values, s.count, &options, &chaos, &message),
+                     SALTUS_BAD_INPUT);
+    assert_string_equal(message.text, "100001 frequencies: should be between 1 and 100000");
     drop(&s);
 }
 

@@ -543,12 +543,56 @@ static void seeds_are_within_limits(void **unused) {
     saltus_system_free(system);
 }
 
+/* The closest recurrence that is told of a motion without a period: the least over all periods of the largest
+ * distance at which the last p + 2 points come back after p. */
+static void the_closest_recurrence_is_recounted(void **unused) {
+    (void)unused;
+    enum { periods = 100, longest = 5 };
+    saltus_spec spec = oscillator_spec(0.1, 1, 1, 2.92);
+    add_stop(&spec, 0, 0.8, SALTUS_UPPER);
+    saltus_system *system = build(&spec);
+    saltus_classify_options options = saltus_classify_defaults();
+    const double start[2] = {-0.3, 0.1};
+    double points[periods + 1][2] = {{-0.3, 0.1}}, closest = INFINITY, told;
+    options.transient = periods;
+    options.longest = longest;
+    options.measure = 0;
+    saltus_motion motion = classify(system, start, &options);
+    saltus_flow *flow = open_flow(system, &options.flow, 0, start);
+    for (int k = 1; k <= periods; k++) {
+        saltus_event event;
+        saltus_message message = {""};
+        check_ok(saltus_flow_advance(flow, (saltus_time){k, 0}, 0, &event, &message), &message);
+        saltus_flow_state(flow, 0, points[k]);
+    }
+    for (int p = 1; p <= longest; p++) {
+        double largest = 0;
+        for (int k = 0; k < p + 2; k++)
+            largest =
+                fmax(largest, saltus_system_distance(system, points[periods - k], points[periods - k - p]));
+        closest = fmin(closest, largest);
+    }
+    const char *place = strstr(motion.reason, "closest recurrence ");
+    assert_non_null(place);
+    assert_int_equal(sscanf(place, "closest recurrence %lf of the state's scale", &told), 1);
+    check_near(told, closest, 0.051 * closest);
+    saltus_flow_free(flow);
+    saltus_motion_clear(&motion);
+    /* Of too few points nothing is told. */
+    options.transient = 2;
+    motion = classify(system, start, &options);
+    assert_null(strstr(motion.reason, "recurrence"));
+    saltus_motion_clear(&motion);
+    saltus_system_free(system);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(orbits_past_their_flip_are_whole),
         cmocka_unit_test(slow_departures_are_no_verdict),
         cmocka_unit_test(folds_let_pass),
         cmocka_unit_test(hundreds_of_impacts_are_counted),
+        cmocka_unit_test(the_closest_recurrence_is_recounted),
         cmocka_unit_test(options_take_effect),
         cmocka_unit_test(what_is_not_measured_is_no_number),
         cmocka_unit_test(what_was_asked_for_is_told),
