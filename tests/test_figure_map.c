@@ -200,22 +200,29 @@ static double luminance(unsigned colour) {
     return 0.299 * (colour >> 16 & 0xff) + 0.587 * (colour >> 8 & 0xff) + 0.114 * (colour & 0xff);
 }
 
-/* Lightness and hue (degrees) as they look: Ottosson's Oklab, from the sRGB standard's transfer curve. */
-static void looks(unsigned colour, double *lightness, double *hue) {
-    double c[3], lms[3];
-    static const double to_lms[3][3] = {{0.4122214708, 0.5363325363, 0.0514459929},
-                                        {0.2119034982, 0.6806995451, 0.1073969566},
-                                        {0.0883024619, 0.2817188376, 0.6299787005}};
+/* A colour's lightness, and its strength and hue in degrees, as they look: Ottosson's Oklab, from the sRGB
+ * standard's transfer curve. */
+static void oklab_of(unsigned colour, double *lightness, double *chroma, double *hue) {
+    double linear[3], cone[3], a, b;
+    static const double cones[3][3] = {{0.4122214708, 0.5363325363, 0.0514459929},
+                                       {0.2119034982, 0.6806995451, 0.1073969566},
+                                       {0.0883024619, 0.2817188376, 0.6299787005}};
     for (int k = 0; k < 3; k++) {
-        double v = (colour >> (16 - 8 * k) & 0xff) / 255.0;
-        c[k] = v <= 0.04045 ? v / 12.92 : pow((v + 0.055) / 1.055, 2.4);
+        double c = (colour >> (16 - 8 * k) & 0xff) / 255.0;
+        linear[k] = c <= 0.04045 ? c / 12.92 : pow((c + 0.055) / 1.055, 2.4);
     }
     for (int k = 0; k < 3; k++)
-        lms[k] = cbrt(to_lms[k][0] * c[0] + to_lms[k][1] * c[1] + to_lms[k][2] * c[2]);
-    double a = 1.9779984951 * lms[0] - 2.4285922050 * lms[1] + 0.4505937099 * lms[2],
-           b = 0.0259040371 * lms[0] + 0.7827717662 * lms[1] - 0.8086757660 * lms[2];
-    *lightness = 0.2104542553 * lms[0] + 0.7936177850 * lms[1] - 0.0040720468 * lms[2];
+        cone[k] = cbrt(cones[k][0] * linear[0] + cones[k][1] * linear[1] + cones[k][2] * linear[2]);
+    *lightness = 0.2104542553 * cone[0] + 0.7936177850 * cone[1] - 0.0040720468 * cone[2];
+    a = 1.9779984951 * cone[0] - 2.4285922050 * cone[1] + 0.4505937099 * cone[2];
+    b = 0.0259040371 * cone[0] + 0.7827717662 * cone[1] - 0.8086757660 * cone[2];
+    *chroma = hypot(a, b);
     *hue = atan2(b, a) * 180 / acos(-1.0);
+}
+
+static void looks(unsigned colour, double *lightness, double *hue) {
+    double chroma;
+    oklab_of(colour, lightness, &chroma, hue);
 }
 
 static double apart(double a, double b) {
@@ -1212,25 +1219,6 @@ static void a_pixel_shows_what_most_of_its_cells_are(void **state) {
     }
     assert_true(asked > 300 && colour[0] && colour[0] != colour[1]);
     figure_free(&f);
-}
-
-/* A colour's lightness, and its strength and hue in degrees, in Ottosson's Oklab. */
-static void oklab_of(unsigned colour, double *lightness, double *chroma, double *hue) {
-    double linear[3], cone[3], a, b;
-    static const double cones[3][3] = {{0.4122214708, 0.5363325363, 0.0514459929},
-                                       {0.2119034982, 0.6806995451, 0.1073969566},
-                                       {0.0883024619, 0.2817188376, 0.6299787005}};
-    for (int k = 0; k < 3; k++) {
-        double c = (colour >> (16 - 8 * k) & 0xff) / 255.0;
-        linear[k] = c <= 0.04045 ? c / 12.92 : pow((c + 0.055) / 1.055, 2.4);
-    }
-    for (int k = 0; k < 3; k++)
-        cone[k] = cbrt(cones[k][0] * linear[0] + cones[k][1] * linear[1] + cones[k][2] * linear[2]);
-    *lightness = 0.2104542553 * cone[0] + 0.7936177850 * cone[1] - 0.0040720468 * cone[2];
-    a = 1.9779984951 * cone[0] - 2.4285922050 * cone[1] + 0.4505937099 * cone[2];
-    b = 0.0259040371 * cone[0] + 0.7827717662 * cone[1] - 0.8086757660 * cone[2];
-    *chroma = hypot(a, b);
-    *hue = atan2(b, a) * 180 / acos(-1.0);
 }
 
 /* ... and the mean of their numbers, those left aside that have none. */

@@ -128,6 +128,8 @@ typedef struct saltus_sweep_row {
     double lyapunov_error; /* its standard error; 0 where an orbit's multipliers give it */
 } saltus_sweep_row;
 
+/* A row of which nothing but the verdict is known: no attractor, numbers NAN. */
+saltus_sweep_row saltus_sweep_row_of(saltus_verdict verdict);
 /* "4/4", "chatter/2", "held", "chaotic", ... as in saltus_motion. */
 void saltus_sweep_label(const saltus_sweep_row *row, char label[SALTUS_LABEL_MAX]);
 

@@ -139,6 +139,8 @@ double saltus_system_distance(const saltus_system *system, const double *a, cons
 /* The row vector of the displacement that diagrams show: the first stop's contact coordinate; without a stop
  * the pipe's midpoint or the oscillator's first mass. */
 const double *saltus_system_observer(const saltus_system *system);
+/* That displacement of a vector of displacements, or its rate of one of velocities (length dof). */
+double saltus_system_observed(const saltus_system *system, const double *vector);
 /* A small admissible initial state for scenes that give none. Errors: SALTUS_BAD_INPUT when none could be
  * found (contradicting pre-loads). */
 saltus_status saltus_system_default_state(const saltus_system *system, double *state,

@@ -93,31 +93,20 @@ static saltus_status read_spec(reader *r, const char *model) {
 static saltus_status read_head(reader *r) {
     saltus_branch_file *made = r->made;
     char kind[32] = "", model[64] = "";
-    long long complete = 0;
     if (!saltus_h5_get_text(r->file, "kind", kind, sizeof kind))
         return saltus_fail(r->message, SALTUS_BAD_INPUT, "%s: is an HDF5 file, but not one of Saltus",
                            r->path);
     if (strcmp(kind, "branch") != 0)
         return saltus_fail(r->message, SALTUS_BAD_INPUT, "%s: holds a %s, not a branch of orbits", r->path,
                            kind);
-    const struct {
-        const char *name;
-        char *text;
-        size_t room;
-    } texts[] = {{"version", made->version, sizeof made->version},
-                 {"scene", made->scene, sizeof made->scene},
-                 {"title", made->title, sizeof made->title},
-                 {"model", model, sizeof model}};
-    for (size_t k = 0; k < sizeof texts / sizeof texts[0]; k++)
-        if (!saltus_h5_get_text(r->file, texts[k].name, texts[k].text, texts[k].room))
-            return saltus_fail(r->message, SALTUS_BAD_INPUT,
-                               "%s: is not a sound branch file: its attribute %s must be a text of fixed "
-                               "length with at most %d "
-                               "bytes",
-                               r->path, texts[k].name, (int)texts[k].room - 1);
-    if (!saltus_h5_get_integer(r->file, "complete", &complete))
-        return refuse(r, "its attribute complete must be a whole number");
-    made->complete = complete != 0;
+    const saltus_h5_head_text texts[] = {{"version", made->version, sizeof made->version},
+                                         {"scene", made->scene, sizeof made->scene},
+                                         {"title", made->title, sizeof made->title},
+                                         {"model", model, sizeof model}};
+    saltus_status status =
+        saltus_h5_get_head(r->file, r->path, "branch", texts, 4, &made->complete, r->message);
+    if (status != SALTUS_OK)
+        return status;
     return read_spec(r, model);
 }
 

@@ -335,6 +335,24 @@ bool saltus_h5_get_integer(hid_t owner, const char *name, long long *value) {
     return get_attribute(owner, name, H5T_INTEGER, H5T_NATIVE_LLONG, value);
 }
 
+saltus_status saltus_h5_get_head(hid_t file, const char *path, const char *what,
+                                 const saltus_h5_head_text *texts, int count, bool *complete,
+                                 saltus_message *message) {
+    long long whole = 0;
+    for (int k = 0; k < count; k++)
+        if (!saltus_h5_get_text(file, texts[k].name, texts[k].text, texts[k].room))
+            return saltus_fail(message, SALTUS_BAD_INPUT,
+                               "%s: is not a sound %s file: its attribute %s must be a text of fixed length "
+                               "with at most %d bytes",
+                               path, what, texts[k].name, (int)texts[k].room - 1);
+    if (!saltus_h5_get_integer(file, "complete", &whole))
+        return saltus_fail(message, SALTUS_BAD_INPUT,
+                           "%s: is not a sound %s file: its attribute complete must be a whole number", path,
+                           what);
+    *complete = whole != 0;
+    return SALTUS_OK;
+}
+
 hid_t saltus_h5_text_memory(size_t room) {
     hid_t type = H5Tcopy(H5T_C_S1);
     if (type >= 0 && H5Tset_size(type, room) >= 0 && H5Tset_cset(type, H5T_CSET_UTF8) >= 0 &&

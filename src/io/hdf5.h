@@ -88,6 +88,18 @@ hid_t saltus_h5_read_file(const char *path, saltus_message *message);
 bool saltus_h5_get_double(hid_t owner, const char *name, double *value);
 bool saltus_h5_get_integer(hid_t owner, const char *name, long long *value);
 bool saltus_h5_get_text(hid_t owner, const char *name, char *text, size_t room);
+
+typedef struct saltus_h5_head_text {
+    const char *name;
+    char *text;
+    size_t room;
+} saltus_h5_head_text;
+
+/* What the head of a file of results says: `count` texts, and whether it is complete. `what` names the kind
+ * of file in messages. Errors: SALTUS_BAD_INPUT, with the attribute that is not as it should be. */
+saltus_status saltus_h5_get_head(hid_t file, const char *path, const char *what,
+                                 const saltus_h5_head_text *texts, int count, bool *complete,
+                                 saltus_message *message);
 /* The type of a text in memory that is cut at `room` bytes without a NUL, so that a cut can be seen; to be
  * closed. Negative on failure. */
 hid_t saltus_h5_text_memory(size_t room);

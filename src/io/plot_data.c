@@ -43,23 +43,14 @@ static double slowest(const saltus_branch_point *point) {
     return isfinite(least) ? least : 0;
 }
 
-/* The observed coordinate of displacements or velocities at phase 0. */
-static double observed(const saltus_system *system, const double *part) {
-    const double *observer = saltus_system_observer(system);
-    double sum = 0;
-    for (int i = 0; i < saltus_system_dof(system); i++)
-        sum = fma(observer[i], part[i], sum);
-    return sum;
-}
-
 double saltus_plot_y(const saltus_plot_page *page, const saltus_branch_point *point) {
     if (page->locus)
         return point->value[1];
     switch (page->show) {
     case SALTUS_SHOW_DISPLACEMENT:
-        return observed(page->system, point->state);
+        return saltus_system_observed(page->system, point->state);
     case SALTUS_SHOW_VELOCITY:
-        return observed(page->system, point->state + saltus_system_dof(page->system));
+        return saltus_system_observed(page->system, point->state + saltus_system_dof(page->system));
     case SALTUS_SHOW_PERIOD:
         return point->periods;
     case SALTUS_SHOW_IMPACTS:

@@ -101,14 +101,7 @@ static void open_rows(maker *m, series *s, const saltus_sweep_column *column, hi
 }
 
 static void open_columns(maker *m) {
-    const saltus_sweep_row pending = {.attractor = -1,
-                                      .largest = NAN,
-                                      .smallest = NAN,
-                                      .impact_rate = NAN,
-                                      .largest_speed = NAN,
-                                      .contact_fraction = NAN,
-                                      .lyapunov = NAN,
-                                      .lyapunov_error = NAN};
+    const saltus_sweep_row pending = saltus_sweep_row_of(SALTUS_PENDING);
     const int none = 0;
     m->rows =
         saltus_h5_open_group(&m->w, "rows", "one entry for each trajectory: [pass][axis2][axis1][seed]");

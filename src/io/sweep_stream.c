@@ -28,15 +28,7 @@ static void clean(saltus_sweep_row *row) {
 static void read_nothing(saltus_sweep_stream *stream, int seeds) {
     stream->result = (saltus_sweep_result){.rows = NULL};
     for (int s = 0; s < seeds; s++)
-        stream->rows[s] = (saltus_sweep_row){.verdict = SALTUS_PENDING,
-                                             .attractor = -1,
-                                             .largest = NAN,
-                                             .smallest = NAN,
-                                             .impact_rate = NAN,
-                                             .largest_speed = NAN,
-                                             .contact_fraction = NAN,
-                                             .lyapunov = NAN,
-                                             .lyapunov_error = NAN};
+        stream->rows[s] = saltus_sweep_row_of(SALTUS_PENDING);
 }
 
 saltus_status saltus_sweep_stream_read(saltus_sweep_stream *stream, long long place,

@@ -5,20 +5,14 @@
 #include "motion/motion.h"
 #include "motion/verdict.h"
 
-#include <gsl/gsl_randist.h>
-#include <math.h>
 #include <stdlib.h>
-#include <string.h>
-
-/* Section points of the same orbit agree to Newton's accuracy; distinct orbits do not. */
-static const double same_point = 1e-6;
 
 /* Count a motion with its attractor, or take it over as a new one. */
 static void sort_in(const saltus_system *system, saltus_attractors *found, saltus_motion *motion) {
     saltus_ending ending = saltus_motion_ending(motion);
     for (int k = 0; k < found->count; k++) {
         saltus_ending known = saltus_motion_ending(&found->motions[k]);
-        if (saltus_same_attractor(system, &known, &ending, same_point)) {
+        if (saltus_same_attractor(system, &known, &ending, SALTUS_SAME_POINT)) {
             found->shares[k]++;
             saltus_motion_clear(motion);
             return;

@@ -81,9 +81,7 @@ saltus_status saltus_classify(const saltus_system *system, const double *state,
     long long early = options->measure && options->transient > patience * SALTUS_FIRST_BLOCK
                           ? options->transient / patience
                           : options->transient;
-    status = saltus_search_open(&s, state, message);
-    if (status == SALTUS_OK && !saltus_motion_open(system, &options->flow, motion))
-        status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory to classify");
+    status = saltus_search_open(&s, state, motion, message);
     if (status == SALTUS_OK)
         status = saltus_search_run(&s, early, motion, message);
     bool open = status == SALTUS_OK && !s.found && motion->verdict == SALTUS_UNDECIDED && !s.stopped;

@@ -5,7 +5,6 @@
 #include "orbit/returns.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -200,7 +199,7 @@ saltus_status saltus_motion_rest(const saltus_system *system, saltus_flow *flow,
     saltus_flow_state(flow, 0, motion->state);
     if (motion->verdict != SALTUS_UNDECIDED)
         status = polish_rest(system, options, motion, message);
-    motion->largest = motion->smallest = saltus_observed(system, motion->state);
+    motion->largest = motion->smallest = saltus_system_observed(system, motion->state);
     if (motion->verdict != SALTUS_UNDECIDED) {
         motion->mirror =
             saltus_system_mirror_symmetric(system, &shift) ? SALTUS_MIRROR_PAIR : SALTUS_MIRROR_NONE;

@@ -67,8 +67,8 @@ static bool add_row(recorder *self, double time, const double *state) {
     long long row = r->samples++;
     r->time[row] = time;
     memcpy(r->states + row * r->dimension, state, (size_t)r->dimension * sizeof *state);
-    r->displacement[row] = saltus_observed(self->system, state);
-    r->velocity[row] = saltus_observed(self->system, state + saltus_system_dof(self->system));
+    r->displacement[row] = saltus_system_observed(self->system, state);
+    r->velocity[row] = saltus_system_observed(self->system, state + saltus_system_dof(self->system));
     return true;
 }
 

@@ -12,8 +12,6 @@
 #include <math.h>
 #include <stdio.h>
 
-enum { first_block = SALTUS_FIRST_BLOCK };
-
 /* Distances in the stroboscopic section are relative to the system's scales. */
 static const double nearby =
     3e-3; /* the polished orbit must be this close to the trajectory, in recurrences */
@@ -88,7 +86,8 @@ static saltus_status confirm(saltus_search *s, saltus_message *message) {
     return SALTUS_OK;
 }
 
-saltus_status saltus_search_open(saltus_search *s, const double *state, saltus_message *message) {
+saltus_status saltus_search_open(saltus_search *s, const double *state, saltus_motion *motion,
+                                 saltus_message *message) {
     const saltus_flow_options *options = &s->options->flow;
     int n = saltus_system_dimension(s->system);
     s->lap.keeps_events = true;
@@ -102,6 +101,8 @@ saltus_status saltus_search_open(saltus_search *s, const double *state, saltus_m
         saltus_settling_reset(&s->settling, s->system);
     if (status == SALTUS_OK)
         status = saltus_flow_start(s->flow, 0, (saltus_time){0, 0}, state, message);
+    if (status == SALTUS_OK && !saltus_motion_open(s->system, options, motion))
+        status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory to classify");
     return status;
 }
 
@@ -137,7 +138,7 @@ static saltus_status try_period(saltus_search *s, saltus_message *message) {
 saltus_status saltus_search_run(saltus_search *s, long long at_most, saltus_motion *motion,
                                 saltus_message *message) {
     const saltus_classify_options *o = s->options;
-    long long block = first_block;
+    long long block = SALTUS_FIRST_BLOCK;
     saltus_status status = SALTUS_OK;
     while (status == SALTUS_OK && !s->found && !s->stopped && s->settling.count < at_most) {
         long long until = s->settling.count + block < at_most ? s->settling.count + block : at_most;
@@ -183,9 +184,7 @@ saltus_status saltus_motion_find_period(const saltus_system *system, const doubl
                                         saltus_motion *motion, saltus_message *message) {
     saltus_search s = {.system = system, .options = options, .limited = limited};
     *motion = (saltus_motion){0};
-    saltus_status status = saltus_search_open(&s, state, message);
-    if (status == SALTUS_OK && !saltus_motion_open(system, &options->flow, motion))
-        status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory to classify");
+    saltus_status status = saltus_search_open(&s, state, motion, message);
     if (status == SALTUS_OK)
         status = saltus_search_run(&s, options->transient, motion, message);
     if (status == SALTUS_OK)

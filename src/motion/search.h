@@ -20,8 +20,11 @@ typedef struct saltus_search {
     bool limited; /* no very long orbits of very many impacts */
 } saltus_search;
 
-/* A zeroed search, given its system and options, begins at a state. Close in any case. */
-saltus_status saltus_search_open(saltus_search *search, const double *state, saltus_message *message);
+/* A zeroed search, given its system and options, begins at a state, with an undecided motion. Close in any
+ * case.
+ */
+saltus_status saltus_search_open(saltus_search *search, const double *state, saltus_motion *motion,
+                                 saltus_message *message);
 void saltus_search_close(saltus_search *search);
 /* Go on until the trajectory has come to a rest, which goes to motion->verdict, or to an orbit, or so many
  * periods have passed. Errors: those of the flow, SALTUS_NO_MEMORY. */

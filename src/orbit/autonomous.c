@@ -3,7 +3,6 @@
 #include "orbit/multipliers.h"
 #include "orbit/shooting.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 

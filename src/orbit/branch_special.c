@@ -95,7 +95,7 @@ static bool revisit(saltus_branch *b, find *f) {
 
 /* Whether the orbit just walked is the one that the branch began with. */
 static bool is_first(const saltus_branch *b) {
-    return saltus_orbit_passes(b->system, b->first, b->first_count, b->lap.points, 1e-6);
+    return saltus_orbit_passes(b->system, b->first, b->first_count, b->lap.points, SALTUS_SAME_POINT);
 }
 
 static saltus_status give_find(saltus_branch *b, find *f, saltus_message *message) {

@@ -10,9 +10,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Section points of the same orbit agree to Newton's accuracy; distinct orbits do not. */
-static const double same_point = 1e-6;
-
 saltus_harvest_options saltus_harvest_defaults(void) {
     return (saltus_harvest_options){.flow = saltus_flow_defaults(),
                                     .longest = 8,
@@ -115,7 +112,7 @@ static saltus_status polish(saltus_flow *flow, const saltus_harvest_options *opt
 static saltus_status sort_in(const saltus_system *system, const saltus_harvest_options *options,
                              saltus_harvest *harvest, saltus_harvest_orbit *found, saltus_message *message) {
     if (found->orbit.periods == 0 || harvest->count == options->most ||
-        find_known(system, harvest, found->orbit.periods, found->orbit.state, same_point) >= 0) {
+        find_known(system, harvest, found->orbit.periods, found->orbit.state, SALTUS_SAME_POINT) >= 0) {
         clear_orbit(found);
         return SALTUS_OK;
     }
@@ -150,7 +147,7 @@ static saltus_status try_guess(const saltus_system *system, saltus_flow *flow,
     const saltus_harvest_orbit *taken = &harvest->orbits[before];
     saltus_time half = {0, shift ? 0.5 : 0};
     if (saltus_mirror_image(flow, taken->orbit.state, half, image, NULL) != SALTUS_OK ||
-        saltus_orbit_passes(system, taken->section_states, taken->orbit.periods, image, same_point))
+        saltus_orbit_passes(system, taken->section_states, taken->orbit.periods, image, SALTUS_SAME_POINT))
         return SALTUS_OK;
     status = polish(flow, options, taken->orbit.periods, image, &found, message);
     return status == SALTUS_OK ? sort_in(system, options, harvest, &found, message) : status;
@@ -206,7 +203,7 @@ static saltus_status arrange(const saltus_system *system, const saltus_harvest_o
         const saltus_orbit *orbit = &harvest->orbits[k].orbit;
         status = saltus_mirror_image(flow, orbit->state, (saltus_time){0, shift ? 0.5 : 0}, image, message);
         if (status == SALTUS_OK)
-            harvest->orbits[k].mirror = find_known(system, harvest, orbit->periods, image, same_point);
+            harvest->orbits[k].mirror = find_known(system, harvest, orbit->periods, image, SALTUS_SAME_POINT);
     }
     saltus_flow_free(flow);
     return status;

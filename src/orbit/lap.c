@@ -11,14 +11,6 @@ bool saltus_event_strikes(const saltus_event *event) {
     return (event->kind == SALTUS_IMPACT || event->kind == SALTUS_STICK) && event->velocity_before != 0;
 }
 
-double saltus_observed(const saltus_system *system, const double *vector) {
-    const double *observer = saltus_system_observer(system);
-    double sum = 0;
-    for (int i = 0; i < saltus_system_dof(system); i++)
-        sum = fma(observer[i], vector[i], sum);
-    return sum;
-}
-
 static void see(saltus_lap *lap, double displacement) {
     lap->largest = fmax(lap->largest, displacement);
     lap->smallest = fmin(lap->smallest, displacement);
@@ -34,7 +26,7 @@ void saltus_lap_begin(saltus_lap *lap, const saltus_system *system, const double
                         .points = lap->points,
                         .end = lap->end,
                         .point_room = lap->point_room};
-    see(lap, saltus_observed(system, state));
+    see(lap, saltus_system_observed(system, state));
 }
 
 static bool keep_event(saltus_lap *lap, const saltus_event *event) {
@@ -50,13 +42,18 @@ static bool keep_event(saltus_lap *lap, const saltus_event *event) {
     return true;
 }
 
+/* On the observed point's own stop the event knows better than a sum what the displacement is. */
+double saltus_event_displacement(const saltus_system *system, const saltus_event *event,
+                                 const double *state) {
+    bool own = event->kind == SALTUS_TURNING || saltus_system_face(system, event->face).stop == 0;
+    return own ? event->displacement : saltus_system_observed(system, state);
+}
+
 bool saltus_lap_add(saltus_lap *lap, const saltus_event *event, const double *state) {
     bool turning = event->kind == SALTUS_TURNING;
     if (!turning && !(1u << event->kind & SALTUS_WATCH_CONTACT))
         return true;
-    /* On the observed point's own stop the event knows better than a sum what the displacement is. */
-    bool own = turning || saltus_system_face(lap->system, event->face).stop == 0;
-    see(lap, own ? event->displacement : saltus_observed(lap->system, state));
+    see(lap, saltus_event_displacement(lap->system, event, state));
     if (turning)
         return true;
     lap->contact_events++;

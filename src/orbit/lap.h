@@ -10,6 +10,10 @@
 
 #include "saltus/orbit.h"
 
+/* Section points of the same orbit, settled or found by Newton's method, agree to this, relative to the
+ * system's scales; those of distinct orbits do not. */
+#define SALTUS_SAME_POINT 1e-6
+
 typedef struct saltus_lap {
     const saltus_system *system;
     int periods;       /* of the orbit; set by saltus_lap_around */
@@ -47,8 +51,8 @@ void saltus_lap_close(saltus_lap *lap);
 
 /* Whether an event reverses the normal velocity: an impact, or a stick with which a chatter ends. */
 bool saltus_event_strikes(const saltus_event *event);
-/* Displacement, or velocity, of the point that diagrams show (saltus_system_observer), of such a vector. */
-double saltus_observed(const saltus_system *system, const double *vector);
+/* The observed displacement at a contact event or a turning point, after which the flow is at `state`. */
+double saltus_event_displacement(const saltus_system *system, const saltus_event *event, const double *state);
 
 /* n per orbit: the impacts; -1 where complete chatter makes them infinitely many. */
 long long saltus_lap_impacts(const saltus_lap *lap);

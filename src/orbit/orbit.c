@@ -145,11 +145,7 @@ static bool grazes(const saltus_message *message) {
 
 /* How far the search has gone from its start, scaled. */
 static double moved(const search *s) {
-    const double *scale = saltus_system_scale(saltus_shooting_system(s->shooting));
-    double largest = 0;
-    for (int i = 0; i < s->n; i++)
-        largest = fmax(largest, fabs(s->state[i] - s->start[i]) / scale[i]);
-    return largest;
+    return saltus_system_distance(saltus_shooting_system(s->shooting), s->state, s->start);
 }
 
 /* Whether near the guess there is an orbit with one impact less than the flow meets, which it cannot follow:

@@ -8,9 +8,7 @@
 
 #include "motion/verdict.h"
 
-#include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 static const double near_orbit = 1e-7; /* a settled state, relative to the system's scales */
 static const double same_orbit = 1e-8; /* orbits found by Newton's method */

@@ -5,13 +5,8 @@
 
 #include "motion/verdict.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-/* Section points of the same orbit, each settled to `near` or better, agree to this; distinct orbits do not.
- */
-static const double same_point = 1e-6;
 
 saltus_job *saltus_job_open(const saltus_sweep *sweep, long long task) {
     saltus_job *job = calloc(1, sizeof *job);
@@ -87,7 +82,7 @@ static saltus_ending ending_of(const saltus_cell *cell) {
 /* Whether an earlier seed has ended on the attractor of this one. */
 static bool is_known(const saltus_cell *earlier, const saltus_cell *cell, const saltus_system *system) {
     saltus_ending a = ending_of(earlier), b = ending_of(cell);
-    return earlier->row.attractor >= 0 && saltus_same_attractor(system, &a, &b, same_point);
+    return earlier->row.attractor >= 0 && saltus_same_attractor(system, &a, &b, SALTUS_SAME_POINT);
 }
 
 static void number_attractors(saltus_cell *cells, int seeds, const saltus_system *system) {

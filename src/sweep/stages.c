@@ -64,14 +64,7 @@ static void forget_clouds(saltus_trajectory *t) {
 
 static void open_row(saltus_trajectory *t) {
     forget_clouds(t);
-    t->row = (saltus_sweep_row){.verdict = SALTUS_FAILED,
-                                .largest = NAN,
-                                .smallest = NAN,
-                                .impact_rate = NAN,
-                                .largest_speed = NAN,
-                                .contact_fraction = NAN,
-                                .lyapunov = NAN,
-                                .lyapunov_error = NAN};
+    t->row = saltus_sweep_row_of(SALTUS_FAILED);
 }
 
 void saltus_trajectory_refuse(saltus_trajectory *t) {

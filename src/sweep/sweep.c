@@ -293,3 +293,15 @@ long long saltus_sweep_task_place(const saltus_sweep *sweep, long long task, int
 void saltus_sweep_label(const saltus_sweep_row *row, char label[SALTUS_LABEL_MAX]) {
     saltus_verdict_label((saltus_verdict)row->verdict, row->impacts, row->periods, label);
 }
+
+saltus_sweep_row saltus_sweep_row_of(saltus_verdict verdict) {
+    return (saltus_sweep_row){.verdict = (int)verdict,
+                              .attractor = -1,
+                              .largest = NAN,
+                              .smallest = NAN,
+                              .impact_rate = NAN,
+                              .largest_speed = NAN,
+                              .contact_fraction = NAN,
+                              .lyapunov = NAN,
+                              .lyapunov_error = NAN};
+}

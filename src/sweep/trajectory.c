@@ -4,7 +4,6 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 static void reserve_measuring(saltus_measuring *m, int dimension) {
     saltus_growth_reserve(&m->growth, &m->arena, dimension, 1);

@@ -23,7 +23,7 @@ static void add(saltus_watch *watch, saltus_cloud *cloud, const double *values, 
 
 static int heading_of(const saltus_watch *watch, const double *state) {
     const saltus_system *system = watch->lap.system;
-    double velocity = saltus_observed(system, state + saltus_system_dof(system));
+    double velocity = saltus_system_observed(system, state + saltus_system_dof(system));
     return (velocity > 0) - (velocity < 0);
 }
 
@@ -63,7 +63,7 @@ static void see_turn(saltus_watch *watch, const saltus_event *event, const doubl
         contact ? heading_of(watch, state) : (event->velocity_before > 0) - (event->velocity_before < 0);
     bool own = contact && saltus_system_face(watch->lap.system, event->face).stop == 0;
     bool turns = !contact || (own ? saltus_event_strikes(event) : heading * watch->heading < 0);
-    double displacement = contact && !own ? saltus_observed(watch->lap.system, state) : event->displacement;
+    double displacement = saltus_event_displacement(watch->lap.system, event, state);
     if (turns && watch->keep & SALTUS_KEEP_TURNING)
         add(watch, &watch->turning, &displacement, 1);
     watch->heading = heading;
@@ -90,7 +90,7 @@ void saltus_watch_section(saltus_watch *watch, const double *state) {
 void saltus_watch_measure(const saltus_watch *watch, saltus_time end, const double *state,
                           saltus_sweep_row *row) {
     double length = periods_between(watch->begin, end), contact = watch->contact,
-           last = saltus_observed(watch->lap.system, state);
+           last = saltus_system_observed(watch->lap.system, state);
     if (watch->touching)
         contact += periods_between(watch->touched, end);
     row->recorded = end.cycle - watch->begin.cycle;

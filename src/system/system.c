@@ -302,6 +302,12 @@ double saltus_system_distance(const saltus_system *system, const double *a, cons
 const double *saltus_system_observer(const saltus_system *system) {
     return system->observer;
 }
+double saltus_system_observed(const saltus_system *system, const double *vector) {
+    double sum = 0;
+    for (int i = 0; i < system->dof; i++)
+        sum = fma(system->observer[i], vector[i], sum);
+    return sum;
+}
 const char *saltus_system_integrator(const saltus_system *system) {
     return system->stiff ? "radau" : "taylor";
 }
