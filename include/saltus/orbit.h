@@ -18,8 +18,8 @@ typedef struct saltus_multiplier {
                            one too small to be resolved (re = im = 0) */
 } saltus_multiplier;
 
-/* Whether `count` multipliers are all known and inside the unit circle, by more than their own accuracy; one
- * too small to be resolved is inside. */
+/* Whether `count` multipliers are all known and inside the unit circle, by more than the accuracy of their
+ * logarithms, 1e-10; one too small to be resolved is inside. */
 bool saltus_multipliers_stable(const saltus_multiplier *multipliers, int count);
 /* How many of them are not inside. */
 int saltus_multipliers_unstable(const saltus_multiplier *multipliers, int count);

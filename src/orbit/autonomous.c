@@ -6,10 +6,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* State and omega together; on success the system is the one with the period found. */
+/* Newton's method in the orbit's state and omega together, from `value`; what omega becomes goes to *found.
+ */
 static saltus_status relax(const saltus_spec *spec, const saltus_direction *omega, double value,
-                           double *state, const saltus_orbit_options *options, saltus_orbit *orbit,
-                           double *found, saltus_message *message) {
+                           const saltus_orbit_options *options, saltus_orbit *orbit, double *found,
+                           saltus_message *message) {
     saltus_sequence sequence = {.periods = orbit->periods,
                                 .base = options->phase,
                                 .driven = true,
@@ -22,11 +23,11 @@ static saltus_status relax(const saltus_spec *spec, const saltus_direction *omeg
     if (status == SALTUS_OK)
         status = saltus_shooting_shape(shooting, &sequence, message);
     if (status == SALTUS_OK)
-        status = saltus_shooting_fill(shooting, value, state, u, message);
+        status = saltus_shooting_fill(shooting, value, orbit->state, u, message);
     if (status == SALTUS_OK)
         status = saltus_shooting_relax(shooting, u, &orbit->iterations, message);
     if (status == SALTUS_OK) {
-        saltus_shooting_extract(shooting, u, &sequence, state);
+        saltus_shooting_extract(shooting, u, &sequence, orbit->state);
         *found = saltus_shooting_value(shooting, u);
         orbit->residual = saltus_shooting_residual(shooting);
     }
@@ -57,7 +58,7 @@ saltus_status saltus_orbit_find_period(const saltus_spec *spec, int periods, con
     }
     if (status == SALTUS_OK) {
         memcpy(orbit->state, guess, (size_t)orbit->dimension * sizeof *guess);
-        status = relax(spec, &omega, value, orbit->state, options, orbit, &end, message);
+        status = relax(spec, &omega, value, options, orbit, &end, message);
     }
     saltus_system_free(system);
     system = NULL;

@@ -13,19 +13,21 @@ typedef struct saltus_fixed_point {
     saltus_map *map;
     const double *scale;
     int n;
-    double *state, *image; /* the point, and where it comes to */
-    double *derivative;    /* there, scaled */
+    double *state, *image; /* of the map */
+    double *derivative;    /* of the map at the state, scaled */
     double *matrix, *work;
     int *pivots;
 } saltus_fixed_point;
 
-/* Of so many periods. Errors: those of saltus_map_new. Close in any case. */
+/* For orbits of so many periods; the caller sets `state`. Errors: those of saltus_map_new. Close in any case.
+ */
 saltus_status saltus_fixed_point_open(saltus_fixed_point *point, const saltus_system *system, int periods,
                                       const saltus_flow_options *options, saltus_message *message);
 void saltus_fixed_point_close(saltus_fixed_point *point);
-/* How far the point is from its image, with image and derivative; INFINITY where the flow fails. */
+/* Compute image and derivative; returns the largest difference of image and state, INFINITY where the flow
+ * fails. */
 double saltus_fixed_point_residual(saltus_fixed_point *point);
-/* Step from the point, after its residual; the step's length, INFINITY where there is none. */
+/* Newton's step from the state, after its residual; the step's length, INFINITY where there is none. */
 double saltus_fixed_point_step(saltus_fixed_point *point);
 /* Logarithm of the largest multiplier's modulus at the last residual; NAN where the derivative does not tell
  * it from rounding. */

@@ -22,6 +22,23 @@ saltus_harvest_options saltus_harvest_defaults(void) {
                                     .seed = 1};
 }
 
+/* What a search works with, and on; `stopped` once the caller has refused to go on. */
+typedef struct search {
+    const saltus_system *system;
+    const saltus_harvest_options *options;
+    saltus_flow *flow;
+    saltus_returns *returns;
+    saltus_harvest *harvest;
+    bool stopped;
+} search;
+
+static bool goes_on(search *s, double done) {
+    const saltus_harvest_options *o = s->options;
+    s->stopped =
+        s->stopped || (o->flow.stop && *o->flow.stop) || (o->progress && !o->progress(o->context, done));
+    return !s->stopped;
+}
+
 static saltus_status initial_state(const saltus_system *system, const saltus_harvest_options *options,
                                    double *state, saltus_message *message) {
     if (options->state) {
@@ -37,33 +54,26 @@ static saltus_status initial_state(const saltus_system *system, const saltus_har
     return status;
 }
 
-static bool goes_on(const saltus_harvest_options *options, double done) {
-    bool stopped = options->flow.stop && *options->flow.stop;
-    return !stopped && (!options->progress || options->progress(options->context, done));
-}
-
 /* The trajectory, period by period; the first half of the work. */
-static saltus_status run_trajectory(const saltus_system *system, saltus_flow *flow,
-                                    const saltus_harvest_options *options, saltus_returns *returns,
-                                    saltus_harvest *harvest, saltus_message *message) {
+static saltus_status run_trajectory(search *s, saltus_message *message) {
     enum { between_reports = 256 };
-    long long total = options->transient + options->periods;
+    long long transient = s->options->transient, total = transient + s->options->periods;
     double state[SALTUS_STATE_MAX];
-    saltus_status status = initial_state(system, options, state, message);
+    saltus_status status = initial_state(s->system, s->options, state, message);
     if (status == SALTUS_OK)
-        status = saltus_flow_start(flow, 0, (saltus_time){0, 0}, state, message);
+        status = saltus_flow_start(s->flow, 0, (saltus_time){0, 0}, state, message);
     for (long long k = 0; k < total && status == SALTUS_OK; k++) {
         saltus_event event;
-        if (k % between_reports == 0 && !goes_on(options, 0.5 * (double)k / (double)total))
+        if (k % between_reports == 0 && !goes_on(s, 0.5 * (double)k / (double)total))
             break;
-        status = saltus_flow_advance(flow, (saltus_time){k + 1, 0}, 0, &event, message);
+        status = saltus_flow_advance(s->flow, (saltus_time){k + 1, 0}, 0, &event, message);
         if (status != SALTUS_OK)
             break;
-        saltus_flow_state(flow, 0, state);
-        status = saltus_state_bounded(system, state, k + 1, message);
-        harvest->periods = k + 1;
-        if (k >= options->transient)
-            saltus_returns_add(returns, state);
+        saltus_flow_state(s->flow, 0, state);
+        status = saltus_state_bounded(s->system, state, k + 1, message);
+        s->harvest->periods = k + 1;
+        if (k >= transient)
+            saltus_returns_add(s->returns, state);
     }
     return status == SALTUS_INTERRUPTED ? SALTUS_OK : status;
 }
@@ -74,6 +84,7 @@ static void clear_orbit(saltus_harvest_orbit *found) {
     *found = (saltus_harvest_orbit){0};
 }
 
+/* The place in the list of an orbit that passes through a state at section phase 0; -1 if there is none. */
 static int find_known(const saltus_system *system, const saltus_harvest *harvest, int periods,
                       const double *state, double distance) {
     for (int k = 0; k < harvest->count; k++)
@@ -85,18 +96,17 @@ static int find_known(const saltus_system *system, const saltus_harvest *harvest
 
 /* From a guess to an orbit of least period, walked; an empty one (periods 0) where Newton fails. Running out
  * of memory is the only error. */
-static saltus_status polish(saltus_flow *flow, const saltus_harvest_options *options, int periods,
-                            const double *guess, saltus_harvest_orbit *found, saltus_message *message) {
-    enum { iterations_max = 10 }; /* a guess that needs more is none */
+static saltus_status polish(const search *s, int periods, const double *guess, saltus_harvest_orbit *found,
+                            saltus_message *message) {
     saltus_orbit_options shooting = saltus_orbit_defaults();
     saltus_message reason;
-    shooting.flow = options->flow;
-    shooting.tolerance = options->tolerance;
-    shooting.iterations = iterations_max;
+    shooting.flow = s->options->flow;
+    shooting.tolerance = s->options->tolerance;
+    shooting.iterations = 10; /* a guess that needs more is too far from any orbit */
     *found = (saltus_harvest_orbit){.mirror = -1};
     saltus_lap lap = {0};
     saltus_status status =
-        saltus_return_polish(flow, periods, guess, &shooting, &found->orbit, &lap, &reason);
+        saltus_return_polish(s->flow, periods, guess, &shooting, &found->orbit, &lap, &reason);
     if (status == SALTUS_OK) {
         found->section_states = lap.points;
         lap.points = NULL;
@@ -108,64 +118,62 @@ static saltus_status polish(saltus_flow *flow, const saltus_harvest_options *opt
     return status == SALTUS_NO_MEMORY ? saltus_fail(message, status, "%s", reason.text) : SALTUS_OK;
 }
 
-/* Take an orbit over into the list, or drop it where the list has it already or is full. */
-static saltus_status sort_in(const saltus_system *system, const saltus_harvest_options *options,
-                             saltus_harvest *harvest, saltus_harvest_orbit *found, saltus_message *message) {
-    if (found->orbit.periods == 0 || harvest->count == options->most ||
-        find_known(system, harvest, found->orbit.periods, found->orbit.state, SALTUS_SAME_POINT) >= 0) {
+/* Append an orbit to the list, or drop it where there is none, the list has it already or is full. */
+static saltus_status append(const search *s, saltus_harvest_orbit *found, saltus_message *message) {
+    saltus_harvest *h = s->harvest;
+    if (found->orbit.periods == 0 || h->count == s->options->most ||
+        find_known(s->system, h, found->orbit.periods, found->orbit.state, SALTUS_SAME_POINT) >= 0) {
         clear_orbit(found);
         return SALTUS_OK;
     }
-    if ((harvest->count & (harvest->count - 1)) == 0) {
-        size_t room = harvest->count ? 2 * (size_t)harvest->count : 1;
-        saltus_harvest_orbit *grown = realloc(harvest->orbits, room * sizeof *grown);
+    if ((h->count & (h->count - 1)) == 0) {
+        size_t room = h->count ? 2 * (size_t)h->count : 1;
+        saltus_harvest_orbit *grown = realloc(h->orbits, room * sizeof *grown);
         if (!grown) {
             clear_orbit(found);
-            return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for %d orbits", harvest->count + 1);
+            return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for %d orbits", h->count + 1);
         }
-        harvest->orbits = grown;
+        h->orbits = grown;
     }
-    harvest->orbits[harvest->count++] = *found;
+    h->orbits[h->count++] = *found;
     return SALTUS_OK;
 }
 
-/* Polish a guess and take what comes of it; with symmetry its mirror image too. */
-static saltus_status try_guess(const saltus_system *system, saltus_flow *flow,
-                               const saltus_harvest_options *options, int periods, const double *guess,
-                               saltus_harvest *harvest, saltus_message *message) {
+/* Polish a guess and append the orbit that it leads to; with symmetry that orbit's mirror image too. */
+static saltus_status try_guess(const search *s, int periods, const double *guess, saltus_message *message) {
     bool shift;
     double image[SALTUS_STATE_MAX];
-    int before = harvest->count;
+    saltus_harvest *h = s->harvest;
+    int before = h->count;
     saltus_harvest_orbit found;
-    saltus_status status = polish(flow, options, periods, guess, &found, message);
-    harvest->candidates++;
-    harvest->converged += status == SALTUS_OK && found.orbit.periods > 0;
+    saltus_status status = polish(s, periods, guess, &found, message);
+    h->candidates++;
+    h->converged += found.orbit.periods > 0;
     if (status == SALTUS_OK)
-        status = sort_in(system, options, harvest, &found, message);
-    if (status != SALTUS_OK || harvest->count == before || !saltus_system_mirror_symmetric(system, &shift))
+        status = append(s, &found, message);
+    if (status != SALTUS_OK || h->count == before || !saltus_system_mirror_symmetric(s->system, &shift))
         return status;
-    const saltus_harvest_orbit *taken = &harvest->orbits[before];
+    const saltus_harvest_orbit *new = &h->orbits[before];
     saltus_time half = {0, shift ? 0.5 : 0};
-    if (saltus_mirror_image(flow, taken->orbit.state, half, image, NULL) != SALTUS_OK ||
-        saltus_orbit_passes(system, taken->section_states, taken->orbit.periods, image, SALTUS_SAME_POINT))
+    if (saltus_mirror_image(s->flow, new->orbit.state, half, image, NULL) != SALTUS_OK ||
+        saltus_orbit_passes(s->system, new->section_states, new->orbit.periods, image, SALTUS_SAME_POINT))
         return SALTUS_OK;
-    status = polish(flow, options, taken->orbit.periods, image, &found, message);
-    return status == SALTUS_OK ? sort_in(system, options, harvest, &found, message) : status;
+    status = polish(s, new->orbit.periods, image, &found, message);
+    return status == SALTUS_OK ? append(s, &found, message) : status;
 }
 
 /* All candidates, by period and distance; the second half of the work. */
-static saltus_status polish_returns(const saltus_system *system, saltus_flow *flow,
-                                    const saltus_harvest_options *options, saltus_returns *returns,
-                                    saltus_harvest *harvest, saltus_message *message) {
+static saltus_status polish_returns(search *s, saltus_message *message) {
+    int longest = s->options->longest;
     saltus_status status = SALTUS_OK;
-    for (int p = 1; p <= options->longest && status == SALTUS_OK; p++) {
+    for (int p = 1; p <= longest && status == SALTUS_OK; p++) {
         saltus_return closest;
-        while (status == SALTUS_OK && saltus_returns_next(returns, p, &closest)) {
-            if (harvest->count >= options->most || !goes_on(options, 0.5 + 0.5 * (p - 1) / options->longest))
+        while (status == SALTUS_OK && saltus_returns_next(s->returns, p, &closest)) {
+            if (s->harvest->count >= s->options->most || !goes_on(s, 0.5 + 0.5 * (p - 1) / longest))
                 return SALTUS_OK;
-            /* What recurs far less closely than it is near a known orbit shadows that one. */
-            if (find_known(system, harvest, p, closest.state, 0.3 * closest.distance) < 0)
-                status = try_guess(system, flow, options, p, closest.state, harvest, message);
+            /* A trajectory that is much nearer to a known orbit than it recurs only shadows that one. */
+            if (find_known(s->system, s->harvest, p, closest.state, 0.3 * closest.distance) < 0)
+                status = try_guess(s, p, closest.state, message);
         }
     }
     return status;
@@ -179,31 +187,31 @@ static int by_period(const void *a, const void *b) {
         return x->periods - y->periods;
     if (fabs(difference) > 1e-6)
         return difference < 0 ? -1 : 1;
-    /* Mirror images: their order must not hang on rounding. */
+    /* Mirror images have equal multipliers: rounding must not decide their order. */
     for (int i = 0; i < x->dimension; i++)
         if (x->state[i] != y->state[i])
             return x->state[i] < y->state[i] ? -1 : 1;
     return 0;
 }
 
-/* Sort the list and join mirror images. */
-static saltus_status arrange(const saltus_system *system, const saltus_harvest_options *options,
-                             saltus_harvest *harvest, saltus_message *message) {
+/* Sort the list and link mirror images. */
+static saltus_status arrange(const search *s, saltus_message *message) {
     bool shift;
     double image[SALTUS_STATE_MAX];
-    saltus_flow_options flow_options = options->flow;
+    saltus_harvest *h = s->harvest;
+    saltus_flow_options options = s->options->flow;
     saltus_flow *flow = NULL;
-    if (harvest->count)
-        qsort(harvest->orbits, (size_t)harvest->count, sizeof *harvest->orbits, by_period);
-    if (!saltus_system_mirror_symmetric(system, &shift))
+    if (h->count)
+        qsort(h->orbits, (size_t)h->count, sizeof *h->orbits, by_period);
+    if (!saltus_system_mirror_symmetric(s->system, &shift))
         return SALTUS_OK;
-    flow_options.stop = NULL; /* what has been found is arranged in any case */
-    saltus_status status = saltus_flow_single(system, 0, &flow_options, &flow, message);
-    for (int k = 0; k < harvest->count && status == SALTUS_OK; k++) {
-        const saltus_orbit *orbit = &harvest->orbits[k].orbit;
+    options.stop = NULL; /* what has been found is arranged in any case */
+    saltus_status status = saltus_flow_single(s->system, 0, &options, &flow, message);
+    for (int k = 0; k < h->count && status == SALTUS_OK; k++) {
+        const saltus_orbit *orbit = &h->orbits[k].orbit;
         status = saltus_mirror_image(flow, orbit->state, (saltus_time){0, shift ? 0.5 : 0}, image, message);
         if (status == SALTUS_OK)
-            harvest->orbits[k].mirror = find_known(system, harvest, orbit->periods, image, SALTUS_SAME_POINT);
+            h->orbits[k].mirror = find_known(s->system, h, orbit->periods, image, SALTUS_SAME_POINT);
     }
     saltus_flow_free(flow);
     return status;
@@ -230,43 +238,25 @@ static saltus_status check_options(const saltus_system *system, const saltus_har
     return SALTUS_OK;
 }
 
-/* A caller who has once refused to go on is not asked again. */
-typedef struct caller {
-    const saltus_harvest_options *options;
-    bool refused;
-} caller;
-
-static bool ask(void *context, double done) {
-    caller *self = context;
-    self->refused = self->refused || !self->options->progress(self->options->context, done);
-    return !self->refused;
-}
-
-saltus_status saltus_harvest_run(const saltus_system *system, const saltus_harvest_options *wishes,
+saltus_status saltus_harvest_run(const saltus_system *system, const saltus_harvest_options *options,
                                  saltus_harvest *harvest, saltus_message *message) {
-    caller self = {.options = wishes};
-    saltus_harvest_options asking = *wishes, *options = &asking;
-    asking.progress = wishes->progress ? ask : NULL;
-    asking.context = &self;
+    search s = {.system = system, .options = options, .harvest = harvest};
     *harvest = (saltus_harvest){.face_count = saltus_system_face_count(system),
                                 .dimension = saltus_system_dimension(system)};
     saltus_status status = check_options(system, options, message);
-    if (status != SALTUS_OK)
-        return status;
-    saltus_flow *flow = NULL;
-    saltus_returns *returns = NULL;
-    status = saltus_flow_single(system, 0, &options->flow, &flow, message);
     if (status == SALTUS_OK)
-        status = saltus_returns_new(system, options->longest, options->tries, options->recurrence, &returns,
+        status = saltus_flow_single(system, 0, &options->flow, &s.flow, message);
+    if (status == SALTUS_OK)
+        status = saltus_returns_new(system, options->longest, options->tries, options->recurrence, &s.returns,
                                     message);
     if (status == SALTUS_OK)
-        status = run_trajectory(system, flow, options, returns, harvest, message);
+        status = run_trajectory(&s, message);
     if (status == SALTUS_OK)
-        status = polish_returns(system, flow, options, returns, harvest, message);
+        status = polish_returns(&s, message);
     if (status == SALTUS_OK)
-        status = arrange(system, options, harvest, message);
-    saltus_returns_free(returns);
-    saltus_flow_free(flow);
+        status = arrange(&s, message);
+    saltus_returns_free(s.returns);
+    saltus_flow_free(s.flow);
     if (status != SALTUS_OK)
         saltus_harvest_clear(harvest);
     return status;

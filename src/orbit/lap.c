@@ -11,38 +11,20 @@ bool saltus_event_strikes(const saltus_event *event) {
     return (event->kind == SALTUS_IMPACT || event->kind == SALTUS_STICK) && event->velocity_before != 0;
 }
 
-static void see(saltus_lap *lap, double displacement) {
-    lap->largest = fmax(lap->largest, displacement);
-    lap->smallest = fmin(lap->smallest, displacement);
-}
-
 void saltus_lap_begin(saltus_lap *lap, const saltus_system *system, const double *state) {
+    double displacement = saltus_system_observed(system, state);
     *lap = (saltus_lap){.system = system,
                         .keeps_events = lap->keeps_events,
-                        .largest = -INFINITY,
-                        .smallest = INFINITY,
+                        .largest = displacement,
+                        .smallest = displacement,
                         .events = lap->events,
                         .event_room = lap->event_room,
                         .points = lap->points,
                         .end = lap->end,
                         .point_room = lap->point_room};
-    see(lap, saltus_system_observed(system, state));
 }
 
-static bool keep_event(saltus_lap *lap, const saltus_event *event) {
-    if (lap->event_count == lap->event_room) {
-        int room = lap->event_room ? 2 * lap->event_room : 32;
-        saltus_event *grown = realloc(lap->events, (size_t)room * sizeof *grown);
-        if (!grown)
-            return false;
-        lap->events = grown;
-        lap->event_room = room;
-    }
-    lap->events[lap->event_count++] = *event;
-    return true;
-}
-
-/* On the observed point's own stop the event knows better than a sum what the displacement is. */
+/* On the observed point's own stop the event's displacement is more accurate than a sum over the modes. */
 double saltus_event_displacement(const saltus_system *system, const saltus_event *event,
                                  const double *state) {
     bool own = event->kind == SALTUS_TURNING || saltus_system_face(system, event->face).stop == 0;
@@ -50,11 +32,13 @@ double saltus_event_displacement(const saltus_system *system, const saltus_event
 }
 
 bool saltus_lap_add(saltus_lap *lap, const saltus_event *event, const double *state) {
-    bool turning = event->kind == SALTUS_TURNING;
-    if (!turning && !(1u << event->kind & SALTUS_WATCH_CONTACT))
+    bool contact = 1u << event->kind & SALTUS_WATCH_CONTACT;
+    if (!contact && event->kind != SALTUS_TURNING)
         return true;
-    see(lap, saltus_event_displacement(lap->system, event, state));
-    if (turning)
+    double displacement = saltus_event_displacement(lap->system, event, state);
+    lap->largest = fmax(lap->largest, displacement);
+    lap->smallest = fmin(lap->smallest, displacement);
+    if (!contact)
         return true;
     lap->contact_events++;
     lap->sticks += event->kind == SALTUS_STICK;
@@ -65,7 +49,18 @@ bool saltus_lap_add(saltus_lap *lap, const saltus_event *event, const double *st
         lap->impacts++;
         lap->impacts_by_face[event->face]++;
     }
-    return !lap->keeps_events || keep_event(lap, event);
+    if (!lap->keeps_events)
+        return true;
+    if (lap->event_count == lap->event_room) {
+        int room = lap->event_room ? 2 * lap->event_room : 32;
+        saltus_event *grown = realloc(lap->events, (size_t)room * sizeof *grown);
+        if (!grown)
+            return false;
+        lap->events = grown;
+        lap->event_room = room;
+    }
+    lap->events[lap->event_count++] = *event;
+    return true;
 }
 
 saltus_status saltus_lap_run(saltus_lap *lap, saltus_flow *flow, saltus_time until, bool turnings,
@@ -118,14 +113,10 @@ void saltus_lap_close(saltus_lap *lap) {
     *lap = (saltus_lap){0};
 }
 
-/* A contact that lasts on a face that throws back begins with infinitely many impacts, unless one impact too
- * slow to rebound is all there is; impacts before it may lie at the lap's end. */
-static bool chatters(const saltus_lap *lap) {
-    return lap->rebounding_contact && lap->contact_events > 2;
-}
-
+/* A lasting contact on a face with r > 0 begins with infinitely many impacts, unless one impact too
+ * slow to rebound is all there is; the impacts before it may lie at the lap's end. */
 long long saltus_lap_impacts(const saltus_lap *lap) {
-    return chatters(lap) ? -1 : lap->impacts;
+    return lap->rebounding_contact && lap->contact_events > 2 ? -1 : lap->impacts;
 }
 
 int saltus_lap_sticking(const saltus_lap *lap) {
@@ -150,17 +141,14 @@ void saltus_orbit_label(long long impacts, int periods, char label[SALTUS_LABEL_
         snprintf(label, SALTUS_LABEL_MAX, "%lld/%d", impacts, periods);
 }
 
-/* How near section points of one orbit are to each other, as Newton's method finds them with such a flow,
- * relative to the system's scales. */
-static double orbit_accuracy(const saltus_flow_options *flow) {
-    return fmax(1e-8, 1e4 * flow->rtol);
-}
-
 int saltus_lap_least_period(const saltus_lap *lap, const saltus_flow_options *flow) {
+    /* How near section points of one orbit are to each other, as Newton's method finds them with this flow.
+     */
+    double accuracy = fmax(1e-8, 1e4 * flow->rtol);
     int n = saltus_system_dimension(lap->system);
     for (int p = 1; p <= lap->periods / 2; p++)
-        if (lap->periods % p == 0 && saltus_system_distance(lap->system, lap->points + (size_t)(p * n),
-                                                            lap->points) < orbit_accuracy(flow))
+        if (lap->periods % p == 0 &&
+            saltus_system_distance(lap->system, lap->points + (size_t)(p * n), lap->points) < accuracy)
             return p;
     return lap->periods;
 }

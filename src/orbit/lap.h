@@ -22,9 +22,9 @@ typedef struct saltus_lap {
     long long impacts_by_face[SALTUS_FACES_MAX];
     long long contact_events; /* impacts, sticks and releases */
     int sticks, releases;
-    bool rebounding_contact;  /* a face that throws back holds for a while */
+    bool rebounding_contact;  /* a face with r > 0 holds for a while */
     double largest, smallest; /* observed displacement, at the start and at each event */
-    unsigned contacts;        /* lasting ones at the end; set by saltus_lap_around */
+    unsigned contacts;        /* lasting ones at the end; set by saltus_lap_run */
     saltus_event *events;     /* event_count of them in order; times as the flow's */
     int event_count, event_room;
     double *points; /* section points, at the start and after each period but the last; periods x dimension */
@@ -34,7 +34,7 @@ typedef struct saltus_lap {
 
 /* Room for so many section points of n numbers, and the end. False without memory. */
 bool saltus_lap_reserve(saltus_lap *lap, int periods, int n);
-/* A lap begins at a state: nothing has happened yet. Memory of an earlier lap is kept. */
+/* Begin a lap at a state, with nothing counted. Memory of an earlier lap is kept. */
 void saltus_lap_begin(saltus_lap *lap, const saltus_system *system, const double *state);
 /* One more event, after which the flow is at `state`. False without memory. */
 bool saltus_lap_add(saltus_lap *lap, const saltus_event *event, const double *state);
@@ -54,9 +54,10 @@ bool saltus_event_strikes(const saltus_event *event);
 /* The observed displacement at a contact event or a turning point, after which the flow is at `state`. */
 double saltus_event_displacement(const saltus_system *system, const saltus_event *event, const double *state);
 
-/* n per orbit: the impacts; -1 where complete chatter makes them infinitely many. */
+/* Impacts per orbit; -1 where complete chatter makes them infinitely many. */
 long long saltus_lap_impacts(const saltus_lap *lap);
-/* Sticking intervals per orbit: a lap may begin within one, or so near to one that only its end is seen. */
+/* Sticking intervals per orbit, by their beginnings or their ends, whichever are more: a lap may begin within
+ * one, or so near to one that only its end is seen. */
 int saltus_lap_sticking(const saltus_lap *lap);
 /* Whether the orbit is in contact all the time. */
 bool saltus_lap_held(const saltus_lap *lap);

@@ -23,45 +23,21 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What joins two subspaces over a cycle: below this they are separate. */
+/* Two subspaces that a cycle couples by less than this are separate. */
 static const double separate = 1e-12;
-/* Growth over a segment beside that segment's largest below which a direction is not told from the errors of
+/* A direction that grows over a segment by less than this part of the largest growth is lost in the errors of
  * the tangent vectors, which are 1e-13 of their length. */
 static const double weakest_growth = 1e-10;
 
-/* Advance to a time step by step: trace integral, and the largest number of directions lost. */
-static saltus_status advance_watching(saltus_flow *flow, saltus_time until, saltus_cocycle *cocycle,
-                                      double *state, const gsl_integration_glfixed_table *table,
-                                      saltus_message *message) {
-    saltus_event event;
-    long long steps = saltus_flow_information(flow, 0).steps;
-    do {
-        saltus_status status =
-            saltus_flow_advance(flow, until, SALTUS_WATCH_STEP | SALTUS_WATCH_CONTACT, &event, message);
-        if (status != SALTUS_OK)
-            return status;
-        cocycle->sum_rule += saltus_trace_over_step(flow, 0, table, state, &steps);
-        int lost = saltus_lost_directions(flow, 0, &event);
-        cocycle->zeros = lost > cocycle->zeros ? lost : cocycle->zeros;
-    } while (event.kind != SALTUS_REACHED);
-    return SALTUS_OK;
-}
-
-/* Of zeros. */
-static void identity(double *a, int n) {
-    for (int i = 0; i < n; i++)
-        a[i * n + i] = 1;
-}
-
-/* The derivatives over the segments, from identity columns; the sum rule's right side on the way. `columns`
- * has room for n of them and a state. */
+/* The derivatives over the segments, the sum rule's right side and the number of exact zeros. `columns` has
+ * room for n tangent vectors and a state. */
 static saltus_status run_segments(saltus_flow *flow, double phase, int periods, const double *state,
-                                  saltus_cocycle *cocycle, double *columns, saltus_message *message) {
+                                  const gsl_integration_glfixed_table *table, double *columns,
+                                  saltus_cocycle *cocycle, saltus_message *message) {
     int n = cocycle->n;
-    gsl_integration_glfixed_table *table = gsl_integration_glfixed_table_alloc(SALTUS_TRACE_POINTS);
-    if (!table)
-        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the multipliers");
-    identity(columns, n);
+    long long steps = 0;
+    for (int i = 0; i < n; i++)
+        columns[i * n + i] = 1;
     saltus_status status = saltus_flow_start(flow, 0, (saltus_time){0, phase}, state, message);
     for (int m = 0; m < cocycle->count && status == SALTUS_OK; m++) {
         double end = phase + (double)periods * (m + 1) / cocycle->count, whole = floor(end);
@@ -69,18 +45,25 @@ static saltus_status run_segments(saltus_flow *flow, double phase, int periods, 
         if (m + 1 == cocycle->count)
             until = (saltus_time){periods, phase};
         saltus_flow_set_tangents(flow, 0, columns);
-        status = advance_watching(flow, until, cocycle, columns + n * n, table, message);
+        for (saltus_event event = {.kind = SALTUS_STEP}; event.kind != SALTUS_REACHED;) {
+            status =
+                saltus_flow_advance(flow, until, SALTUS_WATCH_STEP | SALTUS_WATCH_CONTACT, &event, message);
+            if (status != SALTUS_OK)
+                return status;
+            cocycle->sum_rule += saltus_trace_over_step(flow, 0, table, columns + n * n, &steps);
+            int lost = saltus_lost_directions(flow, 0, &event);
+            cocycle->zeros = lost > cocycle->zeros ? lost : cocycle->zeros;
+        }
         saltus_flow_tangents(flow, 0, cocycle->segments + (size_t)m * (size_t)(n * n));
     }
-    gsl_integration_glfixed_table_free(table);
     cocycle->sum_rule += saltus_flow_information(flow, 0).log_volume;
     return status;
 }
 
-/* Segments so short that no direction contracts by more than e^-14 over one: then the errors of the tangent
- * vectors cost the smallest multipliers few digits. Where that takes too many segments they may be half as
- * long again; where even these are too many only the leading multipliers are to be had, and a few segments
- * do. */
+/* So many segments that no direction contracts by more than e^-14 over one: then the errors of the tangent
+ * vectors cost the smallest multipliers few digits. Where they would need more than 16 MiB, as many as fit if
+ * that still keeps the contraction above e^-20; otherwise only the leading multipliers can be had, for which
+ * a few segments do. */
 static int count_segments(const saltus_system *system, int n, int periods) {
     enum { bytes_max = 1 << 24, coarse = 16 };
     double decay = saltus_system_fastest_decay(system) * saltus_system_period(system);
@@ -97,13 +80,16 @@ saltus_status saltus_cocycle_run(const saltus_system *system, const saltus_orbit
     *cocycle = (saltus_cocycle){.n = n, .count = count_segments(system, n, periods)};
     saltus_flow *flow = NULL;
     saltus_status status = saltus_flow_single(system, n, &options->flow, &flow, message);
+    gsl_integration_glfixed_table *table = gsl_integration_glfixed_table_alloc(SALTUS_TRACE_POINTS);
     double *columns = calloc(square + (size_t)n, sizeof *columns);
     cocycle->segments = calloc(square * (size_t)cocycle->count, sizeof *cocycle->segments);
-    if (status == SALTUS_OK && !(columns && cocycle->segments))
+    if (status == SALTUS_OK && !(table && columns && cocycle->segments))
         status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the multipliers");
     if (status == SALTUS_OK)
-        status = run_segments(flow, options->phase, periods, state, cocycle, columns, message);
+        status = run_segments(flow, options->phase, periods, state, table, columns, cocycle, message);
     free(columns);
+    if (table)
+        gsl_integration_glfixed_table_free(table);
     saltus_flow_free(flow);
     if (status != SALTUS_OK)
         saltus_cocycle_clear(cocycle);
@@ -115,7 +101,7 @@ void saltus_cocycle_clear(saltus_cocycle *cocycle) {
     *cocycle = (saltus_cocycle){0};
 }
 
-/* Work on a cocycle. All but its own matrices are row-major. */
+/* Orthogonal iteration on a cocycle. All but its own matrices are row-major. */
 typedef struct iteration {
     saltus_arena arena;
     int n, count;
@@ -125,10 +111,10 @@ typedef struct iteration {
     double *turn;           /* T = Q_0^T Q_m */
     double *triangles;      /* R_1 ... R_m */
     double *balance;        /* powers of two that the coordinates are divided by */
-    double *joins;  /* per k the largest entry of T that joins the first k directions with the others; 0 for
-                       none, all */
-    double *before; /* the same a cycle earlier */
-    double *block;  /* a block of T, and that of each R after it */
+    double *coupling; /* for each k the largest entry of T that couples the first k directions to the others;
+                         0 for none and for all of them */
+    double *before;   /* the same a cycle earlier */
+    double *block;    /* a block of T, and that of each R after it */
     double *product, *real, *imaginary, *work;
 } iteration;
 
@@ -139,7 +125,7 @@ static void reserve(iteration *it) {
     it->turn = saltus_arena_doubles(&it->arena, square);
     it->triangles = saltus_arena_doubles(&it->arena, square * count);
     it->balance = saltus_arena_doubles(&it->arena, n);
-    it->joins = saltus_arena_doubles(&it->arena, n + 1);
+    it->coupling = saltus_arena_doubles(&it->arena, n + 1);
     it->before = saltus_arena_doubles(&it->arena, n + 1);
     it->block = saltus_arena_doubles(&it->arena, square * (count + 1));
     it->product = saltus_arena_doubles(&it->arena, square);
@@ -152,37 +138,35 @@ static double *triangle_at(const iteration *it, int m) {
     return it->triangles + (size_t)m * (size_t)(it->n * it->n);
 }
 
-/* Coordinates in which the segments' rows and columns are of similar size. */
-static bool balance(iteration *it) {
+/* Coordinates in which the segments' rows and columns are of similar size; as first basis any that is not
+ * special to the system: a pseudo-random one, the same every time. False if an entry is not finite. */
+static bool begin(iteration *it) {
     int n = it->n;
     lapack_int low, high;
+    unsigned long random = 1;
     memset(it->product, 0, (size_t)(n * n) * sizeof *it->product);
     for (int m = 0; m < it->count; m++)
         for (int i = 0; i < n * n; i++)
             it->product[i] += fabs(it->segments[(size_t)m * (size_t)(n * n) + (size_t)i]);
-    if (!saltus_dense_finite(it->product, (size_t)(n * n)))
+    if (!saltus_dense_finite(it->product, (size_t)(n * n)) ||
+        LAPACKE_dgebal_work(LAPACK_COL_MAJOR, 'S', n, it->product, n, &low, &high, it->balance) != 0)
         return false;
-    return LAPACKE_dgebal_work(LAPACK_COL_MAJOR, 'S', n, it->product, n, &low, &high, it->balance) == 0;
-}
-
-/* Any basis that is not special to the system: a pseudo-random one, the same every time. */
-static void generic_basis(iteration *it) {
-    unsigned long state = 1;
-    for (int i = 0; i < it->n * it->n; i++) {
-        state = (state * 1664525UL + 1013904223UL) & 0xffffffffUL;
-        it->product[i] = (double)state / 4294967296.0 - 0.5;
+    for (int i = 0; i < n * n; i++) {
+        random = (random * 1664525UL + 1013904223UL) & 0xffffffffUL;
+        it->product[i] = (double)random / 4294967296.0 - 0.5;
     }
-    saltus_dense_qr(it->product, it->n, it->basis, it->work);
+    saltus_dense_qr(it->product, n, it->basis, it->work);
+    return true;
 }
 
-/* out = A_m q in balanced coordinates. */
-static void multiply(const iteration *it, int m, const double *q, double *out) {
-    int n = it->n;
-    const double *a = it->segments + (size_t)m * (size_t)(n * n);
+/* out = A_m q, in balanced coordinates where `balance` is given; q and out are row-major. */
+static void multiply(const double *segments, int n, int m, const double *balance, const double *q,
+                     double *out) {
+    const double *a = segments + (size_t)m * (size_t)(n * n);
     memset(out, 0, (size_t)(n * n) * sizeof *out);
     for (int k = 0; k < n; k++)
         for (int i = 0; i < n; i++) {
-            double factor = a[k * n + i] * it->balance[k] / it->balance[i];
+            double factor = balance ? a[k * n + i] * balance[k] / balance[i] : a[k * n + i];
             for (int j = 0; j < n; j++)
                 out[i * n + j] += factor * q[k * n + j];
         }
@@ -193,7 +177,7 @@ static void cycle(iteration *it) {
     int n = it->n;
     memcpy(it->start, it->basis, (size_t)(n * n) * sizeof *it->start);
     for (int m = 0; m < it->count; m++) {
-        multiply(it, m, it->basis, triangle_at(it, m));
+        multiply(it->segments, n, m, it->balance, it->basis, triangle_at(it, m));
         saltus_dense_qr(triangle_at(it, m), n, it->basis, it->work);
     }
     memset(it->turn, 0, (size_t)(n * n) * sizeof *it->turn);
@@ -201,41 +185,28 @@ static void cycle(iteration *it) {
         for (int i = 0; i < n; i++)
             for (int j = 0; j < n; j++)
                 it->turn[i * n + j] += it->start[l * n + i] * it->basis[l * n + j];
-    memcpy(it->before, it->joins, (size_t)(n + 1) * sizeof *it->joins);
+    memcpy(it->before, it->coupling, (size_t)(n + 1) * sizeof *it->coupling);
     for (int k = 1; k < n; k++) {
-        it->joins[k] = 0;
+        it->coupling[k] = 0;
         for (int i = k; i < n; i++)
             for (int j = 0; j < k; j++)
-                it->joins[k] = fmax(it->joins[k], fabs(it->turn[i * n + j]));
+                it->coupling[k] = fmax(it->coupling[k], fabs(it->turn[i * n + j]));
     }
 }
 
 /* Whether some subspaces, at the rate of the last cycle, will be separate within so many cycles more. */
 static bool promising(const iteration *it, double cycles) {
     for (int k = 1; k < it->n; k++) {
-        double now = it->joins[k], rate = now / it->before[k];
+        double now = it->coupling[k], rate = now / it->before[k];
         if (now > separate && log(separate / now) >= cycles * log(rate))
             return true;
     }
     return false;
 }
 
-/* Cycles until some more would not be worth their while: the periodic QR iteration does the rest. */
-static bool iterate(iteration *it) {
-    enum { cycles_min = 3, cycles_max = 300, worthwhile = 3 };
-    if (!balance(it))
-        return false;
-    generic_basis(it);
-    for (int k = 0; k < cycles_max; k++) {
-        cycle(it);
-        if (k + 1 >= cycles_min && !promising(it, worthwhile))
-            break;
-    }
-    return true;
-}
-
+/* Whether the first k directions stand apart from the others. */
 static bool splits(const iteration *it, int k) {
-    return it->joins[k] <= 10 * separate;
+    return it->coupling[k] <= 10 * separate;
 }
 
 /* The leading directions that all segments resolve, up to a split. */
@@ -282,17 +253,12 @@ static double fill_block(iteration *it, int first, int last) {
     return scale;
 }
 
-/* A real multiplier that stands alone. */
-static saltus_multiplier single_multiplier(const iteration *it, int at) {
-    double turn = it->turn[at * it->n + at], logarithm = log_growth(it, at) + log(fabs(turn));
-    return (saltus_multiplier){copysign(exp(logarithm), turn), 0, logarithm};
-}
-
-/* Those of the block [first, last). */
+/* The multipliers of the block [first, last); one that stands alone is real. */
 static bool block_multipliers(iteration *it, int first, int last, saltus_multiplier *out) {
     int size = last - first;
     if (size == 1) {
-        *out = single_multiplier(it, first);
+        double turn = it->turn[first * it->n + first], logarithm = log_growth(it, first) + log(fabs(turn));
+        *out = (saltus_multiplier){copysign(exp(logarithm), turn), 0, logarithm};
         return true;
     }
     double scale = fill_block(it, first, last);
@@ -301,9 +267,9 @@ static bool block_multipliers(iteration *it, int first, int last, saltus_multipl
         return false;
     for (int i = 0; i < size; i++) {
         double modulus = hypot(it->real[i], it->imaginary[i]), logarithm = scale + log(modulus);
-        double value = exp(logarithm);
-        out[i] = (saltus_multiplier){modulus > 0 ? value * (it->real[i] / modulus) : 0,
-                                     modulus > 0 ? value * (it->imaginary[i] / modulus) : 0, logarithm};
+        double value = exp(logarithm), unit = modulus > 0 ? modulus : 1;
+        out[i] =
+            (saltus_multiplier){value * (it->real[i] / unit), value * (it->imaginary[i] / unit), logarithm};
     }
     return true;
 }
@@ -336,49 +302,47 @@ static bool find_multipliers(iteration *it, int zeros, saltus_multiplier *found,
 saltus_status saltus_cocycle_multipliers(const double *segments, int n, int count, int zeros,
                                          saltus_multiplier *out, double *log_volume,
                                          saltus_message *message) {
+    enum { cycles_min = 3, cycles_max = 300, worthwhile = 3 };
     iteration it = {.n = n, .count = count, .segments = segments};
-    saltus_status status = SALTUS_OK;
     reserve(&it);
     if (!saltus_arena_open(&it.arena))
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the multipliers");
     reserve(&it);
-    if (!(iterate(&it) && find_multipliers(&it, zeros, out, log_volume)))
-        status = saltus_fail(message, SALTUS_NO_CONVERGENCE, "the multipliers' eigenvalue iteration fails");
-    saltus_arena_close(&it.arena);
-    return status;
-}
-
-/* The monodromy matrix itself, row-major; `product` has room for it. */
-static void form_monodromy(const saltus_cocycle *cocycle, double *monodromy, double *product) {
-    int n = cocycle->n;
-    identity(monodromy, n);
-    for (int m = 0; m < cocycle->count; m++) {
-        const double *a = cocycle->segments + (size_t)m * (size_t)(n * n);
-        memset(product, 0, (size_t)(n * n) * sizeof *product);
-        for (int k = 0; k < n; k++)
-            for (int i = 0; i < n; i++)
-                for (int j = 0; j < n; j++)
-                    product[i * n + j] += a[k * n + i] * monodromy[k * n + j];
-        memcpy(monodromy, product, (size_t)(n * n) * sizeof *product);
+    bool found = begin(&it);
+    /* Until a few cycles more would separate no further subspace: the periodic QR iteration does the rest. */
+    for (int k = 1; k <= cycles_max && found; k++) {
+        cycle(&it);
+        if (k >= cycles_min && !promising(&it, worthwhile))
+            break;
     }
+    found = found && find_multipliers(&it, zeros, out, log_volume);
+    saltus_arena_close(&it.arena);
+    return found ? SALTUS_OK
+                 : saltus_fail(message, SALTUS_NO_CONVERGENCE, "the multipliers' eigenvalue iteration fails");
 }
 
 saltus_status saltus_orbit_multipliers(const saltus_system *system, const saltus_orbit_options *options,
                                        saltus_orbit *orbit, saltus_message *message) {
-    size_t n = (size_t)orbit->dimension;
+    int n = orbit->dimension;
+    size_t square = (size_t)n * (size_t)n;
     saltus_cocycle cocycle;
     saltus_status status =
         saltus_cocycle_run(system, options, orbit->periods, orbit->state, &cocycle, message);
-    double *product = calloc(n * n, sizeof *product);
-    orbit->monodromy = calloc(n * n, sizeof *orbit->monodromy);
-    orbit->multipliers = calloc(n, sizeof *orbit->multipliers);
+    double *product = calloc(square, sizeof *product);
+    orbit->monodromy = calloc(square, sizeof *orbit->monodromy);
+    orbit->multipliers = calloc((size_t)n, sizeof *orbit->multipliers);
     if (status == SALTUS_OK && !(product && orbit->monodromy && orbit->multipliers))
         status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the multipliers");
     if (status == SALTUS_OK) {
         orbit->sum_rule = cocycle.sum_rule;
         orbit->sticks = cocycle.zeros > 0;
-        form_monodromy(&cocycle, orbit->monodromy, product);
-        status = saltus_cocycle_multipliers(cocycle.segments, cocycle.n, cocycle.count, cocycle.zeros,
+        for (int i = 0; i < n; i++)
+            orbit->monodromy[i * n + i] = 1;
+        for (int m = 0; m < cocycle.count; m++) {
+            multiply(cocycle.segments, n, m, NULL, orbit->monodromy, product);
+            memcpy(orbit->monodromy, product, square * sizeof *product);
+        }
+        status = saltus_cocycle_multipliers(cocycle.segments, n, cocycle.count, cocycle.zeros,
                                             orbit->multipliers, &orbit->log_volume, message);
     }
     free(product);

@@ -14,8 +14,8 @@ typedef struct saltus_cocycle {
     double sum_rule;  /* integral of the trace, and 2 ln r for each impact */
 } saltus_cocycle;
 
-/* Run once around the orbit of `periods` periods from a state at the options' section phase. On success the
- * cocycle owns its segments: saltus_cocycle_clear. Errors: those of the flow, SALTUS_NO_MEMORY. */
+/* Run once around the orbit of `periods` periods from a state at the section phase of the options. On success
+ * the cocycle owns its segments: saltus_cocycle_clear. Errors: those of the flow, SALTUS_NO_MEMORY. */
 saltus_status saltus_cocycle_run(const saltus_system *system, const saltus_orbit_options *options,
                                  int periods, const double *state, saltus_cocycle *cocycle,
                                  saltus_message *message);

@@ -10,13 +10,13 @@
 enum { SALTUS_TRACE_POINTS = 6 };
 
 /* The integral of the Jacobian's trace over a lane's last step, by Gauss quadrature on its dense output with
- * a table of SALTUS_TRACE_POINTS points. `state` is scratch of length dimension. `steps` is the lane's number
- * of steps when it was last asked for: without a step since, as between impacts in one instant or where an
- * event falls on the target, there is nothing to add. */
+ * a table of SALTUS_TRACE_POINTS points. `state` is scratch of length dimension. *steps is the lane's number
+ * of steps at the last call, at first that now: without a step since, as between impacts in one instant or
+ * where an event falls on the target, the integral is 0. */
 double saltus_trace_over_step(const saltus_flow *flow, int lane, const gsl_integration_glfixed_table *table,
                               double *state, long long *steps);
-/* Directions in which perturbations die altogether at an event: two for each lasting contact; an impact
- * without rebound takes one. */
+/* How many directions of perturbations an event sends to zero: two for each lasting contact; one at an impact
+ * without rebound. */
 int saltus_lost_directions(const saltus_flow *flow, int lane, const saltus_event *event);
 
 #endif
