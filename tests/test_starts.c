@@ -344,12 +344,50 @@ static void starts_are_applied_to_their_like(void **state) {
     }
 }
 
+/* A scene keeps its title where the orbit has its parameters and stops, whatever memory there is between the
+ * fields of these and behind them; any other value takes the title away. */
+static void titles_stay_with_equal_parameters(void **state) {
+    fixture *f = *state;
+    const saltus_spec *own = &f->scene.spec;
+    saltus_message message;
+    for (int change = -1; change < 7; change++) {
+        saltus_scene scene = f->scene;
+        saltus_start start;
+        memset(&start, 0xa5, sizeof start);
+        start.dimension = dimension;
+        start.spec.model = own->model;
+        start.spec.stop_count = own->stop_count;
+        memcpy(start.spec.parameters, own->parameters, sizeof own->parameters);
+        for (int s = 0; s < own->stop_count; s++) {
+            saltus_stop *stop = &start.spec.stops[s];
+            stop->xi = own->stops[s].xi;
+            memcpy(stop->weight, own->stops[s].weight, sizeof stop->weight);
+            stop->d = own->stops[s].d;
+            stop->r = own->stops[s].r;
+            stop->sides = own->stops[s].sides;
+        }
+        saltus_stop *last = &start.spec.stops[own->stop_count - 1];
+        double *const values[] = {&last->xi, &last->weight[0], &last->weight[1],
+                                  &last->d,  &last->r,         &start.spec.parameters[1]};
+        if (change >= 0 && change < 6)
+            *values[change] *= 1.0625;
+        if (change == 6)
+            last->sides = SALTUS_UPPER;
+        bool equal = change < 0;
+        strcpy(scene.title, "as it was written");
+        assert_int_equal(saltus_spec_equal(&start.spec, own), equal);
+        check_ok(saltus_start_apply(&start, "o", &scene, &message), &message);
+        assert_string_equal(scene.title, equal ? "as it was written" : "");
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(orbits_are_named_by_their_place),
         cmocka_unit_test(attractors_are_named_by_their_place),
         cmocka_unit_test(every_member_is_wanted),
         cmocka_unit_test(starts_are_applied_to_their_like),
+        cmocka_unit_test(titles_stay_with_equal_parameters),
     };
     return cmocka_run_group_tests(tests, open_fixture, close_fixture);
 }

@@ -76,6 +76,8 @@ typedef struct saltus_spec {
 saltus_spec saltus_spec_defaults(const saltus_model *model);
 /* The value of a parameter by name; NaN when the model has none of that name. */
 double saltus_spec_get(const saltus_spec *spec, const char *name);
+/* Whether two specifications describe the same system: equal models, parameters and stops. */
+bool saltus_spec_equal(const saltus_spec *a, const saltus_spec *b);
 /* A stop with the defaults xi = 1/2, weight = (1, 0), d = 1, r = 0.9, upper side. */
 saltus_stop saltus_stop_defaults(void);
 

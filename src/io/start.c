@@ -335,8 +335,7 @@ saltus_status saltus_start_apply(const saltus_start *start, const char *name, sa
                            start->spec.stop_count, start->spec.stop_count == 1 ? "" : "s",
                            scene->spec.stop_count);
     /* A title describes the scene as it was written. */
-    if (memcmp(scene->spec.parameters, start->spec.parameters, sizeof scene->spec.parameters) != 0 ||
-        memcmp(scene->spec.stops, start->spec.stops, sizeof scene->spec.stops) != 0)
+    if (!saltus_spec_equal(&scene->spec, &start->spec))
         scene->title[0] = '\0';
     scene->spec = start->spec;
     scene->initial_count = 0;

@@ -35,6 +35,18 @@ double saltus_spec_get(const saltus_spec *spec, const char *name) {
     return k < 0 ? NAN : spec->parameters[k];
 }
 
+bool saltus_spec_equal(const saltus_spec *a, const saltus_spec *b) {
+    bool equal = a->model == b->model && a->stop_count == b->stop_count;
+    for (int k = 0; equal && k < a->model->parameter_count; k++)
+        equal = a->parameters[k] == b->parameters[k];
+    for (int s = 0; equal && s < a->stop_count; s++) {
+        const saltus_stop *x = &a->stops[s], *y = &b->stops[s];
+        equal = x->xi == y->xi && x->weight[0] == y->weight[0] && x->weight[1] == y->weight[1] &&
+                x->d == y->d && x->r == y->r && x->sides == y->sides;
+    }
+    return equal;
+}
+
 static saltus_status check_range(const saltus_parameter *p, const char *owner, double value,
                                  saltus_message *message) {
     bool low = p->open_min ? !(value > p->min) : !(value >= p->min);
