@@ -4,81 +4,65 @@
 #include "interrupt.h"
 
 #include <errno.h>
-#include <limits.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-#define PLACE(member) offsetof(cli_request, member)
-
 const cli_option cli_set = {
     "--set", CLI_SETTINGS, 0, 0, 0, 0, "key=value ...", "change parameters of the scene"};
-const cli_option cli_json = {"--json", CLI_FLAG, PLACE(json), 0, 0, 0, NULL, "one JSON object on stdout"};
-const cli_option cli_quiet = {"--quiet", CLI_FLAG, PLACE(quiet), 0, 0, 0, NULL, "no progress line"};
-const cli_option cli_output = {"-o", CLI_TEXT, PLACE(output), 0, 0, 0, "file", "where the result goes"};
-const cli_option cli_data = {
-    "--data", CLI_TEXT, PLACE(data), 0,
-    0,        0,        "file.h5",   "keep the data there, and gnuplot's script beside it (.gp)"};
-const cli_option cli_integrator = {
-    "--integrator", CLI_TEXT, PLACE(integrator), 0, 0, 0, "name", "automatic, taylor or radau"};
-const cli_option cli_seeds = {
-    "--seeds", CLI_WHOLE, PLACE(seeds), 0,
-    1,         1e6,       "k",          "classify from k random initial states, list the attractors"};
-const cli_option cli_seed = {"--seed", CLI_WHOLE,    PLACE(seed), 1,
-                             0,        4294967295.0, "s",         "seed of the random initial states"};
-const cli_option cli_transient = {"--transient",
-                                  CLI_WHOLE,
-                                  PLACE(transient),
-                                  20000,
-                                  1,
-                                  1e12,
-                                  "n",
-                                  "periods to wait at most for the motion to settle"};
-const cli_option cli_settle = {
-    "--transient", CLI_WHOLE, PLACE(transient), 0, 0, 1e12, "m", "periods to run before the recording"};
-const cli_option cli_longest = {
-    "--longest", CLI_WHOLE, PLACE(longest), 64, 1, 1024, "p", "longest period tried, in forcing periods"};
-const cli_option cli_measure = {
-    "--measure",
-    CLI_WHOLE,
-    PLACE(measure),
-    256000,
-    0,
-    1e12,
-    "n",
-    "without a period: periods at most to measure an exponent over; 0: undecided"};
-const cli_option cli_periods = {
-    "--periods", CLI_WHOLE, PLACE(periods), 0, 1, 1e6, "n", "forcing periods to record"};
-const cli_option cli_samples = {
-    "--samples", CLI_WHOLE, PLACE(samples), 200, 1, 1e5, "k", "samples per forcing period"};
-const cli_option cli_rtol = {"--rtol", CLI_REAL, PLACE(rtol), 1e-13,
-                             1e-15,    1e-3,     "x",         "relative tolerance of the flow"};
-const cli_option cli_atol = {
-    "--atol", CLI_REAL, PLACE(atol), 1e-16, 0, 1, "x", "absolute tolerance of the flow, in displacements"};
-
-const cli_option cli_from = {
-    "--from", CLI_TEXT, PLACE(from), 0,
-    0,        0,        "orbit",     "start from this orbit: file.json, branch.h5:12 or branch.h5:PD1"};
-
-static bool add_to_list(const cli_option *option, const char *text, cli_list *list) {
-    if (list->count == CLI_LIST_MAX) {
-        fprintf(stderr, "saltus: %s %s: only %d can be given\n", option->name, text, CLI_LIST_MAX);
-        return false;
-    }
-    list->items[list->count++] = text;
-    return true;
-}
+const cli_option cli_json = CLI_FLAG_OPTION("--json", json, "one JSON object on stdout");
+const cli_option cli_quiet = CLI_FLAG_OPTION("--quiet", quiet, "no progress line");
+const cli_option cli_output = CLI_TEXT_OPTION("-o", output, "file", "where the result goes");
+const cli_option cli_data =
+    CLI_TEXT_OPTION("--data", data, "file.h5", "keep the data there, and gnuplot's script beside it (.gp)");
+const cli_option cli_integrator =
+    CLI_TEXT_OPTION("--integrator", integrator, "name", "automatic, taylor or radau");
+const cli_option cli_seeds = CLI_WHOLE_OPTION("--seeds", seeds, "k", 0, 1, 1e6,
+                                              "classify from k random initial states, list the attractors");
+const cli_option cli_seed =
+    CLI_WHOLE_OPTION("--seed", seed, "s", 1, 0, 4294967295.0, "seed of the random initial states");
+const cli_option cli_transient = CLI_WHOLE_OPTION("--transient", transient, "n", 20000, 1, 1e12,
+                                                  "periods to wait at most for the motion to settle");
+const cli_option cli_settle =
+    CLI_WHOLE_OPTION("--transient", transient, "m", 0, 0, 1e12, "periods to run before the recording");
+const cli_option cli_longest =
+    CLI_WHOLE_OPTION("--longest", longest, "p", 64, 1, 1024, "longest period tried, in forcing periods");
+const cli_option cli_measure =
+    CLI_WHOLE_OPTION("--measure", measure, "n", 256000, 0, 1e12,
+                     "without a period: periods at most to measure an exponent over; 0: undecided");
+const cli_option cli_periods =
+    CLI_WHOLE_OPTION("--periods", periods, "n", 0, 1, 1e6, "forcing periods to record");
+const cli_option cli_samples =
+    CLI_WHOLE_OPTION("--samples", samples, "k", 200, 1, 1e5, "samples per forcing period");
+const cli_option cli_rtol =
+    CLI_REAL_OPTION("--rtol", rtol, "x", 1e-13, 1e-15, 1e-3, "relative tolerance of the flow");
+const cli_option cli_atol =
+    CLI_REAL_OPTION("--atol", atol, "x", 1e-16, 0, 1, "absolute tolerance of the flow, in displacements");
+const cli_option cli_loose_rtol =
+    CLI_REAL_OPTION("--rtol", rtol, "x", 1e-10, 1e-15, 1e-3, "relative tolerance of the flow");
+const cli_option cli_loose_atol =
+    CLI_REAL_OPTION("--atol", atol, "x", 1e-14, 0, 1, "absolute tolerance of the flow, in displacements");
+const cli_option cli_resume =
+    CLI_FLAG_OPTION("--resume", resume, "go on with the interrupted run in the file of -o");
+const cli_option cli_from = CLI_TEXT_OPTION(
+    "--from", from, "orbit", "start from this orbit: file.json, branch.h5:12 or branch.h5:PD1");
 
 static bool parse_value(const cli_option *option, const char *text, cli_request *request) {
     char *place = (char *)request + option->offset, *end = NULL;
-    errno = 0;
     if (option->kind == CLI_TEXT) {
         *(const char **)(void *)place = text;
         return true;
     }
-    if (option->kind == CLI_LIST)
-        return add_to_list(option, text, (cli_list *)(void *)place);
+    if (option->kind == CLI_LIST) {
+        cli_list *list = (cli_list *)(void *)place;
+        if (list->count == CLI_LIST_MAX) {
+            fprintf(stderr, "saltus: %s %s: only %d can be given\n", option->name, text, CLI_LIST_MAX);
+            return false;
+        }
+        list->items[list->count++] = text;
+        return true;
+    }
     double value = strtod(text, &end);
     bool number = end != text && *end == '\0' && isfinite(value);
     bool whole = option->kind != CLI_WHOLE || (number && value == floor(value));
@@ -106,13 +90,6 @@ static void set_defaults(const cli_command *command, cli_request *request) {
     }
 }
 
-static const cli_option *find_option(const cli_command *command, const char *name) {
-    for (int k = 0; command->options[k]; k++)
-        if (strcmp(command->options[k]->name, name) == 0)
-            return command->options[k];
-    return NULL;
-}
-
 /* Settings run up to the next option. Returns how many there were, 0 after a message. */
 static int take_settings(int count, char **arguments, cli_request *request) {
     int taken = 0;
@@ -136,7 +113,10 @@ static int take_option(const cli_command *command, int count, char **arguments, 
         request->help = true;
         return 1;
     }
-    const cli_option *option = find_option(command, name);
+    const cli_option *const *place = command->options;
+    while (*place && strcmp((*place)->name, name) != 0)
+        place++;
+    const cli_option *option = *place;
     if (!option) {
         fprintf(stderr, "saltus: %s: unknown option of saltus %s; see saltus %s --help\n", name,
                 command->name, command->name);
@@ -241,20 +221,12 @@ saltus_status cli_apply_settings(const cli_request *request, saltus_scene *scene
     return SALTUS_OK;
 }
 
-static saltus_status initial_state(const saltus_scene *scene, const saltus_system *system, double *state,
-                                   saltus_message *message) {
-    if (scene->initial_count == 0)
-        return saltus_system_default_state(system, state, message);
-    memcpy(state, scene->initial, (size_t)saltus_system_dimension(system) * sizeof *state);
-    return saltus_system_check_state(system, state, message);
-}
-
 static saltus_status check_integrator(const cli_request *request, saltus_message *message) {
-    if (!request->integrator || strcmp(request->integrator, "automatic") == 0 ||
-        strcmp(request->integrator, "taylor") == 0 || strcmp(request->integrator, "radau") == 0)
+    const char *name = request->integrator;
+    if (!name || strcmp(name, "automatic") == 0 || strcmp(name, "taylor") == 0 || strcmp(name, "radau") == 0)
         return SALTUS_OK;
     return saltus_fail(message, SALTUS_BAD_INPUT, "--integrator %.100s: must be automatic, taylor or radau",
-                       request->integrator);
+                       name);
 }
 
 static saltus_status load_scene(const cli_request *request, saltus_scene *scene, saltus_message *message) {
@@ -269,50 +241,49 @@ saltus_status cli_load_scene(const cli_request *request, saltus_scene *scene, sa
     return status == SALTUS_OK ? check_integrator(request, message) : status;
 }
 
-/* The exit code of a build; a system that came to nothing is freed. */
-static int finish_build(saltus_status status, saltus_system **system, const saltus_message *message) {
-    if (status != SALTUS_OK) {
-        saltus_system_free(*system);
-        *system = NULL;
-    }
-    return cli_report(status, message);
-}
-
-int cli_build(const cli_request *request, saltus_scene *scene, saltus_system **system, double *state) {
-    saltus_message message = {""};
-    *system = NULL;
-    saltus_status status = load_scene(request, scene, &message);
+/* The orbit of --from, and its parameters and stops where the command line does not set them. */
+static saltus_status read_start(const cli_request *request, saltus_scene *scene, saltus_start *start,
+                                saltus_message *message) {
+    saltus_status status = saltus_start_read(request->from, start, message);
     if (status == SALTUS_OK)
-        status = saltus_system_new(&scene->spec, system, &message);
+        status = saltus_start_apply(start, request->from, scene, message);
     if (status == SALTUS_OK)
-        status = initial_state(scene, *system, state, &message);
-    if (status == SALTUS_OK)
-        status = check_integrator(request, &message);
-    return finish_build(status, system, &message);
-}
-
-int cli_build_from(const cli_request *request, saltus_scene *scene, saltus_system **system,
-                   saltus_start *start) {
-    saltus_message message = {""};
-    *system = NULL;
-    saltus_status status = load_scene(request, scene, &message);
-    if (status == SALTUS_OK)
-        status = saltus_start_read(request->from, start, &message);
-    if (status == SALTUS_OK)
-        status = saltus_start_apply(start, request->from, scene, &message);
-    if (status == SALTUS_OK)
-        status = cli_apply_settings(request, scene, &message);
+        status = cli_apply_settings(request, scene, message);
     if (status == SALTUS_OK && scene->initial_count)
-        status = saltus_fail(&message, SALTUS_BAD_INPUT,
+        status = saltus_fail(message, SALTUS_BAD_INPUT,
                              "--set of an initial state is not possible with --from, which gives the state");
-    if (status == SALTUS_OK)
-        status = saltus_system_new(&scene->spec, system, &message);
-    if (status == SALTUS_OK)
-        status = check_integrator(request, &message);
-    return finish_build(status, system, &message);
+    return status;
 }
 
-bool cli_parse_range(const char *option, const char *text, char key[SALTUS_KEY_MAX], double *low,
+static saltus_status initial_state(const saltus_scene *scene, const saltus_system *system, double *state,
+                                   saltus_message *message) {
+    if (scene->initial_count == 0)
+        return saltus_system_default_state(system, state, message);
+    memcpy(state, scene->initial, (size_t)saltus_system_dimension(system) * sizeof *state);
+    return saltus_system_check_state(system, state, message);
+}
+
+int cli_build(const cli_request *request, cli_setup *setup) {
+    saltus_message message = {""};
+    setup->system = NULL;
+    setup->start.periods = 0;
+    saltus_status status = load_scene(request, &setup->scene, &message);
+    if (status == SALTUS_OK && request->from)
+        status = read_start(request, &setup->scene, &setup->start, &message);
+    if (status == SALTUS_OK)
+        status = saltus_system_new(&setup->scene.spec, &setup->system, &message);
+    if (status == SALTUS_OK && !request->from)
+        status = initial_state(&setup->scene, setup->system, setup->start.state, &message);
+    if (status == SALTUS_OK)
+        status = check_integrator(request, &message);
+    if (status != SALTUS_OK) {
+        saltus_system_free(setup->system);
+        setup->system = NULL;
+    }
+    return cli_report(status, &message);
+}
+
+bool cli_parse_range(const cli_option *option, const char *text, char key[SALTUS_KEY_MAX], double *low,
                      double *high) {
     const char *equals = strchr(text, '=');
     size_t length = equals ? (size_t)(equals - text) : 0;
@@ -329,8 +300,29 @@ bool cli_parse_range(const char *option, const char *text, char key[SALTUS_KEY_M
         good = end != colon + 1 && *end == '\0' && isfinite(*low) && isfinite(*high) && *low < *high;
     }
     if (!good)
-        fprintf(stderr, "saltus: %s %s: must have the form key=low:high, low below high\n", option, text);
+        fprintf(stderr, "saltus: %s %s: must have the form key=low:high, low below high\n", option->name,
+                text);
     return good;
+}
+
+bool cli_choose(const cli_option *option, const char *text, const char *const *words, int *which) {
+    int k = 0;
+    while (text && words[k] && strcmp(text, words[k]) != 0)
+        k++;
+    if (!text || words[k]) {
+        *which = text ? k : *which;
+        return true;
+    }
+    fprintf(stderr, "saltus: %s %s: must be %s", option->name, text, words[0]);
+    for (k = 1; words[k]; k++)
+        fprintf(stderr, "%s%s", words[k + 1] ? ", " : " or ", words[k]);
+    fputc('\n', stderr);
+    return false;
+}
+
+bool cli_ends_in(const char *path, const char *ending) {
+    size_t length = strlen(path), part = strlen(ending);
+    return length >= part && strcmp(path + length - part, ending) == 0;
 }
 
 saltus_flow_options cli_flow_options(const cli_request *request) {
@@ -345,18 +337,11 @@ saltus_flow_options cli_flow_options(const cli_request *request) {
     return options;
 }
 
-saltus_classify_options cli_classify_options(const cli_request *request) {
-    saltus_classify_options options = saltus_classify_defaults();
-    options.flow = cli_flow_options(request);
-    options.transient = request->transient;
-    options.longest = (int)request->longest;
-    options.measure = request->measure;
-    if (!request->quiet && isatty(STDERR_FILENO))
-        options.progress = cli_progress;
-    return options;
+bool cli_shows_progress(const cli_request *request) {
+    return !request->quiet && isatty(STDERR_FILENO) == 1;
 }
 
-bool cli_progress(void *context, long long periods, long long at_most) {
+static bool show_periods(void *context, long long periods, long long at_most) {
     (void)context;
     fprintf(stderr, "\r%lld of at most %lld periods ", periods, at_most);
     fflush(stderr);
@@ -364,8 +349,19 @@ bool cli_progress(void *context, long long periods, long long at_most) {
 }
 
 void cli_progress_end(const cli_request *request) {
-    if (!request->quiet && isatty(STDERR_FILENO))
+    if (cli_shows_progress(request))
         fprintf(stderr, "\r%60s\r", "");
+}
+
+saltus_classify_options cli_classify_options(const cli_request *request) {
+    saltus_classify_options options = saltus_classify_defaults();
+    options.flow = cli_flow_options(request);
+    options.transient = request->transient;
+    options.longest = (int)request->longest;
+    options.measure = request->measure;
+    if (cli_shows_progress(request))
+        options.progress = show_periods;
+    return options;
 }
 
 int cli_finish(void) {

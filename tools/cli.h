@@ -48,6 +48,19 @@ typedef struct cli_option {
     const char *help;
 } cli_option;
 
+/* One option of each kind; `member` of the request takes the value. A whole number whose default lies below
+ * the least value has none. */
+#define CLI_FLAG_OPTION(name, member, help)                                                                  \
+    { name, CLI_FLAG, offsetof(cli_request, member), 0, 0, 0, NULL, help }
+#define CLI_TEXT_OPTION(name, member, argument, help)                                                        \
+    { name, CLI_TEXT, offsetof(cli_request, member), 0, 0, 0, argument, help }
+#define CLI_LIST_OPTION(name, member, argument, help)                                                        \
+    { name, CLI_LIST, offsetof(cli_request, member), 0, 0, 0, argument, help }
+#define CLI_WHOLE_OPTION(name, member, argument, fallback, min, max, help)                                   \
+    { name, CLI_WHOLE, offsetof(cli_request, member), fallback, min, max, argument, help }
+#define CLI_REAL_OPTION(name, member, argument, fallback, min, max, help)                                    \
+    { name, CLI_REAL, offsetof(cli_request, member), fallback, min, max, argument, help }
+
 /* One subcommand. */
 typedef struct cli_command {
     const char *name;
@@ -65,7 +78,14 @@ extern const cli_command cmd_classify, cmd_diagnose, cmd_simulate, cmd_scenes, c
 
 extern const cli_option cli_set, cli_json, cli_quiet, cli_output, cli_data, cli_integrator, cli_seeds,
     cli_seed, cli_transient, cli_longest, cli_periods, cli_samples, cli_settle, cli_measure, cli_rtol,
-    cli_atol, cli_from;
+    cli_atol, cli_loose_rtol, cli_loose_atol, cli_from, cli_resume;
+
+/* What most subcommands work on. */
+typedef struct cli_setup {
+    saltus_scene scene; /* with all --set applied */
+    saltus_system *system;
+    saltus_start start; /* the orbit of --from; without it only its state is given, the initial one */
+} cli_setup;
 
 /* Fill a request from the arguments after the subcommand; false after a message on stderr. */
 bool cli_parse(const cli_command *command, int count, char **arguments, cli_request *request);
@@ -77,25 +97,27 @@ int cli_code(saltus_status status);
 int cli_report(saltus_status status, const saltus_message *message);
 /* The same, but what has gone wrong by itself is told as such, whether there was a signal or not. */
 int cli_report_cause(saltus_status status, const saltus_message *message);
-/* The scene with all --set applied, the system, and its initial state (SALTUS_SCENE_STATE_MAX entries). On
- * success the system is to be freed; otherwise the message has been printed and the exit code is returned. */
-int cli_build(const cli_request *request, saltus_scene *scene, saltus_system **system, double *state);
-/* The same with the parameters, stops and state of the orbit file named by --from, where the command line
- * does not set them. */
-int cli_build_from(const cli_request *request, saltus_scene *scene, saltus_system **system,
-                   saltus_start *start);
+/* Build what the command line names: with --from, parameters and stops are those of the orbit file where
+ * --set does not say otherwise. On success setup->system is to be freed; otherwise the message has been
+ * printed and the exit code is returned. */
+int cli_build(const cli_request *request, cli_setup *setup);
 /* The scene with all --set applied; --integrator is checked too. */
 saltus_status cli_load_scene(const cli_request *request, saltus_scene *scene, saltus_message *message);
 /* Apply all --set to a scene. */
 saltus_status cli_apply_settings(const cli_request *request, saltus_scene *scene, saltus_message *message);
 /* "key=low:high"; false after a message that names the option. */
-bool cli_parse_range(const char *option, const char *text, char key[SALTUS_KEY_MAX], double *low,
+bool cli_parse_range(const cli_option *option, const char *text, char key[SALTUS_KEY_MAX], double *low,
                      double *high);
+/* Which of the words (NULL-terminated) the option's text is; *which stays as it is where the text is NULL.
+ * False after a message that lists the words. */
+bool cli_choose(const cli_option *option, const char *text, const char *const *words, int *which);
+bool cli_ends_in(const char *path, const char *ending);
 /* With the program's flag for signals as `stop`. */
 saltus_flow_options cli_flow_options(const cli_request *request);
 saltus_classify_options cli_classify_options(const cli_request *request);
-/* A progress line on stderr where that is a terminal; fits saltus_classify_options.progress. */
-bool cli_progress(void *context, long long periods, long long at_most);
+/* Whether progress is shown: on a terminal, without --quiet. */
+bool cli_shows_progress(const cli_request *request);
+/* Wipe the progress line of cli_classify_options. */
 void cli_progress_end(const cli_request *request);
 /* Flush stdout; CLI_FAILED with a message if it could not be written. */
 int cli_finish(void);

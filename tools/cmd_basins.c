@@ -6,9 +6,10 @@
 
 #include <string.h>
 
-static const cli_option *const options[] = {
-    &cli_set,       &sweep_over, &sweep_at_most, &sweep_longest, &cli_output, &sweep_resume,   &sweep_lanes,
-    &sweep_threads, &cli_quiet,  &sweep_json,    &sweep_rtol,    &sweep_atol, &cli_integrator, NULL};
+static const cli_option *const options[] = {&cli_set,        &sweep_over, &sweep_at_most,  &sweep_longest,
+                                            &cli_output,     &cli_resume, &sweep_lanes,    &sweep_threads,
+                                            &cli_quiet,      &sweep_json, &cli_loose_rtol, &cli_loose_atol,
+                                            &cli_integrator, NULL};
 
 /* Whether an axis moves an entry of the initial state: q1, v1, z1, ... */
 static bool moves_start(const char *axis) {
@@ -31,23 +32,13 @@ static bool read_axes(const cli_request *request) {
 
 static int run(const cli_request *request) {
     saltus_scene scene;
-    saltus_sweep *sweep = NULL;
     saltus_message message = {""};
     if (!read_axes(request))
         return CLI_BAD_INPUT;
     saltus_sweep_options how = sweep_read_options(request);
     how.record = 1;
     saltus_status status = cli_load_scene(request, &scene, &message);
-    if (status == SALTUS_OK)
-        status = sweep_make(request, &scene, &how, &sweep, &message);
-    sweep_order order = {.sweep = sweep,
-                         .path = request->output,
-                         .basins = true,
-                         .resume = request->resume,
-                         .quiet = request->quiet};
-    int code = sweep_finish(&order, status, request->json, &message);
-    saltus_sweep_free(sweep);
-    return code;
+    return sweep_command(request, true, status, &scene, &how, &message);
 }
 
 const cli_command cmd_basins = {

@@ -7,63 +7,42 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
-
-#define PLACE(member) offsetof(cli_request, member)
 
 enum { values_max = 256 };
 
-static const cli_option range = {
-    "--in", CLI_TEXT, PLACE(range), 0, 0, 0, "key=lo:hi", "the parameter to continue in, and its range"};
-static const cli_option locus = {"--locus",
-                                 CLI_TEXT,
-                                 PLACE(locus),
-                                 0,
-                                 0,
-                                 0,
-                                 "kind",
-                                 "follow the first LP, PD, NS, BP or GR met on the way in two parameters"};
-static const cli_option second_range = {
-    "--and", CLI_TEXT, PLACE(second_range), 0, 0, 0, "key=lo:hi", "the second parameter of a locus"};
-static const cli_option periods = {"--periods",
-                                   CLI_WHOLE,
-                                   PLACE(periods),
-                                   0,
-                                   1,
-                                   1e6,
-                                   "p",
-                                   "period of the orbit to start from, where it is not that of --from"};
-static const cli_option step = {"--step", CLI_REAL, PLACE(step), 0.005,
-                                1e-9,     1,        "s",         "first step, where the whole range is 1"};
-static const cli_option step_max = {
-    "--step-max", CLI_REAL, PLACE(step_max), 0.03, 1e-9, 1, "s", "largest step, likewise"};
-static const cli_option points = {"--points", CLI_WHOLE, PLACE(points), 2000,
-                                  1,          1e7,       "n",           "points at most, on each branch"};
-static const cli_option direction = {
-    "--direction", CLI_TEXT, PLACE(direction), 0, 0, 0, "way", "up, down or both (default both)"};
-static const cli_option switches = {
-    "--switch", CLI_WHOLE, PLACE(switches), 0, 0, 1000, "k", "also follow what branches off, to this depth"};
-static const cli_option values = {
-    "--at", CLI_TEXT, PLACE(values), 0,
-    0,      0,        "v[,v...]",    "values of the parameter to compute a point (UZ) at"};
-static const cli_option resume = {
-    "--resume", CLI_FLAG, PLACE(resume), 0, 0, 0, NULL, "go on with the interrupted run in the file of -o"};
-
-static const cli_option json = {"--json", CLI_FLAG, PLACE(json), 0,
-                                0,        0,        NULL,        "one JSON object for each point on stdout"};
+static const cli_option range =
+    CLI_TEXT_OPTION("--in", range, "key=lo:hi", "the parameter to continue in, and its range");
+static const cli_option locus = CLI_TEXT_OPTION(
+    "--locus", locus, "kind", "follow the first LP, PD, NS, BP or GR met on the way in two parameters");
+static const cli_option second_range =
+    CLI_TEXT_OPTION("--and", second_range, "key=lo:hi", "the second parameter of a locus");
+static const cli_option periods =
+    CLI_WHOLE_OPTION("--periods", periods, "p", 0, 1, 1e6,
+                     "period of the orbit to start from, where it is not that of --from");
+static const cli_option step =
+    CLI_REAL_OPTION("--step", step, "s", 0.005, 1e-9, 1, "first step, where the whole range is 1");
+static const cli_option step_max =
+    CLI_REAL_OPTION("--step-max", step_max, "s", 0.03, 1e-9, 1, "largest step, likewise");
+static const cli_option points =
+    CLI_WHOLE_OPTION("--points", points, "n", 2000, 1, 1e7, "points at most, on each branch");
+static const cli_option direction =
+    CLI_TEXT_OPTION("--direction", direction, "way", "up, down or both (default both)");
+static const cli_option switches =
+    CLI_WHOLE_OPTION("--switch", switches, "k", 0, 0, 1000, "also follow what branches off, to this depth");
+static const cli_option values =
+    CLI_TEXT_OPTION("--at", values, "v[,v...]", "values of the parameter to compute a point (UZ) at");
+static const cli_option json = CLI_FLAG_OPTION("--json", json, "one JSON object for each point on stdout");
 
 static const cli_option *const options[] = {
-    &cli_set,  &cli_from,      &range,          &locus,     &second_range, &periods,
-    &step,     &step_max,      &points,         &direction, &switches,     &values,
-    &resume,   &cli_transient, &cli_longest,    &json,      &cli_quiet,    &cli_output,
-    &cli_rtol, &cli_atol,      &cli_integrator, NULL};
+    &cli_set,    &cli_from,      &range,          &locus,     &second_range, &periods,
+    &step,       &step_max,      &points,         &direction, &switches,     &values,
+    &cli_resume, &cli_transient, &cli_longest,    &json,      &cli_quiet,    &cli_output,
+    &cli_rtol,   &cli_atol,      &cli_integrator, NULL};
 
 /* One run: what it starts from, where it goes and what it has made. */
 typedef struct run_state {
     const cli_request *request;
-    saltus_scene scene;
-    saltus_system *system;
-    saltus_start start;
+    cli_setup setup;
     saltus_branch_options options;
     double values[values_max];
     saltus_branch *branch;
@@ -98,31 +77,16 @@ static bool read_values(const char *text, run_state *run) {
     return true;
 }
 
-static bool read_direction(const char *text, int *way) {
-    *way = !text || strcmp(text, "both") == 0 ? 0 : strcmp(text, "up") == 0 ? 1 : -1;
-    if (*way >= 0 || strcmp(text, "down") == 0)
-        return true;
-    fprintf(stderr, "saltus: --direction %s: must be up, down or both\n", text);
-    return false;
-}
-
-static bool read_locus(const char *text, saltus_point_kind *kind) {
-    static const saltus_point_kind known[] = {SALTUS_POINT_LP, SALTUS_POINT_PD, SALTUS_POINT_NS,
-                                              SALTUS_POINT_BP, SALTUS_POINT_GR};
-    *kind = SALTUS_POINT_REGULAR;
-    for (size_t k = 0; text && k < sizeof known / sizeof known[0]; k++)
-        if (strcmp(text, saltus_point_word(known[k])) == 0)
-            *kind = known[k];
-    if (!text || *kind != SALTUS_POINT_REGULAR)
-        return true;
-    fprintf(stderr, "saltus: --locus %s: must be LP, PD, NS, BP or GR\n", text);
-    return false;
-}
-
 /* The options of the continuation from the command line; false after a message. */
 static bool read_options(run_state *run) {
+    static const char *const kinds[] = {"LP", "PD", "NS", "BP", "GR", NULL};
+    static const saltus_point_kind kind[] = {SALTUS_POINT_LP, SALTUS_POINT_PD, SALTUS_POINT_NS,
+                                             SALTUS_POINT_BP, SALTUS_POINT_GR};
+    static const char *const ways[] = {"up", "down", "both", NULL};
+    static const int signs[] = {1, -1, 0};
     const cli_request *r = run->request;
     saltus_branch_options *o = &run->options;
+    int which = -1, way = 2;
     *o = saltus_branch_defaults();
     if (!r->output || !r->range) {
         fprintf(stderr, "saltus: continue: needs --in key=low:high and -o branch.h5\n");
@@ -139,18 +103,21 @@ static bool read_options(run_state *run) {
     o->step_max = r->step_max;
     o->points = (int)r->points;
     o->switches = (int)r->switches;
-    return cli_parse_range("--in", r->range, o->key[0], &o->low[0], &o->high[0]) &&
-           (!r->second_range ||
-            cli_parse_range("--and", r->second_range, o->key[1], &o->low[1], &o->high[1])) &&
-           read_locus(r->locus, &o->locus) && read_direction(r->direction, &o->direction) &&
-           read_values(r->values, run);
+    if (!cli_parse_range(&range, r->range, o->key[0], &o->low[0], &o->high[0]) ||
+        (r->second_range &&
+         !cli_parse_range(&second_range, r->second_range, o->key[1], &o->low[1], &o->high[1])) ||
+        !cli_choose(&locus, r->locus, kinds, &which) || !cli_choose(&direction, r->direction, ways, &way))
+        return false;
+    o->locus = which < 0 ? SALTUS_POINT_REGULAR : kind[which];
+    o->direction = signs[way];
+    return read_values(r->values, run);
 }
 
 /* Without --from: the orbit that the scene settles on. */
 static saltus_status classify_start(run_state *run, saltus_message *message) {
     saltus_classify_options how = cli_classify_options(run->request);
     saltus_motion motion = {0};
-    saltus_status status = saltus_classify(run->system, run->start.state, &how, &motion, message);
+    saltus_status status = saltus_classify(run->setup.system, run->setup.start.state, &how, &motion, message);
     cli_progress_end(run->request);
     if (status == SALTUS_OK && motion.periods < 1 && interrupt_asked())
         status = SALTUS_INTERRUPTED;
@@ -158,12 +125,10 @@ static saltus_status classify_start(run_state *run, saltus_message *message) {
         status =
             saltus_fail(message, SALTUS_BAD_INPUT,
                         "%s: its motion is no periodic orbit to start from, but %s%s%s; name one by --from",
-                        run->scene.name, motion.label, motion.reason[0] ? ": " : "", motion.reason);
+                        run->setup.scene.name, motion.label, motion.reason[0] ? ": " : "", motion.reason);
     if (status == SALTUS_OK) {
-        run->start.spec = run->scene.spec;
-        run->start.periods = motion.periods;
-        run->start.dimension = motion.dimension;
-        memcpy(run->start.state, motion.state, (size_t)motion.dimension * sizeof *motion.state);
+        run->setup.start.periods = motion.periods;
+        memcpy(run->setup.start.state, motion.state, (size_t)motion.dimension * sizeof *motion.state);
     }
     saltus_motion_clear(&motion);
     return status;
@@ -171,28 +136,13 @@ static saltus_status classify_start(run_state *run, saltus_message *message) {
 
 static int begin_anew(run_state *run, saltus_message *message) {
     const cli_request *r = run->request;
-    int code = r->from ? cli_build_from(r, &run->scene, &run->system, &run->start)
-                       : cli_build(r, &run->scene, &run->system, run->start.state);
+    int code = cli_build(r, &run->setup);
     if (code != CLI_DONE)
         return code;
     saltus_status status = r->from ? SALTUS_OK : classify_start(run, message);
     if (r->periods)
-        run->start.periods = (int)r->periods;
+        run->setup.start.periods = (int)r->periods;
     return cli_report(status, message);
-}
-
-static bool same_spec(const saltus_spec *a, const saltus_spec *b) {
-    int count;
-    bool same = a->model == b->model && a->stop_count == b->stop_count;
-    saltus_model_parameters(a->model, &count);
-    for (int k = 0; k < count; k++)
-        same = same && a->parameters[k] == b->parameters[k];
-    for (int s = 0; s < a->stop_count && same; s++) {
-        const saltus_stop *x = &a->stops[s], *y = &b->stops[s];
-        same = x->xi == y->xi && x->weight[0] == y->weight[0] && x->weight[1] == y->weight[1] &&
-               x->d == y->d && x->r == y->r && x->sides == y->sides;
-    }
-    return same;
 }
 
 static bool same_way(const saltus_branch_options *a, const saltus_branch_options *b) {
@@ -207,10 +157,10 @@ static bool same_way(const saltus_branch_options *a, const saltus_branch_options
 static bool same_run(const run_state *run, saltus_message *message) {
     const saltus_branch_file *file = &run->earlier;
     saltus_scene changed = {.spec = file->spec};
-    if (strcmp(run->scene.name, file->scene) == 0 && run->scene.spec.model == file->spec.model &&
+    if (strcmp(run->setup.scene.name, file->scene) == 0 && run->setup.scene.spec.model == file->spec.model &&
         same_way(&run->options, &file->options) &&
         cli_apply_settings(run->request, &changed, message) == SALTUS_OK &&
-        same_spec(&changed.spec, &file->spec))
+        saltus_spec_equal(&changed.spec, &file->spec))
         return true;
     saltus_fail(message, SALTUS_BAD_INPUT,
                 "--resume: %.200s holds another run (of %.60s in %s from %g to %g); repeat its command line",
@@ -224,28 +174,28 @@ static int begin_again(run_state *run, saltus_message *message) {
     saltus_branch_file *file = &run->earlier;
     saltus_status status = saltus_branch_file_read(run->request->output, file, message);
     if (status == SALTUS_OK)
-        status = saltus_scene_load(run->request->scene, &run->scene, message);
+        status = saltus_scene_load(run->request->scene, &run->setup.scene, message);
     if (status == SALTUS_OK && !same_run(run, message))
         status = SALTUS_BAD_INPUT;
     if (status == SALTUS_OK && file->dimension > SALTUS_SCENE_STATE_MAX)
         status =
             saltus_fail(message, SALTUS_BAD_INPUT, "%.200s: the state is too long", run->request->output);
     if (status == SALTUS_OK) {
-        run->scene.spec = file->spec;
-        snprintf(run->scene.name, sizeof run->scene.name, "%s", file->scene);
-        snprintf(run->scene.title, sizeof run->scene.title, "%s", file->title);
-        run->start.periods = file->periods;
-        memcpy(run->start.state, file->state, (size_t)file->dimension * sizeof *file->state);
+        run->setup.scene.spec = file->spec;
+        snprintf(run->setup.scene.name, sizeof run->setup.scene.name, "%s", file->scene);
+        snprintf(run->setup.scene.title, sizeof run->setup.scene.title, "%s", file->title);
+        run->setup.start.periods = file->periods;
+        memcpy(run->setup.start.state, file->state, (size_t)file->dimension * sizeof *file->state);
         run->options = file->options;
         run->options.orbit.flow.stop = interrupt_flag();
-        status = saltus_system_new(&file->spec, &run->system, message);
+        status = saltus_system_new(&file->spec, &run->setup.system, message);
     }
     return cli_report(status == SALTUS_IO ? SALTUS_BAD_INPUT : status, message);
 }
 
 /* A progress line where stderr is a terminal. */
 static void show_progress(const run_state *run, const saltus_branch_point *point) {
-    if (run->request->quiet || !isatty(STDERR_FILENO))
+    if (!cli_shows_progress(run->request))
         return;
     double largest = point->dimension ? exp(point->multipliers[0].log_modulus) : 0;
     fprintf(stderr, "\rbranch %d  step %d  %s = %.9g  %s  largest multiplier %.4g%s%s\033[K", point->branch,
@@ -260,7 +210,7 @@ static saltus_status keep(run_state *run, const saltus_branch_point *point, salt
     if (point->branch >= run->branches)
         run->branches = point->branch + 1;
     if (run->request->json)
-        saltus_write_point_json(stdout, &run->scene, run->system, point);
+        saltus_write_point_json(stdout, &run->setup.scene, run->setup.system, point);
     return saltus_branch_output_add(run->output, point, message);
 }
 
@@ -275,7 +225,7 @@ static saltus_status follow(run_state *run, saltus_message *message) {
         }
     } while (status == SALTUS_OK && point && !ferror(stdout));
     run->interrupted = status == SALTUS_INTERRUPTED;
-    if (!run->request->quiet && isatty(STDERR_FILENO))
+    if (cli_shows_progress(run->request))
         fprintf(stderr, "\r\033[K");
     return run->interrupted ? SALTUS_OK : status;
 }
@@ -294,9 +244,9 @@ static saltus_status take_over(run_state *run, saltus_message *message) {
 
 /* A start that Newton's method cannot polish is not an orbit: bad input. */
 static int open_branch(run_state *run, saltus_message *message) {
-    const saltus_start *start = &run->start;
-    saltus_status status = saltus_branch_new(&run->scene.spec, start->periods, start->state, &run->options,
-                                             &run->branch, message);
+    const saltus_start *start = &run->setup.start;
+    saltus_status status = saltus_branch_new(&run->setup.scene.spec, start->periods, start->state,
+                                             &run->options, &run->branch, message);
     if (status != SALTUS_OK && status != SALTUS_NO_MEMORY && status != SALTUS_BAD_INPUT &&
         !interrupt_asked()) {
         saltus_message reason = *message;
@@ -304,8 +254,8 @@ static int open_branch(run_state *run, saltus_message *message) {
                              start->periods, reason.text);
     }
     if (status == SALTUS_OK)
-        status = saltus_branch_output_open(run->request->output, &run->scene, start->periods, start->state,
-                                           &run->options, &run->output, message);
+        status = saltus_branch_output_open(run->request->output, &run->setup.scene, start->periods,
+                                           start->state, &run->options, &run->output, message);
     return cli_report(status, message);
 }
 
@@ -315,8 +265,8 @@ static saltus_status print_table(const run_state *run, saltus_message *message) 
     saltus_status status = saltus_branch_file_read(run->request->output, &file, message);
     if (status != SALTUS_OK)
         return status;
-    printf("%s: %d point%s on %d branch%s in %s\n", run->scene.name, run->rows, run->rows == 1 ? "" : "s",
-           run->branches, run->branches == 1 ? "" : "es", run->request->output);
+    printf("%s: %d point%s on %d branch%s in %s\n", run->setup.scene.name, run->rows,
+           run->rows == 1 ? "" : "s", run->branches, run->branches == 1 ? "" : "es", run->request->output);
     saltus_write_branch_text(stdout, &file);
     saltus_branch_file_clear(&file);
     return status;
@@ -359,7 +309,7 @@ static int run(const cli_request *request) {
     saltus_branch_output_close(state->output, false, NULL);
     saltus_branch_free(state->branch);
     saltus_branch_file_clear(&state->earlier);
-    saltus_system_free(state->system);
+    saltus_system_free(state->setup.system);
     free(state);
     return code;
 }

@@ -4,8 +4,6 @@
 
 #include "interrupt.h"
 
-#include <unistd.h>
-
 static const cli_option *const options[] = {&cli_set,        &cli_output,  &cli_data, &cli_transient,
                                             &cli_longest,    &cli_measure, &cli_rtol, &cli_atol,
                                             &cli_integrator, &cli_quiet,   NULL};
@@ -17,13 +15,6 @@ typedef struct page {
     saltus_spectra spectra;
     bool sectioned, analysed;
 } page;
-
-static void clear_page(page *p) {
-    saltus_spectra_clear(&p->spectra);
-    saltus_record_clear(&p->section);
-    saltus_record_clear(&p->record);
-    saltus_motion_clear(&p->motion);
-}
 
 /* One orbit of a periodic motion; enough of any other to see what it does. */
 static saltus_status record_motion(const saltus_system *system, const saltus_flow_options *flow, page *p,
@@ -62,11 +53,12 @@ static saltus_status analyse_motion(const saltus_system *system, const saltus_fl
                        : SALTUS_OK;
 }
 
-static saltus_status diagnose(const cli_request *request, const saltus_scene *scene,
-                              const saltus_system *system, const double *state, saltus_message *message) {
+static saltus_status diagnose(const cli_request *request, const cli_setup *setup, saltus_message *message) {
+    const saltus_scene *scene = &setup->scene;
+    const saltus_system *system = setup->system;
     saltus_classify_options how = cli_classify_options(request);
     page p = {.sectioned = false};
-    saltus_status status = saltus_classify(system, state, &how, &p.motion, message);
+    saltus_status status = saltus_classify(system, setup->start.state, &how, &p.motion, message);
     cli_progress_end(request);
     bool classified = status == SALTUS_OK;
     if (classified && interrupt_asked())
@@ -85,24 +77,25 @@ static saltus_status diagnose(const cli_request *request, const saltus_scene *sc
         saltus_write_motion_text(stdout, scene, system, &p.motion);
     if (status == SALTUS_OK)
         printf("figure: %s\n", request->output);
-    clear_page(&p);
+    saltus_spectra_clear(&p.spectra);
+    saltus_record_clear(&p.section);
+    saltus_record_clear(&p.record);
+    saltus_motion_clear(&p.motion);
     return status;
 }
 
 static int run(const cli_request *request) {
-    saltus_scene scene;
-    saltus_system *system;
+    cli_setup setup;
     saltus_message message = {""};
-    double state[SALTUS_SCENE_STATE_MAX];
     if (!request->output) {
         fprintf(stderr, "saltus: diagnose: needs -o file.png, file.pdf or file.svg\n");
         return CLI_BAD_INPUT;
     }
-    int code = cli_build(request, &scene, &system, state);
+    int code = cli_build(request, &setup);
     if (code != CLI_DONE)
         return code;
-    saltus_status status = diagnose(request, &scene, system, state, &message);
-    saltus_system_free(system);
+    saltus_status status = diagnose(request, &setup, &message);
+    saltus_system_free(setup.system);
     if (status != SALTUS_OK && interrupt_asked())
         return interrupt_report("no figure was drawn");
     return cli_report(status, &message);

@@ -2,47 +2,27 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "cli.h"
 
-#include <string.h>
-
-static const cli_option table = {"--table",
-                                 CLI_TEXT,
-                                 offsetof(cli_request, table),
-                                 0,
-                                 0,
-                                 0,
-                                 "which",
-                                 "rows, turning, impacts or stroboscopic (default rows)"};
+static const cli_option table =
+    CLI_TEXT_OPTION("--table", table, "which", "rows, turning, impacts or stroboscopic (default rows)");
 
 static const cli_option *const options[] = {&table, &cli_output, NULL};
 
-static bool read_table(const char *text, saltus_table *wanted) {
-    static const char *const words[] = {[SALTUS_TABLE_ROWS] = "rows",
-                                        [SALTUS_TABLE_TURNING] = "turning",
-                                        [SALTUS_TABLE_IMPACTS] = "impacts",
-                                        [SALTUS_TABLE_STROBES] = "stroboscopic"};
-    for (int k = 0; k < (int)(sizeof words / sizeof words[0]); k++)
-        if (!text || strcmp(text, words[k]) == 0) {
-            *wanted = (saltus_table)k;
-            return true;
-        }
-    fprintf(stderr, "saltus: --table %s: must be rows, turning, impacts or stroboscopic\n", text);
-    return false;
-}
-
 static int run(const cli_request *request) {
+    static const char *const tables[] = {"rows", "turning", "impacts", "stroboscopic",
+                                         NULL}; /* saltus_table */
     saltus_message message = {""};
-    saltus_table wanted;
+    int wanted = SALTUS_TABLE_ROWS;
     if (!request->input_count || !request->output) {
         fprintf(stderr, "saltus: export: needs a file and -o table.csv\n");
         return CLI_BAD_INPUT;
     }
-    if (!read_table(request->table, &wanted))
+    if (!cli_choose(&table, request->table, tables, &wanted))
         return CLI_BAD_INPUT;
     saltus_sweep_file file;
     saltus_status status = saltus_sweep_file_read(request->inputs[0], &file, &message);
     if (status != SALTUS_OK)
         return cli_report(status, &message);
-    status = saltus_sweep_file_csv(&file, wanted, request->output, &message);
+    status = saltus_sweep_file_csv(&file, (saltus_table)wanted, request->output, &message);
     saltus_sweep_file_clear(&file);
     if (status == SALTUS_OK)
         printf("%s\n", request->output);

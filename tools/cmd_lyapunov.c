@@ -4,50 +4,28 @@
 
 #include "interrupt.h"
 
-#include <math.h>
-#include <unistd.h>
-
-#define PLACE(member) offsetof(cli_request, member)
-
-static const cli_option all = {"--all", CLI_FLAG, PLACE(all), 0,
-                               0,       0,        NULL,       "all exponents, not the largest one alone"};
-static const cli_option exponents = {
-    "--exponents", CLI_WHOLE, PLACE(exponents), 0, 1, 1000, "k", "the k largest exponents (default 1)"};
-static const cli_option precision = {"--precision",
-                                     CLI_REAL,
-                                     PLACE(precision),
-                                     0.01,
-                                     1e-9,
-                                     1,
-                                     "x",
-                                     "stop when the largest exponent's relative error is below x"};
-static const cli_option transient = {"--transient", CLI_WHOLE, PLACE(transient),          1000, 0,
-                                     1e12,          "n",       "periods before measuring"};
-static const cli_option periods = {
-    "--periods", CLI_WHOLE, PLACE(periods), 1e6, 1, 1e15, "n", "periods measured at most, all together"};
-static const cli_option members = {
-    "--members", CLI_WHOLE, PLACE(members), 8, 1, 64, "m", "trajectories that share the work"};
-static const cli_option interval = {"--interval",
-                                    CLI_REAL,
-                                    PLACE(interval),
-                                    0,
-                                    0,
-                                    1000,
-                                    "x",
-                                    "periods between orthonormalisations; 0: chosen from the growth"};
-static const cli_option seed = {
-    "--seed",    CLI_WHOLE,
-    PLACE(seed), 0,
-    0,           4294967295.0,
-    "s",         "seed of the first directions; other than 0 the start is disturbed, too"};
-static const cli_option rtol = {"--rtol", CLI_REAL, PLACE(rtol), 1e-10,
-                                1e-15,    1e-3,     "x",         "relative tolerance of the flow"};
-static const cli_option atol = {
-    "--atol", CLI_REAL, PLACE(atol), 1e-14, 0, 1, "x", "absolute tolerance of the flow, in displacements"};
-
+static const cli_option all = CLI_FLAG_OPTION("--all", all, "all exponents, not the largest one alone");
+static const cli_option exponents =
+    CLI_WHOLE_OPTION("--exponents", exponents, "k", 0, 1, 1000, "the k largest exponents (default 1)");
+static const cli_option precision =
+    CLI_REAL_OPTION("--precision", precision, "x", 0.01, 1e-9, 1,
+                    "stop when the largest exponent's relative error is below x");
+static const cli_option transient =
+    CLI_WHOLE_OPTION("--transient", transient, "n", 1000, 0, 1e12, "periods before measuring");
+static const cli_option periods =
+    CLI_WHOLE_OPTION("--periods", periods, "n", 1e6, 1, 1e15, "periods measured at most, all together");
+static const cli_option members =
+    CLI_WHOLE_OPTION("--members", members, "m", 8, 1, 64, "trajectories that share the work");
+static const cli_option interval =
+    CLI_REAL_OPTION("--interval", interval, "x", 0, 0, 1000,
+                    "periods between orthonormalisations; 0: chosen from the growth");
+static const cli_option seed =
+    CLI_WHOLE_OPTION("--seed", seed, "s", 0, 0, 4294967295.0,
+                     "seed of the first directions; other than 0 the start is disturbed, too");
 static const cli_option *const options[] = {
-    &cli_set, &all,      &exponents, &precision, &transient, &periods,        &members,    &interval,
-    &seed,    &cli_json, &cli_quiet, &rtol,      &atol,      &cli_integrator, &cli_output, NULL};
+    &cli_set,    &all,  &exponents, &precision, &transient,      &periods,        &members,
+    &interval,   &seed, &cli_json,  &cli_quiet, &cli_loose_rtol, &cli_loose_atol, &cli_integrator,
+    &cli_output, NULL};
 
 /* A measurement under way. */
 typedef struct watch {
@@ -95,51 +73,45 @@ static saltus_status choose(const cli_request *request, const saltus_system *sys
     return SALTUS_OK;
 }
 
-static saltus_status measure(const saltus_system *system, const double *state,
-                             const saltus_lyapunov_options *how, watch *w, saltus_message *message) {
-    if (w->shown)
-        fprintf(stderr, "settling: %lld periods", how->transient);
-    saltus_status status = saltus_lyapunov_run(system, state, how, &w->result, message);
-    if (w->shown)
-        fputs("\r\033[K", stderr);
-    return status;
-}
-
 /* The numbers first: a figure that cannot be drawn does not take them along. */
-static saltus_status deliver(const cli_request *request, const saltus_scene *scene,
-                             const saltus_system *system, const saltus_lyapunov_options *how,
-                             const saltus_lyapunov *result, saltus_message *message) {
-    (request->json ? saltus_write_lyapunov_json : saltus_write_lyapunov_text)(stdout, scene, system, how,
-                                                                              result);
+static saltus_status deliver(const cli_request *request, const cli_setup *setup,
+                             const saltus_lyapunov_options *how, const saltus_lyapunov *result,
+                             saltus_message *message) {
+    (request->json ? saltus_write_lyapunov_json : saltus_write_lyapunov_text)(stdout, &setup->scene,
+                                                                              setup->system, how, result);
     if (!request->output)
         return SALTUS_OK;
-    saltus_status status = saltus_write_convergence(scene, system, how, result, request->output, message);
+    saltus_status status =
+        saltus_write_convergence(&setup->scene, setup->system, how, result, request->output, message);
     if (status == SALTUS_OK && !request->json)
         printf("convergence: %s\n", request->output);
     return status;
 }
 
 static int run(const cli_request *request) {
-    saltus_scene scene;
-    saltus_system *system;
+    cli_setup setup;
     saltus_message message = {""};
     saltus_lyapunov_options how;
-    watch w = {.shown = !request->quiet && isatty(STDERR_FILENO) == 1};
-    double state[SALTUS_SCENE_STATE_MAX];
-    int code = cli_build(request, &scene, &system, state);
+    watch w = {.shown = cli_shows_progress(request)};
+    int code = cli_build(request, &setup);
     if (code != CLI_DONE)
         return code;
-    saltus_status status = choose(request, system, &w, &how, &message);
+    saltus_status status = choose(request, setup.system, &w, &how, &message);
     if (status == SALTUS_OK && request->output)
         status = saltus_convergence_check(request->output, &message);
+    if (status == SALTUS_OK) {
+        if (w.shown)
+            fprintf(stderr, "settling: %lld periods", how.transient);
+        status = saltus_lyapunov_run(setup.system, setup.start.state, &how, &w.result, &message);
+        if (w.shown)
+            fputs("\r\033[K", stderr);
+    }
     if (status == SALTUS_OK)
-        status = measure(system, state, &how, &w, &message);
-    if (status == SALTUS_OK)
-        status = deliver(request, &scene, system, &how, &w.result, &message);
+        status = deliver(request, &setup, &how, &w.result, &message);
     if (status == SALTUS_OK && w.interrupted)
         code = interrupt_report("the numbers rest on what was measured so far");
     saltus_lyapunov_clear(&w.result);
-    saltus_system_free(system);
+    saltus_system_free(setup.system);
     return status == SALTUS_OK ? code : cli_report(status, &message);
 }
 

@@ -4,41 +4,24 @@
 
 #include "interrupt.h"
 
-#include <unistd.h>
+static const cli_option periods =
+    CLI_WHOLE_OPTION("--periods", periods, "p", 0, 1, 1e6, "period of the orbit, in forcing periods");
+static const cli_option transient =
+    CLI_WHOLE_OPTION("--transient", transient, "n", 200, 0, 1e12,
+                     "without --from: periods of the flow before Newton's method begins");
+static const cli_option mirror =
+    CLI_FLAG_OPTION("--mirror", mirror, "begin with the mirror image of the start");
+static const cli_option segments =
+    CLI_WHOLE_OPTION("--segments", segments, "k", 0, 0, 100000, "shooting segments; 0: chosen");
+static const cli_option verbose = CLI_FLAG_OPTION("--verbose", verbose, "Newton's residuals on stderr");
 
-#define PLACE(member) offsetof(cli_request, member)
-
-static const cli_option periods = {
-    "--periods", CLI_WHOLE, PLACE(periods), 0, 1, 1e6, "p", "period of the orbit, in forcing periods"};
-static const cli_option transient = {"--transient",
-                                     CLI_WHOLE,
-                                     PLACE(transient),
-                                     200,
-                                     0,
-                                     1e12,
-                                     "n",
-                                     "without --from: periods of the flow before Newton's method begins"};
-static const cli_option mirror = {
-    "--mirror", CLI_FLAG, PLACE(mirror), 0, 0, 0, NULL, "begin with the mirror image of the start"};
-static const cli_option segments = {
-    "--segments", CLI_WHOLE, PLACE(segments), 0, 0, 100000, "k", "shooting segments; 0: chosen"};
-static const cli_option verbose = {"--verbose", CLI_FLAG, PLACE(verbose), 0,
-                                   0,           0,        NULL,           "Newton's residuals on stderr"};
-
-static const cli_option unstable = {
-    "--unstable",
-    CLI_FLAG,
-    PLACE(unstable),
-    0,
-    0,
-    0,
-    NULL,
-    "instead list all orbits, stable or not, of periods up to p (default 8) near the trajectory"};
-static const cli_option search = {
-    "--search", CLI_WHOLE, PLACE(search), 5000,
-    10,         1e9,       "n",           "with --unstable: periods searched for close returns"};
-static const cli_option most = {"--most", CLI_WHOLE, PLACE(most), 1000,
-                                1,        1e6,       "m",         "with --unstable: orbits at most"};
+static const cli_option unstable = CLI_FLAG_OPTION(
+    "--unstable", unstable,
+    "instead list all orbits, stable or not, of periods up to p (default 8) near the trajectory");
+static const cli_option search = CLI_WHOLE_OPTION("--search", search, "n", 5000, 10, 1e9,
+                                                  "with --unstable: periods searched for close returns");
+static const cli_option most =
+    CLI_WHOLE_OPTION("--most", most, "m", 1000, 1, 1e6, "with --unstable: orbits at most");
 
 static const cli_option *const options[] = {&cli_set,  &periods,  &cli_from, &transient,      &mirror,
                                             &unstable, &search,   &most,     &segments,       &cli_json,
@@ -49,55 +32,49 @@ static void print_step(void *context, int iteration, double residual, const char
     fprintf(stderr, "step %2d  residual %.3e  %s\n", iteration, residual, what);
 }
 
-static saltus_orbit_options shooting_options(const cli_request *request) {
+/* Where Newton's method begins: the settled trajectory or the file's orbit, or its mirror image. */
+static saltus_status prepare(const cli_request *request, cli_setup *setup, saltus_message *message) {
+    saltus_flow_options flow = cli_flow_options(request);
+    saltus_status status = SALTUS_OK;
+    if (!request->from)
+        status = saltus_motion_settle(setup->system, &flow, request->transient, setup->start.state, message);
+    if (status == SALTUS_OK && request->mirror)
+        status = saltus_motion_mirror(setup->system, &flow, setup->start.state, message);
+    return status;
+}
+
+static saltus_status find(const cli_request *request, const cli_setup *setup, int p,
+                          saltus_message *message) {
     saltus_orbit_options how = saltus_orbit_defaults();
-    how.flow = cli_flow_options(request);
+    saltus_classify_options describing = saltus_classify_defaults();
+    saltus_orbit orbit = {0};
+    saltus_motion motion = {0};
+    how.flow = describing.flow = cli_flow_options(request);
     how.segments = (int)request->segments;
     if (how.tolerance < 100 * how.flow.rtol)
         how.tolerance = 100 * how.flow.rtol;
     if (request->verbose)
         how.history = print_step;
-    return how;
-}
-
-/* Where Newton's method begins: the settled trajectory or the file's orbit, or its mirror image. */
-static saltus_status prepare(const cli_request *request, const saltus_system *system, double *state,
-                             saltus_message *message) {
-    saltus_flow_options flow = cli_flow_options(request);
-    saltus_status status = SALTUS_OK;
-    if (!request->from)
-        status = saltus_motion_settle(system, &flow, request->transient, state, message);
-    if (status == SALTUS_OK && request->mirror)
-        status = saltus_motion_mirror(system, &flow, state, message);
-    return status;
-}
-
-static saltus_status find(const cli_request *request, const saltus_scene *scene, const saltus_system *system,
-                          int p, const double *state, saltus_message *message) {
-    saltus_orbit_options how = shooting_options(request);
-    saltus_classify_options describing = saltus_classify_defaults();
-    saltus_orbit orbit = {0};
-    saltus_motion motion = {0};
-    describing.flow = how.flow;
-    saltus_status status = saltus_orbit_find(system, p, state, &how, &orbit, message);
+    saltus_status status = saltus_orbit_find(setup->system, p, setup->start.state, &how, &orbit, message);
     if (status == SALTUS_OK)
-        status = saltus_motion_describe(system, &orbit, &describing, &motion, message);
+        status = saltus_motion_describe(setup->system, &orbit, &describing, &motion, message);
     if (status == SALTUS_OK)
-        (request->json ? saltus_write_motion_json : saltus_write_motion_text)(stdout, scene, system, &motion);
+        (request->json ? saltus_write_motion_json : saltus_write_motion_text)(stdout, &setup->scene,
+                                                                              setup->system, &motion);
     saltus_motion_clear(&motion);
     saltus_orbit_clear(&orbit);
     return status;
 }
 
-/* A scene without forcing rests. */
-static saltus_status find_rest(const cli_request *request, const saltus_scene *scene,
-                               const saltus_system *system, const double *state, saltus_message *message) {
+/* A scene without forcing: an equilibrium. */
+static saltus_status find_equilibrium(const cli_request *request, const cli_setup *setup,
+                                      saltus_message *message) {
     saltus_equilibrium_options how = saltus_equilibrium_defaults();
     saltus_equilibrium rest = {0};
-    saltus_status status = saltus_equilibrium_find(system, state, &how, &rest, message);
+    saltus_status status = saltus_equilibrium_find(setup->system, setup->start.state, &how, &rest, message);
     if (status == SALTUS_OK)
-        (request->json ? saltus_write_equilibrium_json : saltus_write_equilibrium_text)(stdout, scene, system,
-                                                                                        &rest);
+        (request->json ? saltus_write_equilibrium_json : saltus_write_equilibrium_text)(stdout, &setup->scene,
+                                                                                        setup->system, &rest);
     saltus_equilibrium_clear(&rest);
     return status;
 }
@@ -110,67 +87,63 @@ static bool show_share(void *context, double done) {
 }
 
 /* One JSON object per line and orbit, as classify writes it. */
-static saltus_status write_lines(const saltus_scene *scene, const saltus_system *system,
-                                 const saltus_flow_options *flow, const saltus_harvest *harvest,
-                                 saltus_message *message) {
+static saltus_status write_lines(const cli_setup *setup, const saltus_flow_options *flow,
+                                 const saltus_harvest *harvest, saltus_message *message) {
     saltus_classify_options describing = saltus_classify_defaults();
     saltus_status status = SALTUS_OK;
     describing.flow = *flow;
     describing.flow.stop = NULL; /* what has been found is told */
     for (int k = 0; k < harvest->count && status == SALTUS_OK; k++) {
         saltus_motion motion = {0};
-        status = saltus_motion_describe(system, &harvest->orbits[k].orbit, &describing, &motion, message);
+        status =
+            saltus_motion_describe(setup->system, &harvest->orbits[k].orbit, &describing, &motion, message);
         if (status == SALTUS_OK)
-            saltus_write_motion_json(stdout, scene, system, &motion);
+            saltus_write_motion_json(stdout, &setup->scene, setup->system, &motion);
         saltus_motion_clear(&motion);
     }
     return status;
 }
 
-static saltus_status harvest(const cli_request *request, const saltus_scene *scene,
-                             const saltus_system *system, const double *state, saltus_message *message) {
+static saltus_status harvest(const cli_request *request, const cli_setup *setup, saltus_message *message) {
     saltus_harvest_options how = saltus_harvest_defaults();
     saltus_harvest found = {0};
-    bool terminal = isatty(STDERR_FILENO);
+    bool terminal = cli_shows_progress(request);
     how.flow = cli_flow_options(request);
     how.longest = request->periods ? (int)request->periods : how.longest;
     how.transient = request->transient;
     how.periods = request->search;
     how.most = (int)request->most;
-    how.state = state;
+    how.state = setup->start.state;
     how.progress = terminal ? show_share : NULL;
-    saltus_status status = saltus_harvest_run(system, &how, &found, message);
+    saltus_status status = saltus_harvest_run(setup->system, &how, &found, message);
     if (terminal)
         fprintf(stderr, "\r%20s\r", "");
     if (status == SALTUS_OK && request->json)
-        status = write_lines(scene, system, &how.flow, &found, message);
+        status = write_lines(setup, &how.flow, &found, message);
     else if (status == SALTUS_OK)
-        saltus_write_harvest_text(stdout, scene, system, &found);
+        saltus_write_harvest_text(stdout, &setup->scene, setup->system, &found);
     saltus_harvest_clear(&found);
     return status;
 }
 
 static int run(const cli_request *request) {
-    saltus_scene scene;
-    saltus_system *system;
+    cli_setup setup;
     saltus_message message = {""};
-    saltus_start start = {.periods = 0};
-    int code = request->from ? cli_build_from(request, &scene, &system, &start)
-                             : cli_build(request, &scene, &system, start.state);
+    int code = cli_build(request, &setup);
     if (code != CLI_DONE)
         return code;
-    bool forced = saltus_system_forced(system);
-    int p = request->periods ? (int)request->periods : start.periods;
+    bool forced = saltus_system_forced(setup.system);
+    int p = request->periods ? (int)request->periods : setup.start.periods;
     saltus_status status = SALTUS_OK;
     if (!p && forced && !request->unstable)
         status = saltus_fail(&message, SALTUS_BAD_INPUT, "orbit: needs --periods p, or --from an orbit");
     if (status == SALTUS_OK && !request->unstable)
-        status = prepare(request, system, start.state, &message);
+        status = prepare(request, &setup, &message);
     if (status == SALTUS_OK)
-        status = request->unstable ? harvest(request, &scene, system, start.state, &message)
-                 : forced          ? find(request, &scene, system, p, start.state, &message)
-                                   : find_rest(request, &scene, system, start.state, &message);
-    saltus_system_free(system);
+        status = request->unstable ? harvest(request, &setup, &message)
+                 : forced          ? find(request, &setup, p, &message)
+                                   : find_equilibrium(request, &setup, &message);
+    saltus_system_free(setup.system);
     if (status == SALTUS_OK && request->unstable && interrupt_asked())
         return interrupt_report("these are the orbits found so far");
     return cli_report(status, &message);

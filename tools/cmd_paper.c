@@ -12,18 +12,14 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#define PLACE(member) offsetof(cli_request, member)
-
-static const cli_option figure = {"--figure", CLI_TEXT, PLACE(figure), 0,
-                                  0,          0,        "n",           "this figure only, 2 to 8"};
-static const cli_option folder = {"-o", CLI_TEXT, PLACE(output), 0,
-                                  0,    0,        "folder",      "where figures and data go (default paper)"};
-static const cli_option format = {"--format", CLI_TEXT, PLACE(format), 0,
-                                  0,          0,        "ending",      "png, pdf or svg (default png)"};
-static const cli_option quick = {
-    "--quick", CLI_FLAG, PLACE(quick), 0, 0, 0, NULL, "fewer values and shorter runs, to try it"};
-static const cli_option resume = {
-    "--resume", CLI_FLAG, PLACE(resume), 0, 0, 0, NULL, "go on where an earlier run was interrupted"};
+static const cli_option figure = CLI_TEXT_OPTION("--figure", figure, "n", "this figure only, 2 to 8");
+static const cli_option folder =
+    CLI_TEXT_OPTION("-o", output, "folder", "where figures and data go (default paper)");
+static const cli_option format =
+    CLI_TEXT_OPTION("--format", format, "ending", "png, pdf or svg (default png)");
+static const cli_option quick = CLI_FLAG_OPTION("--quick", quick, "fewer values and shorter runs, to try it");
+static const cli_option resume =
+    CLI_FLAG_OPTION("--resume", resume, "go on where an earlier run was interrupted");
 
 static const cli_option *const options[] = {&figure, &folder, &format, &quick, &resume, &cli_quiet, NULL};
 
@@ -165,25 +161,19 @@ static bool enter(const char *path) {
     return false;
 }
 
-static bool check(const cli_request *request) {
-    const char *f = request->figure, *e = request->format;
-    if (f && (f[0] < '2' || f[0] > '8' || f[1])) {
-        fprintf(stderr, "saltus: --figure %s: must be from 2 to 8\n", f);
-        return false;
-    }
-    if (e && strcmp(e, "png") != 0 && strcmp(e, "pdf") != 0 && strcmp(e, "svg") != 0) {
-        fprintf(stderr, "saltus: --format %s: must be png, pdf or svg\n", e);
-        return false;
-    }
-    return true;
-}
-
 static int run(const cli_request *request) {
+    static const char *const formats[] = {"png", "pdf", "svg", NULL};
+    const char *number = request->figure;
+    int chosen = 0;
     if (request->input_count) {
         fprintf(stderr, "saltus: %s: unexpected; paper takes options only\n", request->inputs[0]);
         return CLI_BAD_INPUT;
     }
-    if (!check(request))
+    if (number && (number[0] < '2' || number[0] > '8' || number[1])) {
+        fprintf(stderr, "saltus: --figure %s: must be from 2 to 8\n", number);
+        return CLI_BAD_INPUT;
+    }
+    if (!cli_choose(&format, request->format, formats, &chosen))
         return CLI_BAD_INPUT;
     if (!enter(request->output ? request->output : "paper"))
         return CLI_FAILED;

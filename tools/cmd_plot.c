@@ -6,57 +6,27 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const cli_option show = {
-    "--show",
-    CLI_TEXT,
-    offsetof(cli_request, show),
-    0,
-    0,
-    0,
-    "what",
-    "speed (largest of an orbit), impacts (the speed of each), displacement, velocity or period"};
+static const cli_option show = CLI_TEXT_OPTION(
+    "--show", show, "what",
+    "speed (largest of an orbit), impacts (the speed of each), displacement, velocity or period");
 
-static const cli_option range = {"--range",
-                                 CLI_LIST,
-                                 offsetof(cli_request, parts),
-                                 0,
-                                 0,
-                                 0,
-                                 "key=lo:hi",
-                                 "part of a parameter's range to draw; once for each parameter, and for a "
-                                 "sweep's view (its name as key)"};
+static const cli_option range = CLI_LIST_OPTION(
+    "--range", parts, "key=lo:hi",
+    "part of a parameter's range to draw; once for each parameter, and for a sweep's view (its name as key)");
 
-static const cli_option label = {"--label",
-                                 CLI_LIST,
-                                 offsetof(cli_request, labels),
-                                 0,
-                                 0,
-                                 0,
-                                 "place,text",
-                                 "write text in the plane, such as omega=42,d=0.035,4/4; may be repeated"};
+static const cli_option label =
+    CLI_LIST_OPTION("--label", labels, "place,text",
+                    "write text in the plane, such as omega=42,d=0.035,4/4; may be repeated");
 
-static const cli_option view = {
-    "--view",
-    CLI_TEXT,
-    offsetof(cli_request, view),
-    0,
-    0,
-    0,
-    "name",
-    "of a sweep: turning, impacts, stroboscopic (over one axis), class, attractors, largest, speed, rate, "
-    "contact, lyapunov or settled"};
+static const cli_option view =
+    CLI_TEXT_OPTION("--view", view, "name",
+                    "of a sweep: turning, impacts, stroboscopic (over one axis), class, attractors, largest, "
+                    "speed, rate, contact, lyapunov or settled");
 
-static const cli_option title = {"--title", CLI_TEXT, offsetof(cli_request, title), 0, 0,
-                                 0,         "text",   "heading of a sweep's figure"};
+static const cli_option title = CLI_TEXT_OPTION("--title", title, "text", "heading of a sweep's figure");
 
-static const cli_option over = {"--over",
-                                CLI_LIST,
-                                offsetof(cli_request, over),
-                                0,
-                                0,
-                                0,
-                                "branch.h5",
-                                "draw a file of saltus continue over a sweep's diagram; may be repeated"};
+static const cli_option over = CLI_LIST_OPTION(
+    "--over", over, "branch.h5", "draw a file of saltus continue over a sweep's diagram; may be repeated");
 
 static const cli_option *const options[] = {&cli_output, &show, &range, &label, &view, &title, &over, NULL};
 
@@ -66,47 +36,10 @@ typedef struct plot_wishes {
     saltus_plot_label labels[CLI_LIST_MAX];
 } plot_wishes;
 
-static bool read_show(const char *text, saltus_show *wanted) {
-    static const char *const words[] = {[SALTUS_SHOW_SPEED] = "speed",
-                                        [SALTUS_SHOW_IMPACTS] = "impacts",
-                                        [SALTUS_SHOW_DISPLACEMENT] = "displacement",
-                                        [SALTUS_SHOW_VELOCITY] = "velocity",
-                                        [SALTUS_SHOW_PERIOD] = "period"};
-    *wanted = SALTUS_SHOW_AUTOMATIC;
-    for (int k = SALTUS_SHOW_SPEED; text && k <= SALTUS_SHOW_PERIOD; k++)
-        if (strcmp(text, words[k]) == 0)
-            *wanted = (saltus_show)k;
-    if (!text || *wanted != SALTUS_SHOW_AUTOMATIC)
-        return true;
-    fprintf(stderr, "saltus: --show %s: must be speed, impacts, displacement, velocity or period\n", text);
-    return false;
-}
-
-static bool read_view(const char *text, saltus_view *wanted) {
-    static const char *const words[] = {[SALTUS_VIEW_TURNING] = "turning",
-                                        [SALTUS_VIEW_IMPACTS] = "impacts",
-                                        [SALTUS_VIEW_STROBOSCOPIC] = "stroboscopic",
-                                        [SALTUS_VIEW_CLASS] = "class",
-                                        [SALTUS_VIEW_ATTRACTORS] = "attractors",
-                                        [SALTUS_VIEW_LARGEST] = "largest",
-                                        [SALTUS_VIEW_SPEED] = "speed",
-                                        [SALTUS_VIEW_RATE] = "rate",
-                                        [SALTUS_VIEW_CONTACT] = "contact",
-                                        [SALTUS_VIEW_LYAPUNOV] = "lyapunov",
-                                        [SALTUS_VIEW_SETTLED] = "settled"};
-    *wanted = SALTUS_VIEW_AUTOMATIC;
-    for (int k = SALTUS_VIEW_TURNING; text && k <= SALTUS_VIEW_SETTLED; k++)
-        if (strcmp(text, words[k]) == 0)
-            *wanted = (saltus_view)k;
-    if (!text || *wanted != SALTUS_VIEW_AUTOMATIC)
-        return true;
-    fprintf(
-        stderr,
-        "saltus: --view %s: must be turning, impacts, stroboscopic, class, attractors, largest, speed, rate, "
-        "contact, lyapunov or settled\n",
-        text);
-    return false;
-}
+/* The words of saltus_show and saltus_view, in their order after the automatic choice. */
+static const char *const shows[] = {"speed", "impacts", "displacement", "velocity", "period", NULL};
+static const char *const views[] = {"turning", "impacts", "stroboscopic", "class",    "attractors", "largest",
+                                    "speed",   "rate",    "contact",      "lyapunov", "settled",    NULL};
 
 /* "key=value," at the beginning of a text; what follows it, or NULL. */
 static const char *read_place(const char *text, char key[SALTUS_KEY_MAX], double *value) {
@@ -123,7 +56,7 @@ static const char *read_place(const char *text, char key[SALTUS_KEY_MAX], double
 static bool read_wishes(const cli_request *request, plot_wishes *wishes) {
     for (int k = 0; k < request->parts.count; k++) {
         saltus_plot_part *part = &wishes->parts[k];
-        if (!cli_parse_range(range.name, request->parts.items[k], part->key, &part->low, &part->high))
+        if (!cli_parse_range(&range, request->parts.items[k], part->key, &part->low, &part->high))
             return false;
     }
     for (int k = 0; k < request->labels.count; k++) {
@@ -149,8 +82,10 @@ static int draw_sweep(const cli_request *request, const plot_wishes *wishes) {
                              .part_count = request->parts.count,
                              .branches = request->over.items,
                              .branch_count = request->over.count};
-    if (!read_view(request->view, &how.view))
+    int chosen = -1;
+    if (!cli_choose(&view, request->view, views, &chosen))
         return CLI_BAD_INPUT;
+    how.view = (saltus_view)(chosen + 1);
     if (request->input_count > 1 || request->show || request->labels.count) {
         fprintf(stderr, "saltus: plot: --view, --title and --over are of one sweep, --show and --label of "
                         "files of saltus continue\n");
@@ -166,14 +101,16 @@ static int run(const cli_request *request) {
     saltus_message message = {""};
     saltus_plot_options how = saltus_plot_defaults();
     plot_wishes wishes;
+    int chosen = -1;
     if (!request->input_count || !request->output) {
         fprintf(stderr, "saltus: plot: needs a file and -o figure.png, figure.pdf or figure.svg\n");
         return CLI_BAD_INPUT;
     }
-    if (!read_show(request->show, &how.show) || !read_wishes(request, &wishes))
+    if (!cli_choose(&show, request->show, shows, &chosen) || !read_wishes(request, &wishes))
         return CLI_BAD_INPUT;
     if (request->view || request->title || request->over.count)
         return draw_sweep(request, &wishes);
+    how.show = (saltus_show)(chosen + 1);
     how.parts = wishes.parts;
     how.part_count = request->parts.count;
     how.labels = wishes.labels;

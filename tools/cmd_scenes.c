@@ -39,22 +39,21 @@ static void print_stop(const saltus_stop *stop, int number, bool by_xi) {
 }
 
 static int check_scene(const cli_request *request) {
-    saltus_scene scene;
-    saltus_system *system;
-    double state[SALTUS_SCENE_STATE_MAX];
-    int code = cli_build(request, &scene, &system, state), count;
+    cli_setup setup;
+    int code = cli_build(request, &setup), count;
     if (code != CLI_DONE)
         return code;
-    const saltus_parameter *table = saltus_model_parameters(scene.spec.model, &count);
-    printf("%s: ok\nmodel: %s (%s)\n", scene.name, saltus_model_name(scene.spec.model),
-           saltus_model_summary(scene.spec.model));
+    const saltus_spec *spec = &setup.scene.spec;
+    const saltus_parameter *table = saltus_model_parameters(spec->model, &count);
+    printf("%s: ok\nmodel: %s (%s)\n", setup.scene.name, saltus_model_name(spec->model),
+           saltus_model_summary(spec->model));
     for (int k = 0; k < count; k++)
-        printf("  %-6s %-12.9g %s\n", table[k].name, scene.spec.parameters[k], table[k].meaning);
-    for (int s = 0; s < scene.spec.stop_count; s++)
-        print_stop(&scene.spec.stops[s], s + 1, strcmp(saltus_model_name(scene.spec.model), "pipe") == 0);
-    printf("forcing period T = %.15g, integrator %s\n", saltus_system_period(system),
-           saltus_system_integrator(system));
-    saltus_system_free(system);
+        printf("  %-6s %-12.9g %s\n", table[k].name, spec->parameters[k], table[k].meaning);
+    for (int s = 0; s < spec->stop_count; s++)
+        print_stop(&spec->stops[s], s + 1, strcmp(saltus_model_name(spec->model), "pipe") == 0);
+    printf("forcing period T = %.15g, integrator %s\n", saltus_system_period(setup.system),
+           saltus_system_integrator(setup.system));
+    saltus_system_free(setup.system);
     return CLI_DONE;
 }
 

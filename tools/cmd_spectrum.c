@@ -4,49 +4,20 @@
 
 #include "interrupt.h"
 
-#include <string.h>
-
-#define PLACE(member) offsetof(cli_request, member)
-
-static const cli_option of = {
-    "--of", CLI_LIST, PLACE(of), 0,
-    0,      0,        "what",    "displacement, velocity, q3 or v2; at most two (default the first two)"};
-static const cli_option periods = {"--periods",
-                                   CLI_WHOLE,
-                                   PLACE(periods),
-                                   0,
-                                   1,
-                                   1e6,
-                                   "n",
-                                   "periods to analyse, otherwise 8 orbits or 2048 periods without one"};
-static const cli_option segment = {"--segment",
-                                   CLI_WHOLE,
-                                   PLACE(segment),
-                                   0,
-                                   1,
-                                   1e6,
-                                   "m",
-                                   "periods in a segment of Welch's method, then for periodic motion too"};
-static const cli_option samples = {"--samples",
-                                   CLI_WHOLE,
-                                   PLACE(samples),
-                                   0,
-                                   16,
-                                   65536,
-                                   "k",
-                                   "samples per period, a multiple of 4; otherwise chosen by what aliases"};
+static const cli_option of = CLI_LIST_OPTION(
+    "--of", of, "what", "displacement, velocity, q3 or v2; at most two (default the first two)");
+static const cli_option periods =
+    CLI_WHOLE_OPTION("--periods", periods, "n", 0, 1, 1e6,
+                     "periods to analyse, otherwise 8 orbits or 2048 periods without one");
+static const cli_option segment =
+    CLI_WHOLE_OPTION("--segment", segment, "m", 0, 1, 1e6,
+                     "periods in a segment of Welch's method, then for periodic motion too");
+static const cli_option samples =
+    CLI_WHOLE_OPTION("--samples", samples, "k", 0, 16, 65536,
+                     "samples per period, a multiple of 4; otherwise chosen by what aliases");
 static const cli_option *const options[] = {
     &cli_set,  &of,       &periods,       &segment,     &samples,        &cli_json,  &cli_output,
     &cli_rtol, &cli_atol, &cli_transient, &cli_longest, &cli_integrator, &cli_quiet, NULL};
-
-static bool known_ending(const char *path) {
-    static const char *const endings[] = {".png", ".pdf", ".svg", ".csv"};
-    const char *dot = strrchr(path, '.');
-    for (size_t k = 0; dot && k < sizeof endings / sizeof endings[0]; k++)
-        if (strcmp(dot, endings[k]) == 0)
-            return true;
-    return false;
-}
 
 /* What is asked for, checked before anything is computed. */
 static saltus_status read_wishes(const cli_request *request, const saltus_system *system,
@@ -56,9 +27,11 @@ static saltus_status read_wishes(const cli_request *request, const saltus_system
     wishes->per_period = (int)request->samples;
     wishes->periods = request->periods;
     wishes->segment = request->segment;
-    if (request->output && !known_ending(request->output))
+    const char *output = request->output;
+    if (output && !cli_ends_in(output, ".png") && !cli_ends_in(output, ".pdf") &&
+        !cli_ends_in(output, ".svg") && !cli_ends_in(output, ".csv"))
         return saltus_fail(message, SALTUS_BAD_INPUT,
-                           "-o %.300s: the ending must be .png, .pdf, .svg or .csv", request->output);
+                           "-o %.300s: the ending must be .png, .pdf, .svg or .csv", output);
     if (request->samples % 4)
         return saltus_fail(message, SALTUS_BAD_INPUT, "--samples %ld: must be a multiple of 4",
                            request->samples);
@@ -74,8 +47,9 @@ static saltus_status read_wishes(const cli_request *request, const saltus_system
     return SALTUS_OK;
 }
 
-static saltus_status analyse(const cli_request *request, const saltus_scene *scene,
-                             const saltus_system *system, const double *state, saltus_message *message) {
+static saltus_status analyse(const cli_request *request, const cli_setup *setup, saltus_message *message) {
+    const saltus_scene *scene = &setup->scene;
+    const saltus_system *system = setup->system;
     saltus_classify_options how = cli_classify_options(request);
     saltus_spectrum_options wishes;
     saltus_motion motion = {0};
@@ -83,7 +57,7 @@ static saltus_status analyse(const cli_request *request, const saltus_scene *sce
     saltus_status status = read_wishes(request, system, &wishes, message);
     how.measure = saltus_classify_defaults().measure;
     if (status == SALTUS_OK)
-        status = saltus_classify(system, state, &how, &motion, message);
+        status = saltus_classify(system, setup->start.state, &how, &motion, message);
     cli_progress_end(request);
     if (status == SALTUS_OK && interrupt_asked() && !saltus_verdict_settled(motion.verdict))
         status = SALTUS_INTERRUPTED;
@@ -103,15 +77,13 @@ static saltus_status analyse(const cli_request *request, const saltus_scene *sce
 }
 
 static int run(const cli_request *request) {
-    saltus_scene scene;
-    saltus_system *system;
+    cli_setup setup;
     saltus_message message = {""};
-    double state[SALTUS_SCENE_STATE_MAX];
-    int code = cli_build(request, &scene, &system, state);
+    int code = cli_build(request, &setup);
     if (code != CLI_DONE)
         return code;
-    saltus_status status = analyse(request, &scene, system, state, &message);
-    saltus_system_free(system);
+    saltus_status status = analyse(request, &setup, &message);
+    saltus_system_free(setup.system);
     return cli_report(status, &message);
 }
 

@@ -6,8 +6,8 @@
 #include <time.h>
 #include <unistd.h>
 
-/* Seconds between two pictures of the bar, between two lines at least and at most, and the memory of the
- * rate. */
+/* Seconds between two drawings of the bar; between two lines, at least and at most; after which the rate
+ * forgets. */
 static const double bar_pause = 0.25, line_pause = 2, line_patience = 30, memory = 15;
 
 double progress_clock(void) {

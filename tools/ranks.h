@@ -13,7 +13,7 @@
 /* Take part, where several ranks were started. All but the first fall silent: what goes wrong on them is told
  * by packet. False after a message. To be called before the program has threads. */
 bool ranks_join(void);
-/* Part again at the end of the program, whether joined or not. */
+/* At the end of the program, whether joined or not. */
 void ranks_leave(void);
 /* How many there are, and which of them this is, from 0. */
 int ranks_count(void);
@@ -27,13 +27,13 @@ typedef struct ranks_packet {
     void *bytes; /* to be freed by the receiver */
 } ranks_packet;
 
-/* Letters on their way out. Zeroed, it is empty. */
+/* Packets on their way out. Zeroed, it is empty. */
 typedef struct ranks_outbox {
     struct ranks_outgoing *first;
     size_t bytes;
 } ranks_outbox;
 
-/* Send a copy of `size` bytes. Letters of one kind, a small number from 0, arrive in the order in which they
+/* Send a copy of `size` bytes. Packets of one kind, a small number from 0, arrive in the order in which they
  * were sent. Errors: SALTUS_NO_MEMORY, SALTUS_BAD_INPUT (over 2 GB). */
 saltus_status ranks_send(ranks_outbox *outbox, int to, int kind, const void *bytes, size_t size,
                          saltus_message *message);

@@ -278,8 +278,8 @@ static int conclude(sweep_exchange *exchange, saltus_status status, const saltus
     return CLI_FAILED;
 }
 
-static int run_desk(sweep_exchange *exchange, saltus_status status, saltus_message *message,
-                    sweep_report *report) {
+static int run_exchange(sweep_exchange *exchange, saltus_status status, saltus_message *message,
+                        sweep_report *report) {
     saltus_message closing = {""};
     unsigned char *marks = NULL;
     bool together = exchange->ranks > 1;
@@ -317,7 +317,7 @@ static void free_outbox(sweep_exchange *exchange) {
     }
 }
 
-static void prepare_desk(sweep_exchange *exchange, const sweep_order *order, int ranks) {
+static void open_exchange(sweep_exchange *exchange, const sweep_order *order, int ranks) {
     enum { usual_lanes = 8 };
     pthread_condattr_t clock;
     exchange->order = order;
@@ -346,9 +346,9 @@ int run_sweep(const sweep_order *order, saltus_status status, const saltus_messa
     sweep_rank *known = calloc((size_t)report->ranks, sizeof *known);
     int code = CLI_FAILED;
     if (exchange && known) {
-        prepare_desk(exchange, order, report->ranks);
+        open_exchange(exchange, order, report->ranks);
         exchange->known = known;
-        code = run_desk(exchange, status, &message, report);
+        code = run_exchange(exchange, status, &message, report);
         free_outbox(exchange);
         pthread_mutex_destroy(&exchange->writing);
         pthread_mutex_destroy(&exchange->lock);

@@ -6,42 +6,21 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define PLACE(member) offsetof(cli_request, member)
-
-const cli_option sweep_over = {
-    "--over",
-    CLI_LIST,
-    PLACE(over),
-    0,
-    0,
-    0,
-    "key=values",
-    "an axis: key=lo:hi:n, key=lo:hi:n:log or key=v1,v2,...; once or twice, the first runs fastest"};
-const cli_option sweep_at_most = {
-    "--at-most", CLI_WHOLE, PLACE(most), 2000,
-    1,           1e9,       "n",         "periods to wait at most until the least period is certain"};
-const cli_option sweep_record = {
-    "--record", CLI_WHOLE, PLACE(record), 100, 1, 1e9, "k", "periods recorded of a motion without a period"};
-const cli_option sweep_longest = {
-    "--longest", CLI_WHOLE, PLACE(longest), 20, 1, 256, "p", "longest period looked for"};
-const cli_option sweep_lanes = {
-    "--lanes", CLI_WHOLE, PLACE(lanes), -1, 1, 64, "k", "trajectories side by side on a core, at most"};
-const cli_option sweep_threads = {"--threads",
-                                  CLI_WHOLE,
-                                  PLACE(threads),
-                                  -1,
-                                  1,
-                                  4096,
-                                  "k",
-                                  "threads, of each process where several run together (default: all cores)"};
-const cli_option sweep_rtol = {"--rtol", CLI_REAL, PLACE(rtol), 1e-10,
-                               1e-15,    1e-3,     "x",         "relative tolerance of the flow"};
-const cli_option sweep_atol = {
-    "--atol", CLI_REAL, PLACE(atol), 1e-14, 0, 1, "x", "absolute tolerance of the flow, in displacements"};
-const cli_option sweep_resume = {
-    "--resume", CLI_FLAG, PLACE(resume), 0, 0, 0, NULL, "go on with the interrupted run in the file of -o"};
-const cli_option sweep_json = {"--json", CLI_FLAG, PLACE(json), 0,
-                               0,        0,        NULL,        "a summary as one JSON object on stdout"};
+const cli_option sweep_over = CLI_LIST_OPTION(
+    "--over", over, "key=values",
+    "an axis: key=lo:hi:n, key=lo:hi:n:log or key=v1,v2,...; once or twice, the first runs fastest");
+const cli_option sweep_at_most = CLI_WHOLE_OPTION(
+    "--at-most", most, "n", 2000, 1, 1e9, "periods to wait at most until the least period is certain");
+const cli_option sweep_record =
+    CLI_WHOLE_OPTION("--record", record, "k", 100, 1, 1e9, "periods recorded of a motion without a period");
+const cli_option sweep_longest =
+    CLI_WHOLE_OPTION("--longest", longest, "p", 20, 1, 256, "longest period looked for");
+const cli_option sweep_lanes =
+    CLI_WHOLE_OPTION("--lanes", lanes, "k", -1, 1, 64, "trajectories side by side on a core, at most");
+const cli_option sweep_threads =
+    CLI_WHOLE_OPTION("--threads", threads, "k", -1, 1, 4096,
+                     "threads, of each process where several run together (default: all cores)");
+const cli_option sweep_json = CLI_FLAG_OPTION("--json", json, "a summary as one JSON object on stdout");
 
 saltus_sweep_options sweep_read_options(const cli_request *request) {
     saltus_sweep_options o = saltus_sweep_defaults();

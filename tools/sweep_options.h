@@ -6,7 +6,7 @@
 #include "cli.h"
 
 extern const cli_option sweep_over, sweep_at_most, sweep_record, sweep_longest, sweep_lanes, sweep_threads,
-    sweep_rtol, sweep_atol, sweep_resume, sweep_json;
+    sweep_json;
 
 /* The options of a sweep from the command line: flow, times, lanes, threads. `json` and others are the
  * caller's. */

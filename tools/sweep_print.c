@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "sweep_print.h"
 
-#include "cli.h"
+#include "run_sweep.h"
+#include "sweep_options.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -15,11 +16,6 @@ typedef struct share {
     int attractor;
     long long count;
 } share;
-
-static bool ends_in(const char *path, const char *ending) {
-    size_t length = strlen(path), part = strlen(ending);
-    return length > part && strcmp(path + length - part, ending) == 0;
-}
 
 /* A string of JSON; file and scene names may hold anything. */
 static void put_string(const char *text) {
@@ -194,7 +190,7 @@ static saltus_status print_report(const sweep_order *order, sweep_report *report
     saltus_sweep_file file = {.row_count = 0};
     share *shares = NULL;
     saltus_status status = SALTUS_OK;
-    bool read = (order->basins || report->computed < report->rows) && ends_in(order->path, ".h5");
+    bool read = (order->basins || report->computed < report->rows) && cli_ends_in(order->path, ".h5");
     if (read)
         status = saltus_sweep_file_read(order->path, &file, message);
     if (read && status == SALTUS_OK && report->computed < report->rows)
@@ -214,11 +210,21 @@ static saltus_status print_report(const sweep_order *order, sweep_report *report
     return status;
 }
 
-int sweep_finish(const sweep_order *order, saltus_status status, bool json, saltus_message *message) {
+int sweep_command(const cli_request *request, bool basins, saltus_status status, const saltus_scene *scene,
+                  const saltus_sweep_options *options, saltus_message *message) {
+    saltus_sweep *sweep = NULL;
     sweep_report report;
-    int code = run_sweep(order, status, message, &report);
+    if (status == SALTUS_OK)
+        status = sweep_make(request, scene, options, &sweep, message);
+    const sweep_order order = {.sweep = sweep,
+                               .path = request->output,
+                               .basins = basins,
+                               .resume = request->resume,
+                               .quiet = request->quiet};
+    int code = run_sweep(&order, status, message, &report);
     if (code == CLI_DONE && report.first)
-        code = cli_report(print_report(order, &report, json, message), message);
+        code = cli_report(print_report(&order, &report, request->json, message), message);
     sweep_tally_clear(&report.tally);
+    saltus_sweep_free(sweep);
     return code;
 }
