@@ -9,7 +9,7 @@
 extern "C" {
 #endif
 
-enum { SALTUS_SCENE_STATE_MAX = 160 };
+enum { SALTUS_SCENE_STATE_MAX = SALTUS_STATE_MAX };
 
 /* A scene as read: plain values, owned by the caller, to be changed with saltus_scene_set and handed to
  * saltus_system_new as `spec`. */

@@ -66,7 +66,8 @@ void saltus_dense_lu_close(saltus_dense_lu *lu) {
     *lu = (saltus_dense_lu){0};
 }
 
-/* Scale rows and columns by powers of two; false where a row or column is zero. */
+/* Scale rows and columns by powers of two; false where a row or column is zero. The row-major matrix is its
+ * transpose in LAPACK's eyes: rows and columns here are those of the transpose. */
 static bool equilibrate(saltus_dense_lu *lu) {
     int n = lu->n;
     double rows, columns, largest;
@@ -79,7 +80,6 @@ static bool equilibrate(saltus_dense_lu *lu) {
     return true;
 }
 
-/* The row-major matrix is its transpose in LAPACK's eyes, and so are rows and columns here. */
 bool saltus_dense_finite(const double *a, size_t count) {
     for (size_t i = 0; i < count; i++)
         if (!isfinite(a[i]))
@@ -202,28 +202,23 @@ void saltus_dense_qr(double *a, int n, double *q, double *work) {
 
 enum { block_columns = 32 };
 
-int saltus_dense_orthonormal_work(int n, int count) {
-    (void)n;
+int saltus_dense_orthonormal_work(int count) {
     return count + block_columns * count;
-}
-
-static bool normalise(double *vector, int n, double *length) {
-    double square = 0;
-    for (int i = 0; i < n; i++)
-        square += vector[i] * vector[i];
-    *length = sqrt(square);
-    for (int i = 0; i<n && * length> 0; i++)
-        vector[i] /= *length;
-    return isfinite(*length);
 }
 
 bool saltus_dense_orthonormal(double *vectors, int n, int count, double *length, double *work) {
     double *tau = work;
-    if (count == 1)
-        return normalise(vectors, n, length);
-    for (int k = 0; k < n * count; k++)
-        if (!isfinite(vectors[k]))
-            return false;
+    if (count == 1) {
+        double square = 0;
+        for (int i = 0; i < n; i++)
+            square += vectors[i] * vectors[i];
+        *length = sqrt(square);
+        for (int i = 0; i<n && * length> 0; i++)
+            vectors[i] /= *length;
+        return isfinite(*length);
+    }
+    if (!saltus_dense_finite(vectors, (size_t)(n * count)))
+        return false;
     if (LAPACKE_dgeqrf_work(LAPACK_COL_MAJOR, n, count, vectors, n, tau, work + count,
                             block_columns * count) != 0)
         return false;

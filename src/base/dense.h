@@ -66,8 +66,8 @@ void saltus_dense_qr(double *a, int n, double *q, double *work);
 
 /* Make `count` <= n vectors of length n, one after the other, orthonormal in their order; `length` receives
  * how long each one is across those before it (the diagonal of R in a QR factorisation). `work` has
- * saltus_dense_orthonormal_work(n, count) entries. Never allocates. False if an entry is not finite. */
+ * saltus_dense_orthonormal_work(count) entries. Never allocates. False if an entry is not finite. */
 bool saltus_dense_orthonormal(double *vectors, int n, int count, double *length, double *work);
-int saltus_dense_orthonormal_work(int n, int count);
+int saltus_dense_orthonormal_work(int count);
 
 #endif

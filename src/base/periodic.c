@@ -43,23 +43,15 @@ static reflector reflector_of(const double *x, int stride, int at, int size) {
     return reflection;
 }
 
-static void reflect_rows(const reflector *reflection, double *a, int n, int from, int to) {
-    for (int j = from; j < to; j++) {
-        double *column = a + reflection->at * n + j, sum = 0;
+/* Reflect the vectors from .. to - 1, `across` apart; the entries that the reflector changes are `step`
+ * apart, the first one at x. */
+static inline void reflect(const reflector *reflection, double *x, int step, int across, int from, int to) {
+    for (int k = from; k < to; k++) {
+        double *vector = x + k * across, sum = 0;
         for (int i = 0; i < reflection->size; i++)
-            sum += reflection->v[i] * column[i * n];
+            sum += reflection->v[i] * vector[i * step];
         for (int i = 0; i < reflection->size; i++)
-            column[i * n] -= reflection->beta * sum * reflection->v[i];
-    }
-}
-
-static void reflect_columns(const reflector *reflection, double *a, int n, int from, int to) {
-    for (int i = from; i < to; i++) {
-        double *row = a + i * n + reflection->at, sum = 0;
-        for (int j = 0; j < reflection->size; j++)
-            sum += reflection->v[j] * row[j];
-        for (int j = 0; j < reflection->size; j++)
-            row[j] -= reflection->beta * sum * reflection->v[j];
+            vector[i * step] -= reflection->beta * sum * reflection->v[i];
     }
 }
 
@@ -69,21 +61,21 @@ static void reflect_columns(const reflector *reflection, double *a, int n, int f
 static void turn_product(const periodic *p, const reflector *reflection, int column) {
     reflector through[2] = {*reflection};
     int n = p->n, count = 1, begin = reflection->at, end = begin + reflection->size;
-    reflect_rows(reflection, p->h, n, column, p->high);
+    reflect(reflection, p->h + begin * n, n, 1, column, p->high);
     for (int k = 0; k < p->count; k++) {
         double *triangle = p->triangles + (size_t)k * (size_t)(n * n);
         for (int m = 0; m < count; m++)
-            reflect_columns(&through[m], triangle, n, p->low, end);
+            reflect(&through[m], triangle + through[m].at, 1, n, p->low, end);
         count = 0;
         for (int j = begin; j + 1 < end; j++) {
             through[count] = reflector_of(triangle + j * n + j, n, j, end - j);
-            reflect_rows(&through[count++], triangle, n, j, p->high);
+            reflect(&through[count++], triangle + j * n, n, 1, j, p->high);
             for (int i = j + 1; i < end; i++)
                 triangle[i * n + j] = 0;
         }
     }
     for (int m = 0; m < count; m++)
-        reflect_columns(&through[m], p->h, n, p->low, p->high);
+        reflect(&through[m], p->h + through[m].at, 1, n, p->low, p->high);
 }
 
 static void reduce_to_hessenberg(const periodic *p) {

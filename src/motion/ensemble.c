@@ -157,12 +157,12 @@ static saltus_status align(saltus_ensemble *e, saltus_message *message) {
 saltus_status saltus_ensemble_place(saltus_ensemble *e, const double *state, saltus_message *message) {
     memcpy(e->initial, state, (size_t)e->n * sizeof *state);
     if (e->options->seed)
-        saltus_state_disturb(e->system, e->rng, disturbance, e->initial);
+        saltus_state_disturb(e->system, e->rng, disturbance, 0, e->initial);
     saltus_status status = run_transient(e, message);
     for (int m = 0; m < e->members && status == SALTUS_OK; m++) {
         saltus_flow *flow = e->flows[m / e->width];
         if (m > 0)
-            saltus_state_disturb(e->system, e->rng, disturbance, e->member[m].state);
+            saltus_state_disturb(e->system, e->rng, disturbance, 0, e->member[m].state);
         status = saltus_flow_start(flow, m % e->width, (saltus_time){0, 0}, e->member[m].state, message);
         if (status == SALTUS_OK)
             saltus_growth_begin(&e->member[m].growth, flow, m % e->width, e->rng);

@@ -28,7 +28,7 @@ void saltus_growth_reserve(saltus_growth *g, saltus_arena *arena, int n, int col
     g->columns = columns;
     g->vectors = saltus_arena_doubles(arena, (size_t)n * count);
     g->length = saltus_arena_doubles(arena, count);
-    g->work = saltus_arena_doubles(arena, (size_t)saltus_dense_orthonormal_work(n, columns));
+    g->work = saltus_arena_doubles(arena, (size_t)saltus_dense_orthonormal_work(columns));
     g->sample = saltus_arena_doubles(arena, count);
     g->pending = saltus_arena_doubles(arena, count);
     g->state = saltus_arena_doubles(arena, (size_t)n);

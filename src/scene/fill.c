@@ -5,18 +5,10 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Complain about the value of a key. */
-static saltus_status fail_value(const saltus_source *source, saltus_place place, const char *text,
-                                const char *complaint) {
-    saltus_quoted quoted = saltus_quote(text);
-    return saltus_source_fail(source, saltus_place_line(source, place, false), SALTUS_BAD_INPUT,
-                              "%s = %s: %s", place.key, quoted.text, complaint);
-}
-
 static saltus_status fill_number(const saltus_source *source, saltus_place place, const char *text,
                                  double *value) {
     const char *complaint = saltus_read_number(text, value);
-    return complaint ? fail_value(source, place, text, complaint) : SALTUS_OK;
+    return complaint ? saltus_value_fail(source, place, text, complaint) : SALTUS_OK;
 }
 
 static saltus_status fill_model(const saltus_source *source, const saltus_raw_scene *raw,
@@ -30,9 +22,8 @@ static saltus_status fill_model(const saltus_source *source, const saltus_raw_sc
     const saltus_model *model = saltus_model_find(raw->model);
     if (!model) {
         saltus_quoted quoted = saltus_quote(raw->model);
-        return saltus_source_fail(source, saltus_place_line(source, (saltus_place){NULL, 0, "model"}, false),
-                                  SALTUS_BAD_INPUT, "model = %s: unknown; the models are %s", quoted.text,
-                                  names.text);
+        return saltus_place_fail(source, (saltus_place){NULL, 0, "model"},
+                                 "model = %s: unknown; the models are %s", quoted.text, names.text);
     }
     scene->spec = saltus_spec_defaults(model);
     return SALTUS_OK;
@@ -44,13 +35,11 @@ static saltus_status fill_title(const saltus_source *source, const saltus_raw_sc
     size_t length = strlen(title);
     saltus_place place = {NULL, 0, "title"};
     if (length >= sizeof scene->title)
-        return saltus_source_fail(source, saltus_place_line(source, place, false), SALTUS_BAD_INPUT,
-                                  "title: too long; at most %d bytes are possible",
-                                  (int)sizeof scene->title - 1);
+        return saltus_place_fail(source, place, "title: too long; at most %d bytes are possible",
+                                 (int)sizeof scene->title - 1);
     for (size_t k = 0; k < length; k++)
         if ((unsigned char)title[k] < 0x20 || title[k] == 0x7f)
-            return saltus_source_fail(source, saltus_place_line(source, place, false), SALTUS_BAD_INPUT,
-                                      "title: must be one line without control characters");
+            return saltus_place_fail(source, place, "title: must be one line without control characters");
     memcpy(scene->title, title, length + 1);
     return SALTUS_OK;
 }
@@ -62,9 +51,9 @@ static saltus_status fail_foreign(const saltus_source *source, const saltus_mode
     int count = saltus_top_keys(model, keys);
     for (int k = 0; k < count; k++)
         saltus_words_add(&list, keys[k]);
-    return saltus_source_fail(source, saltus_place_line(source, (saltus_place){NULL, 0, key}, false),
-                              SALTUS_BAD_INPUT, "\"%s\": not a key of the model %s; its keys are %s", key,
-                              saltus_model_name(model), list.text);
+    return saltus_place_fail(source, (saltus_place){NULL, 0, key},
+                             "\"%s\": not a key of the model %s; its keys are %s", key,
+                             saltus_model_name(model), list.text);
 }
 
 static saltus_status fill_parameters(const saltus_source *source, const saltus_reading *reading,
@@ -79,29 +68,6 @@ static saltus_status fill_parameters(const saltus_source *source, const saltus_r
             return fail_foreign(source, model, key);
         saltus_status status =
             fill_number(source, (saltus_place){NULL, 0, key}, text, &scene->spec.parameters[index]);
-        if (status != SALTUS_OK)
-            return status;
-    }
-    return SALTUS_OK;
-}
-
-/* Where a stop must be placed by the model's own key, the other one is refused. */
-static saltus_status check_stop_key(const saltus_source *source, saltus_place place,
-                                    const saltus_model *model) {
-    const char *own = saltus_model_stop_key(model);
-    bool placing = strcmp(place.key, "xi") == 0 || strcmp(place.key, "weight") == 0;
-    if (!placing || strcmp(place.key, own) == 0)
-        return SALTUS_OK;
-    return saltus_source_fail(source, saltus_place_line(source, place, false), SALTUS_BAD_INPUT,
-                              "%s: a stop of the model %s is placed by %s", place.key,
-                              saltus_model_name(model), own);
-}
-
-static saltus_status fill_weight(const saltus_source *source, saltus_place place, const saltus_raw_stop *raw,
-                                 saltus_stop *stop) {
-    stop->weight[0] = stop->weight[1] = 0;
-    for (unsigned k = 0; k < raw->weight_count; k++) {
-        saltus_status status = fill_number(source, place, raw->weight[k], &stop->weight[k]);
         if (status != SALTUS_OK)
             return status;
     }
@@ -130,18 +96,21 @@ static saltus_status fill_stop(const saltus_source *source, const char *top, int
         return fail_without_clearance(source, top, entry);
     for (int k = 0; k < stop_keys; k++) {
         saltus_place place = {top, entry, saltus_stop_keys[k]};
-        const char *text = k == stop_weight ? NULL : raw->value[k], *complaint = NULL;
+        const char *text = k == stop_weight ? NULL : raw->value[k];
         if (!text && !(k == stop_weight && raw->weight))
             continue;
-        saltus_status status = check_stop_key(source, place, scene->spec.model);
-        if (status == SALTUS_OK && k == stop_weight)
-            status = fill_weight(source, place, raw, stop);
-        else if (status == SALTUS_OK && k == stop_sides)
+        saltus_status status = saltus_check_placing(source, place, scene->spec.model, k);
+        const char *complaint = NULL;
+        if (status == SALTUS_OK && k == stop_weight) {
+            stop->weight[0] = stop->weight[1] = 0;
+            for (unsigned i = 0; i < raw->weight_count && status == SALTUS_OK; i++)
+                status = fill_number(source, place, raw->weight[i], &stop->weight[i]);
+        } else if (status == SALTUS_OK && k == stop_sides)
             complaint = saltus_read_sides(text, &stop->sides);
         else if (status == SALTUS_OK)
             status = fill_number(source, place, text, number[k]);
         if (complaint)
-            status = fail_value(source, place, text, complaint);
+            status = saltus_value_fail(source, place, text, complaint);
         if (status != SALTUS_OK)
             return status;
     }
@@ -151,8 +120,8 @@ static saltus_status fill_stop(const saltus_source *source, const char *top, int
 static saltus_status fill_stops(const saltus_source *source, const saltus_raw_scene *raw,
                                 saltus_scene *scene) {
     if (raw->stop && raw->stops)
-        return saltus_source_fail(source, saltus_place_line(source, (saltus_place){NULL, 0, "stops"}, false),
-                                  SALTUS_BAD_INPUT, "stops: stop is given too; keep one of them");
+        return saltus_place_fail(source, (saltus_place){NULL, 0, "stops"},
+                                 "stops: stop is given too; keep one of them");
     const char *top = raw->stop ? "stop" : "stops";
     const saltus_raw_stop *stops = raw->stop ? raw->stop : raw->stops;
     scene->spec.stop_count = raw->stop ? 1 : (int)raw->stops_count;
@@ -186,9 +155,8 @@ static saltus_status fill_initial(const saltus_source *source, const saltus_raw_
     for (int k = 0; k < initial_lists; k++) {
         saltus_place place = {"initial", 0, saltus_initial_keys[k]};
         if ((int)raw->count[k] > room[k])
-            return saltus_source_fail(source, saltus_place_line(source, place, false), SALTUS_BAD_INPUT,
-                                      "%s: too many entries (%u); the system has %d", place.key,
-                                      raw->count[k], room[k]);
+            return saltus_place_fail(source, place, "%s: too many entries (%u); the system has %d", place.key,
+                                     raw->count[k], room[k]);
         for (unsigned i = 0; i < raw->count[k]; i++) {
             saltus_status status =
                 fill_number(source, place, raw->list[k][i], &scene->initial[first[k] + (int)i]);

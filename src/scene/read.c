@@ -90,17 +90,6 @@ static bool known_name(const saltus_reading *reading, const char *name) {
     return false;
 }
 
-/* Each model's parameters, each name once. */
-static void gather_names(saltus_reading *reading) {
-    for (int m = 0; m < saltus_model_count(); m++) {
-        int count;
-        const saltus_parameter *table = saltus_model_parameters(saltus_model_at(m), &count);
-        for (int k = 0; k < count; k++)
-            if (!known_name(reading, table[k].name))
-                reading->names[reading->name_count++] = table[k].name;
-    }
-}
-
 /* The schema's value and its fields are one block: the value first. */
 typedef struct schema {
     cyaml_schema_value_t scene;
@@ -114,7 +103,13 @@ static bool build_schema(saltus_reading *reading) {
     reading->schema = made;
     if (!reading->names || !made)
         return false;
-    gather_names(reading);
+    for (int m = 0; m < saltus_model_count(); m++) {
+        int count;
+        const saltus_parameter *table = saltus_model_parameters(saltus_model_at(m), &count);
+        for (int k = 0; k < count; k++)
+            if (!known_name(reading, table[k].name))
+                reading->names[reading->name_count++] = table[k].name;
+    }
     memcpy(made->fields, fixed_fields, sizeof fixed_fields);
     for (int k = 0; k < reading->name_count; k++)
         made->fields[fixed_count + k] = (cyaml_schema_field_t){
@@ -168,25 +163,13 @@ static cyaml_err_t load(const saltus_source *source, saltus_reading *reading, co
                            (cyaml_data_t **)&reading->raw, NULL);
 }
 
-static void unload(saltus_reading *reading) {
-    cyaml_config_t config = {.mem_fn = provide, .flags = CYAML_CFG_NO_ALIAS};
-    const schema *made = reading->schema;
-    if (reading->raw)
-        cyaml_free(&config, &made->scene, reading->raw, 0);
-}
-
-static bool is_stop(const char *top) {
-    return strcmp(top, "stop") == 0 || strcmp(top, "stops") == 0;
-}
-
 /* The keys that are possible below `top` ("": at the top level). */
 static int possible_keys(const saltus_model *model, const char *top, const char **keys) {
     if (!top[0])
         return saltus_top_keys(model, keys);
-    if (is_stop(top))
+    if (strcmp(top, "stop") == 0 || strcmp(top, "stops") == 0)
         return saltus_model_stop_keys(model, keys);
-    for (int k = 0; k < initial_lists; k++)
-        keys[k] = saltus_initial_keys[k];
+    memcpy(keys, saltus_initial_keys, sizeof saltus_initial_keys);
     return initial_lists;
 }
 
@@ -287,7 +270,10 @@ saltus_status saltus_reading_open(const saltus_source *source, saltus_reading *r
 }
 
 void saltus_reading_close(saltus_reading *reading) {
-    unload(reading);
+    cyaml_config_t config = {.mem_fn = provide, .flags = CYAML_CFG_NO_ALIAS};
+    const schema *made = reading->schema;
+    if (reading->raw)
+        cyaml_free(&config, &made->scene, reading->raw, 0);
     free(reading->names);
     free(reading->schema);
     *reading = (saltus_reading){0};

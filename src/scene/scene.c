@@ -75,30 +75,6 @@ saltus_status saltus_scene_parse(const char *text, size_t length, const char *or
     return status;
 }
 
-static saltus_status parse_file(const char *path, FILE *file, saltus_scene *scene, saltus_message *message) {
-    saltus_source source = {NULL, 0, path, message};
-    /* One byte more than allowed tells a file that is too large, also where its size is not known beforehand.
-     */
-    char *text = malloc(largest_file + 1);
-    if (!text)
-        return saltus_source_fail(&source, 0, SALTUS_NO_MEMORY, "no memory for reading the scene");
-    size_t length = fread(text, 1, largest_file + 1, file);
-    saltus_status status;
-    if (ferror(file))
-        status = saltus_source_fail(&source, 0, SALTUS_IO, "cannot be read (%s)", strerror(errno));
-    else
-        status = saltus_scene_parse(text, length, path, scene, message);
-    free(text);
-    return status;
-}
-
-static const saltus_builtin *find_builtin(const char *name) {
-    for (int k = 0; k < saltus_builtin_count; k++)
-        if (strcmp(saltus_builtins[k].name, name) == 0)
-            return &saltus_builtins[k];
-    return NULL;
-}
-
 /* The built-in scenes that may have been meant: those that contain the word or are contained in it, and the
  * nearest; all of them when nothing is near. */
 static saltus_words suggest(const char *name) {
@@ -133,13 +109,15 @@ static saltus_status fail_to_open(const char *source, int error, saltus_message 
 }
 
 saltus_status saltus_scene_load(const char *source, saltus_scene *scene, saltus_message *message) {
+    const saltus_source place = {NULL, 0, source, message};
     struct stat info;
     if (!source || !source[0])
         return saltus_fail(message, SALTUS_BAD_INPUT,
                            "no scene given: name a scene file or a built-in scene");
-    const saltus_builtin *builtin = find_builtin(source);
-    if (builtin)
-        return saltus_scene_parse(builtin->text, builtin->length, builtin->name, scene, message);
+    for (int k = 0; k < saltus_builtin_count; k++)
+        if (strcmp(saltus_builtins[k].name, source) == 0)
+            return saltus_scene_parse(saltus_builtins[k].text, saltus_builtins[k].length, source, scene,
+                                      message);
     if (stat(source, &info) != 0)
         return fail_to_open(source, errno, message);
     if (S_ISDIR(info.st_mode))
@@ -147,7 +125,18 @@ saltus_status saltus_scene_load(const char *source, saltus_scene *scene, saltus_
     FILE *file = fopen(source, "rb");
     if (!file)
         return fail_to_open(source, errno, message);
-    saltus_status status = parse_file(source, file, scene, message);
+    /* One byte more than allowed tells a file that is too large, also where its size is not known beforehand.
+     */
+    char *text = malloc(largest_file + 1);
+    saltus_status status;
+    size_t length = text ? fread(text, 1, largest_file + 1, file) : 0;
+    if (!text)
+        status = saltus_source_fail(&place, 0, SALTUS_NO_MEMORY, "no memory for reading the scene");
+    else if (ferror(file))
+        status = saltus_source_fail(&place, 0, SALTUS_IO, "cannot be read (%s)", strerror(errno));
+    else
+        status = saltus_scene_parse(text, length, source, scene, message);
+    free(text);
     fclose(file);
     return status;
 }

@@ -1,7 +1,6 @@
 /* Private: how a scene's text becomes plain values.
  *
- *     text -> strings with libcyaml (read.c) -> numbers, stops, initial state, trial system (fill.c) ->
- * saltus_scene
+ *     text -> strings with libcyaml (read.c) -> numbers, stops, initial state, trial system (fill.c)
  *
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_SCENE_PRIVATE_H
@@ -83,6 +82,16 @@ saltus_status saltus_source_fail(const saltus_source *source, int line, saltus_s
 #endif
     ;
 
+/* Likewise for input that is wrong at a place: with the line of its key in the text. */
+saltus_status saltus_place_fail(const saltus_source *source, saltus_place place, const char *format, ...)
+#if defined(__GNUC__)
+    __attribute__((format(printf, 3, 4)))
+#endif
+    ;
+/* "key = value: complaint". */
+saltus_status saltus_value_fail(const saltus_source *source, saltus_place place, const char *value,
+                                const char *complaint);
+
 /* A number that is the whole string. NULL when it is one, else what it must be ("must be a number"). */
 const char *saltus_read_number(const char *text, double *value);
 /* One of upper, lower, both; likewise. */
@@ -111,8 +120,9 @@ enum { SALTUS_TOP_KEYS_MAX = SALTUS_PARAMETERS_MAX + 5 };
 int saltus_top_keys(const saltus_model *model, const char **keys);
 /* The keys of this model's stops: xi or weight, then the common ones. */
 int saltus_model_stop_keys(const saltus_model *model, const char **keys);
-/* The model's own key that places a stop. */
-const char *saltus_model_stop_key(const saltus_model *model);
+/* Where stops are placed by the model's own key, xi or weight, the other one is refused. */
+saltus_status saltus_check_placing(const saltus_source *source, saltus_place place, const saltus_model *model,
+                                   int key);
 
 /* Built-in scenes, generated from data/scenes. */
 typedef struct saltus_builtin {

@@ -3,11 +3,11 @@
  * What one value alone shows to be wrong is refused here, by building a system that differs from the model's
  * defaults in this value only: the sentence is then the system's own. What depends on several values is left
  * to the building of the real system, so that settings may come in any order.
- *
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "scene/scene.h"
 
-#include <stdlib.h>
+#include "system/system.h"
+
 #include <string.h>
 
 enum { key_size = 32, value_size = 128 };
@@ -32,9 +32,8 @@ static saltus_status split(const char *assignment, setting *s, const saltus_sour
     return SALTUS_OK;
 }
 
-static saltus_status fail_value(const saltus_source *source, const setting *s, const char *complaint) {
-    saltus_quoted quoted = saltus_quote(s->value);
-    return saltus_source_fail(source, 0, SALTUS_BAD_INPUT, "%s = %s: %s", s->key, quoted.text, complaint);
+static saltus_place place_of(const setting *s) {
+    return (saltus_place){NULL, 0, s->key};
 }
 
 static saltus_status check_alone(const saltus_spec *spec, saltus_message *message) {
@@ -44,18 +43,13 @@ static saltus_status check_alone(const saltus_spec *spec, saltus_message *messag
     return status;
 }
 
-/* The state's length that the parameters ask for. Parameters whose ranges are met always build without stops.
- */
+/* The state's length that the parameters ask for, whatever the stops. */
 static int dimension_of(const saltus_spec *spec, int *dof) {
-    saltus_spec free_of_stops = *spec;
-    saltus_system *system = NULL;
-    free_of_stops.stop_count = 0;
-    if (saltus_system_new(&free_of_stops, &system, NULL) != SALTUS_OK)
-        return -1;
-    int dimension = saltus_system_dimension(system);
-    *dof = saltus_system_dof(system);
-    saltus_system_free(system);
-    return dimension;
+    saltus_spec without_stops = *spec;
+    int extra = 0;
+    without_stops.stop_count = 0;
+    spec->model->shape(&without_stops, dof, &extra, NULL);
+    return 2 * *dof + extra;
 }
 
 static saltus_status set_parameter(saltus_scene *scene, int index, const setting *s,
@@ -64,7 +58,7 @@ static saltus_status set_parameter(saltus_scene *scene, int index, const setting
     int dof = 0;
     const char *complaint = saltus_read_number(s->value, &value);
     if (complaint)
-        return fail_value(source, s, complaint);
+        return saltus_value_fail(source, place_of(s), s->value, complaint);
     saltus_spec alone = saltus_spec_defaults(scene->spec.model);
     alone.parameters[index] = value;
     saltus_status status = check_alone(&alone, source->message);
@@ -74,11 +68,9 @@ static saltus_status set_parameter(saltus_scene *scene, int index, const setting
     if (scene->initial_count == 0)
         return SALTUS_OK;
     int dimension = dimension_of(&scene->spec, &dof);
-    if (dimension < 0)
-        return saltus_source_fail(source, 0, SALTUS_NO_MEMORY, "no memory for the system");
     if (dimension != scene->initial_count)
-        return saltus_source_fail(
-            source, 0, SALTUS_BAD_INPUT,
+        return saltus_place_fail(
+            source, place_of(s),
             "%s = %s: the scene's initial state has %d entries, but the system would have %d; "
             "change the initial state in the scene",
             s->key, s->value, scene->initial_count, dimension);
@@ -95,83 +87,50 @@ static saltus_status read_weight(const setting *s, double weight[2], const saltu
     weight[1] = 0;
     if (saltus_read_number(first, &weight[0]) ||
         (s->value[length] && saltus_read_number(s->value + length + 1, &weight[1])))
-        return fail_value(source, s, form);
+        return saltus_value_fail(source, place_of(s), s->value, form);
     if (weight[0] == 0 && weight[1] == 0)
-        return fail_value(source, s, "a stop must limit at least one mass");
+        return saltus_value_fail(source, place_of(s), s->value, "a stop must limit at least one mass");
     return SALTUS_OK;
 }
 
-/* Set one key of one stop, without any check of its range. */
-static void assign(saltus_stop *stop, int key, const saltus_stop *from) {
-    switch (key) {
-    case stop_xi:
-        stop->xi = from->xi;
-        break;
-    case stop_d:
-        stop->d = from->d;
-        break;
-    case stop_r:
-        stop->r = from->r;
-        break;
-    case stop_sides:
-        stop->sides = from->sides;
-        break;
-    default:
-        memcpy(stop->weight, from->weight, sizeof stop->weight);
-    }
-}
-
-/* Read the value of a stop's key into a stop with defaults elsewhere, and check it alone. */
-static saltus_status read_stop_value(const saltus_model *model, int key, const setting *s, saltus_stop *stop,
-                                     const saltus_source *source) {
-    saltus_spec alone = saltus_spec_defaults(model);
-    double value = 0;
-    *stop = saltus_stop_defaults();
+/* Give one key of a stop its value, without any check of its range. */
+static saltus_status assign(saltus_stop *stop, int key, const setting *s, const saltus_source *source) {
+    double *const number[] = {[stop_xi] = &stop->xi, [stop_d] = &stop->d, [stop_r] = &stop->r};
     if (key == stop_weight)
         return read_weight(s, stop->weight, source);
-    const char *complaint =
-        key == stop_sides ? saltus_read_sides(s->value, &stop->sides) : saltus_read_number(s->value, &value);
-    if (complaint)
-        return fail_value(source, s, complaint);
-    if (key == stop_xi)
-        stop->xi = value;
-    else if (key == stop_d)
-        stop->d = value;
-    else if (key == stop_r)
-        stop->r = value;
-    alone.stops[0] = *stop;
-    alone.stop_count = 1;
-    return check_alone(&alone, source->message);
+    const char *complaint = key == stop_sides ? saltus_read_sides(s->value, &stop->sides)
+                                              : saltus_read_number(s->value, number[key]);
+    return complaint ? saltus_value_fail(source, place_of(s), s->value, complaint) : SALTUS_OK;
 }
 
 /* `number`: the stop that is meant, from 1; 0 for all. */
 static saltus_status set_stop(saltus_scene *scene, int key, int number, const setting *s,
                               const saltus_source *source) {
-    saltus_spec *spec = &scene->spec;
-    const char *own = saltus_model_stop_key(spec->model);
-    saltus_stop read;
-    if ((key == stop_xi || key == stop_weight) && strcmp(saltus_stop_keys[key], own) != 0)
-        return saltus_source_fail(source, 0, SALTUS_BAD_INPUT, "%s: a stop of the model %s is placed by %s",
-                                  s->key, saltus_model_name(spec->model), own);
+    saltus_spec *spec = &scene->spec, alone = saltus_spec_defaults(spec->model);
+    saltus_status status = saltus_check_placing(source, place_of(s), spec->model, key);
+    if (status != SALTUS_OK)
+        return status;
     if (key == stop_sides && number == 0 && strcmp(s->value, "none") == 0) {
         spec->stop_count = 0;
         return SALTUS_OK;
     }
     if (spec->stop_count == 0 && (key != stop_d || number > 1))
-        return saltus_source_fail(source, 0, SALTUS_BAD_INPUT,
-                                  "%s: the scene has no stop; d=... makes one, so set d first", s->key);
+        return saltus_place_fail(source, place_of(s),
+                                 "%s: the scene has no stop; d=... makes one, so set d first", s->key);
     if (number > spec->stop_count && spec->stop_count > 0)
-        return saltus_source_fail(source, 0, SALTUS_BAD_INPUT, "%s: the scene has %d stop%s", s->key,
-                                  spec->stop_count, spec->stop_count > 1 ? "s" : "");
-    saltus_status status = read_stop_value(spec->model, key, s, &read, source);
-    if (status != SALTUS_OK)
-        return status;
-    if (spec->stop_count == 0)
+        return saltus_place_fail(source, place_of(s), "%s: the scene has %d stop%s", s->key, spec->stop_count,
+                                 spec->stop_count > 1 ? "s" : "");
+    alone.stops[0] = saltus_stop_defaults();
+    alone.stop_count = 1;
+    status = assign(&alone.stops[0], key, s, source);
+    if (status == SALTUS_OK && key != stop_weight)
+        status = check_alone(&alone, source->message);
+    if (status == SALTUS_OK && spec->stop_count == 0)
         spec->stops[spec->stop_count++] = saltus_stop_defaults();
-    for (int k = 0; k < spec->stop_count; k++)
+    for (int k = 0; k < spec->stop_count && status == SALTUS_OK; k++)
         if (number == 0 || number == k + 1)
-            assign(&spec->stops[k], key, &read);
-    return SALTUS_OK;
+            status = assign(&spec->stops[k], key, s, source);
+    return status;
 }
 
 static saltus_status set_initial(saltus_scene *scene, int list, int number, const setting *s,
@@ -180,14 +139,11 @@ static saltus_status set_initial(saltus_scene *scene, int list, int number, cons
     int dof = 0, dimension = dimension_of(&scene->spec, &dof);
     const char *complaint = saltus_read_number(s->value, &value);
     if (complaint)
-        return fail_value(source, s, complaint);
-    if (dimension < 0)
-        return saltus_source_fail(source, 0, SALTUS_NO_MEMORY, "no memory for the system");
+        return saltus_value_fail(source, place_of(s), s->value, complaint);
     int room[initial_lists] = {dof, dof, dimension - 2 * dof}, first[initial_lists] = {0, dof, 2 * dof};
     if (number > room[list])
-        return saltus_source_fail(source, 0, SALTUS_BAD_INPUT, "%s: the initial state has %d entr%s %s",
-                                  s->key, room[list], room[list] == 1 ? "y" : "ies",
-                                  saltus_initial_keys[list]);
+        return saltus_place_fail(source, place_of(s), "%s: the initial state has %d entr%s %s", s->key,
+                                 room[list], room[list] == 1 ? "y" : "ies", saltus_initial_keys[list]);
     if (scene->initial_count == 0)
         memset(scene->initial, 0, sizeof scene->initial);
     scene->initial_count = dimension;
@@ -195,38 +151,23 @@ static saltus_status set_initial(saltus_scene *scene, int list, int number, cons
     return SALTUS_OK;
 }
 
-/* Whether `key` is `name`, or `name` with a number from 1 behind it (0: none). */
-static bool numbered(const char *key, const char *name, int *number) {
-    size_t length = strlen(name);
-    const char *digits = key + length;
-    if (strncmp(key, name, length) != 0 || strspn(digits, "0123456789") != strlen(digits) ||
-        digits[0] == '0' || strlen(digits) > 3)
-        return false;
-    *number = atoi(digits);
-    return true;
-}
-
-static saltus_status fail_unknown(const saltus_scene *scene, const char *key, const saltus_source *source) {
-    int count, stops;
-    const saltus_parameter *table = saltus_model_parameters(scene->spec.model, &count);
-    const char *keys[SALTUS_PARAMETERS_MAX + stop_keys + initial_lists];
-    for (int k = 0; k < count; k++)
-        keys[k] = table[k].name;
-    stops = saltus_model_stop_keys(scene->spec.model, keys + count);
-    return saltus_unknown_key(source, 0, key, keys, count + stops);
-}
-
 static saltus_status apply(saltus_scene *scene, const setting *s, const saltus_source *source) {
-    int number = 0, index = saltus_model_parameter_index(scene->spec.model, s->key);
+    const saltus_model *model = scene->spec.model;
+    int number = 0, index = saltus_model_parameter_index(model, s->key);
     if (index >= 0)
         return set_parameter(scene, index, s, source);
     for (int k = 0; k < stop_keys; k++)
-        if (numbered(s->key, saltus_stop_keys[k], &number))
+        if (saltus_key_numbered(s->key, saltus_stop_keys[k], &number))
             return set_stop(scene, k, number, s, source);
     for (int k = 0; k < initial_lists; k++)
-        if (numbered(s->key, saltus_initial_keys[k], &number) && number > 0)
+        if (saltus_key_numbered(s->key, saltus_initial_keys[k], &number) && number > 0)
             return set_initial(scene, k, number, s, source);
-    return fail_unknown(scene, s->key, source);
+    const char *keys[SALTUS_PARAMETERS_MAX + stop_keys];
+    int count = model->parameter_count;
+    for (int k = 0; k < count; k++)
+        keys[k] = model->parameters[k].name;
+    count += saltus_model_stop_keys(model, keys + count);
+    return saltus_unknown_key(source, 0, s->key, keys, count);
 }
 
 saltus_status saltus_scene_set(saltus_scene *scene, const char *assignment, saltus_message *message) {

@@ -12,10 +12,6 @@
 const char *const saltus_stop_keys[stop_keys] = {"xi", "d", "r", "sides", "weight"};
 const char *const saltus_initial_keys[initial_lists] = {"q", "v", "z"};
 
-const char *saltus_model_stop_key(const saltus_model *model) {
-    return model->stop_key;
-}
-
 int saltus_top_keys(const saltus_model *model, const char **keys) {
     int count = 0;
     keys[count++] = "model";
@@ -37,14 +33,11 @@ int saltus_model_stop_keys(const saltus_model *model, const char **keys) {
     return count;
 }
 
-saltus_status saltus_source_fail(const saltus_source *source, int line, saltus_status status,
-                                 const char *format, ...) {
+__attribute__((format(printf, 4, 0))) static saltus_status
+fail_at(const saltus_source *source, int line, saltus_status status, const char *format, va_list arguments) {
     enum { origin_shown = 160 };
     saltus_message sentence;
-    va_list arguments;
-    va_start(arguments, format);
     vsnprintf(sentence.text, sizeof sentence.text, format, arguments);
-    va_end(arguments);
     if (!source->origin)
         return saltus_fail(source->message, status, "%s", sentence.text);
     size_t length = strlen(source->origin);
@@ -53,6 +46,38 @@ saltus_status saltus_source_fail(const saltus_source *source, int line, saltus_s
     if (line > 0)
         return saltus_fail(source->message, status, "%s%s:%d: %s", dots, origin, line, sentence.text);
     return saltus_fail(source->message, status, "%s%s: %s", dots, origin, sentence.text);
+}
+
+saltus_status saltus_source_fail(const saltus_source *source, int line, saltus_status status,
+                                 const char *format, ...) {
+    va_list arguments;
+    va_start(arguments, format);
+    fail_at(source, line, status, format, arguments);
+    va_end(arguments);
+    return status;
+}
+
+saltus_status saltus_place_fail(const saltus_source *source, saltus_place place, const char *format, ...) {
+    va_list arguments;
+    va_start(arguments, format);
+    fail_at(source, saltus_place_line(source, place, false), SALTUS_BAD_INPUT, format, arguments);
+    va_end(arguments);
+    return SALTUS_BAD_INPUT;
+}
+
+saltus_status saltus_value_fail(const saltus_source *source, saltus_place place, const char *value,
+                                const char *complaint) {
+    saltus_quoted quoted = saltus_quote(value);
+    return saltus_place_fail(source, place, "%s = %s: %s", place.key, quoted.text, complaint);
+}
+
+saltus_status saltus_check_placing(const saltus_source *source, saltus_place place, const saltus_model *model,
+                                   int key) {
+    bool places = key == stop_xi || key == stop_weight;
+    if (!places || strcmp(saltus_stop_keys[key], model->stop_key) == 0)
+        return SALTUS_OK;
+    return saltus_place_fail(source, place, "%s: a stop of the model %s is placed by %s", place.key,
+                             model->name, model->stop_key);
 }
 
 const char *saltus_read_number(const char *text, double *value) {

@@ -59,49 +59,45 @@ static int find(const saltus_basins *basins, saltus_ending ending, double distan
     return -1;
 }
 
-static bool grow(saltus_basins *basins) {
-    if (basins->count < basins->room)
-        return true;
-    int room = 2 * basins->room + 8;
-    saltus_motion *grown = realloc(basins->motions, (size_t)room * sizeof *grown);
-    if (!grown)
-        return false;
-    basins->motions = grown;
-    basins->room = room;
-    return true;
+/* A new attractor; the motion's arrays are then the basins'. -1 without memory. */
+static int take(saltus_basins *basins, const saltus_motion *motion) {
+    if (basins->count == basins->room) {
+        int room = 2 * basins->room + 8;
+        saltus_motion *grown = realloc(basins->motions, (size_t)room * sizeof *grown);
+        if (!grown)
+            return -1;
+        basins->motions = grown;
+        basins->room = room;
+    }
+    basins->motions[basins->count] = *motion;
+    return basins->count++;
 }
 
-/* Find the row's own orbit; take it over where it is new. */
-static saltus_status polish(saltus_basins *basins, const double *state, int *attractor,
-                            saltus_message *message) {
+saltus_status saltus_basins_sort(saltus_basins *basins, const saltus_sweep_row *row, const double *state,
+                                 int *attractor, saltus_message *message) {
+    const saltus_ending ending = {(saltus_verdict)row->verdict, row->periods, state, NULL};
+    *attractor = -1;
+    if (!saltus_verdict_settled(ending.verdict))
+        return SALTUS_OK;
+    *attractor = find(basins, ending, near_orbit);
+    if (*attractor >= 0)
+        return SALTUS_OK;
     saltus_classify_options options = saltus_classify_defaults();
     saltus_motion motion = {0};
     options.measure = 0;
     options.flow.integrator = basins->sweep->options.flow.integrator;
     saltus_status status = saltus_classify(basins->sweep->system, state, &options, &motion, message);
-    if (status != SALTUS_OK || !saltus_verdict_settled(motion.verdict)) {
-        saltus_motion_clear(&motion);
-        return status == SALTUS_NO_MEMORY ? status : SALTUS_OK;
+    if (status == SALTUS_OK && saltus_verdict_settled(motion.verdict)) {
+        *attractor = find(basins, saltus_motion_ending(&motion), same_orbit);
+        if (*attractor < 0) {
+            *attractor = take(basins, &motion);
+            if (*attractor >= 0)
+                return SALTUS_OK;
+            status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the attractors");
+        }
     }
-    *attractor = find(basins, saltus_motion_ending(&motion), same_orbit);
-    if (*attractor < 0 && !grow(basins))
-        status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the attractors");
-    if (*attractor < 0 && status == SALTUS_OK) {
-        *attractor = basins->count;
-        basins->motions[basins->count++] = motion;
-    } else
-        saltus_motion_clear(&motion);
-    return status;
-}
-
-saltus_status saltus_basins_sort(saltus_basins *basins, const saltus_sweep_row *row, const double *state,
-                                 int *attractor, saltus_message *message) {
-    *attractor = -1;
-    if (!saltus_verdict_settled(row->verdict))
-        return SALTUS_OK;
-    *attractor =
-        find(basins, (saltus_ending){(saltus_verdict)row->verdict, row->periods, state, NULL}, near_orbit);
-    return *attractor >= 0 ? SALTUS_OK : polish(basins, state, attractor, message);
+    saltus_motion_clear(&motion);
+    return status == SALTUS_NO_MEMORY ? status : SALTUS_OK;
 }
 
 int saltus_basins_count(const saltus_basins *basins) {

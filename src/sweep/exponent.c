@@ -53,7 +53,7 @@ static double by_shooting(saltus_trajectory *t, int periods) {
 bool saltus_trajectory_exponent(saltus_trajectory *t) {
     int periods = t->row.periods > 0 ? t->row.periods : 1;
     double logarithm = by_steps(t, periods);
-    if (isnan(logarithm) && saltus_settling_impacts(&t->settling, periods) <= shooting_impacts)
+    if (isnan(logarithm) && saltus_settling_impacts(&t->proof.settling, periods) <= shooting_impacts)
         logarithm = by_shooting(t, periods);
     if (isnan(logarithm))
         return false;

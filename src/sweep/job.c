@@ -12,29 +12,24 @@ saltus_job *saltus_job_open(const saltus_sweep *sweep, long long task) {
     saltus_job *job = calloc(1, sizeof *job);
     if (!job)
         return NULL;
-    job->sweep = sweep;
-    job->task = task;
-    job->length = saltus_sweep_task_length(sweep, task);
-    job->seeds = sweep->options.seeds;
-    job->missing = malloc((size_t)job->length * sizeof *job->missing);
-    job->cells = calloc((size_t)job->length * (size_t)job->seeds, sizeof *job->cells);
+    int length = saltus_sweep_task_length(sweep, task), seeds = sweep->options.seeds;
+    *job = (saltus_job){.sweep = sweep, .task = task, .seeds = seeds};
+    job->missing = malloc((size_t)length * sizeof *job->missing);
+    job->cells = calloc((size_t)length * (size_t)seeds, sizeof *job->cells);
     if (!job->missing || !job->cells) {
-        free(job->missing);
-        free(job->cells);
-        free(job);
+        saltus_job_free(job);
         return NULL;
     }
-    for (int k = 0; k < job->length; k++)
-        job->missing[k] = job->seeds;
+    for (job->length = 0; job->length < length; job->length++)
+        job->missing[job->length] = seeds;
     return job;
 }
 
 static void clear_cell(saltus_cell *cell) {
     free(cell->state);
     free(cell->orbit);
-    free(cell->turning);
-    free(cell->strobes);
-    free(cell->impacts);
+    for (int k = 0; k < SALTUS_CLOUDS; k++)
+        free(cell->clouds[k].entries);
     *cell = (saltus_cell){0};
 }
 
@@ -48,17 +43,17 @@ void saltus_job_free(saltus_job *job) {
     free(job);
 }
 
-/* A copy of some numbers; NULL for none of them. */
 static double *copy(const double *values, size_t count, bool *sound) {
-    double *made = count ? malloc(count * sizeof *made) : NULL;
+    double *made = malloc(count * sizeof *made);
     if (made)
         memcpy(made, values, count * sizeof *made);
-    *sound = *sound && (made || !count);
+    else
+        *sound = false;
     return made;
 }
 
 bool saltus_job_put(saltus_job *job, int place, int seed, const saltus_sweep_row *row, const double *state,
-                    const double *orbit, const saltus_watch *watch, bool *sound) {
+                    const double *orbit, saltus_watch *watch, bool *sound) {
     saltus_cell *cell = &job->cells[place * job->seeds + seed];
     size_t n = (size_t)job->sweep->dimension;
     *sound = watch->sound;
@@ -66,12 +61,8 @@ bool saltus_job_put(saltus_job *job, int place, int seed, const saltus_sweep_row
     cell->state = copy(state, n, sound);
     if (job->seeds > 1 && row->verdict == SALTUS_PERIODIC)
         cell->orbit = copy(orbit, n * (size_t)row->periods, sound);
-    cell->turning = copy(watch->turning.values, watch->turning.count, sound);
-    cell->strobes = copy(watch->strobes.values, watch->strobes.count, sound);
-    cell->impacts = copy(watch->impacts.values, watch->impacts.count, sound);
-    cell->turning_count = (long long)watch->turning.count;
-    cell->strobe_count = (long long)(watch->strobes.count / n);
-    cell->impact_count = (long long)(watch->impacts.count / 3);
+    memcpy(cell->clouds, watch->clouds, sizeof cell->clouds);
+    memset(watch->clouds, 0, sizeof watch->clouds);
     return --job->missing[place] == 0;
 }
 
@@ -79,114 +70,76 @@ static saltus_ending ending_of(const saltus_cell *cell) {
     return (saltus_ending){(saltus_verdict)cell->row.verdict, cell->row.periods, cell->state, cell->orbit};
 }
 
-/* Whether an earlier seed has ended on the attractor of this one. */
-static bool is_known(const saltus_cell *earlier, const saltus_cell *cell, const saltus_system *system) {
-    saltus_ending a = ending_of(earlier), b = ending_of(cell);
-    return earlier->row.attractor >= 0 && saltus_same_attractor(system, &a, &b, SALTUS_SAME_POINT);
-}
-
+/* A seed's attractor has the number of the first seed that has ended on it. */
 static void number_attractors(saltus_cell *cells, int seeds, const saltus_system *system) {
     int found = 0;
     for (int s = 0; s < seeds; s++) {
-        int first = 0;
-        cells[s].row.attractor = cells[s].row.verdict == SALTUS_FAILED ? -1 : found;
-        if (cells[s].row.attractor < 0)
-            continue;
-        while (first < s && !is_known(&cells[first], &cells[s], system))
-            first++;
-        if (first < s)
-            cells[s].row.attractor = cells[first].row.attractor;
-        else
-            found++;
+        saltus_ending ending = ending_of(&cells[s]);
+        int attractor = cells[s].row.verdict == SALTUS_FAILED ? -1 : found;
+        for (int k = 0; k < s && attractor == found; k++) {
+            saltus_ending earlier = ending_of(&cells[k]);
+            if (saltus_same_attractor(system, &earlier, &ending, SALTUS_SAME_POINT))
+                attractor = cells[k].row.attractor;
+        }
+        cells[s].row.attractor = attractor;
+        found += attractor == found;
     }
 }
 
-/* What a result is made of, in arrays that hold all seeds one after the other. */
-typedef struct bundle {
-    saltus_sweep_row *rows;
-    long long *counts; /* turning, impacts, strobes: seeds each */
-    double *states, *turning, *strobes;
-    saltus_sweep_impact *impacts;
-} bundle;
-
-static void free_bundle(bundle *b) {
-    free(b->rows);
-    free(b->counts);
-    free(b->states);
-    free(b->turning);
-    free(b->strobes);
-    free(b->impacts);
-}
-
-static void *room(long long count, size_t size, bool *sound) {
-    void *made = malloc(count ? (size_t)count * size : 1);
-    *sound = *sound && made;
-    return made;
-}
-
-static bool open_bundle(bundle *b, const saltus_cell *cells, int seeds, size_t n) {
-    long long turning = 0, impacts = 0, strobes = 0;
-    bool sound = true;
-    for (int s = 0; s < seeds; s++) {
-        turning += cells[s].turning_count;
-        impacts += cells[s].impact_count;
-        strobes += cells[s].strobe_count;
+/* One of the clouds of all seeds, one after the other; how many entries each has goes to `counts`. NULL
+ * without memory. */
+static void *gather(const saltus_cell *cells, int seeds, int which, int n, long long *counts) {
+    size_t size = saltus_cloud_entry(which, n), total = 0, at = 0;
+    for (int s = 0; s < seeds; s++)
+        total += (size_t)(counts[s] = (long long)cells[s].clouds[which].count);
+    char *all = malloc(total ? total * size : 1);
+    for (int s = 0; s < seeds && all; s++) {
+        const saltus_cloud *cloud = &cells[s].clouds[which];
+        if (cloud->count)
+            memcpy(all + at, cloud->entries, cloud->count * size);
+        at += cloud->count * size;
     }
-    *b = (bundle){.rows = room(seeds, sizeof *b->rows, &sound),
-                  .counts = room(3 * seeds, sizeof *b->counts, &sound),
-                  .states = room(seeds, n * sizeof *b->states, &sound),
-                  .turning = room(turning, sizeof *b->turning, &sound),
-                  .strobes = room(strobes, n * sizeof *b->strobes, &sound),
-                  .impacts = room(impacts, sizeof *b->impacts, &sound)};
-    return sound;
-}
-
-static void append(double *to, const double *from, size_t count) {
-    if (count)
-        memcpy(to, from, count * sizeof *to);
-}
-
-static void fill_bundle(bundle *b, const saltus_cell *cells, int seeds, size_t n) {
-    size_t turning = 0, impacts = 0, strobes = 0;
-    for (int s = 0; s < seeds; s++) {
-        const saltus_cell *c = &cells[s];
-        b->rows[s] = c->row;
-        append(b->states + (size_t)s * n, c->state, n);
-        append(b->turning + turning, c->turning, (size_t)c->turning_count);
-        append(b->strobes + strobes * n, c->strobes, (size_t)c->strobe_count * n);
-        for (long long k = 0; k < c->impact_count; k++)
-            b->impacts[impacts + (size_t)k] =
-                (saltus_sweep_impact){c->impacts[3 * k], c->impacts[3 * k + 1], (int)c->impacts[3 * k + 2]};
-        turning += (size_t)(b->counts[s] = c->turning_count);
-        impacts += (size_t)(b->counts[seeds + s] = c->impact_count);
-        strobes += (size_t)(b->counts[2 * seeds + s] = c->strobe_count);
-    }
+    return all;
 }
 
 saltus_status saltus_job_emit(saltus_job *job, int place, const saltus_system *system,
                               const saltus_sweep_feed *feed, saltus_message *message) {
-    saltus_cell *cells = job->cells + place * job->seeds;
-    size_t n = (size_t)job->sweep->dimension;
-    bundle b = {0};
-    saltus_status status = SALTUS_OK;
-    number_attractors(cells, job->seeds, system);
-    if (!open_bundle(&b, cells, job->seeds, n))
-        status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the results of a sweep");
-    if (status == SALTUS_OK) {
-        fill_bundle(&b, cells, job->seeds, n);
-        saltus_sweep_result result = {.place = saltus_sweep_task_place(job->sweep, job->task, place),
-                                      .rows = b.rows,
-                                      .states = b.states,
-                                      .turning_counts = b.counts,
-                                      .impact_counts = b.counts + job->seeds,
-                                      .strobe_counts = b.counts + 2 * job->seeds,
-                                      .turning = b.turning,
-                                      .impacts = b.impacts,
-                                      .strobes = b.strobes};
-        status = feed->take(feed->context, &result, message);
+    const int seeds = job->seeds, n = job->sweep->dimension;
+    saltus_cell *cells = job->cells + place * seeds;
+    saltus_sweep_row *rows = malloc((size_t)seeds * sizeof *rows);
+    double *states = malloc((size_t)seeds * (size_t)n * sizeof *states);
+    long long *counts = malloc((size_t)(SALTUS_CLOUDS * seeds) * sizeof *counts);
+    void *clouds[SALTUS_CLOUDS] = {NULL};
+    bool sound = rows && states && counts;
+    number_attractors(cells, seeds, system);
+    for (int s = 0; s < seeds && sound; s++) {
+        rows[s] = cells[s].row;
+        memcpy(states + s * n, cells[s].state, (size_t)n * sizeof *states);
     }
-    free_bundle(&b);
-    for (int s = 0; s < job->seeds; s++)
+    for (int k = 0; k < SALTUS_CLOUDS && sound; k++) {
+        clouds[k] = gather(cells, seeds, k, n, counts + k * seeds);
+        sound = clouds[k];
+    }
+    saltus_status status = SALTUS_OK;
+    if (sound) {
+        saltus_sweep_result result = {.place = saltus_sweep_task_place(job->sweep, job->task, place),
+                                      .rows = rows,
+                                      .states = states,
+                                      .turning_counts = counts + SALTUS_CLOUD_TURNING * seeds,
+                                      .impact_counts = counts + SALTUS_CLOUD_IMPACTS * seeds,
+                                      .strobe_counts = counts + SALTUS_CLOUD_STROBES * seeds,
+                                      .turning = clouds[SALTUS_CLOUD_TURNING],
+                                      .impacts = clouds[SALTUS_CLOUD_IMPACTS],
+                                      .strobes = clouds[SALTUS_CLOUD_STROBES]};
+        status = feed->take(feed->context, &result, message);
+    } else
+        status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the results of a sweep");
+    for (int k = 0; k < SALTUS_CLOUDS; k++)
+        free(clouds[k]);
+    free(rows);
+    free(states);
+    free(counts);
+    for (int s = 0; s < seeds; s++)
         clear_cell(&cells[s]);
     return status;
 }

@@ -48,7 +48,7 @@ bool saltus_trajectory_measure(saltus_trajectory *t, saltus_flow *flow, int lane
     t->stage_end = saltus_trajectory_cycle(t) + align + at_most(t);
     t->active = NULL;
     saltus_trajectory_begin_settling(t);
-    saltus_sweep_seed(t->rng, t->sweep->options.seed, saltus_trajectory_point(t), tangent_seed + t->seed);
+    saltus_trajectory_seed(t, tangent_seed + t->seed);
     saltus_growth_choose(&m->growth, t->system, 0, NULL);
     saltus_growth_begin(&m->growth, flow, lane, t->rng);
     saltus_growth_aim(&m->growth, flow, lane);
@@ -101,7 +101,7 @@ static saltus_status look_at_points(const saltus_trajectory *t, saltus_evidence 
     const double *observer = saltus_system_observer(t->system),
                  unit = saltus_system_period(t->system) / (2 * M_PI);
     int n = m->growth.n, dof = saltus_system_dof(t->system);
-    const saltus_series_points points = {m->points, t->settling.weight, m->count, n};
+    const saltus_series_points points = {m->points, t->proof.settling.weight, m->count, n};
     const saltus_series_options options = saltus_series_defaults();
     saltus_series_curve curve = {0};
     double *series = calloc((size_t)m->count, sizeof *series);

@@ -2,46 +2,46 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "sweep/sweep.h"
 
+#include <stddef.h>
 #include <string.h>
 
 /* What stands at the block's begin; rows, states, counts and clouds follow, all of them aligned to 8 bytes.
  */
 typedef struct head {
-    long long place, seeds, dimension, turning, impacts, strobes;
+    long long place, seeds, dimension, entries[SALTUS_CLOUDS];
 } head;
+
+enum { part_head, part_rows, part_states, part_counts, part_clouds, parts = part_clouds + SALTUS_CLOUDS };
 
 static head head_of(const saltus_sweep *sweep, const saltus_sweep_result *result) {
     head h = {.place = result->place, .seeds = sweep->options.seeds, .dimension = sweep->dimension};
     for (int s = 0; s < sweep->options.seeds; s++) {
-        h.turning += result->turning_counts[s];
-        h.impacts += result->impact_counts[s];
-        h.strobes += result->strobe_counts[s];
+        h.entries[SALTUS_CLOUD_TURNING] += result->turning_counts[s];
+        h.entries[SALTUS_CLOUD_IMPACTS] += result->impact_counts[s];
+        h.entries[SALTUS_CLOUD_STROBES] += result->strobe_counts[s];
     }
     return h;
 }
 
-enum { parts = 8 };
-
-/* Sizes of the parts in their order. */
-static void sizes_of(const head *h, size_t size[parts]) {
-    size_t seeds = (size_t)h->seeds, n = (size_t)h->dimension;
-    size[0] = sizeof *h;
-    size[1] = seeds * sizeof(saltus_sweep_row);
-    size[2] = seeds * n * sizeof(double);
-    size[3] = 3 * seeds * sizeof(long long);
-    size[4] = (size_t)h->turning * sizeof(double);
-    size[5] = (size_t)h->impacts * sizeof(saltus_sweep_impact);
-    size[6] = (size_t)h->strobes * n * sizeof(double);
-    size[7] = 0;
+/* Where the parts begin, and the whole size behind them. */
+static void place_parts(const head *h, size_t offset[parts + 1]) {
+    size_t seeds = (size_t)h->seeds,
+           size[parts] = {[part_head] = sizeof *h,
+                          [part_rows] = seeds * sizeof(saltus_sweep_row),
+                          [part_states] = seeds * (size_t)h->dimension * sizeof(double),
+                          [part_counts] = SALTUS_CLOUDS * seeds * sizeof(long long)};
+    for (int k = 0; k < SALTUS_CLOUDS; k++)
+        size[part_clouds + k] = (size_t)h->entries[k] * saltus_cloud_entry(k, (int)h->dimension);
+    offset[0] = 0;
+    for (int k = 0; k < parts; k++)
+        offset[k + 1] = offset[k] + size[k];
 }
 
 size_t saltus_sweep_packed_size(const saltus_sweep *sweep, const saltus_sweep_result *result) {
     head h = head_of(sweep, result);
-    size_t size[parts], sum = 0;
-    sizes_of(&h, size);
-    for (int k = 0; k < parts; k++)
-        sum += size[k];
-    return sum;
+    size_t offset[parts + 1];
+    place_parts(&h, offset);
+    return offset[parts];
 }
 
 static unsigned char *put(unsigned char *to, const void *from, size_t bytes) {
@@ -50,66 +50,44 @@ static unsigned char *put(unsigned char *to, const void *from, size_t bytes) {
     return to + bytes;
 }
 
-/* Member by member, so that no byte of padding is left to chance. */
-static unsigned char *put_row(unsigned char *to, const saltus_sweep_row *r) {
-    saltus_sweep_row clean;
-    memset(&clean, 0, sizeof clean);
-    clean.verdict = r->verdict;
-    clean.impacts = r->impacts;
-    clean.periods = r->periods;
-    clean.sticking = r->sticking;
-    clean.attractor = r->attractor;
-    clean.settled = r->settled;
-    clean.settled_impacts = r->settled_impacts;
-    clean.recorded = r->recorded;
-    clean.largest = r->largest;
-    clean.smallest = r->smallest;
-    clean.impact_rate = r->impact_rate;
-    clean.largest_speed = r->largest_speed;
-    clean.contact_fraction = r->contact_fraction;
-    clean.lyapunov = r->lyapunov;
-    clean.lyapunov_error = r->lyapunov_error;
-    return put(to, &clean, sizeof clean);
-}
-
-static unsigned char *put_impact(unsigned char *to, const saltus_sweep_impact *i) {
-    saltus_sweep_impact clean;
-    memset(&clean, 0, sizeof clean);
-    clean.phase = i->phase;
-    clean.speed = i->speed;
-    clean.face = i->face;
-    return put(to, &clean, sizeof clean);
-}
-
+/* Of rows and impacts the bytes of padding are zeroed, so that the same result is the same block. */
 void saltus_sweep_pack(const saltus_sweep *sweep, const saltus_sweep_result *result, void *bytes) {
+    enum {
+        integers = offsetof(saltus_sweep_row, attractor) + sizeof(int),
+        rest = offsetof(saltus_sweep_row, settled),
+        impact = offsetof(saltus_sweep_impact, face) + sizeof(int)
+    };
     head h = head_of(sweep, result);
-    size_t size[parts], counts = (size_t)h.seeds * sizeof(long long);
-    sizes_of(&h, size);
-    unsigned char *to = put(bytes, &h, size[0]);
-    for (long long s = 0; s < h.seeds; s++)
-        to = put_row(to, &result->rows[s]);
-    to = put(to, result->states, size[2]);
+    size_t n = (size_t)h.dimension, counts = (size_t)h.seeds * sizeof(long long);
+    unsigned char *to = put(bytes, &h, sizeof h);
+    for (long long s = 0; s < h.seeds; s++) {
+        const unsigned char *row = (const unsigned char *)&result->rows[s];
+        memset(put(to, row, integers), 0, rest - integers);
+        to = put(to + rest, row + rest, sizeof *result->rows - rest);
+    }
+    to = put(to, result->states, (size_t)h.seeds * n * sizeof(double));
     to = put(to, result->turning_counts, counts);
     to = put(to, result->impact_counts, counts);
     to = put(to, result->strobe_counts, counts);
-    to = put(to, result->turning, size[4]);
-    for (long long k = 0; k < h.impacts; k++)
-        to = put_impact(to, &result->impacts[k]);
-    put(to, result->strobes, size[6]);
+    to = put(to, result->turning, (size_t)h.entries[SALTUS_CLOUD_TURNING] * sizeof(double));
+    for (long long k = 0; k < h.entries[SALTUS_CLOUD_IMPACTS]; k++) {
+        memset(put(to, &result->impacts[k], impact), 0, sizeof *result->impacts - impact);
+        to += sizeof *result->impacts;
+    }
+    put(to, result->strobes, (size_t)h.entries[SALTUS_CLOUD_STROBES] * n * sizeof(double));
 }
 
 /* Whether the counts of the seeds are sound and add up to those of the head. */
 static bool counts_agree(const head *h, const long long *counts) {
-    const long long whole[3] = {h->turning, h->impacts, h->strobes};
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < SALTUS_CLOUDS; k++) {
         long long sum = 0;
         for (long long s = 0; s < h->seeds; s++) {
             long long count = counts[k * h->seeds + s];
-            if (count < 0 || count > whole[k] - sum)
+            if (count < 0 || count > h->entries[k] - sum)
                 return false;
             sum += count;
         }
-        if (sum != whole[k])
+        if (sum != h->entries[k])
             return false;
     }
     return true;
@@ -130,27 +108,30 @@ bool saltus_sweep_unpack(const saltus_sweep *sweep, const void *bytes, size_t si
     if (size < sizeof h)
         return false;
     memcpy(&h, bytes, sizeof h);
+    /* What could not fit the block is refused before sizes are computed with it, which might overflow. */
     const long long most = (long long)(size / sizeof(double)) + 1;
     bool fits = h.place >= 0 && h.place < sweep->pass_count * sweep->points &&
-                h.seeds == sweep->options.seeds && h.dimension == sweep->dimension && h.turning >= 0 &&
-                h.impacts >= 0 && h.strobes >= 0 && h.turning < most && h.impacts < most && h.strobes < most;
-    size_t part[parts], offset[parts] = {0};
+                h.seeds == sweep->options.seeds && h.dimension == sweep->dimension;
+    for (int k = 0; k < SALTUS_CLOUDS; k++)
+        fits = fits && h.entries[k] >= 0 && h.entries[k] < most;
+    size_t offset[parts + 1];
     if (!fits)
         return false;
-    sizes_of(&h, part);
-    for (int k = 1; k < parts; k++)
-        offset[k] = offset[k - 1] + part[k - 1];
-    if (offset[parts - 1] != size)
+    place_parts(&h, offset);
+    if (offset[parts] != size)
         return false;
-    const long long *counts = (const long long *)(const void *)(from + offset[3]);
+    const void *part[parts];
+    for (int k = 0; k < parts; k++)
+        part[k] = from + offset[k];
+    const long long *counts = part[part_counts];
     *result = (saltus_sweep_result){.place = h.place,
-                                    .rows = (const saltus_sweep_row *)(const void *)(from + offset[1]),
-                                    .states = (const double *)(const void *)(from + offset[2]),
-                                    .turning_counts = counts,
-                                    .impact_counts = counts + h.seeds,
-                                    .strobe_counts = counts + 2 * h.seeds,
-                                    .turning = (const double *)(const void *)(from + offset[4]),
-                                    .impacts = (const saltus_sweep_impact *)(const void *)(from + offset[5]),
-                                    .strobes = (const double *)(const void *)(from + offset[6])};
+                                    .rows = part[part_rows],
+                                    .states = part[part_states],
+                                    .turning_counts = counts + SALTUS_CLOUD_TURNING * h.seeds,
+                                    .impact_counts = counts + SALTUS_CLOUD_IMPACTS * h.seeds,
+                                    .strobe_counts = counts + SALTUS_CLOUD_STROBES * h.seeds,
+                                    .turning = part[part_clouds + SALTUS_CLOUD_TURNING],
+                                    .impacts = part[part_clouds + SALTUS_CLOUD_IMPACTS],
+                                    .strobes = part[part_clouds + SALTUS_CLOUD_STROBES]};
     return counts_agree(&h, counts) && rows_sound(result->rows, h.seeds, sweep->options.longest);
 }

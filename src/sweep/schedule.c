@@ -42,14 +42,12 @@ long long saltus_schedule_next(saltus_schedule *schedule) {
     return task;
 }
 
-saltus_status saltus_schedule_emit(saltus_schedule *schedule, saltus_job *job, int place,
-                                   const saltus_system *system) {
+void saltus_schedule_emit(saltus_schedule *schedule, saltus_job *job, int place,
+                          const saltus_system *system) {
     lock(schedule);
     if (schedule->status == SALTUS_OK)
         schedule->status = saltus_job_emit(job, place, system, schedule->feed, schedule->message);
-    saltus_status status = (saltus_status)schedule->status;
     unlock(schedule);
-    return status;
 }
 
 void saltus_schedule_done(saltus_schedule *schedule, long long task) {

@@ -9,31 +9,31 @@
 #include "sweep/sweep.h"
 
 #include <math.h>
+#include <string.h>
 
 enum { blind_periods = 64, settling_after_record = 400 };
 
-static bool measures_growth(const saltus_trajectory *t) {
-    return t->sweep->options.keep & SALTUS_KEEP_LYAPUNOV;
+static bool stage_ends(const saltus_trajectory *t) {
+    return saltus_trajectory_cycle(t) >= t->stage_end;
 }
 
 /* To the next section point, or where the tangent vector is looked at; in a transient that nobody looks at by
  * many periods. */
 static void aim(saltus_trajectory *t) {
-    bool blind = t->stage == SALTUS_STAGE_TRANSIENT;
-    long long left = t->stage_end - saltus_trajectory_cycle(t);
-    saltus_time until = {saltus_trajectory_cycle(t) + (!blind                 ? 1
-                                                       : left < blind_periods ? left
-                                                                              : blind_periods),
-                         0};
-    if (t->stage == SALTUS_STAGE_MEASURING)
+    if (t->stage == SALTUS_STAGE_MEASURING) {
         saltus_growth_aim(&t->measuring.growth, t->flow, t->lane);
-    else
-        saltus_flow_aim(t->flow, t->lane, until, t->active ? saltus_watch_mask() : 0);
+        return;
+    }
+    long long cycle = saltus_trajectory_cycle(t), left = t->stage_end - cycle, periods = 1;
+    if (t->stage == SALTUS_STAGE_TRANSIENT)
+        periods = left < blind_periods ? left : blind_periods;
+    saltus_flow_aim(t->flow, t->lane, (saltus_time){cycle + periods, 0},
+                    t->active ? SALTUS_WATCH_CONTACT | SALTUS_WATCH_TURNING : 0);
 }
 
 static void see_section(saltus_trajectory *t) {
     saltus_flow_info info = saltus_trajectory_information(t);
-    saltus_settling_add(&t->settling, t->state, info.impacts, info.sticks + info.releases);
+    saltus_settling_add(&t->proof.settling, t->state, info.impacts, info.sticks + info.releases);
 }
 
 static void begin_watch(saltus_trajectory *t, saltus_watch *watch, long long periods) {
@@ -57,14 +57,12 @@ static void begin_settling(saltus_trajectory *t) {
     t->stage_end = o->adaptive ? o->transient : saltus_trajectory_cycle(t) + settling_after_record;
 }
 
-static void forget_clouds(saltus_trajectory *t) {
-    t->watch.turning.count = t->watch.strobes.count = t->watch.impacts.count = 0;
-    t->watch.sound = true;
-}
-
+/* A row of nothing yet, without clouds. */
 static void open_row(saltus_trajectory *t) {
-    forget_clouds(t);
     t->row = saltus_sweep_row_of(SALTUS_FAILED);
+    t->watch.sound = true;
+    for (int k = 0; k < SALTUS_CLOUDS; k++)
+        t->watch.clouds[k].count = 0;
 }
 
 void saltus_trajectory_refuse(saltus_trajectory *t) {
@@ -74,23 +72,32 @@ void saltus_trajectory_refuse(saltus_trajectory *t) {
 }
 
 void saltus_trajectory_fail(saltus_trajectory *t) {
-    long long settled = saltus_trajectory_cycle(t);
     if (t->stage == SALTUS_STAGE_MEASURING && t->measuring.given)
         return;
     if (t->row.recorded == 0)
         saltus_trajectory_refuse(t);
     t->row.verdict = SALTUS_FAILED;
-    t->row.settled = settled;
+    t->row.settled = saltus_trajectory_cycle(t);
     t->row.periods = 0;
 }
 
-/* The state to begin a place with: carried on where there is one. */
+/* The state to begin a place with: that of its seed, or the one it has where it is carried on. */
 static saltus_status find_start(saltus_trajectory *t, bool carried) {
-    if (!carried)
-        return saltus_sweep_initial(t->sweep, saltus_trajectory_point(t), t->seed, t->system, t->rng,
-                                    t->state, NULL);
-    saltus_sweep_admit(t->system, t->state);
-    return SALTUS_OK;
+    const saltus_sweep *sweep = t->sweep;
+    if (carried) {
+        saltus_state_admit(t->system, t->state);
+        return SALTUS_OK;
+    }
+    if (t->seed > 0) {
+        saltus_trajectory_seed(t, t->seed);
+        return saltus_state_random(t->system, t->rng, t->state, NULL);
+    }
+    if (sweep->scene.initial_count == 0 && !sweep->moves_start)
+        return saltus_system_default_state(t->system, t->state, NULL);
+    saltus_scene scene;
+    saltus_status status = saltus_sweep_scene_at(sweep, saltus_trajectory_point(t), &scene, NULL);
+    memcpy(t->state, scene.initial, (size_t)sweep->dimension * sizeof *t->state);
+    return status;
 }
 
 bool saltus_trajectory_start(saltus_trajectory *t, saltus_flow *flow, int lane) {
@@ -99,10 +106,10 @@ bool saltus_trajectory_start(saltus_trajectory *t, saltus_flow *flow, int lane) 
     t->flow = flow;
     t->lane = lane;
     t->active = NULL;
-    t->disturbed = false;
     t->before = (saltus_flow_info){0};
+    t->proof.disturbed = false;
+    saltus_settling_reset(&t->proof.settling, t->system);
     open_row(t);
-    saltus_settling_reset(&t->settling, t->system);
     saltus_status status = find_start(t, carried);
     if (status != SALTUS_OK) {
         saltus_trajectory_refuse(t);
@@ -125,48 +132,46 @@ bool saltus_trajectory_start(saltus_trajectory *t, saltus_flow *flow, int lane) 
 
 /* The row is filled but for its exponent. */
 static saltus_next end_place(saltus_trajectory *t) {
+    const saltus_sweep_options *o = &t->sweep->options;
     bool settled = saltus_verdict_settled(t->row.verdict);
-    if (!measures_growth(t) || (settled && saltus_trajectory_exponent(t)))
+    if (!(o->keep & SALTUS_KEEP_LYAPUNOV) || (settled && saltus_trajectory_exponent(t)))
         return SALTUS_NEXT_DONE;
     t->measuring.given = settled;
-    return t->sweep->options.measure > 0 ? SALTUS_NEXT_MEASURE : SALTUS_NEXT_DONE;
+    return o->measure > 0 ? SALTUS_NEXT_MEASURE : SALTUS_NEXT_DONE;
 }
 
-static saltus_next go_around(saltus_trajectory *t, int periods) {
-    saltus_trajectory_settle(t, SALTUS_PERIODIC, periods);
-    t->stage = SALTUS_STAGE_ORBIT;
-    begin_watch(t, t->sweep->options.adaptive ? &t->watch : &t->round, periods);
-    return SALTUS_NEXT_GO_ON;
-}
-
-/* The verdict is not a period: recorded now, or over where it has been recorded. */
-static saltus_next end_settling(saltus_trajectory *t, saltus_verdict verdict) {
-    saltus_trajectory_settle(t, verdict, 0);
-    if (!t->sweep->options.adaptive)
+/* It has settled, or will not: an orbit is gone around once, anything else is recorded now, or over where it
+ * has been recorded. */
+static saltus_next act_on(saltus_trajectory *t, saltus_judgement judgement) {
+    const bool adaptive = t->sweep->options.adaptive;
+    if (judgement.verdict == SALTUS_FAILED) {
+        saltus_trajectory_fail(t);
+        return SALTUS_NEXT_DONE;
+    }
+    if (judgement.verdict == SALTUS_PERIODIC) {
+        saltus_trajectory_settle(t, SALTUS_PERIODIC, judgement.periods);
+        t->stage = SALTUS_STAGE_ORBIT;
+        begin_watch(t, adaptive ? &t->watch : &t->round, judgement.periods);
+        return SALTUS_NEXT_GO_ON;
+    }
+    saltus_trajectory_settle(t, judgement.verdict, 0);
+    if (!adaptive)
         return end_place(t);
     begin_recording(t);
     return SALTUS_NEXT_GO_ON;
 }
 
-/* What it has settled on. */
-static saltus_next act_on(saltus_trajectory *t, saltus_judgement judgement) {
-    if (judgement.verdict == SALTUS_PERIODIC)
-        return go_around(t, judgement.periods);
-    if (judgement.verdict != SALTUS_FAILED)
-        return end_settling(t, judgement.verdict);
-    saltus_trajectory_fail(t);
-    return SALTUS_NEXT_DONE;
-}
-
-/* The next section point of a trajectory that settles. */
+/* The next section point of a trajectory that settles. Beyond a fixed time, what does not recur at once is
+ * not waited for. */
 static saltus_next settling_on(saltus_trajectory *t) {
     saltus_judgement judgement = saltus_trajectory_judge(t);
-    bool hopeless =
-        saltus_trajectory_cycle(t) >= t->stage_end || (!t->sweep->options.adaptive && judgement.recurs == 0 &&
-                                                       t->settling.count > 2 * t->sweep->options.longest + 6);
-    if (judgement.verdict != SALTUS_PENDING)
-        return act_on(t, judgement);
-    return hopeless ? end_settling(t, SALTUS_UNDECIDED) : SALTUS_NEXT_GO_ON;
+    bool hopeless = stage_ends(t) || (!t->sweep->options.adaptive && judgement.recurs == 0 &&
+                                      t->proof.settling.count > 2 * t->sweep->options.longest + 6);
+    if (judgement.verdict == SALTUS_PENDING && !hopeless)
+        return SALTUS_NEXT_GO_ON;
+    if (judgement.verdict == SALTUS_PENDING)
+        judgement.verdict = SALTUS_UNDECIDED;
+    return act_on(t, judgement);
 }
 
 /* The next section point of one that is measured: it may settle yet. */
@@ -177,8 +182,8 @@ static saltus_next measuring_on(saltus_trajectory *t) {
     return judgement.verdict == SALTUS_PENDING ? saltus_measuring_add(t) : act_on(t, judgement);
 }
 
-/* Counts of one orbit, when it has been gone around. */
-static void count_orbit(saltus_trajectory *t) {
+/* The orbit has been gone around. */
+static saltus_next orbit_done(saltus_trajectory *t) {
     saltus_lap *lap = &t->active->lap;
     lap->contacts = saltus_flow_contacts(t->flow, t->lane);
     t->row.impacts = (int)saltus_lap_impacts(lap);
@@ -187,10 +192,6 @@ static void count_orbit(saltus_trajectory *t) {
         t->row.verdict = SALTUS_HELD;
         t->row.periods = 0;
     }
-}
-
-static saltus_next orbit_done(saltus_trajectory *t) {
-    count_orbit(t);
     if (t->active == &t->watch)
         saltus_watch_measure(&t->watch, saltus_flow_time(t->flow, t->lane), t->state, &t->row);
     return end_place(t);
@@ -206,7 +207,7 @@ static saltus_next recorded(saltus_trajectory *t) {
 
 /* A section point has been reached. */
 static saltus_next at_section(saltus_trajectory *t) {
-    bool ends = saltus_trajectory_cycle(t) >= t->stage_end;
+    const bool ends = stage_ends(t);
     saltus_flow_state(t->flow, t->lane, t->state);
     if (saltus_state_bounded(t->system, t->state, saltus_trajectory_cycle(t), NULL) != SALTUS_OK) {
         saltus_trajectory_fail(t);
@@ -232,21 +233,18 @@ static saltus_next at_section(saltus_trajectory *t) {
     }
 }
 
-static void see_event(saltus_trajectory *t, const saltus_event *event) {
-    if (event->kind != SALTUS_TURNING)
-        saltus_flow_state(t->flow, t->lane, t->state);
-    saltus_watch_event(t->active, event, t->state, saltus_flow_contacts(t->flow, t->lane) != 0);
-}
-
 saltus_next saltus_trajectory_follow(saltus_trajectory *t, const saltus_event *event) {
     saltus_next next = SALTUS_NEXT_GO_ON;
     bool section = event->kind == SALTUS_REACHED;
     if (t->stage == SALTUS_STAGE_MEASURING)
         next = saltus_measuring_follow(t, event, &section);
-    else if (!section)
-        see_event(t, event);
-    else
+    else if (section)
         saltus_trajectory_hand_back(t);
+    else {
+        if (event->kind != SALTUS_TURNING)
+            saltus_flow_state(t->flow, t->lane, t->state);
+        saltus_watch_event(t->active, event, t->state, saltus_flow_contacts(t->flow, t->lane) != 0);
+    }
     if (next == SALTUS_NEXT_GO_ON && section)
         next = at_section(t);
     if (next == SALTUS_NEXT_GO_ON)

@@ -141,15 +141,6 @@ static saltus_status check_corners(saltus_sweep *sweep, saltus_message *message)
     return status;
 }
 
-/* The options of the flow are good if a flow can be made with them. */
-static saltus_status check_flow(const saltus_sweep *sweep, saltus_message *message) {
-    const saltus_system *system = sweep->system;
-    saltus_flow *flow = NULL;
-    saltus_status status = saltus_flow_new(&system, 1, &sweep->options.flow, &flow, message);
-    saltus_flow_free(flow);
-    return status;
-}
-
 static saltus_status check_starts(const saltus_sweep *sweep, saltus_message *message) {
     const saltus_scene *scene = &sweep->scene;
     if (scene->initial_count && scene->initial_count != sweep->dimension)
@@ -189,8 +180,13 @@ saltus_status saltus_sweep_new(const saltus_scene *scene, const saltus_axis *axe
         status = check_corners(made, message);
     if (status == SALTUS_OK)
         status = check_starts(made, message);
-    if (status == SALTUS_OK)
-        status = check_flow(made, message);
+    if (status == SALTUS_OK) {
+        /* The options of the flow are good if a flow can be made with them. */
+        const saltus_system *system = made->system;
+        saltus_flow *flow = NULL;
+        status = saltus_flow_new(&system, 1, &made->options.flow, &flow, message);
+        saltus_flow_free(flow);
+    }
     if (status == SALTUS_OK)
         *sweep = made;
     else

@@ -34,21 +34,17 @@ struct saltus_sweep {
 saltus_status saltus_sweep_system(const saltus_sweep *sweep, long long point, saltus_system **system,
                                   saltus_message *message);
 
-/* start.c */
-/* The initial state of a seed at a point. Errors: SALTUS_BAD_INPUT where it is not admissible. */
-saltus_status saltus_sweep_initial(const saltus_sweep *sweep, long long point, int seed,
-                                   const saltus_system *system, gsl_rng *rng, double *state,
-                                   saltus_message *message);
-/* Bring a state that lies beyond stops onto them, as it is carried from one point to the next. */
-void saltus_sweep_admit(const saltus_system *system, double *state);
-/* A random number generator at a state that depends on these numbers alone. */
-void saltus_sweep_seed(gsl_rng *rng, unsigned long seed, long long point, int which);
-
 /* watch.c: what a trajectory does while it is recorded. */
+/* Clouds of points, in the order of their bits SALTUS_KEEP_... and of a packed result. */
+enum { SALTUS_CLOUD_TURNING, SALTUS_CLOUD_IMPACTS, SALTUS_CLOUD_STROBES, SALTUS_CLOUDS };
+
 typedef struct saltus_cloud {
-    double *values;
+    void *entries;
     size_t count, room;
 } saltus_cloud;
+
+/* Bytes of one entry of a cloud, for states of so many numbers. */
+size_t saltus_cloud_entry(int which, int dimension);
 
 typedef struct saltus_watch {
     saltus_lap lap; /* counts and extremes */
@@ -58,15 +54,13 @@ typedef struct saltus_watch {
     int heading;    /* sign of the observed velocity */
     double contact; /* periods in contact */
     double largest_speed;
-    saltus_cloud turning, strobes, impacts; /* impacts: three numbers each */
-    bool sound;                             /* no cloud has run out of memory */
+    saltus_cloud clouds[SALTUS_CLOUDS];
+    bool sound; /* no cloud has run out of memory */
 } saltus_watch;
 
 /* Begin at a section point. Clouds keep their memory. */
 void saltus_watch_begin(saltus_watch *watch, const saltus_system *system, unsigned keep, saltus_time time,
                         const double *state, bool touching);
-/* The events to watch. */
-unsigned saltus_watch_mask(void);
 /* `state` is that of now, for the events of contacts. */
 void saltus_watch_event(saltus_watch *watch, const saltus_event *event, const double *state, bool touching);
 /* A section point; not the last one of the recording, which would be counted twice. */
@@ -81,8 +75,7 @@ typedef struct saltus_cell {
     saltus_sweep_row row;
     double *state; /* at the end, n */
     double *orbit; /* periodic, with several seeds: section points, periods x n */
-    double *turning, *strobes, *impacts;
-    long long turning_count, strobe_count, impact_count;
+    saltus_cloud clouds[SALTUS_CLOUDS];
 } saltus_cell;
 
 typedef struct saltus_job {
@@ -96,11 +89,11 @@ typedef struct saltus_job {
 
 saltus_job *saltus_job_open(const saltus_sweep *sweep, long long task);
 void saltus_job_free(saltus_job *job);
-/* Put a trajectory's outcome into its cell; true when the place is complete, to be handed out with
- * saltus_job_emit. False in *sound when there is no memory. */
+/* Put a trajectory's outcome into its cell, which takes the watch's clouds over; true when the place is
+ * complete, to be handed out with saltus_job_emit. False in *sound when there is no memory. */
 bool saltus_job_put(saltus_job *job, int place, int seed, const saltus_sweep_row *row, const double *state,
-                    const double *orbit, const saltus_watch *watch, bool *sound);
-/* Tell distinct attractors apart, hand the place out and free its clouds. */
+                    const double *orbit, saltus_watch *watch, bool *sound);
+/* Tell distinct attractors apart, hand the place out and free its cells. */
 saltus_status saltus_job_emit(saltus_job *job, int place, const saltus_system *system,
                               const saltus_sweep_feed *feed, saltus_message *message);
 
@@ -120,6 +113,20 @@ typedef enum saltus_next {
     SALTUS_NEXT_DONE     /* this place is over, the row being filled */
 } saltus_next;
 
+/* Whether it has settled. */
+typedef struct saltus_proof {
+    saltus_settling settling;
+    bool disturbed;         /* to prove stability, ... */
+    double *undisturbed;    /* ... from this state ... */
+    long long disturbed_at; /* ... at this cycle */
+    int recurring;          /* the period that recurs, ... */
+    long long waited;       /* ... for so many periods */
+    double trend[2];        /* how well it recurred when last looked at, and before */
+    long long patience;     /* periods until Newton's method is asked */
+    long long ask_again;    /* not before this cycle, where iteration cannot tell the period */
+    double *orbit;          /* section points of the settled orbit, longest x n */
+} saltus_proof;
+
 /* The exponent under way. */
 typedef struct saltus_measuring {
     saltus_arena arena;
@@ -132,7 +139,7 @@ typedef struct saltus_measuring {
     bool given;             /* the verdict is there: nothing but the exponent is lacking */
     bool suspected;         /* a torus: section points are collected */
     double *points;         /* `count` of them, n each */
-    long long count, asked; /* `asked`: of how many a torus has been denied */
+    long long count, asked; /* `asked`: of how many last told whether it is one */
 } saltus_measuring;
 
 typedef struct saltus_trajectory {
@@ -142,37 +149,33 @@ typedef struct saltus_trajectory {
     saltus_system *system;
     saltus_flow *flow;
     int lane;
-    saltus_stage stage;
-    saltus_settling settling;
-    saltus_watch watch, round; /* what is recorded; once around the orbit where that comes later */
-    saltus_watch *active;      /* of these, or NULL */
-    saltus_sweep_row row;
-    saltus_flow_info before;    /* of the flow before it was last started anew */
-    long long stage_end;        /* cycle at which the stage ends */
-    bool disturbed, starved;    /* disturbed to prove stability; out of memory */
-    long long waited, patience; /* periods since something recurs; until Newton's method is asked */
-    long long ask_again;        /* not before this cycle, where iteration cannot tell */
-    int recurring;              /* the period that recurs */
-    double trend[2];            /* how well it did when last looked at, and before */
-    double *home;               /* where it was before it was disturbed, ... */
-    long long home_cycle;       /* ... and when */
-    double *state, *orbit;      /* now; of a settled orbit, longest x n */
-    saltus_measuring measuring; /* with SALTUS_KEEP_LYAPUNOV */
+    saltus_flow_info before; /* of the flow before it was last started anew */
+    double *state;           /* now */
     gsl_rng *rng;
+    saltus_stage stage;
+    long long stage_end; /* cycle at which the stage ends */
+    saltus_proof proof;
+    saltus_watch watch, round;  /* what is recorded; once around the orbit where that comes later */
+    saltus_watch *active;       /* of these, or NULL */
+    saltus_measuring measuring; /* with SALTUS_KEEP_LYAPUNOV */
+    saltus_sweep_row row;
+    bool starved; /* out of memory */
 } saltus_trajectory;
 
+bool saltus_trajectory_open(saltus_trajectory *trajectory, const saltus_sweep *sweep);
+void saltus_trajectory_close(saltus_trajectory *trajectory);
 /* The grid's point at which it is. */
 long long saltus_trajectory_point(const saltus_trajectory *trajectory);
 /* Periods since it began. */
 long long saltus_trajectory_cycle(const saltus_trajectory *trajectory);
 /* Its steps, impacts and other contact events since it began. */
 saltus_flow_info saltus_trajectory_information(const saltus_trajectory *trajectory);
+/* Seed its random numbers by the sweep's seed, the point and `which` alone, whatever else runs. */
+void saltus_trajectory_seed(saltus_trajectory *trajectory, int which);
 /* Go on from another state at the same time. False when the flow cannot. */
 bool saltus_trajectory_continue(saltus_trajectory *trajectory, const double *state);
 /* Go on in another lane. False when the flow cannot. */
 bool saltus_trajectory_move(saltus_trajectory *trajectory, saltus_flow *flow, int lane);
-bool saltus_trajectory_open(saltus_trajectory *trajectory, const saltus_sweep *sweep);
-void saltus_trajectory_close(saltus_trajectory *trajectory);
 /* A verdict has been reached, or none will be. */
 void saltus_trajectory_settle(saltus_trajectory *trajectory, saltus_verdict verdict, int periods);
 /* A lane with a tangent vector gets it back as it was last looked at. */
@@ -188,8 +191,8 @@ typedef struct saltus_judgement {
 
 /* A trajectory begins to settle. */
 void saltus_trajectory_begin_settling(saltus_trajectory *trajectory);
-/* Judge a trajectory at a section point; the points of an orbit go to trajectory->orbit. It may be disturbed,
- * and it may be moved onto an orbit that Newton's method has found. */
+/* Judge a trajectory at a section point; the points of an orbit go to proof.orbit. It may be disturbed, and
+ * it may be moved onto an orbit that Newton's method has found. */
 saltus_judgement saltus_trajectory_judge(saltus_trajectory *trajectory);
 
 /* exponent.c */
@@ -231,12 +234,14 @@ typedef struct saltus_schedule {
 void saltus_schedule_begin(saltus_schedule *schedule, const saltus_sweep_feed *feed, saltus_message *message);
 /* What the run has come to. */
 saltus_status saltus_schedule_end(saltus_schedule *schedule);
+/* The next task, or -1. */
 long long saltus_schedule_next(saltus_schedule *schedule);
-saltus_status saltus_schedule_emit(saltus_schedule *schedule, saltus_job *job, int place,
-                                   const saltus_system *system);
+/* Hand out a complete place. */
+void saltus_schedule_emit(saltus_schedule *schedule, saltus_job *job, int place, const saltus_system *system);
 void saltus_schedule_done(saltus_schedule *schedule, long long task);
 /* End the run; the first failure counts. */
 void saltus_schedule_fail(saltus_schedule *schedule, saltus_status status, const char *why);
+/* Whether the run goes on. */
 bool saltus_schedule_open(saltus_schedule *schedule);
 
 #endif

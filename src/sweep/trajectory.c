@@ -5,47 +5,36 @@
 #include <math.h>
 #include <stdlib.h>
 
-static void reserve_measuring(saltus_measuring *m, int dimension) {
-    saltus_growth_reserve(&m->growth, &m->arena, dimension, 1);
-}
-
-static bool open_measuring(saltus_measuring *m, int dimension) {
-    reserve_measuring(m, dimension);
+bool saltus_trajectory_open(saltus_trajectory *t, const saltus_sweep *sweep) {
+    const int n = sweep->dimension, longest = sweep->options.longest;
+    *t = (saltus_trajectory){.sweep = sweep};
+    t->state = calloc((size_t)n, sizeof *t->state);
+    t->proof.undisturbed = calloc((size_t)n, sizeof *t->proof.undisturbed);
+    t->proof.orbit = calloc((size_t)(n * longest), sizeof *t->proof.orbit);
+    t->rng = gsl_rng_alloc(gsl_rng_mt19937);
+    double near = fmax(1e-10, 10 * sweep->options.flow.rtol);
+    bool sound = saltus_settling_open(&t->proof.settling, n, longest, near) && t->state &&
+                 t->proof.undisturbed && t->proof.orbit && t->rng;
+    if (!sound || !(sweep->options.keep & SALTUS_KEEP_LYAPUNOV))
+        return sound;
+    saltus_measuring *m = &t->measuring;
+    saltus_growth_reserve(&m->growth, &m->arena, n, 1);
     if (!saltus_arena_open(&m->arena))
         return false;
-    reserve_measuring(m, dimension);
+    saltus_growth_reserve(&m->growth, &m->arena, n, 1);
     return true;
 }
 
-static void close_measuring(saltus_measuring *m) {
-    saltus_arena_close(&m->arena);
-    free(m->points);
-    *m = (saltus_measuring){0};
-}
-
-bool saltus_trajectory_open(saltus_trajectory *t, const saltus_sweep *sweep) {
-    size_t n = (size_t)sweep->dimension;
-    *t = (saltus_trajectory){.sweep = sweep};
-    t->state = calloc(n, sizeof *t->state);
-    t->home = calloc(n, sizeof *t->home);
-    t->orbit = calloc(n * (size_t)sweep->options.longest, sizeof *t->orbit);
-    bool measurable =
-        !(sweep->options.keep & SALTUS_KEEP_LYAPUNOV) || open_measuring(&t->measuring, sweep->dimension);
-    t->rng = gsl_rng_alloc(gsl_rng_mt19937);
-    double near = fmax(1e-10, 10 * sweep->options.flow.rtol);
-    return saltus_settling_open(&t->settling, sweep->dimension, sweep->options.longest, near) && t->state &&
-           t->home && t->orbit && measurable && t->rng;
-}
-
 void saltus_trajectory_close(saltus_trajectory *t) {
-    saltus_settling_close(&t->settling);
+    saltus_settling_close(&t->proof.settling);
+    free(t->proof.undisturbed);
+    free(t->proof.orbit);
     saltus_watch_close(&t->watch);
     saltus_watch_close(&t->round);
+    saltus_arena_close(&t->measuring.arena);
+    free(t->measuring.points);
     saltus_system_free(t->system);
     free(t->state);
-    free(t->home);
-    free(t->orbit);
-    close_measuring(&t->measuring);
     if (t->rng)
         gsl_rng_free(t->rng);
     *t = (saltus_trajectory){0};
@@ -66,6 +55,20 @@ saltus_flow_info saltus_trajectory_information(const saltus_trajectory *t) {
     info.sticks += t->before.sticks;
     info.releases += t->before.releases;
     return info;
+}
+
+/* Mix bits until each of the numbers moves all of them (splitmix64's finaliser). */
+static unsigned long long mix(unsigned long long x) {
+    x += 0x9e3779b97f4a7c15ULL;
+    x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ULL;
+    x = (x ^ (x >> 27)) * 0x94d049bb133111ebULL;
+    return x ^ (x >> 31);
+}
+
+void saltus_trajectory_seed(saltus_trajectory *t, int which) {
+    unsigned long long point = (unsigned long long)saltus_trajectory_point(t),
+                       bits = mix(mix(mix(t->sweep->options.seed) ^ point) ^ (unsigned long long)which);
+    gsl_rng_set(t->rng, (unsigned long)(bits & 0xffffffffULL));
 }
 
 void saltus_trajectory_hand_back(saltus_trajectory *t) {

@@ -6,25 +6,37 @@
 #include <stdlib.h>
 #include <string.h>
 
-static void add(saltus_watch *watch, saltus_cloud *cloud, const double *values, size_t count) {
-    if (cloud->count + count > cloud->room) {
-        size_t room = 2 * cloud->room + count + 64;
-        double *grown = realloc(cloud->values, room * sizeof *grown);
+size_t saltus_cloud_entry(int which, int dimension) {
+    return which == SALTUS_CLOUD_TURNING   ? sizeof(double)
+           : which == SALTUS_CLOUD_IMPACTS ? sizeof(saltus_sweep_impact)
+                                           : (size_t)dimension * sizeof(double);
+}
+
+/* One more entry of a cloud, if that one is kept. */
+static void add(saltus_watch *watch, int which, const void *entry) {
+    saltus_cloud *cloud = &watch->clouds[which];
+    size_t size = saltus_cloud_entry(which, saltus_system_dimension(watch->lap.system));
+    if (!(watch->keep >> which & 1))
+        return;
+    if (cloud->count == cloud->room) {
+        size_t room = 2 * cloud->room + 64;
+        void *grown = realloc(cloud->entries, room * size);
         if (!grown) {
             watch->sound = false;
             return;
         }
-        cloud->values = grown;
+        cloud->entries = grown;
         cloud->room = room;
     }
-    memcpy(cloud->values + cloud->count, values, count * sizeof *values);
-    cloud->count += count;
+    memcpy((char *)cloud->entries + cloud->count++ * size, entry, size);
 }
 
-static int heading_of(const saltus_watch *watch, const double *state) {
-    const saltus_system *system = watch->lap.system;
-    double velocity = saltus_system_observed(system, state + saltus_system_dof(system));
+static int sign_of(double velocity) {
     return (velocity > 0) - (velocity < 0);
+}
+
+static int heading_of(const saltus_system *system, const double *state) {
+    return sign_of(saltus_system_observed(system, state + saltus_system_dof(system)));
 }
 
 void saltus_watch_begin(saltus_watch *watch, const saltus_system *system, unsigned keep, saltus_time time,
@@ -33,46 +45,39 @@ void saltus_watch_begin(saltus_watch *watch, const saltus_system *system, unsign
     watch->begin = watch->touched = time;
     watch->touching = touching;
     watch->contact = watch->largest_speed = 0;
-    saltus_lap_begin(&watch->lap, system, state);
-    watch->turning.count = watch->strobes.count = watch->impacts.count = 0;
+    watch->heading = heading_of(system, state);
     watch->sound = true;
-    watch->heading = heading_of(watch, state);
+    for (int k = 0; k < SALTUS_CLOUDS; k++)
+        watch->clouds[k].count = 0;
+    saltus_lap_begin(&watch->lap, system, state);
     saltus_watch_section(watch, state);
-}
-
-unsigned saltus_watch_mask(void) {
-    return SALTUS_WATCH_CONTACT | SALTUS_WATCH_TURNING;
 }
 
 static double periods_between(saltus_time from, saltus_time to) {
     return (double)(to.cycle - from.cycle) + (to.phase - from.phase);
 }
 
-static void see_strike(saltus_watch *watch, const saltus_event *event) {
-    const double values[] = {event->time.phase, event->velocity_before, event->face};
-    watch->largest_speed = fmax(watch->largest_speed, fabs(event->velocity_before));
-    if (watch->keep & SALTUS_KEEP_IMPACTS)
-        add(watch, &watch->impacts, values, 3);
-}
-
 /* The observed displacement turns: by itself, or where an impact reverses its velocity. An impact on the
  * observed point's own stop is a turn by definition. */
 static void see_turn(saltus_watch *watch, const saltus_event *event, const double *state) {
+    const saltus_system *system = watch->lap.system;
     bool contact = event->kind != SALTUS_TURNING;
-    int heading =
-        contact ? heading_of(watch, state) : (event->velocity_before > 0) - (event->velocity_before < 0);
-    bool own = contact && saltus_system_face(watch->lap.system, event->face).stop == 0;
+    int heading = contact ? heading_of(system, state) : sign_of(event->velocity_before);
+    bool own = contact && saltus_system_face(system, event->face).stop == 0;
     bool turns = !contact || (own ? saltus_event_strikes(event) : heading * watch->heading < 0);
-    double displacement = saltus_event_displacement(watch->lap.system, event, state);
-    if (turns && watch->keep & SALTUS_KEEP_TURNING)
-        add(watch, &watch->turning, &displacement, 1);
+    double displacement = saltus_event_displacement(system, event, state);
+    if (turns)
+        add(watch, SALTUS_CLOUD_TURNING, &displacement);
     watch->heading = heading;
 }
 
 void saltus_watch_event(saltus_watch *watch, const saltus_event *event, const double *state, bool touching) {
     saltus_lap_add(&watch->lap, event, state);
-    if (saltus_event_strikes(event))
-        see_strike(watch, event);
+    if (saltus_event_strikes(event)) {
+        const saltus_sweep_impact impact = {event->time.phase, event->velocity_before, event->face};
+        watch->largest_speed = fmax(watch->largest_speed, fabs(impact.speed));
+        add(watch, SALTUS_CLOUD_IMPACTS, &impact);
+    }
     see_turn(watch, event, state);
     if (event->kind != SALTUS_TURNING && touching != watch->touching) {
         if (watch->touching)
@@ -83,8 +88,7 @@ void saltus_watch_event(saltus_watch *watch, const saltus_event *event, const do
 }
 
 void saltus_watch_section(saltus_watch *watch, const double *state) {
-    if (watch->keep & SALTUS_KEEP_STROBOSCOPIC)
-        add(watch, &watch->strobes, state, (size_t)saltus_system_dimension(watch->lap.system));
+    add(watch, SALTUS_CLOUD_STROBES, state);
 }
 
 void saltus_watch_measure(const saltus_watch *watch, saltus_time end, const double *state,
@@ -102,8 +106,7 @@ void saltus_watch_measure(const saltus_watch *watch, saltus_time end, const doub
 }
 
 void saltus_watch_close(saltus_watch *watch) {
-    free(watch->turning.values);
-    free(watch->strobes.values);
-    free(watch->impacts.values);
+    for (int k = 0; k < SALTUS_CLOUDS; k++)
+        free(watch->clouds[k].entries);
     *watch = (saltus_watch){0};
 }

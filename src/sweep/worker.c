@@ -3,9 +3,9 @@
  *
  * A lane whose trajectory has finished its task, or goes on in the other flow, takes the next one at once.
  * The second flow runs when its lanes are full or nothing else is left to run, so that no lane of either is
- * idle as long as there is work; one that has been measured and has more of its line before it waits for a
- * lane of the first. A system that lacks a term which the others have (an amplitude of zero at the edge of a
- * grid) cannot run beside them: its trajectory runs in a flow of one lane, with the same bits.
+ * idle as long as there is work; a trajectory that has been measured and has more of its line before it waits
+ * for a lane of the first. A system that lacks a term which the others have (an amplitude of zero at the edge
+ * of a grid) cannot run beside them: its trajectory runs in a flow of one lane, with the same bits.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "sweep/sweep.h"
 
@@ -33,13 +33,7 @@ typedef struct worker {
     saltus_trajectory trajectory[2 * SALTUS_LANES_MAX];
 } worker;
 
-static int lane_count(const saltus_sweep *sweep) {
-    int width = saltus_flow_width(sweep->system), asked = sweep->options.lanes;
-    if (sweep->options.flow.integrator == SALTUS_RADAU)
-        return 1;
-    return asked > 0 && asked < width ? asked : width;
-}
-
+/* A flow for systems with all the terms; a failure ends the run. */
 static bool open_flow(const worker *w, int lanes, int columns, saltus_flow **flow) {
     const saltus_system *systems[SALTUS_LANES_MAX];
     saltus_flow_options options = w->sweep->options.flow;
@@ -54,8 +48,12 @@ static bool open_flow(const worker *w, int lanes, int columns, saltus_flow **flo
 }
 
 static bool open_worker(worker *w) {
-    bool measures = w->sweep->options.keep & SALTUS_KEEP_LYAPUNOV;
-    w->plain.lanes = lane_count(w->sweep);
+    const saltus_sweep_options *o = &w->sweep->options;
+    const bool measures = o->keep & SALTUS_KEEP_LYAPUNOV;
+    const int width = saltus_flow_width(w->sweep->system);
+    w->plain.lanes = o->flow.integrator == SALTUS_RADAU ? 1
+                     : o->lanes > 0 && o->lanes < width ? o->lanes
+                                                        : width;
     w->tangent.lanes = measures ? w->plain.lanes : 0;
     w->size = w->plain.lanes + w->tangent.lanes;
     if (!open_flow(w, w->plain.lanes, 0, &w->plain.flow) ||
@@ -98,11 +96,6 @@ static void close_worker(worker *w) {
     saltus_job_free(w->job);
 }
 
-static void take_lane(lane_set *side, int lane, saltus_trajectory *t) {
-    side->at[lane] = t;
-    side->live++;
-}
-
 /* A lane that rests knows no system that may be freed. */
 static void rest_lane(const worker *w, lane_set *side, int lane) {
     side->at[lane] = NULL;
@@ -136,8 +129,8 @@ static bool take_seed(worker *w, saltus_trajectory *t) {
     return true;
 }
 
-/* One that waits with a part of its line before it, or an idle one with a new seed; NULL when there is
- * nothing more to do. There is an idle one for each lane of the first flow that is free. */
+/* The trajectory that has waited longest with a part of its line before it, or an idle one with a new seed;
+ * NULL when there is nothing more to do. For each free lane of the first flow there is an idle one. */
 static saltus_trajectory *next_trajectory(worker *w) {
     if (w->waiting > 0) {
         saltus_trajectory *first = w->queue[0];
@@ -152,8 +145,9 @@ static saltus_trajectory *next_trajectory(worker *w) {
 
 /* The flow of one lane, made when it is first needed; NULL after a failure. */
 static saltus_flow *single_flow(worker *w, int columns) {
-    bool sound = w->single[columns] || open_flow(w, 1, columns, &w->single[columns]);
-    return sound ? w->single[columns] : NULL;
+    if (!w->single[columns])
+        open_flow(w, 1, columns, &w->single[columns]);
+    return w->single[columns];
 }
 
 /* Give the trajectory the system of its place; the old one is freed once no flow knows it. */
@@ -214,7 +208,8 @@ static void run_single(worker *w, saltus_trajectory *t) {
 /* Store what came out of the trajectory's place and hand it out where all seeds are there. */
 static void finish_place(worker *w, saltus_trajectory *t) {
     bool sound = true;
-    if (saltus_job_put(t->job, t->place, t->seed, &t->row, t->state, t->orbit, &t->watch, &sound) && sound)
+    if (saltus_job_put(t->job, t->place, t->seed, &t->row, t->state, t->proof.orbit, &t->watch, &sound) &&
+        sound)
         saltus_schedule_emit(w->schedule, t->job, t->place, t->system ? t->system : w->sweep->system);
     if (!sound || t->starved)
         saltus_schedule_fail(w->schedule, SALTUS_NO_MEMORY, "no memory for a trajectory of a sweep");
@@ -243,15 +238,16 @@ static bool go_on(worker *w, saltus_trajectory *t, int lane) {
     return false;
 }
 
-/* Give a lane of the first flow something to do. */
+/* Give a lane of the first flow something to do, if there is anything. */
 static void fill_lane(worker *w, int lane) {
     saltus_trajectory *t = NULL;
     bool under_way = false;
     while (!under_way && saltus_schedule_open(w->schedule) && (t = next_trajectory(w)))
         under_way = go_on(w, t, lane);
-    if (under_way)
-        take_lane(&w->plain, lane, t);
-    else
+    if (under_way) {
+        w->plain.at[lane] = t;
+        w->plain.live++;
+    } else
         saltus_flow_retune(w->plain.flow, lane, w->sweep->system, NULL);
 }
 
@@ -264,7 +260,8 @@ static void run_plain(worker *w) {
     if (next == SALTUS_NEXT_MEASURE) {
         int other = free_lane(there);
         if (measure_in(t, there->flow, other)) {
-            take_lane(there, other, t);
+            there->at[other] = t;
+            there->live++;
             rest_lane(w, here, lane);
             fill_lane(w, lane);
             return;
@@ -300,22 +297,16 @@ static void run_tangent(worker *w) {
         fill_lane(w, free_lane(&w->plain));
 }
 
-/* Whether one that is measured goes on along its line afterwards. */
-static bool line_waits(const worker *w) {
-    bool waits = false;
-    for (int l = 0; l < w->tangent.lanes; l++) {
-        const saltus_trajectory *t = w->tangent.at[l];
-        waits |= t && t->place + 1 < t->job->length;
-    }
-    return waits;
-}
-
-/* The second flow's turn: it is full, or nothing else is to be done, or not enough for all lanes while lines
- * wait for it. */
+/* The second flow's turn: it is full, or nothing else is to be done, or the first has too little for all its
+ * lanes while one that is measured has more of its line before it. */
 static bool is_tangents_turn(const worker *w) {
     const lane_set *plain = &w->plain, *tangent = &w->tangent;
-    return tangent->live > 0 && (plain->live == 0 || tangent->live == tangent->lanes ||
-                                 (plain->live < plain->lanes && line_waits(w)));
+    bool waits = false;
+    for (int l = 0; l < tangent->lanes && plain->live < plain->lanes; l++) {
+        const saltus_trajectory *t = tangent->at[l];
+        waits |= t && t->place + 1 < t->job->length;
+    }
+    return tangent->live > 0 && (waits || plain->live == 0 || tangent->live == tangent->lanes);
 }
 
 static void run_worker(const saltus_sweep *sweep, saltus_schedule *schedule) {
@@ -339,23 +330,13 @@ static void run_worker(const saltus_sweep *sweep, saltus_schedule *schedule) {
     free(w);
 }
 
-static int thread_count(const saltus_sweep *sweep) {
-#ifdef _OPENMP
-    return sweep->options.threads > 0 ? sweep->options.threads : omp_get_max_threads();
-#else
-    (void)sweep;
-    return 1;
-#endif
-}
-
 saltus_status saltus_sweep_run(const saltus_sweep *sweep, const saltus_sweep_feed *feed,
                                saltus_message *message) {
     saltus_message own;
     saltus_schedule schedule;
-    const int threads = thread_count(sweep);
-    (void)threads;
     saltus_schedule_begin(&schedule, feed, message ? message : &own);
 #ifdef _OPENMP
+    const int threads = sweep->options.threads > 0 ? sweep->options.threads : omp_get_max_threads();
 #pragma omp parallel num_threads(threads)
 #endif
     run_worker(sweep, &schedule);

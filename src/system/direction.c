@@ -5,25 +5,18 @@
 #include <stdlib.h>
 #include <string.h>
 
-typedef enum stop_key { key_d, key_r, key_xi } stop_key;
-
-static double stop_value(const saltus_stop *stop, stop_key key) {
-    return key == key_d ? stop->d : key == key_r ? stop->r : stop->xi;
+static double stop_value(const saltus_stop *stop, int number) {
+    return number == SALTUS_STOP_XI ? stop->xi : number == SALTUS_STOP_D ? stop->d : stop->r;
 }
 
-/* Whether `key` is a key of stops, with the number of one stop behind it (from 1) or without (0). */
-static bool read_stop_key(const char *key, stop_key *name, int *number) {
-    static const char *const names[] = {[key_d] = "d", [key_r] = "r", [key_xi] = "xi"};
-    for (int k = key_d; k <= key_xi; k++) {
-        const char *digits = key + strlen(names[k]);
-        if (strncmp(key, names[k], strlen(names[k])) != 0 || *digits == '0' || strlen(digits) > 3 ||
-            strspn(digits, "0123456789") != strlen(digits))
-            continue;
-        *name = (stop_key)k;
-        *number = atoi(digits);
-        return true;
-    }
-    return false;
+bool saltus_key_numbered(const char *key, const char *name, int *number) {
+    size_t length = strlen(name);
+    const char *digits = key + length;
+    if (strncmp(key, name, length) != 0 || *digits == '0' || strlen(digits) > 3 ||
+        strspn(digits, "0123456789") != strlen(digits))
+        return false;
+    *number = atoi(digits);
+    return true;
 }
 
 static saltus_status parameter_direction(const saltus_spec *spec, int index, saltus_direction *direction,
@@ -41,11 +34,13 @@ static saltus_status parameter_direction(const saltus_spec *spec, int index, sal
     return SALTUS_OK;
 }
 
-static saltus_status stop_direction(const saltus_spec *spec, const char *key, stop_key name, int number,
+/* `stop` counts the stops from 1; 0: all of them. */
+static saltus_status stop_direction(const saltus_spec *spec, const char *key, int number, int stop,
                                     saltus_direction *direction, double *value, saltus_message *message) {
-    double *rate = name == key_d ? direction->d : name == key_r ? direction->r : direction->xi;
-    int first = number ? number - 1 : 0, last = number ? number : spec->stop_count;
-    if (name == key_xi && !spec->model->tilt)
+    double *const rates[] = {
+        [SALTUS_STOP_XI] = direction->xi, [SALTUS_STOP_D] = direction->d, [SALTUS_STOP_R] = direction->r};
+    int first = stop ? stop - 1 : 0, last = stop ? stop : spec->stop_count;
+    if (number == SALTUS_STOP_XI && !spec->model->tilt)
         return saltus_fail(message, SALTUS_BAD_INPUT, "%s: a stop of the model %s is placed by %s", key,
                            spec->model->name, spec->model->stop_key);
     if (spec->stop_count == 0 || last > spec->stop_count)
@@ -53,28 +48,31 @@ static saltus_status stop_direction(const saltus_spec *spec, const char *key, st
                            spec->stop_count == 0   ? "no stop"
                            : spec->stop_count == 1 ? "only one stop"
                                                    : "fewer stops");
-    *value = stop_value(&spec->stops[first], name);
+    *value = stop_value(&spec->stops[first], number);
     for (int s = first; s < last; s++) {
-        if (stop_value(&spec->stops[s], name) != *value)
+        double other = stop_value(&spec->stops[s], number);
+        if (other != *value)
             return saltus_fail(message, SALTUS_BAD_INPUT,
                                "%s: the stops differ (%g, %g); name one of them, such as %s1", key, *value,
-                               stop_value(&spec->stops[s], name), key);
-        rate[s] = 1;
+                               other, key);
+        rates[number][s] = 1;
     }
     return SALTUS_OK;
 }
 
 saltus_status saltus_spec_direction(const saltus_spec *spec, const char *key, saltus_direction *direction,
                                     double *value, saltus_message *message) {
-    int index = saltus_model_parameter_index(spec->model, key), number = 0;
+    int index = saltus_model_parameter_index(spec->model, key), numbers, stop = 0, number = 0;
+    const saltus_parameter *table = saltus_stop_parameters(&numbers);
     double present = 0;
-    stop_key name;
     saltus_status status;
     *direction = (saltus_direction){.parameter = {0}};
+    while (number < numbers && !saltus_key_numbered(key, table[number].name, &stop))
+        number++;
     if (index >= 0)
         status = parameter_direction(spec, index, direction, &present, message);
-    else if (read_stop_key(key, &name, &number))
-        status = stop_direction(spec, key, name, number, direction, &present, message);
+    else if (number < numbers)
+        status = stop_direction(spec, key, number, stop, direction, &present, message);
     else
         status =
             saltus_fail(message, SALTUS_BAD_INPUT, "%s: neither a parameter of the model %s nor d, r or xi",
@@ -107,16 +105,6 @@ void saltus_variation_reserve(saltus_variation *variation, const saltus_system *
     variation->inverse_mass = saltus_arena_doubles(arena, n * n);
 }
 
-static void clear(saltus_variation *variation, const saltus_system *system) {
-    size_t row = (size_t)system->dof * sizeof(double);
-    variation->coefficients.terms = 0;
-    variation->coefficients.rows = system->coefficients.rows;
-    memset(variation->coefficients.scalar, 0, sizeof variation->coefficients.scalar);
-    for (int r = 0; r < system->coefficients.rows; r++)
-        memset(variation->coefficients.row[r], 0, row);
-    memset(variation->inverse_mass, 0, (size_t)system->dof * row);
-}
-
 /* The derivative of b = w / (n w) with w = M^-1 n. */
 static void vary_impulse(const saltus_variation *variation, const saltus_system *system, int stop) {
     int n = system->dof;
@@ -140,7 +128,14 @@ static void vary_impulse(const saltus_variation *variation, const saltus_system 
 void saltus_variation_fill(saltus_variation *variation, const saltus_system *system,
                            const saltus_direction *direction) {
     const saltus_spec *spec = &system->spec;
-    clear(variation, system);
+    saltus_coefficients *c = &variation->coefficients;
+    size_t row = (size_t)system->dof * sizeof(double);
+    c->terms = 0;
+    c->rows = system->coefficients.rows;
+    memset(c->scalar, 0, sizeof c->scalar);
+    for (int r = 0; r < c->rows; r++)
+        memset(c->row[r], 0, row);
+    memset(variation->inverse_mass, 0, (size_t)system->dof * row);
     spec->model->vary(system, direction, variation);
     variation->omega = direction->parameter[saltus_model_parameter_index(spec->model, "omega")];
     variation->tilts = false;
@@ -148,7 +143,7 @@ void saltus_variation_fill(saltus_variation *variation, const saltus_system *sys
         double *tilt = variation->normal[s];
         variation->d[s] = direction->d[s];
         variation->r[s] = direction->r[s];
-        memset(tilt, 0, (size_t)system->dof * sizeof *tilt);
+        memset(tilt, 0, row);
         if (direction->xi[s] != 0 && spec->model->tilt)
             spec->model->tilt(system->dof, &spec->stops[s], tilt);
         for (int i = 0; i < system->dof; i++)

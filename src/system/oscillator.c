@@ -76,20 +76,6 @@ static void fill_rows(const double *p, int dof, double scale[2], double *const *
     }
 }
 
-static void build_rows(saltus_system *system) {
-    const double *p = system->spec.parameters;
-    saltus_coefficients *c = &system->coefficients;
-    double inverse[2] = {1 / p[p_m], 1 / p[p_m2]};
-    fill_rows(p, system->dof, inverse, c->row);
-    for (int i = 0; i < system->dof; i++) {
-        c->row[oscillator_maxwell][i] = i == 0 ? inverse[0] : 0;
-        system->damping[i] = c->row[i == 0 ? oscillator_c1 : oscillator_c2][i];
-        system->stiffness[i] = c->row[i == 0 ? oscillator_k1 : oscillator_k2][i];
-        system->inverse_mass[i * system->dof + i] = inverse[i];
-        system->observer[i] = system->spec.stop_count ? system->stop_normal[0][i] : i == 0;
-    }
-}
-
 /* The larger eigenvalue of M^-1 C and the Maxwell element's rate: energy is lost no faster than at twice the
  * larger of these. */
 static double decay_bound(const saltus_system *system) {
@@ -127,9 +113,15 @@ static void build(saltus_system *system) {
     c->scalar[oscillator_kz] = p[p_kz];
     c->scalar[oscillator_rate_z] = 1 / p[p_tz];
     c->scalar[oscillator_omega] = p[p_omega];
-    build_rows(system);
-    double stiffness = 0, damping = 0, length = typical_length(system);
+    double inverse[2] = {1 / p[p_m], 1 / p[p_m2]}, stiffness = 0, damping = 0,
+           length = typical_length(system);
+    fill_rows(p, system->dof, inverse, c->row);
     for (int i = 0; i < system->dof; i++) {
+        c->row[oscillator_maxwell][i] = i == 0 ? inverse[0] : 0;
+        system->damping[i] = c->row[i == 0 ? oscillator_c1 : oscillator_c2][i];
+        system->stiffness[i] = c->row[i == 0 ? oscillator_k1 : oscillator_k2][i];
+        system->inverse_mass[i * system->dof + i] = inverse[i];
+        system->observer[i] = system->spec.stop_count ? system->stop_normal[0][i] : i == 0;
         stiffness = fmax(stiffness, 2 * system->stiffness[i]);
         damping = fmax(damping, 2 * system->damping[i]);
         system->scale[i] = length;

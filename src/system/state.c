@@ -23,20 +23,56 @@ saltus_status saltus_state_random(const saltus_system *system, gsl_rng *rng, dou
     return status;
 }
 
-void saltus_state_disturb(const saltus_system *system, gsl_rng *rng, double size, double *state) {
+static double square_of(const double *normal, int dof) {
+    double square = 0;
+    for (int i = 0; i < dof; i++)
+        square += normal[i] * normal[i];
+    return square;
+}
+
+void saltus_state_admit(const saltus_system *system, double *state) {
+    enum { rounds = 8 };
+    int dof = saltus_system_dof(system);
+    for (int round = 0; round < rounds; round++)
+        for (int f = 0; f < saltus_system_face_count(system); f++) {
+            saltus_face face = saltus_system_face(system, f);
+            const double *normal = saltus_system_stop_normal(system, face.stop);
+            double gap = saltus_system_gap(system, f, state), square = square_of(normal, dof);
+            for (int i = 0; i < dof && gap > 0; i++)
+                state[i] -= face.side * gap / square * normal[i];
+        }
+}
+
+/* Take from a displacement or a velocity what it has along a normal. */
+static void project(const double *normal, int dof, double *vector) {
+    double along = 0, square = square_of(normal, dof);
+    for (int i = 0; i < dof; i++)
+        along += normal[i] * vector[i];
+    for (int i = 0; i < dof; i++)
+        vector[i] -= along / square * normal[i];
+}
+
+void saltus_state_disturb(const saltus_system *system, gsl_rng *rng, double size, unsigned contacts,
+                          double *state) {
     const double *scale = saltus_system_scale(system);
     double vector[SALTUS_STATE_MAX], moved[SALTUS_STATE_MAX];
-    int n = saltus_system_dimension(system);
+    int n = saltus_system_dimension(system), dof = saltus_system_dof(system);
     for (int i = 0; i < n; i++)
         vector[i] = gsl_ran_gaussian(rng, size * scale[i]);
+    for (int f = 0; f < saltus_system_face_count(system); f++)
+        if (contacts >> f & 1) {
+            const double *normal = saltus_system_stop_normal(system, saltus_system_face(system, f).stop);
+            project(normal, dof, vector);
+            project(normal, dof, vector + dof);
+        }
     for (int sign = 1; sign >= -1; sign -= 2) {
         for (int i = 0; i < n; i++)
             moved[i] = state[i] + sign * vector[i];
-        if (saltus_system_check_state(system, moved, NULL) == SALTUS_OK) {
-            memcpy(state, moved, (size_t)n * sizeof *state);
-            return;
-        }
+        if (saltus_system_check_state(system, moved, NULL) == SALTUS_OK)
+            break;
     }
+    saltus_state_admit(system, moved);
+    memcpy(state, moved, (size_t)n * sizeof *state);
 }
 
 saltus_status saltus_state_bounded(const saltus_system *system, const double *state, long long periods,

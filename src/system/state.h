@@ -7,12 +7,15 @@
 
 #include <gsl/gsl_rng.h>
 
-/* A state drawn from the system's scales, beyond no stop. Errors: SALTUS_BAD_INPUT where none could be found.
- */
+/* A state drawn from the system's scales, beyond no stop. Errors: SALTUS_BAD_INPUT where there is none. */
 saltus_status saltus_state_random(const saltus_system *system, gsl_rng *rng, double *state,
                                   saltus_message *message);
-/* Move a state by a random vector, `size` of the system's scales, unless that leads beyond a stop. */
-void saltus_state_disturb(const saltus_system *system, gsl_rng *rng, double size, double *state);
+/* Bring a state that lies beyond stops back onto them, each time along the stop's normal. */
+void saltus_state_admit(const saltus_system *system, double *state);
+/* Move a state by a random vector, `size` of the system's scales, along the faces with bits in `contacts`:
+ * one way, or the other way where only that leads beyond no stop. Where both do it is brought back. */
+void saltus_state_disturb(const saltus_system *system, gsl_rng *rng, double size, unsigned contacts,
+                          double *state);
 /* Whether a state is within 1e8 of the scales. Errors: SALTUS_STALLED, with the entry and the period. */
 saltus_status saltus_state_bounded(const saltus_system *system, const double *state, long long periods,
                                    saltus_message *message);

@@ -5,17 +5,18 @@
 #include <float.h>
 #include <gsl/gsl_math.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-static const saltus_parameter stop_parameters[] = {
-    {"xi", false, 0.5, 0, 1, true, true, "position of the stop along the pipe"},
-    {"d", false, 1, -1e9, 1e9, false, false, "clearance; negative is a pre-load"},
-    {"r", false, 0.9, 0, 1, false, false, "coefficient of restitution"},
+static const saltus_parameter stop_parameters[SALTUS_STOP_NUMBERS] = {
+    [SALTUS_STOP_XI] = {"xi", false, 0.5, 0, 1, true, true, "position of the stop along the pipe"},
+    [SALTUS_STOP_D] = {"d", false, 1, -1e9, 1e9, false, false, "clearance; negative is a pre-load"},
+    [SALTUS_STOP_R] = {"r", false, 0.9, 0, 1, false, false, "coefficient of restitution"},
 };
 
 const saltus_parameter *saltus_stop_parameters(int *count) {
-    *count = (int)(sizeof stop_parameters / sizeof stop_parameters[0]);
+    *count = SALTUS_STOP_NUMBERS;
     return stop_parameters;
 }
 
@@ -63,21 +64,20 @@ static saltus_status check_range(const saltus_parameter *p, const char *owner, d
 
 static saltus_status check_stop(const saltus_spec *spec, int s, saltus_message *message) {
     const saltus_stop *stop = &spec->stops[s];
-    const double values[] = {stop->xi, stop->d, stop->r};
+    const double values[] = {
+        [SALTUS_STOP_XI] = stop->xi, [SALTUS_STOP_D] = stop->d, [SALTUS_STOP_R] = stop->r};
+    const bool by_xi = strcmp(spec->model->stop_key, "xi") == 0;
     char owner[32] = "";
-    if (spec->stop_count > 1) {
-        memcpy(owner, "stop k: ", 9);
-        owner[5] = (char)('1' + s);
-    }
-    bool placed_by_xi = strcmp(spec->model->stop_key, "xi") == 0;
-    for (int k = placed_by_xi ? 0 : 1; k < 3; k++) {
+    if (spec->stop_count > 1)
+        snprintf(owner, sizeof owner, "stop %d: ", s + 1);
+    for (int k = by_xi ? SALTUS_STOP_XI : SALTUS_STOP_D; k < SALTUS_STOP_NUMBERS; k++) {
         saltus_status status = check_range(&stop_parameters[k], owner, values[k], message);
         if (status != SALTUS_OK)
             return status;
     }
-    if (!placed_by_xi && !(isfinite(stop->weight[0]) && isfinite(stop->weight[1])))
+    if (!by_xi && !(isfinite(stop->weight[0]) && isfinite(stop->weight[1])))
         return saltus_fail(message, SALTUS_BAD_INPUT, "%sweight: must be finite numbers", owner);
-    if (!placed_by_xi && stop->weight[0] == 0 && stop->weight[1] == 0)
+    if (!by_xi && stop->weight[0] == 0 && stop->weight[1] == 0)
         return saltus_fail(message, SALTUS_BAD_INPUT,
                            "%sweight = [0, 0]: a stop must limit at least one mass", owner);
     if (stop->sides < SALTUS_UPPER || stop->sides > SALTUS_BOTH)
@@ -119,10 +119,11 @@ static void reserve(saltus_system *system) {
     system->spec.model->reserve(system);
 }
 
-/* b = M^-1 n / (n M^-1 n), the direction of a unit normal impulse. */
-static void build_impulses(saltus_system *system) {
+/* Each stop's b = M^-1 n / (n M^-1 n), the direction of a unit normal impulse, and its faces. */
+static void build_contacts(saltus_system *system) {
     int n = system->dof;
     for (int s = 0; s < system->spec.stop_count; s++) {
+        const saltus_stop *stop = &system->spec.stops[s];
         const double *normal = system->stop_normal[s];
         double *impulse = system->stop_impulse[s], compliance = 0;
         for (int i = 0; i < n; i++) {
@@ -133,12 +134,6 @@ static void build_impulses(saltus_system *system) {
         }
         for (int i = 0; i < n; i++)
             impulse[i] /= compliance;
-    }
-}
-
-static void build_faces(saltus_system *system) {
-    for (int s = 0; s < system->spec.stop_count; s++) {
-        const saltus_stop *stop = &system->spec.stops[s];
         for (int side = 1; side >= -1; side -= 2)
             if (stop->sides & (side > 0 ? SALTUS_UPPER : SALTUS_LOWER))
                 system->faces[system->face_count++] = (saltus_face){s, side, stop->d, stop->r};
@@ -192,6 +187,7 @@ static saltus_status check_normals(const saltus_system *system, saltus_message *
 
 /* Whether every face has its mirror image among the faces. */
 static bool faces_symmetric(const saltus_system *system) {
+    bool symmetric = true;
     for (int f = 0; f < system->face_count; f++) {
         bool found = false;
         for (int g = 0; g < system->face_count; g++) {
@@ -199,14 +195,12 @@ static bool faces_symmetric(const saltus_system *system) {
             found |= a.side == -b.side && a.d == b.d && a.r == b.r &&
                      parallel(system->stop_normal[a.stop], system->stop_normal[b.stop], system->dof) == 1;
         }
-        if (!found)
-            return false;
+        symmetric &= found;
     }
-    return true;
+    return symmetric;
 }
 
-/* Orders of sin(omega t)'s series worth keeping at the largest step that stability allows (z = rate * h <=
- * 6). */
+/* Orders of sin(omega t)'s series that matter at the largest step that stability allows, rate h = 6. */
 static int count_forcing_orders(const saltus_system *system) {
     double term = 1, angle = 6 * system->omega / system->rate;
     int order = 0;
@@ -245,8 +239,7 @@ saltus_status saltus_system_new(const saltus_spec *spec, saltus_system **system,
     if (status == SALTUS_OK) {
         spec->model->build(made);
         made->coefficients.forcing_orders = count_forcing_orders(made);
-        build_impulses(made);
-        build_faces(made);
+        build_contacts(made);
         made->mirror = made->mirror && faces_symmetric(made);
         status = check_faces(made, message);
     }
@@ -367,20 +360,8 @@ static double face_reach(const saltus_system *system, int face) {
     return fmin(reach, 1);
 }
 
-/* The face that is furthest within its margin, or beyond it; -1 when there is none. */
-static int most_violated(const saltus_system *system, const double *state, double margin) {
-    int worst = -1;
-    double largest = -margin;
-    for (int f = 0; f < system->face_count; f++) {
-        double gap = saltus_system_gap(system, f, state) / face_reach(system, f);
-        if (gap > largest) {
-            largest = gap;
-            worst = f;
-        }
-    }
-    return worst;
-}
-
+/* A small displacement, moved along the impulse of the face it violates most until it keeps a margin from all
+ * of them. The margin shrinks, for stops that leave little room. */
 saltus_status saltus_system_default_state(const saltus_system *system, double *state,
                                           saltus_message *message) {
     enum { corrections = 2000 };
@@ -390,11 +371,19 @@ saltus_status saltus_system_default_state(const saltus_system *system, double *s
         state[1] = 0.1 * system->scale[1];
     double margin = 0.05 * system->scale[0];
     for (int k = 0; k < corrections; k++) {
-        int f = most_violated(system, state, margin);
-        if (f < 0)
+        int worst = -1;
+        double largest = -margin;
+        for (int f = 0; f < system->face_count; f++) {
+            double gap = saltus_system_gap(system, f, state) / face_reach(system, f);
+            if (gap > largest) {
+                largest = gap;
+                worst = f;
+            }
+        }
+        if (worst < 0)
             return SALTUS_OK;
-        saltus_face face = system->faces[f];
-        double excess = saltus_system_gap(system, f, state) + 1.5 * margin * face_reach(system, f);
+        saltus_face face = system->faces[worst];
+        double excess = saltus_system_gap(system, worst, state) + 1.5 * margin * face_reach(system, worst);
         for (int i = 0; i < system->dof; i++)
             state[i] -= face.side * excess * system->stop_impulse[face.stop][i];
         margin *= 0.99;

@@ -50,8 +50,7 @@ struct saltus_system {
     double *inverse_mass;                   /* dof x dof */
     double *observer;
     double *scale;
-    double *damping,
-        *stiffness; /* modal part, exact in the stiff integrator: q'' + damping q' + stiffness q */
+    double *damping, *stiffness; /* q'' + damping q' + stiffness q: the part exact in the stiff integrator */
     saltus_coefficients coefficients;
 };
 
@@ -59,6 +58,12 @@ struct saltus_system {
 double saltus_system_gap_size(const saltus_system *system, int face, const double *state);
 /* Whether a state is off a face (-1), on it but for rounding (0) or beyond it (1). */
 int saltus_system_gap_sign(const saltus_system *system, int face, const double *state);
+
+/* The numbers of a stop, in the order of saltus_stop_parameters. */
+enum { SALTUS_STOP_XI, SALTUS_STOP_D, SALTUS_STOP_R, SALTUS_STOP_NUMBERS };
+
+/* Whether `key` is `name`, or `name` with a number from 1 behind it, which goes to *number (0: none). */
+bool saltus_key_numbered(const char *key, const char *name, int *number);
 
 /* How a system changes along a direction in parameter space: the derivative of all that a flow takes from it.
  */
