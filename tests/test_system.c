@@ -1,6 +1,7 @@
 /* Building systems: what is refused and how, and what the built system says.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "check.h"
+#include "system/state.h"
 
 static void expect_refusal(const saltus_spec *spec, const char *word) {
     saltus_message message = {""};
@@ -412,8 +413,40 @@ static void forced_instruction_sets(void **unused) {
     saltus_system_free(system);
 }
 
+/* A disturbance is about as large as asked for, leads beyond no stop however near it is, also where both ways
+ * do, and leaves a face that holds the state and the velocity along its normal as they are. */
+static void disturbed_states(void **unused) {
+    (void)unused;
+    const double size = 1e-5;
+    saltus_spec spec = pipe_spec(4, 20);
+    add_stop(&spec, 1e-9, 0.9, SALTUS_BOTH);
+    saltus_system *system = build(&spec);
+    const double *scale = saltus_system_scale(system);
+    gsl_rng *rng = gsl_rng_alloc(gsl_rng_mt19937);
+    for (int k = 0; k < 200; k++) {
+        const unsigned contacts = k % 2;
+        double before[8] = {0}, after[8], normal_velocity = 0, largest = 0;
+        before[0] = contacts ? 1e-9 / saltus_system_stop_normal(system, 0)[0] : 0;
+        memcpy(after, before, sizeof after);
+        saltus_state_disturb(system, rng, size, contacts, after);
+        assert_int_equal(saltus_system_check_state(system, after, NULL), SALTUS_OK);
+        for (int i = 0; i < 8; i++)
+            largest = fmax(largest, fabs(after[i] - before[i]) / scale[i]);
+        assert_true(largest > 0.1 * size && largest < 100 * size);
+        for (int i = 0; i < 4; i++)
+            normal_velocity += saltus_system_stop_normal(system, 0)[i] * (after[4 + i] - before[4 + i]);
+        if (contacts) {
+            check_near(saltus_system_gap(system, 0, after), 0, 1e-18);
+            check_near(normal_velocity, 0, 1e-18);
+        }
+    }
+    gsl_rng_free(rng);
+    saltus_system_free(system);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(disturbed_states),
         cmocka_unit_test(refused_parameters),
         cmocka_unit_test(refused_stops),
         cmocka_unit_test(refused_oscillators),

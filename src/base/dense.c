@@ -66,20 +66,6 @@ void saltus_dense_lu_close(saltus_dense_lu *lu) {
     *lu = (saltus_dense_lu){0};
 }
 
-/* Scale rows and columns by powers of two; false where a row or column is zero. The row-major matrix is its
- * transpose in LAPACK's eyes: rows and columns here are those of the transpose. */
-static bool equilibrate(saltus_dense_lu *lu) {
-    int n = lu->n;
-    double rows, columns, largest;
-    if (LAPACKE_dgeequb_work(LAPACK_COL_MAJOR, n, n, lu->factors, n, lu->row_scale, lu->column_scale, &rows,
-                             &columns, &largest) != 0)
-        return false;
-    for (int j = 0; j < n; j++)
-        for (int i = 0; i < n; i++)
-            lu->factors[j * n + i] *= lu->row_scale[i] * lu->column_scale[j];
-    return true;
-}
-
 bool saltus_dense_finite(const double *a, size_t count) {
     for (size_t i = 0; i < count; i++)
         if (!isfinite(a[i]))
@@ -95,8 +81,14 @@ bool saltus_dense_factor(saltus_dense_lu *lu, const double *a) {
     if (!saltus_dense_finite(a, (size_t)(n * n)))
         return false;
     memcpy(lu->factors, a, (size_t)(n * n) * sizeof *a);
-    if (!equilibrate(lu))
+    /* Rows and columns, here those of the transpose, are scaled by powers of two; none may be zero. */
+    double rows, columns, largest;
+    if (LAPACKE_dgeequb_work(LAPACK_COL_MAJOR, n, n, lu->factors, n, lu->row_scale, lu->column_scale, &rows,
+                             &columns, &largest) != 0)
         return false;
+    for (int j = 0; j < n; j++)
+        for (int i = 0; i < n; i++)
+            lu->factors[j * n + i] *= lu->row_scale[i] * lu->column_scale[j];
     double size = LAPACKE_dlange_work(LAPACK_COL_MAJOR, '1', n, n, lu->factors, n, lu->work);
     if (LAPACKE_dgetrf_work(LAPACK_COL_MAJOR, n, n, lu->factors, n, lu->pivots) != 0)
         return false;

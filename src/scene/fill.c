@@ -44,18 +44,6 @@ static saltus_status fill_title(const saltus_source *source, const saltus_raw_sc
     return SALTUS_OK;
 }
 
-/* A parameter that another model has, but not this one. */
-static saltus_status fail_foreign(const saltus_source *source, const saltus_model *model, const char *key) {
-    const char *keys[SALTUS_TOP_KEYS_MAX];
-    saltus_words list = {""};
-    int count = saltus_top_keys(model, keys);
-    for (int k = 0; k < count; k++)
-        saltus_words_add(&list, keys[k]);
-    return saltus_place_fail(source, (saltus_place){NULL, 0, key},
-                             "\"%s\": not a key of the model %s; its keys are %s", key,
-                             saltus_model_name(model), list.text);
-}
-
 static saltus_status fill_parameters(const saltus_source *source, const saltus_reading *reading,
                                      saltus_scene *scene) {
     const saltus_model *model = scene->spec.model;
@@ -64,8 +52,14 @@ static saltus_status fill_parameters(const saltus_source *source, const saltus_r
         if (!text)
             continue;
         int index = saltus_model_parameter_index(model, key);
-        if (index < 0)
-            return fail_foreign(source, model, key);
+        if (index < 0) {
+            /* A parameter of another model. */
+            const char *keys[SALTUS_TOP_KEYS_MAX];
+            int count = saltus_top_keys(model, keys);
+            return saltus_place_fail(source, (saltus_place){NULL, 0, key},
+                                     "\"%s\": not a key of the model %s; its keys are %s", key,
+                                     saltus_model_name(model), saltus_words_of(keys, count).text);
+        }
         saltus_status status =
             fill_number(source, (saltus_place){NULL, 0, key}, text, &scene->spec.parameters[index]);
         if (status != SALTUS_OK)
@@ -80,17 +74,16 @@ static saltus_status fail_without_clearance(const saltus_source *source, const c
         line = saltus_place_line(source, (saltus_place){top, entry, saltus_stop_keys[k]}, false);
     if (!line)
         line = saltus_place_line(source, (saltus_place){NULL, 0, top}, false);
+    char number[16] = "";
     if (strcmp(top, "stops") == 0)
-        return saltus_source_fail(source, line, SALTUS_BAD_INPUT,
-                                  "stop %d: d is missing; a stop needs its clearance d", entry + 1);
+        snprintf(number, sizeof number, " %d", entry + 1);
     return saltus_source_fail(source, line, SALTUS_BAD_INPUT,
-                              "stop: d is missing; a stop needs its clearance d");
+                              "stop%s: d is missing; a stop needs its clearance d", number);
 }
 
 static saltus_status fill_stop(const saltus_source *source, const char *top, int entry,
                                const saltus_raw_stop *raw, saltus_scene *scene) {
     saltus_stop *stop = &scene->spec.stops[entry];
-    double *number[] = {[stop_xi] = &stop->xi, [stop_d] = &stop->d, [stop_r] = &stop->r};
     *stop = saltus_stop_defaults();
     if (!raw->value[stop_d])
         return fail_without_clearance(source, top, entry);
@@ -105,10 +98,8 @@ static saltus_status fill_stop(const saltus_source *source, const char *top, int
             stop->weight[0] = stop->weight[1] = 0;
             for (unsigned i = 0; i < raw->weight_count && status == SALTUS_OK; i++)
                 status = fill_number(source, place, raw->weight[i], &stop->weight[i]);
-        } else if (status == SALTUS_OK && k == stop_sides)
-            complaint = saltus_read_sides(text, &stop->sides);
-        else if (status == SALTUS_OK)
-            status = fill_number(source, place, text, number[k]);
+        } else if (status == SALTUS_OK)
+            complaint = saltus_read_stop(stop, k, text);
         if (complaint)
             status = saltus_value_fail(source, place, text, complaint);
         if (status != SALTUS_OK)

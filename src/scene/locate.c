@@ -68,7 +68,6 @@ static word read_word(scanner *s) {
         close = skip_quoted(s);
         while (s->at < s->end && *s->at == ' ')
             s->at++;
-        w.key = s->at < s->end && *s->at == ':';
     } else {
         s->at++;
         while (s->at < s->end && !ends_plain(s, s->at))
@@ -76,21 +75,12 @@ static word read_word(scanner *s) {
         close = s->at;
         while (close > w.text && is_blank(close[-1]))
             close--;
-        w.key = s->at < s->end && *s->at == ':';
     }
+    w.key = s->at < s->end && *s->at == ':';
     w.length = (size_t)(close - w.text);
     if (w.key)
         s->at++;
     return w;
-}
-
-/* A dash opens an entry if it belongs to the list below the top-level key, not to one deeper down. */
-static void pass_dash(scanner *s) {
-    int column = (int)(s->at - s->line_start);
-    if (s->dash_column < 0)
-        s->dash_column = column;
-    s->entry += column == s->dash_column;
-    s->at++;
 }
 
 /* Pass blanks, comments and indicators up to the next word; false at the end. */
@@ -112,7 +102,11 @@ static bool next_word(scanner *s, word *w) {
             s->flow--;
             s->at++;
         } else if (c == '-' && blank_at(s, s->at + 1)) {
-            pass_dash(s);
+            /* It opens an entry if it belongs to the list below the top-level key, not to one deeper down. */
+            int column = (int)(s->at++ - s->line_start);
+            if (s->dash_column < 0)
+                s->dash_column = column;
+            s->entry += column == s->dash_column;
         } else if (is_blank(c) || c == ',' || c == ':' || c == '?') {
             s->at++;
         } else {
@@ -125,19 +119,6 @@ static bool next_word(scanner *s, word *w) {
 
 static bool same(const word *w, const char *name) {
     return strlen(name) == w->length && memcmp(w->text, name, w->length) == 0;
-}
-
-/* Note a top-level key; false when the key stands deeper. */
-static bool enter_top(scanner *s, const word *w) {
-    if (s->top_column < 0) {
-        s->top_column = w->column;
-        s->top_flow = s->flow;
-    }
-    if (s->flow != s->top_flow || (s->flow == 0 && w->column != s->top_column))
-        return false;
-    s->top = *w;
-    s->entry = s->dash_column = -1;
-    return true;
 }
 
 static scanner begin(const saltus_source *source) {
@@ -155,8 +136,15 @@ static int next_key_at(scanner *s, saltus_place place) {
     while (next_word(s, &w)) {
         if (!w.key)
             continue;
-        bool top = enter_top(s, &w);
-        if (!top && s->dash_column < 0)
+        if (s->top_column < 0) {
+            s->top_column = w.column;
+            s->top_flow = s->flow;
+        }
+        bool top = s->flow == s->top_flow && (s->flow > 0 || w.column == s->top_column);
+        if (top) {
+            s->top = w;
+            s->entry = s->dash_column = -1;
+        } else if (s->dash_column < 0)
             s->dash_column = no_dashes;
         int entry = s->entry < 0 ? 0 : s->entry;
         bool here = top ? !place.top : place.top && same(&s->top, place.top) && entry == place.entry;

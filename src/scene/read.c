@@ -152,17 +152,6 @@ static void *provide(void *context, void *old, size_t size) {
     return realloc(old, size);
 }
 
-static cyaml_err_t load(const saltus_source *source, saltus_reading *reading, complaint *complaint) {
-    cyaml_config_t config = {.log_fn = catch,
-                             .log_ctx = complaint,
-                             .mem_fn = provide,
-                             .log_level = CYAML_LOG_WARNING,
-                             .flags = CYAML_CFG_NO_ALIAS};
-    const schema *made = reading->schema;
-    return cyaml_load_data((const uint8_t *)source->text, source->length, &config, &made->scene,
-                           (cyaml_data_t **)&reading->raw, NULL);
-}
-
 /* The keys that are possible below `top` ("": at the top level). */
 static int possible_keys(const saltus_model *model, const char *top, const char **keys) {
     if (!top[0])
@@ -254,7 +243,14 @@ saltus_status saltus_reading_open(const saltus_source *source, saltus_reading *r
     if (!build_schema(reading)) {
         status = saltus_source_fail(source, 0, SALTUS_NO_MEMORY, "no memory for reading the scene");
     } else {
-        cyaml_err_t error = load(source, reading, &complaint);
+        const schema *made = reading->schema;
+        const cyaml_config_t config = {.log_fn = catch,
+                                       .log_ctx = &complaint,
+                                       .mem_fn = provide,
+                                       .log_level = CYAML_LOG_WARNING,
+                                       .flags = CYAML_CFG_NO_ALIAS};
+        cyaml_err_t error = cyaml_load_data((const uint8_t *)source->text, source->length, &config,
+                                            &made->scene, (cyaml_data_t **)&reading->raw, NULL);
         if (error != CYAML_OK)
             status = refuse(source, reading, error, &complaint);
         else if (complaint.problem[0])

@@ -87,10 +87,7 @@ static saltus_words suggest(const char *name) {
     for (int k = 0; k < count; k++)
         if (names[k] == nearest || (strlen(name) > 2 && (strstr(names[k], name) || strstr(name, names[k]))))
             saltus_words_add(&words, names[k]);
-    bool none = !words.text[0];
-    for (int k = 0; k < count && none; k++)
-        saltus_words_add(&words, names[k]);
-    return words;
+    return words.text[0] ? words : saltus_words_of(names, count);
 }
 
 static saltus_status fail_to_open(const char *source, int error, saltus_message *message) {

@@ -94,8 +94,8 @@ saltus_status saltus_value_fail(const saltus_source *source, saltus_place place,
 
 /* A number that is the whole string. NULL when it is one, else what it must be ("must be a number"). */
 const char *saltus_read_number(const char *text, double *value);
-/* One of upper, lower, both; likewise. */
-const char *saltus_read_sides(const char *text, saltus_sides *sides);
+/* Likewise the value of a stop's key other than weight; it goes to the stop. */
+const char *saltus_read_stop(saltus_stop *stop, int key, const char *text);
 
 /* A value between quotation marks for a message: control characters replaced, long ones cut. */
 typedef struct saltus_quoted {
@@ -107,6 +107,7 @@ saltus_quoted saltus_quote(const char *text);
 typedef struct saltus_words {
     char text[320];
 } saltus_words;
+saltus_words saltus_words_of(const char *const *words, int count);
 void saltus_words_add(saltus_words *words, const char *word);
 /* The word nearest to `word` among `count`, or NULL when none is near enough to be meant. */
 const char *saltus_nearest_word(const char *word, const char *const *words, int count);

@@ -95,11 +95,9 @@ static saltus_status read_weight(const setting *s, double weight[2], const saltu
 
 /* Give one key of a stop its value, without any check of its range. */
 static saltus_status assign(saltus_stop *stop, int key, const setting *s, const saltus_source *source) {
-    double *const number[] = {[stop_xi] = &stop->xi, [stop_d] = &stop->d, [stop_r] = &stop->r};
     if (key == stop_weight)
         return read_weight(s, stop->weight, source);
-    const char *complaint = key == stop_sides ? saltus_read_sides(s->value, &stop->sides)
-                                              : saltus_read_number(s->value, number[key]);
+    const char *complaint = saltus_read_stop(stop, key, s->value);
     return complaint ? saltus_value_fail(source, place_of(s), s->value, complaint) : SALTUS_OK;
 }
 

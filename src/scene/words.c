@@ -94,14 +94,15 @@ const char *saltus_read_number(const char *text, double *value) {
     return NULL;
 }
 
-const char *saltus_read_sides(const char *text, saltus_sides *sides) {
-    static const struct {
-        const char *name;
-        saltus_sides sides;
-    } known[] = {{"upper", SALTUS_UPPER}, {"lower", SALTUS_LOWER}, {"both", SALTUS_BOTH}};
-    for (size_t k = 0; k < sizeof known / sizeof known[0]; k++)
-        if (strcmp(text, known[k].name) == 0) {
-            *sides = known[k].sides;
+const char *saltus_read_stop(saltus_stop *stop, int key, const char *text) {
+    static const char *const names[] = {
+        [SALTUS_UPPER] = "upper", [SALTUS_LOWER] = "lower", [SALTUS_BOTH] = "both"};
+    double *const number[] = {[stop_xi] = &stop->xi, [stop_d] = &stop->d, [stop_r] = &stop->r};
+    if (key != stop_sides)
+        return saltus_read_number(text, number[key]);
+    for (int side = SALTUS_UPPER; side <= SALTUS_BOTH; side++)
+        if (strcmp(text, names[side]) == 0) {
+            stop->sides = (saltus_sides)side;
             return NULL;
         }
     return "must be upper, lower or both";
@@ -120,6 +121,13 @@ saltus_quoted saltus_quote(const char *text) {
         *out++ = (unsigned char)text[k] < 0x20 || text[k] == 0x7f ? ' ' : text[k];
     strcpy(out, kept < length ? "...\"" : "\"");
     return quoted;
+}
+
+saltus_words saltus_words_of(const char *const *words, int count) {
+    saltus_words list = {""};
+    for (int k = 0; k < count; k++)
+        saltus_words_add(&list, words[k]);
+    return list;
 }
 
 void saltus_words_add(saltus_words *words, const char *word) {
@@ -170,13 +178,10 @@ const char *saltus_nearest_word(const char *word, const char *const *words, int 
 saltus_status saltus_unknown_key(const saltus_source *source, int line, const char *key,
                                  const char *const *keys, int count) {
     saltus_quoted name = saltus_quote(key);
-    saltus_words list = {""};
     const char *nearest = saltus_nearest_word(key, keys, count);
     if (nearest)
         return saltus_source_fail(source, line, SALTUS_BAD_INPUT, "%s: unknown key; did you mean %s?",
                                   name.text, nearest);
-    for (int k = 0; k < count; k++)
-        saltus_words_add(&list, keys[k]);
     return saltus_source_fail(source, line, SALTUS_BAD_INPUT, "%s: unknown key; the keys here are %s",
-                              name.text, list.text);
+                              name.text, saltus_words_of(keys, count).text);
 }

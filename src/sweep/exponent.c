@@ -1,9 +1,9 @@
 /* The largest exponent of a trajectory that has settled.
  *
  * Newton's method confirms the orbit at the state that has been reached: where a step of it moves the state
- * next to nothing, the derivative around the orbit that the step needs has the multipliers too. A multiplier
- * that is not told from that derivative's rounding, or a step that is not small, is left to the full method
- * (saltus_orbit_find), which takes five times as long, and much longer where there are many impacts.
+ * next to nothing, the derivative around the orbit that the step needs has the multipliers too. Where
+ * rounding hides the largest multiplier in that derivative, or a step is not small, shooting
+ * (saltus_orbit_find) finds it, which takes five times as long, and much longer where there are many impacts.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "sweep/sweep.h"
 
@@ -14,7 +14,7 @@
 
 enum {
     steps_max = 3,
-    shooting_impacts = 100 /* an orbit of more of them is measured sooner */
+    shooting_impacts = 100 /* where an orbit has more of them, the exponent is sooner measured */
 };
 static const double own_orbit = 1e-6; /* the orbit is no farther away, relative to the system's scales */
 static const double on_orbit = 1e-9;  /* a step as small as this is not taken */

@@ -50,7 +50,8 @@ static unsigned char *put(unsigned char *to, const void *from, size_t bytes) {
     return to + bytes;
 }
 
-/* Of rows and impacts the bytes of padding are zeroed, so that the same result is the same block. */
+/* Of rows and impacts the bytes of padding, behind their last int, are zeroed: the same result is always the
+ * same block. */
 void saltus_sweep_pack(const saltus_sweep *sweep, const saltus_sweep_result *result, void *bytes) {
     enum {
         integers = offsetof(saltus_sweep_row, attractor) + sizeof(int),
@@ -77,28 +78,22 @@ void saltus_sweep_pack(const saltus_sweep *sweep, const saltus_sweep_result *res
     put(to, result->strobes, (size_t)h.entries[SALTUS_CLOUD_STROBES] * n * sizeof(double));
 }
 
-/* Whether the counts of the seeds are sound and add up to those of the head. */
-static bool counts_agree(const head *h, const long long *counts) {
+/* Whether verdicts and periods are possible, and the counts of the seeds add up to those of the head. */
+static bool is_sound(const head *h, const saltus_sweep_row *rows, const long long *counts, int longest) {
+    bool sound = true;
+    for (long long s = 0; s < h->seeds; s++)
+        sound &= rows[s].verdict >= 0 && rows[s].verdict < SALTUS_VERDICTS && rows[s].periods >= 0 &&
+                 rows[s].periods <= longest;
     for (int k = 0; k < SALTUS_CLOUDS; k++) {
-        long long sum = 0;
-        for (long long s = 0; s < h->seeds; s++) {
+        long long left = h->entries[k];
+        for (long long s = 0; s < h->seeds && sound; s++) {
             long long count = counts[k * h->seeds + s];
-            if (count < 0 || count > h->entries[k] - sum)
-                return false;
-            sum += count;
+            sound = count >= 0 && count <= left;
+            left -= sound ? count : 0;
         }
-        if (sum != h->entries[k])
-            return false;
+        sound &= left == 0;
     }
-    return true;
-}
-
-static bool rows_sound(const saltus_sweep_row *rows, long long seeds, int longest) {
-    for (long long s = 0; s < seeds; s++)
-        if (rows[s].verdict < 0 || rows[s].verdict >= SALTUS_VERDICTS || rows[s].periods < 0 ||
-            rows[s].periods > longest)
-            return false;
-    return true;
+    return sound;
 }
 
 bool saltus_sweep_unpack(const saltus_sweep *sweep, const void *bytes, size_t size,
@@ -133,5 +128,5 @@ bool saltus_sweep_unpack(const saltus_sweep *sweep, const void *bytes, size_t si
                                     .turning = part[part_clouds + SALTUS_CLOUD_TURNING],
                                     .impacts = part[part_clouds + SALTUS_CLOUD_IMPACTS],
                                     .strobes = part[part_clouds + SALTUS_CLOUD_STROBES]};
-    return counts_agree(&h, counts) && rows_sound(result->rows, h.seeds, sweep->options.longest);
+    return is_sound(&h, result->rows, counts, sweep->options.longest);
 }

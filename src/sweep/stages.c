@@ -174,14 +174,6 @@ static saltus_next settling_on(saltus_trajectory *t) {
     return act_on(t, judgement);
 }
 
-/* The next section point of one that is measured: it may settle yet. */
-static saltus_next measuring_on(saltus_trajectory *t) {
-    saltus_judgement judgement = {.verdict = SALTUS_PENDING};
-    if (!t->measuring.given)
-        judgement = saltus_trajectory_judge(t);
-    return judgement.verdict == SALTUS_PENDING ? saltus_measuring_add(t) : act_on(t, judgement);
-}
-
 /* The orbit has been gone around. */
 static saltus_next orbit_done(saltus_trajectory *t) {
     saltus_lap *lap = &t->active->lap;
@@ -226,8 +218,13 @@ static saltus_next at_section(saltus_trajectory *t) {
         return settling_on(t);
     case SALTUS_STAGE_RECORDING:
         return ends ? recorded(t) : SALTUS_NEXT_GO_ON;
-    case SALTUS_STAGE_MEASURING:
-        return measuring_on(t);
+    case SALTUS_STAGE_MEASURING: {
+        /* It may settle yet. */
+        saltus_judgement judgement = {.verdict = SALTUS_PENDING};
+        if (!t->measuring.given)
+            judgement = saltus_trajectory_judge(t);
+        return judgement.verdict == SALTUS_PENDING ? saltus_measuring_add(t) : act_on(t, judgement);
+    }
     default:
         return ends ? orbit_done(t) : SALTUS_NEXT_GO_ON;
     }
@@ -239,7 +236,7 @@ saltus_next saltus_trajectory_follow(saltus_trajectory *t, const saltus_event *e
     if (t->stage == SALTUS_STAGE_MEASURING)
         next = saltus_measuring_follow(t, event, &section);
     else if (section)
-        saltus_trajectory_hand_back(t);
+        saltus_trajectory_restore_tangent(t);
     else {
         if (event->kind != SALTUS_TURNING)
             saltus_flow_state(t->flow, t->lane, t->state);

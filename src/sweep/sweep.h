@@ -83,6 +83,7 @@ typedef struct saltus_job {
     long long task;
     int length, seeds, assigned; /* seeds handed to lanes */
     int finished;                /* seeds whose whole line is done */
+    int holders;                 /* trajectories, and the worker as long as it hands its seeds out */
     int *missing;                /* per place: seeds still to come */
     saltus_cell *cells;          /* [place][seed] */
 } saltus_job;
@@ -178,8 +179,9 @@ bool saltus_trajectory_continue(saltus_trajectory *trajectory, const double *sta
 bool saltus_trajectory_move(saltus_trajectory *trajectory, saltus_flow *flow, int lane);
 /* A verdict has been reached, or none will be. */
 void saltus_trajectory_settle(saltus_trajectory *trajectory, saltus_verdict verdict, int periods);
-/* A lane with a tangent vector gets it back as it was last looked at. */
-void saltus_trajectory_hand_back(saltus_trajectory *trajectory);
+/* In a lane with a tangent vector, set it to the one last normalised: a start takes it away, and it must not
+ * grow for ever. */
+void saltus_trajectory_restore_tangent(saltus_trajectory *trajectory);
 
 /* judge.c */
 /* What a trajectory has settled on; pending: it goes on. */

@@ -71,7 +71,7 @@ void saltus_trajectory_seed(saltus_trajectory *t, int which) {
     gsl_rng_set(t->rng, (unsigned long)(bits & 0xffffffffULL));
 }
 
-void saltus_trajectory_hand_back(saltus_trajectory *t) {
+void saltus_trajectory_restore_tangent(saltus_trajectory *t) {
     if (saltus_flow_columns(t->flow))
         saltus_flow_set_tangents(t->flow, t->lane, t->measuring.growth.vectors);
 }
@@ -79,7 +79,7 @@ void saltus_trajectory_hand_back(saltus_trajectory *t) {
 static bool start_at(saltus_trajectory *t, saltus_time time, const double *state) {
     if (saltus_flow_start(t->flow, t->lane, time, state, NULL) != SALTUS_OK)
         return false;
-    saltus_trajectory_hand_back(t);
+    saltus_trajectory_restore_tangent(t);
     saltus_flow_state(t->flow, t->lane, t->state);
     return true;
 }

@@ -67,15 +67,17 @@ static bool open_worker(worker *w) {
     return true;
 }
 
+/* A job is freed when neither a trajectory nor the worker has it any more. */
+static void leave_job(saltus_job **job) {
+    if (*job && --(*job)->holders == 0)
+        saltus_job_free(*job);
+    *job = NULL;
+}
+
 static void finish_job(worker *w, saltus_trajectory *t) {
-    saltus_job *job = t->job;
-    t->job = NULL;
-    if (++job->finished < job->seeds)
-        return;
-    saltus_schedule_done(w->schedule, job->task);
-    if (w->job == job)
-        w->job = NULL;
-    saltus_job_free(job);
+    if (++t->job->finished == t->job->seeds)
+        saltus_schedule_done(w->schedule, t->job->task);
+    leave_job(&t->job);
 }
 
 static void close_worker(worker *w) {
@@ -84,16 +86,10 @@ static void close_worker(worker *w) {
     saltus_flow_free(w->single[0]);
     saltus_flow_free(w->single[1]);
     for (int k = 0; k < w->size; k++) {
-        saltus_job *job = w->trajectory[k].job;
-        for (int i = 0; i < w->size && job; i++)
-            if (w->trajectory[i].job == job)
-                w->trajectory[i].job = NULL;
-        if (job == w->job)
-            w->job = NULL;
-        saltus_job_free(job);
+        leave_job(&w->trajectory[k].job);
         saltus_trajectory_close(&w->trajectory[k]);
     }
-    saltus_job_free(w->job);
+    leave_job(&w->job);
 }
 
 /* A lane that rests knows no system that may be freed. */
@@ -110,37 +106,36 @@ static int free_lane(const lane_set *side) {
     return lane;
 }
 
-/* The next seed of the task at hand, or of the next task; false when there is none. */
-static bool take_seed(worker *w, saltus_trajectory *t) {
-    if (!w->job || w->job->assigned == w->job->seeds) {
-        long long task = saltus_schedule_next(w->schedule);
-        w->job = NULL;
-        if (task < 0)
-            return false;
-        w->job = saltus_job_open(w->sweep, task);
-        if (!w->job) {
-            saltus_schedule_fail(w->schedule, SALTUS_NO_MEMORY, "no memory for a task of a sweep");
-            return false;
-        }
-    }
-    t->job = w->job;
-    t->seed = w->job->assigned++;
-    t->place = 0;
-    return true;
-}
-
-/* The trajectory that has waited longest with a part of its line before it, or an idle one with a new seed;
- * NULL when there is nothing more to do. For each free lane of the first flow there is an idle one. */
+/* The trajectory that has waited longest with a part of its line before it, or an idle one with the next seed
+ * of the task at hand or of the next task; NULL when there is nothing more to do. */
 static saltus_trajectory *next_trajectory(worker *w) {
     if (w->waiting > 0) {
         saltus_trajectory *first = w->queue[0];
         memmove(w->queue, w->queue + 1, (size_t)--w->waiting * sizeof(saltus_trajectory *));
         return first;
     }
-    int k = 0;
-    while (k < w->size && w->trajectory[k].job)
-        k++;
-    return k < w->size && take_seed(w, &w->trajectory[k]) ? &w->trajectory[k] : NULL;
+    saltus_trajectory *idle = w->trajectory;
+    while (idle < w->trajectory + w->size && idle->job)
+        idle++;
+    if (idle == w->trajectory + w->size)
+        return NULL;
+    if (!w->job || w->job->assigned == w->job->seeds) {
+        leave_job(&w->job);
+        long long task = saltus_schedule_next(w->schedule);
+        if (task < 0)
+            return NULL;
+        w->job = saltus_job_open(w->sweep, task);
+        if (!w->job) {
+            saltus_schedule_fail(w->schedule, SALTUS_NO_MEMORY, "no memory for a task of a sweep");
+            return NULL;
+        }
+        w->job->holders = 1;
+    }
+    idle->job = w->job;
+    idle->job->holders++;
+    idle->seed = w->job->assigned++;
+    idle->place = 0;
+    return idle;
 }
 
 /* The flow of one lane, made when it is first needed; NULL after a failure. */

@@ -3,10 +3,11 @@
  * With P = S + alpha S' (S' = 2 S1) all terms that multiply q_i itself share one scalar series,
  *   W = kappa P - u^2 - sqrt(beta) u' / 2,
  * and the field is
- *   q_i'' = - alpha lambda_i^4 v_i - lambda_i^4 q_i - lambda_i^2 W q_i - (G 2 sqrt(beta) u v)_i - (B
- * sqrt(beta) u' q)_i with B's diagonal gone into W. The three products of a scalar series and a row are
- * formed side by side, before G, B and lambda^2 act on them; the cubic term then costs one product per order,
- * and half a one for S.
+ *   q_i'' = - alpha lambda_i^4 v_i - lambda_i^4 q_i - lambda_i^2 W q_i
+ *           - (G 2 sqrt(beta) u v)_i - (B sqrt(beta) u' q)_i
+ * with B's diagonal gone into W. The three products of a scalar series and a row are formed side by side,
+ * before G, B and lambda^2 act on them; the cubic term then costs one product per order, and half a one for
+ * S.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_SYSTEM_PIPE_KERNEL_H
 #define SALTUS_SYSTEM_PIPE_KERNEL_H

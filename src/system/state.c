@@ -1,4 +1,4 @@
-/* States of a system: drawn at random, disturbed, watched for growing without bound.
+/* States of a system: drawn at random, disturbed, brought back onto stops, watched for growing without bound.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "system/state.h"
 

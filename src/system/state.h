@@ -1,4 +1,5 @@
-/* Private: states of a system, drawn at random, disturbed, watched for growing without bound.
+/* Private: states of a system, drawn at random, disturbed, brought back onto stops, watched for growing
+ * without bound.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_SYSTEM_STATE_H
 #define SALTUS_SYSTEM_STATE_H

@@ -172,15 +172,17 @@ static saltus_status check_faces(const saltus_system *system, saltus_message *me
     return SALTUS_OK;
 }
 
-static saltus_status check_normals(const saltus_system *system, saltus_message *message) {
+static saltus_status build_normals(saltus_system *system, saltus_message *message) {
     for (int s = 0; s < system->spec.stop_count; s++) {
+        const saltus_stop *stop = &system->spec.stops[s];
         double size = 0;
+        system->spec.model->normal(&system->spec, system->dof, stop, system->stop_normal[s]);
         for (int i = 0; i < system->dof; i++)
             size = fmax(size, fabs(system->stop_normal[s][i]));
         if (size < 1e-6)
             return saltus_fail(message, SALTUS_BAD_INPUT,
                                "stop %d: xi = %g: no mode moves there; a stop needs a place that moves",
-                               s + 1, system->spec.stops[s].xi);
+                               s + 1, stop->xi);
     }
     return SALTUS_OK;
 }
@@ -233,9 +235,7 @@ saltus_status saltus_system_new(const saltus_spec *spec, saltus_system **system,
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the system");
     }
     reserve(made);
-    for (int s = 0; s < spec->stop_count; s++)
-        spec->model->normal(spec, dof, &spec->stops[s], made->stop_normal[s]);
-    status = check_normals(made, message);
+    status = build_normals(made, message);
     if (status == SALTUS_OK) {
         spec->model->build(made);
         made->coefficients.forcing_orders = count_forcing_orders(made);
