@@ -12,6 +12,7 @@
 #define SALTUS_FLOW_COLLOCATION_H
 
 #include "base/simd.h"
+#include "system/system.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -38,26 +39,37 @@ typedef struct saltus_collocation {
     double pair[SALTUS_RADAU_NODES]; /* eigenvalues mu */
 } saltus_collocation;
 
-/* The unknowns of one step. Rows are [column][mode][16] unless stated. */
-typedef struct saltus_stages {
-    const saltus_collocation *method;
-    int dof, columns, contacts, chunks, lanes;
-    int *order;    /* modes in the order of elimination */
+/* The field's linear part at one place, and the factors that solve with it for one step length. */
+typedef struct saltus_linear_part {
+    int order[SALTUS_MODES_MAX]; /* modes in the order of elimination */
     int uncoupled; /* how many of the first in that order have no linear coupling among themselves */
-    size_t row;    /* doubles from column to column in the field's arrays */
+    const double *damp, *stiff; /* [mode][mode] */
+    double *lu; /* factors: [mode][mode][16] complex, in the order of elimination, diagonal inverted */
+} saltus_linear_part;
+
+/* Contacts that hold, and how the linear part answers to their forces. */
+typedef struct saltus_linear_contacts {
+    int count;
+    double *push, *pull; /* [contact][mode] */
+    double *reply;       /* response to a unit contact force: [contact][mode][16] complex */
+    double *schur;       /* [contact][contact][16] complex */
+} saltus_linear_contacts;
+
+/* The unknowns of one step. */
+typedef struct saltus_stages {
+    saltus_collocation *method;
+    int dof, chunks, lanes;
+    size_t row; /* doubles from column to column in the field's arrays */
     double step;
     double *q[SALTUS_RADAU_CHUNKS_MAX],
         *v[SALTUS_RADAU_CHUNKS_MAX];              /* the field's arguments: [column][mode][lane] */
     const double *field[SALTUS_RADAU_CHUNKS_MAX]; /* and its value, the acceleration */
-    double *q0, *v0;                              /* [column][mode] */
-    double *a;                                    /* accelerations */
-    double *hat;                                  /* [mode][16] complex */
-    const double *damp, *stiff;                   /* linear part of the field: [mode][mode] */
-    double *lu; /* factors: [mode][mode][16] complex, in the order of elimination, diagonal inverted */
-    double *push, *pull; /* [contact][mode] */
-    double *reply;       /* response to a unit contact force: [contact][mode][16] complex */
-    double *schur;       /* [contact][contact][16] complex */
-    double *change;      /* largest changes of q and of v: [column][2] */
+    double *q0, *v0;                              /* at the step's start: [column][mode] */
+    double *a;                                    /* accelerations: [column][mode][16] */
+    double *hat;    /* residual in the eigenvectors' basis, then its correction: [mode][16] complex */
+    double *change; /* largest changes of q and of v: [column][2] */
+    saltus_linear_part linear;
+    saltus_linear_contacts contact;
 } saltus_stages;
 
 /* The parts that the instruction set matters for. */

@@ -4,7 +4,6 @@
 #include "flow/collocation.h"
 
 #include "base/simd.h"
-#include "saltus/system.h"
 
 enum {
     packs_per_row = SALTUS_RADAU_NODES / SALTUS_PACK,
@@ -91,7 +90,7 @@ KERNEL_INLINE void substitute(const double *matrix, int n, int uncoupled, const 
 
 /* x = K^-1 x */
 KERNEL_INLINE void solve_free(const saltus_stages *s, double *x, int p) {
-    substitute(s->lu, s->dof, s->uncoupled, s->order, x, p);
+    substitute(s->linear.lu, s->dof, s->linear.uncoupled, s->linear.order, x, p);
 }
 
 KERNEL_INLINE complex_pack dot(const double *pull, const double *x, int n, int p) {
@@ -122,45 +121,46 @@ static void factor(saltus_stages *s) {
         complex_pack square = times(mu, mu);
         for (int i = 0; i < n; i++)
             for (int j = 0; j < n; j++) {
-                int at = s->order[i] * n + s->order[j];
-                store(s->lu + (i * n + j) * SALTUS_RADAU_NODES, p,
-                      entry(mu, square, i == j, s->damp[at], s->stiff[at]));
+                int at = s->linear.order[i] * n + s->linear.order[j];
+                store(s->linear.lu + (i * n + j) * SALTUS_RADAU_NODES, p,
+                      entry(mu, square, i == j, s->linear.damp[at], s->linear.stiff[at]));
             }
-        decompose(s->lu, n, s->uncoupled, p);
+        decompose(s->linear.lu, n, s->linear.uncoupled, p);
     }
 }
 
 static void factor_contacts(saltus_stages *s) {
-    int n = s->dof, m = s->contacts;
+    int n = s->dof, m = s->contact.count;
     for (int p = 0; p < packs_per_half; p++) {
         for (int c = 0; c < m; c++) {
-            double *reply = s->reply + c * n * SALTUS_RADAU_NODES;
+            double *reply = s->contact.reply + c * n * SALTUS_RADAU_NODES;
             for (int i = 0; i < n; i++)
                 store(reply + i * SALTUS_RADAU_NODES, p,
-                      (complex_pack){saltus_pack_splat(s->push[c * n + i]), {0}});
+                      (complex_pack){saltus_pack_splat(s->contact.push[c * n + i]), {0}});
             solve_free(s, reply, p);
             for (int r = 0; r < m; r++)
-                store(s->schur + (r * m + c) * SALTUS_RADAU_NODES, p, dot(s->pull + r * n, reply, n, p));
+                store(s->contact.schur + (r * m + c) * SALTUS_RADAU_NODES, p,
+                      dot(s->contact.pull + r * n, reply, n, p));
         }
-        decompose(s->schur, m, 0, p);
+        decompose(s->contact.schur, m, 0, p);
     }
 }
 
 /* The contacts' forces are such that the corrected accelerations do not enter the stops. `free` are the rows'
  * products with the residual itself, zero but for rounding and a start that does not satisfy the contact. */
 KERNEL_INLINE void hold(const saltus_stages *s, double *x, double *force, int p) {
-    int n = s->dof, m = s->contacts;
+    int n = s->dof, m = s->contact.count;
     for (int c = 0; c < m; c++) {
         double *row = force + c * SALTUS_RADAU_NODES;
-        complex_pack residual = load(row, p), reply = dot(s->pull + c * n, x, n, p);
+        complex_pack residual = load(row, p), reply = dot(s->contact.pull + c * n, x, n, p);
         store(row, p, (complex_pack){reply.re - residual.re, reply.im - residual.im});
     }
-    substitute(s->schur, m, 0, NULL, force, p);
+    substitute(s->contact.schur, m, 0, NULL, force, p);
     for (int c = 0; c < m; c++) {
         complex_pack f = load(force + c * SALTUS_RADAU_NODES, p);
         for (int i = 0; i < n; i++) {
             double *row = x + i * SALTUS_RADAU_NODES;
-            const double *reply = s->reply + (c * n + i) * SALTUS_RADAU_NODES;
+            const double *reply = s->contact.reply + (c * n + i) * SALTUS_RADAU_NODES;
             store(row, p, minus_times(load(row, p), f, load(reply, p)));
         }
     }
@@ -219,10 +219,10 @@ static void correct(saltus_stages *s, int column) {
     for (; i < n; i++)
         residual(s, column, i, 1);
     for (int p = 0; p < packs_per_half; p++) {
-        for (int c = 0; c < s->contacts; c++)
-            store(force + c * SALTUS_RADAU_NODES, p, dot(s->pull + c * n, s->hat, n, p));
+        for (int c = 0; c < s->contact.count; c++)
+            store(force + c * SALTUS_RADAU_NODES, p, dot(s->contact.pull + c * n, s->hat, n, p));
         solve_free(s, s->hat, p);
-        if (s->contacts)
+        if (s->contact.count)
             hold(s, s->hat, force, p);
     }
     double *a = s->a + (size_t)column * (size_t)n * SALTUS_RADAU_NODES;

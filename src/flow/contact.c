@@ -29,12 +29,12 @@
 #include <string.h>
 
 void saltus_contacts_publish(saltus_flow *flow, int lane) {
+    const saltus_lane *self = &flow->lane[lane];
     int slots = 0;
     for (int l = 0; l < flow->lanes; l++)
         slots = flow->lane[l].hold.count > slots ? flow->lane[l].hold.count : slots;
-    saltus_contact_map_publish(&flow->lane[lane].hold, &flow->work, lane,
-                               flow->lane[lane].system->face_count);
-    flow->work.contacts = slots;
+    saltus_contact_map_publish(&self->hold, &flow->work, lane, self->system->face_count);
+    flow->work.hold.count = slots;
     if (flow->options.directions)
         saltus_directions_publish(flow);
     if (flow->radau)
@@ -44,15 +44,15 @@ void saltus_contacts_publish(saltus_flow *flow, int lane) {
 /* Coefficient k of the gap's series at the probe's point: side * n.q_k. */
 static double gap_coefficient(const saltus_system *system, const saltus_work *probe, int face, int k) {
     saltus_face f = system->faces[face];
-    return f.side * probe->gap[(size_t)f.stop * (size_t)(probe->order + 2) + (size_t)k];
+    return f.side * probe->gap[saltus_work_series_place(probe, f.stop, k, 0)];
 }
 
 /* What rounding may make of that coefficient. */
 static double rounding_of_gap(const saltus_system *system, const saltus_work *probe, int face, int k) {
+    const double *normal = system->stop_normal[system->faces[face].stop];
     double size = 0;
     for (int i = 0; i < system->dof; i++)
-        size += fabs(system->stop_normal[system->faces[face].stop][i] *
-                     probe->q[saltus_work_jet(probe, k, 0) + (size_t)i]);
+        size += fabs(normal[i] * probe->jet.q[saltus_work_place(probe, k, 0, i, 0)]);
     return 1e-12 * size;
 }
 
@@ -67,64 +67,64 @@ static bool pressed(const saltus_system *system, const saltus_work *probe, int f
     return true;
 }
 
+/* The subset of a set of faces that comes next where small ones come first; the last one is the set. */
+static unsigned next_subset(unsigned set, unsigned subset) {
+    int size = saltus_count_bits(subset);
+    do {
+        subset = subset < set ? subset + 1 : 0;
+        size += subset == 0;
+    } while (subset & ~set || saltus_count_bits(subset) != size);
+    return subset;
+}
+
 /* The subset of `resting` whose contacts hold: all of its contact forces push, no other resting face closes.
  */
 static unsigned holding_subset(saltus_flow *flow, int lane, unsigned resting) {
     enum { order = 5 };
-    saltus_lane *self = &flow->lane[lane];
+    const saltus_lane *self = &flow->lane[lane];
     const saltus_system *system = self->system;
-    int total = saltus_count_bits(resting);
-    for (int size = 0; size <= total; size++)
-        for (unsigned subset = 0; subset <= resting; subset++) {
-            if ((subset & resting) != subset || saltus_count_bits(subset) != size ||
-                !saltus_contact_map_build(system, subset, 0, &flow->scratch))
-                continue;
-            saltus_work *probe =
-                saltus_probe_at(flow, lane, self->state, self->now.phase, &flow->scratch, order);
-            bool valid = true;
+    for (unsigned subset = 0;; subset = next_subset(resting, subset)) {
+        bool valid = saltus_contact_map_build(system, subset, 0, &flow->scratch);
+        if (valid) {
+            const saltus_work *probe =
+                saltus_probe_at(flow, lane, flow->state, self->now.phase, &flow->scratch, order);
             for (int k = 0; k < flow->scratch.count; k++)
-                valid &= probe->force[(size_t)k * (size_t)(probe->order + 2)] >= 0;
+                valid &= probe->hold.force[saltus_work_series_place(probe, k, 0, 0)] >= 0;
             for (int f = 0; f < system->face_count; f++)
-                if (resting & ~subset & 1u << f)
-                    valid &= !pressed(system, probe, f, order);
-            if (valid)
-                return subset;
+                valid &= !(resting & ~subset & 1u << f) || !pressed(system, probe, f, order);
         }
-    return resting;
+        if (valid || subset == resting)
+            return subset;
+    }
 }
 
 void saltus_contacts_rest(saltus_flow *flow, int lane, unsigned resting) {
     saltus_lane *self = &flow->lane[lane];
     unsigned held = resting ? holding_subset(flow, lane, resting) : 0;
-    if (held == 0 && self->hold.count == 0 && resting == 0 && flow->work.contacts == 0)
+    if (held == 0 && self->hold.count == 0 && resting == 0 && flow->work.hold.count == 0)
         return;
-    if (!saltus_contact_map_build(self->system, held, 0, &self->hold)) {
-        held = 0;
-        self->hold.count = 0;
-    }
-    self->contacts = held;
+    saltus_contact_map_build(self->system, held, 0, &self->hold);
     for (int f = 0; f < self->system->face_count; f++)
-        if (resting & ~held & 1u << f)
+        if (resting & ~self->hold.faces & 1u << f)
             self->face[f] = (saltus_face_state){.touch = 2};
     saltus_contacts_publish(flow, lane);
 }
 
-/* Faces that the state touches: held ones, the one being hit, and others whose gap is zero to rounding. */
-static unsigned touched_faces(const saltus_lane *self, int hit) {
-    unsigned touched = self->contacts | 1u << hit;
+/* Faces that a state touches: held ones, the one being hit, and others whose gap is zero to rounding. */
+static unsigned touched_faces(const saltus_lane *self, const double *state, int hit) {
+    unsigned touched = self->hold.faces | 1u << hit;
     for (int f = 0; f < self->system->face_count; f++)
-        if (saltus_system_gap_sign(self->system, f, self->state) >= 0)
+        if (saltus_system_gap_sign(self->system, f, state) >= 0)
             touched |= 1u << f;
     return touched;
 }
 
 /* Touched faces that the velocity closes: these rebound. The others, held or receding, at most keep from
  * closing. */
-static unsigned closing_faces(const saltus_lane *self, int hit, unsigned touched) {
+static unsigned closing_faces(const saltus_lane *self, const double *velocity, int hit, unsigned touched) {
     unsigned closing = 1u << hit;
     for (int f = 0; f < self->system->face_count; f++)
-        if (touched & ~self->contacts & 1u << f &&
-            saltus_face_normal(self->system, f, self->state + self->system->dof) > 0)
+        if (touched & ~self->hold.faces & 1u << f && saltus_face_normal(self->system, f, velocity) > 0)
             closing |= 1u << f;
     return closing;
 }
@@ -132,61 +132,55 @@ static unsigned closing_faces(const saltus_lane *self, int hit, unsigned touched
 /* Newton's law at the touched faces: the smallest set of impulses, among them one at the hit face, that all
  * push and leave no touched face closing. `forced`: the one at the hit face need not push. The map is left in
  * `map`; false when there is none. */
-static bool impact_map(const saltus_lane *self, int hit, bool forced, unsigned touched, unsigned closing,
+static bool impact_map(const saltus_system *system, int hit, bool forced, unsigned touched, unsigned closing,
                        const double *velocity, saltus_contact_map *map) {
-    const saltus_system *system = self->system;
     double after[SALTUS_MODES_MAX];
-    int n = system->dof;
-    for (int size = 1; size <= saltus_count_bits(touched); size++)
-        for (unsigned subset = 1; subset <= touched; subset++) {
-            if ((subset & touched) != subset || saltus_count_bits(subset) != size || !(subset >> hit & 1) ||
-                !saltus_contact_map_build(system, subset, subset & closing, map))
-                continue;
-            bool valid = true;
+    const int n = system->dof;
+    const double tiny = 64 * DBL_EPSILON * sqrt(saltus_dot(velocity, velocity, n));
+    for (unsigned subset = 1u << hit;; subset = next_subset(touched, subset)) {
+        bool valid = subset >> hit & 1 && saltus_contact_map_build(system, subset, subset & closing, map);
+        if (valid) {
             for (int k = 0; k < map->count; k++)
                 valid &= saltus_dot(map->pull + k * n, velocity, n) >= 0 || (forced && map->face[k] == hit);
             memcpy(after, velocity, (size_t)n * sizeof *after);
             saltus_contact_map_apply(map, n, after);
-            double tiny = 64 * DBL_EPSILON * sqrt(saltus_dot(velocity, velocity, n));
             for (int f = 0; f < system->face_count; f++)
-                if (touched & ~subset & 1u << f)
-                    valid &= saltus_face_normal(system, f, after) <= tiny;
-            if (valid)
-                return true;
+                valid &= !(touched & ~subset & 1u << f) || saltus_face_normal(system, f, after) <= tiny;
         }
-    return false;
+        if (valid || subset == touched)
+            return valid;
+    }
 }
 
 /* The impact of the touched faces. Where several close at once the push at one may be all that it takes to
  * open the one that was found: then `hit` becomes that face. A hit face that rounding makes recede is hit all
  * the same. */
-static bool solve_impact(const saltus_lane *self, int *hit, unsigned touched, unsigned closing,
+static bool solve_impact(const saltus_system *system, int *hit, unsigned touched, unsigned closing,
                          const double *velocity, saltus_contact_map *map) {
-    if (impact_map(self, *hit, false, touched, closing, velocity, map))
+    if (impact_map(system, *hit, false, touched, closing, velocity, map))
         return true;
-    for (int f = 0; f < self->system->face_count; f++)
-        if (closing >> f & 1 && f != *hit && impact_map(self, f, false, touched, closing, velocity, map)) {
+    for (int f = 0; f < system->face_count; f++)
+        if (closing >> f & 1 && f != *hit && impact_map(system, f, false, touched, closing, velocity, map)) {
             *hit = f;
             return true;
         }
-    return impact_map(self, *hit, true, touched, closing, velocity, map);
+    return impact_map(system, *hit, true, touched, closing, velocity, map);
 }
 
-/* S delta = DP delta + (f+ - DP f-) (n.delta_q) / (n.q'-) for every tangent vector. `velocity` is the
- * trajectory's before the impact. */
+/* S delta = DP delta + (f+ - DP f-) (n.delta_q) / (n.q'-) for every tangent vector, with f- in flow->before,
+ * which is lost, and f+ in flow->after. `velocity` is the trajectory's before the impact. */
 static void saltate(saltus_flow *flow, int lane, int face, double speed, const saltus_contact_map *map,
                     unsigned elastic, const double *velocity) {
-    saltus_lane *self = &flow->lane[lane];
     int n = flow->dof, dimension = flow->dimension;
-    double *jump = self->before;
+    double *jump = flow->before;
     /* DP leaves displacements alone: only the acceleration part of f- is mapped. */
     saltus_contact_map_apply(map, n, jump + n);
     for (int i = 0; i < dimension; i++)
-        jump[i] = self->after[i] - self->before[i];
+        jump[i] = flow->after[i] - flow->before[i];
     for (int c = 0; c < flow->options.columns; c++) {
-        double *delta = self->tangents + c * dimension;
+        double *delta = flow->tangents + c * dimension;
         double delay = saltus_column_gap(flow, lane, face, c) / speed;
-        self->delay[c] = -delay;
+        flow->lane[lane].delay[c] = -delay;
         saltus_column_impact(flow, lane, map, elastic, velocity, c);
         for (int i = 0; i < dimension; i++)
             delta[i] = fma(delay, jump[i], delta[i]);
@@ -207,107 +201,105 @@ static bool apart(const saltus_contact_map *map) {
  */
 static void saltate_apart(saltus_flow *flow, int lane, int hit, const saltus_contact_map *map,
                           const double *velocity) {
-    saltus_lane *self = &flow->lane[lane];
+    const saltus_lane *self = &flow->lane[lane];
     int n = flow->dof;
     double before[SALTUS_MODES_MAX];
-    memcpy(self->trial, self->state, (size_t)flow->dimension * sizeof(double));
-    memcpy(self->trial + n, velocity, (size_t)n * sizeof(double));
+    memcpy(flow->trial, flow->state, (size_t)flow->dimension * sizeof(double));
+    memcpy(flow->trial + n, velocity, (size_t)n * sizeof(double));
     for (int turn = 0; turn < 2; turn++)
         for (int k = 0; k < map->count; k++) {
-            if ((map->face[k] == hit) != turn)
+            const int face = map->face[k];
+            if ((face == hit) != turn)
                 continue;
-            saltus_contact_map one = {.count = 1,
-                                      .face = {map->face[k]},
+            saltus_contact_map one = {.faces = 1u << face,
+                                      .count = 1,
+                                      .face = {face},
                                       .push = map->push + k * n,
                                       .pull = map->pull + k * n,
                                       .inverse = {1}};
-            double speed = saltus_face_normal(self->system, map->face[k], self->trial + n);
-            memcpy(before, self->trial + n, (size_t)n * sizeof *before);
-            saltus_contact_map_apply(&one, n, self->trial + n);
-            saltus_field_at(flow, lane, self->trial, self->now.phase, NULL, self->after);
-            saltate(flow, lane, map->face[k], speed, &one, 1u << map->face[k], before);
-            memcpy(self->before, self->after, (size_t)flow->dimension * sizeof(double));
+            double speed = saltus_face_normal(self->system, face, flow->trial + n);
+            memcpy(before, flow->trial + n, (size_t)n * sizeof *before);
+            saltus_contact_map_apply(&one, n, flow->trial + n);
+            saltus_field_at(flow, lane, flow->trial, self->now.phase, &self->hold, flow->after);
+            saltate(flow, lane, face, speed, &one, 1u << face, before);
+            memcpy(flow->before, flow->after, (size_t)flow->dimension * sizeof(double));
         }
 }
 
-/* The displacement at a face that counts as nothing beside the state. At a stop near a support the modes move
- * by much more than the coordinate that it limits. */
-static double displacement_tolerance(const saltus_flow *flow, int lane, int face, double *size) {
-    const saltus_lane *self = &flow->lane[lane];
-    const double *normal = self->system->stop_normal[self->system->faces[face].stop];
-    const double unit = flow->work.omega_unit[lane];
-    *size = 0;
-    for (int i = 0; i < flow->dof; i++)
-        *size = fmax(*size, fmax(fabs(self->state[i]), fabs(self->state[flow->dof + i]) / unit));
-    double reach = fmin(1, sqrt(saltus_dot(normal, normal, flow->dof)));
-    return 0.1 * reach * (flow->options.atol + flow->options.rtol * *size);
+/* How far a stop's coordinate moves with the modes: near a support these move by much more. */
+static double reach_of(const saltus_system *system, int face) {
+    const double *normal = system->stop_normal[system->faces[face].stop];
+    return fmin(1, sqrt(saltus_dot(normal, normal, system->dof)));
 }
 
-/* Whether a rebound is slow enough that its chatter could end here, judged by a bound on accelerations alone:
- * saves the closer look at every ordinary impact. */
-static bool may_end_chatter(const saltus_flow *flow, int lane, int face, double rebound) {
-    const saltus_lane *self = &flow->lane[lane];
-    double size, tolerance = displacement_tolerance(flow, lane, face, &size), rate = self->system->rate;
-    double bound = flow->dof * rate * (rate + flow->work.omega_unit[lane]) * size,
-           r = self->system->faces[face].r;
-    return rebound * rebound <= tolerance * bound * (r < 1 ? 1 - r : 2);
+/* The size of a lane's state: displacements, and velocities in their units. */
+static double state_size(const saltus_flow *flow, int lane) {
+    const double unit = flow->work.lane->omega_unit[lane];
+    double size = 0;
+    for (int i = 0; i < flow->dof; i++)
+        size = fmax(size, fmax(fabs(flow->state[i]), fabs(flow->state[flow->dof + i]) / unit));
+    return size;
+}
+
+/* The displacement at a face that counts as nothing beside a state of a size. */
+static double displacement_tolerance(const saltus_flow *flow, int lane, int face, double size) {
+    return 0.1 * reach_of(flow->lane[lane].system, face) * (flow->options.atol + flow->options.rtol * size);
 }
 
 /* Held faces that an impact at another lets go: they recede, and would rise further than the tolerance. A
  * contact cannot pull. `probe` is the series of the state with the contacts held. */
-static unsigned leaving_faces(const saltus_flow *flow, int lane, const saltus_work *probe) {
+static unsigned leaving_faces(const saltus_flow *flow, int lane, double size, const saltus_work *probe) {
     const saltus_lane *self = &flow->lane[lane];
     unsigned leaving = 0;
     for (int k = 0; k < self->hold.count; k++) {
         int face = self->hold.face[k];
-        double force = probe->force[(size_t)k * (size_t)(probe->order + 2)], size;
-        double away = -saltus_face_normal(self->system, face, self->state + self->system->dof);
-        if (away > 0 && away * away > 2 * displacement_tolerance(flow, lane, face, &size) * force)
+        double force = probe->hold.force[saltus_work_series_place(probe, k, 0, 0)];
+        double away = -saltus_face_normal(self->system, face, flow->state + flow->dof);
+        if (away > 0 && away * away > 2 * displacement_tolerance(flow, lane, face, size) * force)
             leaving |= 1u << face;
     }
     return leaving;
 }
 
-/* Remaining time of a chatter that may be cut short here; negative if it may not. `self->trial` receives the
- * state with the normal velocity removed, `leaving` the held faces that do not keep theirs at zero. */
-static double chatter_remainder(saltus_flow *flow, int lane, int face, double rebound, unsigned *leaving) {
-    saltus_lane *self = &flow->lane[lane];
+/* Where a chatter may be cut short. */
+typedef struct chatter_end {
+    double remainder; /* time left to the accumulation point; negative: it may not be cut short */
+    unsigned leaving; /* held faces that do not keep their normal velocity at zero */
+} chatter_end;
+
+/* Whether the chatter that begins with this rebound may be cut short here; flow->trial receives the state
+ * with the normal velocity removed. */
+static chatter_end end_of_chatter(saltus_flow *flow, int lane, int face, double rebound) {
+    const saltus_lane *self = &flow->lane[lane];
     const saltus_system *system = self->system;
-    double r = system->faces[face].r, size, tolerance = displacement_tolerance(flow, lane, face, &size);
-    const saltus_work *now = saltus_probe_at(flow, lane, self->state, self->now.phase, &self->hold, 2);
+    const double size = state_size(flow, lane), r = system->faces[face].r;
+    const double tolerance = displacement_tolerance(flow, lane, face, size), slack = r < 1 ? 1 - r : 2;
+    chatter_end end = {-1, 0};
+    /* A bound on accelerations alone saves the closer look at every ordinary impact. */
+    double bound = flow->dof * system->rate * (system->rate + flow->work.lane->omega_unit[lane]) * size;
+    if (!(rebound * rebound <= tolerance * bound * slack))
+        return end;
+    const saltus_work *now = saltus_probe_at(flow, lane, flow->state, self->now.phase, &self->hold, 2);
     double acceleration = 2 * gap_coefficient(system, now, face, 2);
-    *leaving = leaving_faces(flow, lane, now);
-    memcpy(self->trial, self->state, (size_t)flow->dimension * sizeof(double));
-    if (!saltus_contact_map_build(system, (self->contacts & ~*leaving) | 1u << face, 0, &flow->scratch))
-        return -1;
-    saltus_contact_map_apply(&flow->scratch, flow->dof, self->trial + flow->dof);
+    end.leaving = leaving_faces(flow, lane, size, now);
+    const unsigned kept = self->hold.faces & ~end.leaving;
+    if (!saltus_contact_map_build(system, kept | 1u << face, 0, &flow->scratch))
+        return end;
+    memcpy(flow->trial, flow->state, (size_t)flow->dimension * sizeof(double));
+    saltus_contact_map_apply(&flow->scratch, flow->dof, flow->trial + flow->dof);
     const saltus_contact_map *hold = &self->hold;
-    if (*leaving && saltus_contact_map_build(system, self->contacts & ~*leaving, 0, &flow->scratch))
+    if (end.leaving && saltus_contact_map_build(system, kept, 0, &flow->scratch))
         hold = &flow->scratch;
-    const saltus_work *probe = saltus_probe_at(flow, lane, self->trial, self->now.phase, hold, 3);
+    const saltus_work *probe = saltus_probe_at(flow, lane, flow->trial, self->now.phase, hold, 3);
     double a = 2 * gap_coefficient(system, probe, face, 2),
            jerk = 6 * gap_coefficient(system, probe, face, 3);
-    if (!(a > 0) || rebound * rebound > tolerance * a * (r < 1 ? 1 - r : 2))
-        return -1;
-    if (r == 1)
-        return 0;
-    double remainder = rebound > 0 ? 2 * rebound / (a * (1 - r)) : 0;
+    if (!(a > 0) || rebound * rebound > tolerance * a * slack)
+        return end;
+    double remainder = rebound > 0 && r != 1 ? 2 * rebound / (a * (1 - r)) : 0;
     bool steady = fabs(jerk) * remainder <= 0.1 * a && fabs(acceleration - a) <= 0.1 * a;
-    return rebound == 0 || steady ? remainder : -1;
-}
-
-/* Faces of `touched` that rest after the impact: no normal velocity out of rounding. */
-static unsigned resting_faces(const saltus_lane *self, unsigned touched, double tiny) {
-    const saltus_system *system = self->system;
-    unsigned resting = 0;
-    for (int f = 0; f < system->face_count; f++) {
-        const double *normal = system->stop_normal[system->faces[f].stop];
-        double reach = fmin(1, sqrt(saltus_dot(normal, normal, system->dof)));
-        if (touched >> f & 1 &&
-            fabs(saltus_face_normal(system, f, self->state + system->dof)) <= tiny * reach)
-            resting |= 1u << f;
-    }
-    return resting;
+    if (r == 1 || rebound == 0 || steady)
+        end.remainder = remainder;
+    return end;
 }
 
 static saltus_event impact_event(const saltus_lane *self, int face, double speed) {
@@ -320,17 +312,17 @@ static saltus_event impact_event(const saltus_lane *self, int face, double speed
                           .displacement = f.side * f.d};
 }
 
-/* Every closing face that receives an impulse is an impact of its own; those beside the hit one are queued.
- */
-static void record_impacts(saltus_lane *self, int hit, unsigned rebounding, saltus_event *event) {
-    const double *velocity = self->state + self->system->dof;
+/* Every closing face that receives an impulse is an impact of its own; those beside the hit one, whose event
+ * is returned, are queued. */
+static saltus_event record_impacts(saltus_lane *self, int hit, unsigned rebounding, const double *velocity) {
+    saltus_event event = {0};
     self->queued = 0;
     for (int f = 0; f < self->system->face_count; f++) {
         double speed = saltus_face_normal(self->system, f, velocity);
         if (!(rebounding >> f & 1) && f != hit)
             continue;
         if (f == hit)
-            *event = impact_event(self, f, speed > 0 ? speed : 0);
+            event = impact_event(self, f, speed > 0 ? speed : 0);
         else
             self->queue[self->queued++] = impact_event(self, f, speed);
         if (speed > 0) {
@@ -338,92 +330,82 @@ static void record_impacts(saltus_lane *self, int hit, unsigned rebounding, salt
             self->info.log_volume += 2 * log(self->system->faces[f].r);
         }
     }
+    return event;
 }
 
-/* After an impact all velocities are new: what is known of the gaps' rates from the step before must follow.
- */
-static void refresh_rates(saltus_lane *self) {
+/* Take the impact without rebound if its chatter ends here; then decide which touched faces hold. */
+static chatter_end end_chatter_and_rest(saltus_flow *flow, int lane, int face, unsigned touched,
+                                        double rebound) {
+    saltus_lane *self = &flow->lane[lane];
+    const double *velocity = flow->state + flow->dof;
+    double tiny = 64 * DBL_EPSILON * sqrt(saltus_dot(velocity, velocity, flow->dof));
+    chatter_end end = end_of_chatter(flow, lane, face, rebound);
+    unsigned resting = 0;
+    if (end.remainder >= 0) {
+        memcpy(flow->state, flow->trial, (size_t)flow->dimension * sizeof(double));
+        tiny *= 16;
+        resting = 1u << face;
+    }
+    /* Touched faces rest where no normal velocity stands out of rounding. */
+    for (int f = 0; f < self->system->face_count; f++)
+        if (touched >> f & 1) {
+            if (fabs(saltus_face_normal(self->system, f, velocity)) <= tiny * reach_of(self->system, f))
+                resting |= 1u << f;
+            self->face[f] = (saltus_face_state){.touch = 1};
+        }
+    saltus_contacts_rest(flow, lane, resting);
+    saltus_contact_map_settle(self->system, &self->hold, flow->state);
+    /* All velocities are new: what is known of gaps' rates from the step before must follow. */
     for (int f = 0; f < self->system->face_count; f++)
         if (self->face[f].shadow)
-            self->face[f].rate = saltus_face_normal(self->system, f, self->state + self->system->dof);
-}
-
-/* Take the impact without rebound if its chatter ends here; then decide which touched faces hold. Returns the
- * time left to the accumulation point, negative if the impact rebounds. */
-static double end_chatter_and_rest(saltus_flow *flow, int lane, int face, unsigned touched, double rebound,
-                                   unsigned *leaving) {
-    saltus_lane *self = &flow->lane[lane];
-    int n = flow->dof;
-    double tiny = 64 * DBL_EPSILON * sqrt(saltus_dot(self->state + n, self->state + n, n));
-    double remainder = may_end_chatter(flow, lane, face, rebound)
-                           ? chatter_remainder(flow, lane, face, rebound, leaving)
-                           : -1;
-    if (remainder >= 0) {
-        memcpy(self->state, self->trial, (size_t)flow->dimension * sizeof(double));
-        tiny *= 16;
-    }
-    unsigned resting = resting_faces(self, touched, tiny) | (remainder >= 0 ? 1u << face : 0);
-    for (int f = 0; f < self->system->face_count; f++)
-        if (touched >> f & 1)
-            self->face[f] = (saltus_face_state){.touch = 1};
-    saltus_contacts_rest(flow, lane, resting);
-    saltus_contact_map_settle(self->system, &self->hold, self->state);
-    refresh_rates(self);
-    return remainder;
-}
-
-static int lowest_face(unsigned faces) {
-    int face = 0;
-    while (!(faces >> face & 1))
-        face++;
-    return face;
+            self->face[f].rate = saltus_face_normal(self->system, f, velocity);
+    return end;
 }
 
 saltus_status saltus_contacts_impact(saltus_flow *flow, int lane, int face, saltus_event *event) {
     saltus_lane *self = &flow->lane[lane];
     const saltus_system *system = self->system;
     saltus_contact_map *map = &flow->scratch;
-    int n = flow->dof;
-    unsigned touched = touched_faces(self, face), closing = closing_faces(self, face, touched), impulses = 0;
-    unsigned held_before = self->contacts, leaving = 0;
-    if (!solve_impact(self, &face, touched, closing, self->state + n, map))
+    double *velocity = flow->state + flow->dof, velocity_before[SALTUS_MODES_MAX];
+    const unsigned touched = touched_faces(self, flow->state, face),
+                   closing = closing_faces(self, velocity, face, touched), held_before = self->hold.faces;
+    if (!solve_impact(system, &face, touched, closing, velocity, map))
         return SALTUS_STALLED;
-    for (int k = 0; k < map->count; k++)
-        impulses |= 1u << map->face[k];
-    double velocity_before[SALTUS_MODES_MAX];
-    memcpy(velocity_before, self->state + n, (size_t)n * sizeof *velocity_before);
+    const unsigned impulses = map->faces;
+    memcpy(velocity_before, velocity, (size_t)flow->dof * sizeof *velocity);
     if (flow->options.columns)
-        saltus_field_at(flow, lane, self->state, self->now.phase, &self->hold, self->before);
-    record_impacts(self, face, impulses & closing, event);
-    saltus_contact_map_apply(map, n, self->state + n);
+        saltus_field_at(flow, lane, flow->state, self->now.phase, &self->hold, flow->before);
+    *event = record_impacts(self, face, impulses & closing, velocity);
+    saltus_contact_map_apply(map, flow->dof, velocity);
 
-    double speed = fabs(event->velocity_before), rebound = system->faces[face].r * speed;
-    double remainder = end_chatter_and_rest(flow, lane, face, touched, rebound, &leaving);
-    unsigned elastic = impulses & closing & ~(remainder >= 0 ? 1u << face : 0);
+    const double speed = fabs(event->velocity_before), rebound = system->faces[face].r * speed;
+    const chatter_end end = end_chatter_and_rest(flow, lane, face, touched, rebound);
     if (flow->options.columns && speed > 0) {
-        unsigned kept = remainder >= 0 ? held_before & ~leaving : 0;
-        if (!saltus_contact_map_build(system, impulses | kept, elastic, map))
+        const bool ends = end.remainder >= 0;
+        const unsigned elastic = impulses & closing & ~(ends ? 1u << face : 0),
+                       all = impulses | (ends ? held_before & ~end.leaving : 0);
+        if (!saltus_contact_map_build(system, all, elastic, map))
             return SALTUS_STALLED;
-        if (map->count > 1 && !(held_before | self->contacts) && elastic == (impulses | kept) && apart(map)) {
+        if (map->count > 1 && !(held_before | self->hold.faces) && elastic == all && apart(map)) {
             saltate_apart(flow, lane, face, map, velocity_before);
         } else {
-            saltus_field_at(flow, lane, self->state, self->now.phase, &self->hold, self->after);
+            saltus_field_at(flow, lane, flow->state, self->now.phase, &self->hold, flow->after);
             saltate(flow, lane, face, speed, map, elastic, velocity_before);
         }
     }
-    unsigned caught = self->contacts & ~held_before;
+    const unsigned caught = self->hold.faces & ~held_before;
     if (caught) {
         self->info.sticks++;
         event->kind = SALTUS_STICK;
-        if (caught >> face & 1) {
-            event->velocity_after = 0;
-        } else {
+        event->velocity_after = 0;
+        event->time = saltus_time_after(self->now, end.remainder > 0 ? end.remainder / system->period : 0);
+        if (!(caught >> face & 1)) {
             self->queue[self->queued++] = impact_event(self, face, speed);
-            event->face = lowest_face(caught);
-            event->velocity_before = event->velocity_after = 0;
+            for (event->face = 0; !(caught >> event->face & 1);)
+                event->face++;
+            event->velocity_before = 0;
             event->displacement = system->faces[event->face].side * system->faces[event->face].d;
         }
-        event->time = saltus_time_after(self->now, remainder > 0 ? remainder / system->period : 0);
     }
     return SALTUS_OK;
 }
@@ -431,9 +413,6 @@ saltus_status saltus_contacts_impact(saltus_flow *flow, int lane, int face, salt
 bool saltus_contacts_set(saltus_flow *flow, int lane, unsigned contacts) {
     saltus_lane *self = &flow->lane[lane];
     bool built = saltus_contact_map_build(self->system, contacts, 0, &self->hold);
-    if (!built)
-        self->hold.count = 0;
-    self->contacts = contacts;
     saltus_contacts_publish(flow, lane);
     return built;
 }
@@ -443,10 +422,10 @@ bool saltus_contacts_set(saltus_flow *flow, int lane, unsigned contacts) {
  */
 bool saltus_contacts_release(saltus_flow *flow, int lane, int face) {
     saltus_lane *self = &flow->lane[lane];
-    const unsigned contacts = self->contacts;
+    const unsigned contacts = self->hold.faces;
     saltus_contacts_set(flow, lane, contacts & ~(1u << face));
-    const saltus_work *probe = saltus_probe_at(flow, lane, self->state, self->now.phase, &self->hold, 2);
-    bool moved = self->now.phase != self->begin.phase || self->now.cycle != self->begin.cycle;
+    const saltus_work *probe = saltus_probe_at(flow, lane, flow->state, self->now.phase, &self->hold, 2);
+    bool moved = self->now.phase != self->step.begin.phase || self->now.cycle != self->step.begin.cycle;
     if (moved &&
         gap_coefficient(self->system, probe, face, 2) > rounding_of_gap(self->system, probe, face, 2)) {
         saltus_contacts_set(flow, lane, contacts);

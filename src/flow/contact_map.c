@@ -16,19 +16,6 @@ double saltus_face_normal(const saltus_system *system, int face, const double *v
     return f.side * sum;
 }
 
-/* pull_k = sum_j (N B)^-1_kj (1 + r_j) n_j, with r_j = 0 for faces that do not rebound. */
-static void fill_pull(const saltus_system *system, saltus_contact_map *map, unsigned elastic) {
-    int n = system->dof, m = map->count;
-    memset(map->pull, 0, (size_t)(m * n) * sizeof *map->pull);
-    for (int k = 0; k < m; k++)
-        for (int j = 0; j < m; j++) {
-            saltus_face f = system->faces[map->face[j]];
-            double factor = map->inverse[k * m + j] * f.side * (elastic >> map->face[j] & 1 ? 1 + f.r : 1);
-            for (int i = 0; i < n; i++)
-                map->pull[k * n + i] += factor * system->stop_normal[f.stop][i];
-        }
-}
-
 bool saltus_contact_map_build(const saltus_system *system, unsigned faces, unsigned elastic,
                               saltus_contact_map *map) {
     double gram[SALTUS_FACES_MAX * SALTUS_FACES_MAX];
@@ -36,9 +23,10 @@ bool saltus_contact_map_build(const saltus_system *system, unsigned faces, unsig
     for (int f = 0; f < system->face_count; f++)
         if (faces >> f & 1)
             map->face[m++] = f;
-    map->count = m;
-    if (m > n)
-        return false;
+    map->count = 0;
+    map->faces = 0;
+    if (m == 0 || m > n)
+        return m == 0;
     for (int k = 0; k < m; k++) {
         saltus_face f = system->faces[map->face[k]];
         for (int i = 0; i < n; i++)
@@ -49,7 +37,17 @@ bool saltus_contact_map_build(const saltus_system *system, unsigned faces, unsig
             gram[k * m + j] = saltus_face_normal(system, map->face[k], map->push + j * n);
     if (!saltus_dense_inverse(gram, m, map->inverse))
         return false;
-    fill_pull(system, map, elastic);
+    /* pull_k = sum_j (N B)^-1_kj (1 + r_j) n_j, with r_j = 0 for faces that do not rebound. */
+    memset(map->pull, 0, (size_t)(m * n) * sizeof *map->pull);
+    for (int k = 0; k < m; k++)
+        for (int j = 0; j < m; j++) {
+            saltus_face f = system->faces[map->face[j]];
+            double factor = map->inverse[k * m + j] * f.side * (elastic >> map->face[j] & 1 ? 1 + f.r : 1);
+            for (int i = 0; i < n; i++)
+                map->pull[k * n + i] += factor * system->stop_normal[f.stop][i];
+        }
+    map->count = m;
+    map->faces = faces;
     return true;
 }
 
@@ -114,16 +112,12 @@ void saltus_contact_map_settle(const saltus_system *system, const saltus_contact
     saltus_contact_map_apply(map, system->dof, state + system->dof);
 }
 
-static void publish_row(double *rows, int row, int stride, int lane, int slot, const double *values, int n) {
-    for (int i = 0; i < n; i++)
-        rows[slot * row + i * stride + lane] = values ? values[i] : 0.0;
-}
-
 void saltus_contact_map_publish(const saltus_contact_map *map, saltus_work *work, int lane, int slots) {
     int n = work->dof;
-    for (int k = 0; k < slots; k++) {
-        bool used = k < map->count;
-        publish_row(work->push, work->row, work->stride, lane, k, used ? map->push + k * n : NULL, n);
-        publish_row(work->pull, work->row, work->stride, lane, k, used ? map->pull + k * n : NULL, n);
-    }
+    for (int k = 0; k < slots; k++)
+        for (int i = 0; i < n; i++) {
+            size_t place = saltus_work_place(work, 0, k, i, lane);
+            work->hold.push[place] = k < map->count ? map->push[k * n + i] : 0;
+            work->hold.pull[place] = k < map->count ? map->pull[k * n + i] : 0;
+        }
 }

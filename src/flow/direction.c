@@ -17,62 +17,45 @@ static const saltus_parameter_column *parameter_of(const saltus_flow *flow, int 
     return direction >= 0 ? &flow->parameter[direction] : NULL;
 }
 
-void saltus_directions_reserve(saltus_flow *flow, const saltus_system *system) {
-    size_t maps = SALTUS_FACES_MAX * (size_t)flow->dof;
-    if (flow->options.directions) {
-        flow->law_push = saltus_arena_doubles(&flow->arena, maps);
-        flow->law_pull = saltus_arena_doubles(&flow->arena, maps);
-    }
-    for (int d = 0; d < flow->options.directions; d++) {
-        saltus_parameter_column *self = &flow->parameter[d];
-        saltus_variation_reserve(&self->variation, system, &flow->arena);
-        self->push = saltus_arena_doubles(&flow->arena, maps);
-        self->pull = saltus_arena_doubles(&flow->arena, maps);
-    }
-}
-
 void saltus_directions_load(saltus_flow *flow) {
     for (int d = 0; d < flow->options.directions; d++) {
-        saltus_parameter_column *self = &flow->parameter[d];
-        saltus_variation_fill(&self->variation, flow->lane[0].system, &self->direction);
-        flow->kernel->vary(&flow->work, 0, d, &self->variation);
+        saltus_parameter_column *own = &flow->parameter[d];
+        saltus_variation_fill(&own->variation, flow->lane[0].system, &own->direction);
+        flow->kernel->vary(&flow->work, 0, d, &own->variation);
         if (flow->radau)
-            saltus_radau_vary(flow->radau, d, &self->variation);
+            saltus_radau_vary(flow->radau, d, &own->variation);
     }
 }
 
 void saltus_directions_publish(saltus_flow *flow) {
     saltus_work *w = &flow->work;
     const saltus_lane *self = &flow->lane[0];
+    double push[SALTUS_FACES_MAX * SALTUS_MODES_MAX], pull[SALTUS_FACES_MAX * SALTUS_MODES_MAX];
     int n = flow->dof, count = self->hold.count;
-    if (!w->tilts)
-        return;
-    for (int d = 0; d < flow->options.directions; d++) {
-        saltus_parameter_column *own = &flow->parameter[d];
-        saltus_contact_map_vary(self->system, &self->hold, 0, &own->variation, own->push, own->pull);
+    for (int d = 0; w->vary.tilts && d < flow->options.directions; d++) {
+        saltus_contact_map_vary(self->system, &self->hold, 0, &flow->parameter[d].variation, push, pull);
         for (int m = 0; m < count; m++)
             for (int i = 0; i < n; i++) {
-                w->vary_push[(d * count + m) * w->row + i * w->stride] = own->push[m * n + i];
-                w->vary_pull[(d * count + m) * w->row + i * w->stride] = own->pull[m * n + i];
+                size_t place = saltus_work_place(w, 0, d * count + m, i, 0);
+                w->vary.push[place] = push[m * n + i];
+                w->vary.pull[place] = pull[m * n + i];
             }
     }
 }
 
 void saltus_columns_rephase(saltus_flow *flow, int lane, double step) {
-    saltus_lane *self = &flow->lane[lane];
+    const saltus_lane *self = &flow->lane[lane];
     bool known = false;
     for (int c = flow->options.columns - flow->options.directions; c < flow->options.columns; c++) {
-        double rate = parameter_of(flow, c)->variation.omega, *delta = self->trial;
+        double rate = parameter_of(flow, c)->variation.omega, *delta = flow->trial;
         if (rate == 0)
             continue;
-        if (!known) {
-            saltus_lane_gather(flow, lane, 0, self->trial);
-            saltus_field_at(flow, lane, self->trial, self->now.phase, &self->hold, self->before);
-            known = true;
-        }
+        if (!known)
+            saltus_flow_field(flow, lane, flow->before);
+        known = true;
         saltus_lane_gather(flow, lane, c + 1, delta);
         for (int i = 0; i < flow->dimension; i++)
-            delta[i] = fma(-step / self->system->omega * rate, self->before[i], delta[i]);
+            delta[i] = fma(-step / self->system->omega * rate, flow->before[i], delta[i]);
         saltus_lane_scatter(flow, lane, c + 1, delta);
     }
 }
@@ -90,8 +73,8 @@ double saltus_column_gap(const saltus_flow *flow, int lane, int face, int column
     const saltus_lane *self = &flow->lane[lane];
     const saltus_parameter_column *own = parameter_of(flow, column);
     double moved = own ? own->variation.d[self->system->faces[face].stop] : 0;
-    return saltus_column_normal(flow, lane, face, column, self->state,
-                                self->tangents + column * flow->dimension) -
+    return saltus_column_normal(flow, lane, face, column, flow->state,
+                                flow->tangents + column * flow->dimension) -
            moved;
 }
 
@@ -99,17 +82,18 @@ void saltus_column_impact(saltus_flow *flow, int lane, const saltus_contact_map 
                           const double *velocity, int column) {
     const saltus_lane *self = &flow->lane[lane];
     const saltus_parameter_column *own = parameter_of(flow, column);
-    double *delta = self->tangents + column * flow->dimension + flow->dof;
+    double *delta = flow->tangents + column * flow->dimension + flow->dof;
+    double push[SALTUS_FACES_MAX * SALTUS_MODES_MAX], pull[SALTUS_FACES_MAX * SALTUS_MODES_MAX];
     int n = flow->dof;
     saltus_contact_map_apply(map, n, delta);
     if (!own)
         return;
-    saltus_contact_map_vary(self->system, map, elastic, &own->variation, flow->law_push, flow->law_pull);
+    saltus_contact_map_vary(self->system, map, elastic, &own->variation, push, pull);
     for (int k = 0; k < map->count; k++) {
         double size = saltus_dot(map->pull + k * n, velocity, n),
-               change = saltus_dot(flow->law_pull + k * n, velocity, n);
+               change = saltus_dot(pull + k * n, velocity, n);
         for (int i = 0; i < n; i++)
-            delta[i] -= flow->law_push[k * n + i] * size + map->push[k * n + i] * change;
+            delta[i] -= push[k * n + i] * size + map->push[k * n + i] * change;
     }
 }
 
@@ -126,7 +110,7 @@ void saltus_column_settle(saltus_flow *flow, int lane, int column) {
     saltus_lane *self = &flow->lane[lane];
     const saltus_contact_map *map = &self->hold;
     int n = flow->dof;
-    double *delta = self->tangents + column * flow->dimension, excess[SALTUS_FACES_MAX];
+    double *delta = flow->tangents + column * flow->dimension, excess[SALTUS_FACES_MAX];
     if (!parameter_of(flow, column)) {
         saltus_contact_map_apply(map, n, delta);
         saltus_contact_map_apply(map, n, delta + n);
@@ -136,7 +120,7 @@ void saltus_column_settle(saltus_flow *flow, int lane, int column) {
         excess[k] = saltus_column_gap(flow, lane, map->face[k], column);
     share_out(map, n, excess, delta);
     for (int k = 0; k < map->count; k++)
-        excess[k] = saltus_column_normal(flow, lane, map->face[k], column, self->state + n, delta + n);
+        excess[k] = saltus_column_normal(flow, lane, map->face[k], column, flow->state + n, delta + n);
     share_out(map, n, excess, delta + n);
 }
 

@@ -74,36 +74,36 @@ const saltus_kernel *saltus_kernel_find(const char *model, int lanes) {
 }
 
 saltus_status saltus_work_open(saltus_work *work, const saltus_kernel *kernel, const saltus_system *system,
-                               int order, int columns, int directions) {
+                               int order, int columns, int directions, saltus_tolerance tolerance) {
     *work = (saltus_work){.dof = system->dof,
                           .extra = system->extra,
                           .order = order,
                           .columns = columns,
                           .directions = directions,
+                          .tolerance = tolerance,
                           .stops = system->spec.stop_count ? system->spec.stop_count : 1,
-                          .contacts = system->face_count};
+                          .hold.count = system->face_count};
     kernel->reserve(work);
     if (!saltus_arena_open(&work->arena))
         return SALTUS_NO_MEMORY;
     kernel->reserve(work);
-    work->contacts = 0;
+    work->hold.count = 0;
     work->stops = system->spec.stop_count;
     return SALTUS_OK;
 }
 
 void saltus_work_forget(saltus_work *work) {
-    work->terms = 0;
-    work->forcing_orders = work->vary_orders = 0;
-    work->tilts = false;
-    memset(work->drive, 0, work->drive_size * sizeof *work->drive);
+    work->loaded.terms = 0;
+    work->loaded.forcing_orders = work->vary.orders = 0;
+    work->vary.tilts = false;
+    memset(work->model.drive, 0, work->model.drive_size * sizeof *work->model.drive);
 }
 
 void saltus_work_clear_states(saltus_work *work) {
-    size_t all = (size_t)work->columns + 1;
-    memset(work->xq, 0, all * (size_t)work->row * sizeof *work->xq);
-    memset(work->xv, 0, all * (size_t)work->row * sizeof *work->xv);
-    if (work->extra_row)
-        memset(work->xe, 0, all * (size_t)work->extra_row * sizeof *work->xe);
+    size_t rows = ((size_t)work->columns + 1) * (size_t)work->row * sizeof(double);
+    memset(work->state.q, 0, rows);
+    memset(work->state.v, 0, rows);
+    memset(work->state.e, 0, saltus_work_extra_place(work, 1, 0, 0, 0) * sizeof(double));
 }
 
 void saltus_work_close(saltus_work *work) {

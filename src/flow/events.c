@@ -7,26 +7,24 @@
 #include <string.h>
 
 static int degree_of(const saltus_flow *flow) {
-    return flow->integrator == SALTUS_RADAU ? SALTUS_RADAU_DEGREE : flow->work.order;
+    return flow->radau ? SALTUS_RADAU_DEGREE : flow->work.order;
 }
 
-/* Series of a lane: `coefficients` with the lanes side by side. c_k = factor * series_k step^k. */
-static void scaled_series(const saltus_flow *flow, int lane, const double *series, double factor, int degree,
-                          double step, double *c) {
+/* c_k = factor * series_k step^k, of the gap series of a stop or the force series of a contact. */
+static void scaled_series(const saltus_flow *flow, int lane, const double *all, int which, int first,
+                          double factor, int degree, double step, double *c) {
+    const double *series = all + saltus_work_series_place(&flow->work, which, first, lane);
     for (int k = 0; k <= degree; k++) {
-        c[k] = factor * series[k * flow->lanes + lane];
+        c[k] = factor * series[k * flow->lanes];
         factor *= step;
     }
 }
 
 /* The gap of a face over the step, in the variable s = t / step. Known zeros at the start are exact. */
 static void gap_polynomial(const saltus_flow *flow, int lane, int face, double step, double *c) {
-    const saltus_lane *self = &flow->lane[lane];
-    saltus_face f = self->system->faces[face];
-    const saltus_face_state *known = &self->face[face];
-    const double *series =
-        flow->work.gap + (size_t)f.stop * (size_t)(flow->work.order + 2) * (size_t)flow->lanes;
-    scaled_series(flow, lane, series, f.side, degree_of(flow), step, c);
+    const saltus_face f = flow->lane[lane].system->faces[face];
+    const saltus_face_state *known = &flow->lane[lane].face[face];
+    scaled_series(flow, lane, flow->work.gap, f.stop, 0, f.side, degree_of(flow), step, c);
     c[0] -= f.d;
     if (known->shadow) {
         c[0] = known->gap;
@@ -34,6 +32,11 @@ static void gap_polynomial(const saltus_flow *flow, int lane, int face, double s
     }
     for (int k = 0; k < known->touch; k++)
         c[k] = 0;
+}
+
+/* Minus the force of a lane's k-th held contact over the step; its degree is two less than a gap's. */
+static void force_polynomial(const saltus_flow *flow, int lane, int contact, double step, double *c) {
+    scaled_series(flow, lane, flow->work.hold.force, contact, 0, -1, degree_of(flow) - 2, step, c);
 }
 
 /* Whether sum of c is surely negative on [0, 1]: the start plus all that can lift it. */
@@ -59,65 +62,52 @@ static bool first_rise(const double *c, int degree, int touch, double *root) {
     return saltus_isolate_rise(c + touch, degree - touch, root);
 }
 
-static void propose(saltus_lane *self, saltus_event_kind kind, int face, double time, double *first) {
-    if (time > *first || (time == *first && self->pending.kind != SALTUS_STEP))
-        return;
-    *first = time;
-    self->pending.kind = kind;
-    self->pending.face = face;
+/* The earliest wins; of two at one time that which was proposed first. */
+static void propose(saltus_first_event *first, saltus_event_kind kind, int face, double time) {
+    if (!(time > first->time || (time == first->time && first->kind != SALTUS_STEP)))
+        *first = (saltus_first_event){time, kind, face};
 }
 
-static void search_gaps(saltus_flow *flow, int lane, double step, double *first) {
-    saltus_lane *self = &flow->lane[lane];
-    int degree = degree_of(flow);
+static void search_gaps(const saltus_flow *flow, int lane, double step, saltus_first_event *first) {
+    const saltus_lane *self = &flow->lane[lane];
     double c[SALTUS_DEGREE_MAX + 1], root;
     for (int f = 0; f < self->system->face_count; f++) {
         const saltus_face_state *known = &self->face[f];
-        bool open = known->touch == 0 && !known->shadow && flow->work.margin[f * flow->lanes + lane] < 0;
-        if (self->contacts >> f & 1 || open)
+        bool open = known->touch == 0 && !known->shadow && flow->work.lane->margin[f][lane] < 0;
+        if (self->hold.faces >> f & 1 || open)
             continue;
         gap_polynomial(flow, lane, f, step, c);
-        if (first_rise(c, degree, known->touch, &root))
-            propose(self, SALTUS_IMPACT, f, root * step, first);
+        if (first_rise(c, degree_of(flow), known->touch, &root))
+            propose(first, SALTUS_IMPACT, f, root * step);
     }
 }
 
-static void search_forces(saltus_flow *flow, int lane, double step, double *first) {
-    saltus_lane *self = &flow->lane[lane];
-    int degree = degree_of(flow) - 2;
+static void search_forces(const saltus_flow *flow, int lane, double step, saltus_first_event *first) {
+    const saltus_contact_map *hold = &flow->lane[lane].hold;
     double c[SALTUS_DEGREE_MAX + 1], root;
-    for (int k = 0; k < self->hold.count; k++) {
-        const double *series =
-            flow->work.force + (size_t)k * (size_t)(flow->work.order + 2) * (size_t)flow->lanes;
-        scaled_series(flow, lane, series, -1, degree, step, c);
-        if (first_rise(c, degree, 0, &root))
-            propose(self, SALTUS_RELEASE, self->hold.face[k], root * step, first);
+    for (int k = 0; k < hold->count; k++) {
+        force_polynomial(flow, lane, k, step, c);
+        if (first_rise(c, degree_of(flow) - 2, 0, &root))
+            propose(first, SALTUS_RELEASE, hold->face[k], root * step);
     }
 }
 
-/* Whether a lasting contact keeps the observed displacement, the first stop's coordinate, where it is. */
-static bool observer_held(const saltus_lane *self) {
-    bool held = false;
-    for (int f = 0; f < self->system->face_count; f++)
-        held |= self->contacts >> f & 1 && self->system->faces[f].stop == 0;
-    return held;
-}
-
-/* The observed displacement is the first row of the gap series; its velocity's zeros of either direction
- * count. */
-static void search_turning(saltus_flow *flow, int lane, double step, double *first) {
-    saltus_lane *self = &flow->lane[lane];
+/* The observed displacement, the first stop's coordinate, is the first row of the gap series; its velocity's
+ * zeros of either direction count. */
+static void search_turning(const saltus_flow *flow, int lane, double step, saltus_first_event *first) {
+    const saltus_lane *self = &flow->lane[lane];
     int degree = degree_of(flow) - 1, touch = 0;
     double c[SALTUS_DEGREE_MAX + 1] = {0}, size = 0, root;
-    if (observer_held(self))
-        return;
-    scaled_series(flow, lane, flow->work.gap + flow->lanes, 1, degree, step, c);
+    for (int k = 0; k < self->hold.count; k++)
+        if (self->system->faces[self->hold.face[k]].stop == 0)
+            return;
+    scaled_series(flow, lane, flow->work.gap, 0, 1, 1, degree, step, c);
     for (int k = 0; k <= degree; k++) {
         c[k] *= k + 1;
         size += fabs(c[k]);
     }
-    /* Held on the stop the observed point does not move: what is left is rounding. After a turning point, an
-     * impact without rebound or a release the first coefficients are zero, but for rounding. */
+    /* Where other contacts keep the observed point from moving, what is left is rounding. After a turning
+     * point, an impact without rebound or a release the first coefficients are zero, but for rounding. */
     if (size <= 1e-12 * self->system->scale[self->system->dof])
         return;
     while (touch < 3 && (fabs(c[touch]) <= 1e-13 * size || (touch == 0 && self->turned)))
@@ -126,7 +116,7 @@ static void search_turning(saltus_flow *flow, int lane, double step, double *fir
     for (int k = 0; k <= degree; k++)
         c[k] *= sign;
     if (c[touch] != 0 && first_rise(c, degree, touch, &root))
-        propose(self, SALTUS_TURNING, -1, root * step, first);
+        propose(first, SALTUS_TURNING, -1, root * step);
 }
 
 /* Shift a polynomial's origin to `root`, an odd zero of it, and rescale what is left of [0, 1] to the whole.
@@ -182,49 +172,40 @@ static void collect_maxima(const saltus_lane *self, const double *c, int degree,
 }
 
 /* Raise the lane's extremes by the local maxima of gaps and of minus the holding forces within the step. */
-static void collect_extremes(saltus_flow *flow, int lane, double step) {
-    saltus_lane *self = &flow->lane[lane];
-    int degree = degree_of(flow);
-    const bool last = step == flow->work.left[lane];
+static void collect_extremes(const saltus_flow *flow, int lane, double step) {
+    const saltus_lane *self = &flow->lane[lane];
+    const int degree = degree_of(flow);
+    const bool last = step == flow->work.lane->left[lane];
     double c[SALTUS_DEGREE_MAX + 1];
     for (int f = 0; f < self->system->face_count; f++)
-        if (!(self->contacts >> f & 1)) {
+        if (!(self->hold.faces >> f & 1)) {
             gap_polynomial(flow, lane, f, step, c);
-            collect_maxima(self, c, degree, step, last, &self->extremes[f]);
+            collect_maxima(self, c, degree, step, last, &self->target.extremes[f]);
         }
     for (int k = 0; k < self->hold.count; k++) {
-        const double *series =
-            flow->work.force + (size_t)k * (size_t)(flow->work.order + 2) * (size_t)flow->lanes;
-        scaled_series(flow, lane, series, -1, degree - 2, step, c);
-        collect_maxima(self, c, degree - 2, step, last, &self->extremes[self->hold.face[k]]);
+        force_polynomial(flow, lane, k, step, c);
+        collect_maxima(self, c, degree - 2, step, last, &self->target.extremes[self->hold.face[k]]);
     }
 }
 
-/* Whether nothing but a face that may be reached could happen to a lane: none is touched, close or held. */
-static bool undisturbed(const saltus_lane *self) {
-    bool close = self->contacts != 0 || self->coasting || self->watch & SALTUS_WATCH_TURNING;
+saltus_first_event saltus_events_first(saltus_flow *flow, int lane, double step) {
+    saltus_lane *self = &flow->lane[lane];
+    saltus_first_event first = {step, SALTUS_STEP, -1};
+    bool close = self->hold.faces != 0 || self->target.coasting || self->target.watch & SALTUS_WATCH_TURNING;
     for (int f = 0; f < self->system->face_count; f++)
         close |= self->face[f].touch != 0 || self->face[f].shadow;
-    return !close;
-}
-
-double saltus_events_first(saltus_flow *flow, int lane, double step) {
-    saltus_lane *self = &flow->lane[lane];
-    double first = step;
-    self->pending.kind = SALTUS_STEP;
-    self->calm = undisturbed(self);
-    if (self->calm && flow->work.near[lane] < 0)
+    self->step.calm = !close;
+    if (self->step.calm && flow->work.lane->near[lane] < 0)
         return first;
-    self->pending = (saltus_event){.kind = SALTUS_STEP, .face = -1};
-    if (self->coasting) {
-        if (self->extremes)
+    if (self->target.coasting) {
+        if (self->target.extremes)
             collect_extremes(flow, lane, step);
         return first;
     }
     search_gaps(flow, lane, step, &first);
-    if (self->contacts)
+    if (self->hold.count)
         search_forces(flow, lane, step, &first);
-    if (self->watch & SALTUS_WATCH_TURNING)
+    if (self->target.watch & SALTUS_WATCH_TURNING)
         search_turning(flow, lane, step, &first);
     return first;
 }
@@ -233,14 +214,11 @@ double saltus_events_first(saltus_flow *flow, int lane, double step) {
  * series are of the same order for both. Without it the rate carried on would differ from the state's. */
 static double velocity_term(const saltus_flow *flow, int lane, int face) {
     const saltus_work *w = &flow->work;
-    const saltus_lane *self = &flow->lane[lane];
-    const saltus_face f = self->system->faces[face];
+    const saltus_face f = flow->lane[lane].system->faces[face];
+    const double *normal = flow->lane[lane].system->stop_normal[f.stop];
     double sum = 0;
-    if (flow->integrator == SALTUS_RADAU)
-        return 0;
-    for (int i = 0; i < flow->dof; i++)
-        sum = fma(self->system->stop_normal[f.stop][i],
-                  w->v[saltus_work_jet(w, w->order, 0) + (size_t)(i * w->stride + lane)], sum);
+    for (int i = 0; i < flow->dof && !flow->radau; i++)
+        sum = fma(normal[i], w->jet.v[saltus_work_place(w, w->order, 0, i, lane)], sum);
     return f.side * sum;
 }
 
@@ -248,15 +226,13 @@ bool saltus_events_carry(saltus_flow *flow, int lane, double step, int event_fac
     saltus_lane *self = &flow->lane[lane];
     int degree = degree_of(flow);
     double c[SALTUS_DEGREE_MAX + 1];
-    if (self->coasting) {
+    if (self->target.coasting) {
         memset(self->face, 0, sizeof self->face);
         return true;
     }
     for (int f = 0; f < self->system->face_count; f++) {
         saltus_face_state *known = &self->face[f];
-        if (f == event_face || self->contacts >> f & 1)
-            continue;
-        if (known->touch == 0 && !known->shadow)
+        if (f == event_face || self->hold.faces >> f & 1 || (known->touch == 0 && !known->shadow))
             continue;
         gap_polynomial(flow, lane, f, step, c);
         double value = 0, rate = 0, near = 1e-6 * (fabs(self->system->faces[f].d) + self->system->scale[0]);

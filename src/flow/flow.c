@@ -35,50 +35,46 @@ enum { idle_events_max = 100000, impacts_per_period_max = 1000000 };
 static saltus_status resolve_start(saltus_flow *flow, int lane) {
     saltus_lane *self = &flow->lane[lane];
     const saltus_system *system = self->system;
+    const double *velocity = flow->state + system->dof;
     double size = 0, speed = 0;
     unsigned resting = 0;
     for (int i = 0; i < system->dof; i++) {
-        size += fabs(self->state[i]);
-        speed += fabs(self->state[system->dof + i]);
+        size += fabs(flow->state[i]);
+        speed += fabs(velocity[i]);
     }
     for (int f = 0; f < system->face_count; f++) {
-        if (saltus_system_gap_sign(system, f, self->state) < 0)
+        if (saltus_system_gap_sign(system, f, flow->state) < 0)
             continue;
-        double velocity = saltus_face_normal(system, f, self->state + system->dof);
-        if (fabs(velocity) <=
-            1e-15 * (speed + flow->work.omega_unit[lane] * (size + fabs(system->faces[f].d))))
+        double rounding =
+            1e-15 * (speed + flow->work.lane->omega_unit[lane] * (size + fabs(system->faces[f].d)));
+        if (fabs(saltus_face_normal(system, f, velocity)) <= rounding)
             resting |= 1u << f;
         self->face[f] = (saltus_face_state){.touch = 1};
     }
     saltus_contacts_rest(flow, lane, resting);
-    for (int f = 0; f < system->face_count; f++) {
+    saltus_status status = SALTUS_OK;
+    for (int f = 0; f < system->face_count && status == SALTUS_OK; f++) {
         saltus_event event;
-        bool hit = self->face[f].touch == 1 && !(resting >> f & 1) &&
-                   saltus_face_normal(system, f, self->state + system->dof) > 0;
-        saltus_status status = hit ? saltus_contacts_impact(flow, lane, f, &event) : SALTUS_OK;
-        if (status != SALTUS_OK)
-            return status;
+        if (self->face[f].touch == 1 && !(resting >> f & 1) && saltus_face_normal(system, f, velocity) > 0)
+            status = saltus_contacts_impact(flow, lane, f, &event);
     }
-    return SALTUS_OK;
+    return status;
 }
 
 void saltus_flow_restart(saltus_flow *flow, int lane, saltus_time time, const double *state) {
     saltus_lane *self = &flow->lane[lane];
-    int steady = flow->options.columns - flow->options.directions;
-    self->now = self->begin = self->until = saltus_time_after(time, 0);
-    self->aimed = self->ended = self->turned = self->coasting = false;
-    self->failure = SALTUS_OK;
-    self->step = 0;
-    self->contacts = 0;
-    self->hold.count = 0;
-    self->idle_events = self->cycle_events = self->queued = 0;
-    self->last_speed = 0;
-    self->info = (saltus_flow_info){0};
-    memset(self->face, 0, sizeof self->face);
-    memcpy(self->state, state, (size_t)flow->dimension * sizeof *state);
-    memset(self->tangents, 0, (size_t)(flow->dimension * flow->options.columns) * sizeof *state);
-    for (int c = 0; c < steady && c < flow->dimension; c++)
-        self->tangents[c * flow->dimension + c] = 1;
+    const int n = flow->dimension, steady = flow->options.columns - flow->options.directions;
+    const saltus_time now = saltus_time_after(time, 0);
+    *self = (saltus_lane){.system = self->system,
+                          .now = now,
+                          .target = {.until = now},
+                          .step = {.begin = now},
+                          .hold = {.push = self->hold.push, .pull = self->hold.pull},
+                          .delay = self->delay};
+    memcpy(flow->state, state, (size_t)n * sizeof *state);
+    memset(flow->tangents, 0, (size_t)(n * flow->options.columns) * sizeof *state);
+    for (int c = 0; c < steady && c < n; c++)
+        flow->tangents[c * n + c] = 1;
     if (flow->lanes == 1)
         saltus_work_clear_states(&flow->work);
     if (flow->radau)
@@ -101,43 +97,39 @@ saltus_status saltus_flow_start(saltus_flow *flow, int lane, saltus_time time, c
 
 /* Time left to the target, in periods. */
 static double remaining(const saltus_lane *self) {
-    return (double)(self->until.cycle - self->now.cycle) + (self->until.phase - self->now.phase);
+    return saltus_time_between(self->now, self->target.until);
 }
 
 void saltus_flow_aim(saltus_flow *flow, int lane, saltus_time until, unsigned watch) {
     saltus_lane *self = &flow->lane[lane];
     saltus_status status = saltus_time_check(until, &self->why);
+    self->target.aimed = true;
     if (status != SALTUS_OK) { /* told by the next run */
         self->failure = status;
-        self->aimed = self->ended = true;
+        self->ended = true;
         return;
     }
-    self->until = saltus_time_after(until, 0);
-    self->watch = watch;
-    self->aimed = true;
+    self->target.until = saltus_time_after(until, 0);
+    self->target.watch = watch;
+    /* Without stops the gap series has a row only where the observer is watched. */
     bool turning = false;
     for (int l = 0; l < flow->lanes; l++)
-        turning |= flow->lane[l].aimed && flow->lane[l].watch & SALTUS_WATCH_TURNING;
+        turning |= flow->lane[l].target.aimed && flow->lane[l].target.watch & SALTUS_WATCH_TURNING;
     if (self->system->spec.stop_count == 0)
         flow->work.stops = turning;
-}
-
-static void set_out(saltus_flow *flow) {
-    saltus_work *w = &flow->work;
-    for (int l = 0; l < flow->lanes; l++) {
-        const saltus_lane *self = &flow->lane[l];
-        w->phase[l] = self->now.phase;
-        w->left[l] = self->aimed ? remaining(self) * self->system->period : 0;
-    }
 }
 
 /* Jets of all lanes, and where each lane's step ends: at its own length, the target or the first event. */
 static saltus_status expand_lanes(saltus_flow *flow, saltus_message *message) {
     saltus_work *w = &flow->work;
-    set_out(flow);
-    if (flow->integrator == SALTUS_RADAU) {
+    for (int l = 0; l < flow->lanes; l++) {
+        const saltus_lane *self = &flow->lane[l];
+        w->lane->phase[l] = self->now.phase;
+        w->lane->left[l] = self->target.aimed ? remaining(self) * self->system->period : 0;
+    }
+    if (flow->radau) {
         saltus_lane *self = &flow->lane[0];
-        saltus_status status = saltus_radau_step(flow->radau, w, w->left[0], &self->info.field_evaluations);
+        saltus_status status = saltus_radau_step(flow->radau, w, &self->info.field_evaluations);
         if (status != SALTUS_OK)
             return saltus_fail(message, status, "no step of the stiff integrator converges at %.15g periods",
                                saltus_time_periods(self->now));
@@ -148,28 +140,47 @@ static saltus_status expand_lanes(saltus_flow *flow, saltus_message *message) {
     flow->kernel->plan(w);
     for (int l = 0; l < flow->lanes; l++) {
         saltus_lane *self = &flow->lane[l];
-        if (!self->aimed)
+        if (!self->target.aimed)
             continue;
-        const double planned = w->advance[l];
-        bool moves = planned > 0 && self->now.phase + w->passing[l] != self->now.phase;
-        if (!moves && w->left[l] > 0) {
+        const double planned = w->lane->advance[l];
+        bool moves = planned > 0 && self->now.phase + w->lane->passing[l] != self->now.phase;
+        if (!moves && w->lane->left[l] > 0) {
             self->failure =
                 saltus_fail(&self->why, SALTUS_STALLED,
                             "the step falls to %.3g at %.15g periods: the motion grows without bound",
                             planned, saltus_time_periods(self->now));
-            w->advance[l] = w->passing[l] = 0;
+            w->lane->advance[l] = w->lane->passing[l] = 0;
             continue;
         }
-        const double first = saltus_events_first(flow, l, planned);
-        bool whole = self->pending.kind == SALTUS_STEP || first >= planned;
-        self->lands = planned == w->left[l] && whole;
-        if (first != planned) {
-            w->advance[l] = first;
-            w->passing[l] = first / self->system->period;
+        const saltus_first_event first = saltus_events_first(flow, l, planned);
+        self->pending.kind = first.kind;
+        if (first.kind != SALTUS_STEP)
+            self->pending = (saltus_event){.kind = first.kind, .face = first.face};
+        self->step.lands = planned == w->lane->left[l] && first.time >= planned;
+        if (first.time != planned) {
+            w->lane->advance[l] = first.time;
+            w->lane->passing[l] = first.time / self->system->period;
         }
     }
-    flow->kernel->evaluate(w, w->order);
+    flow->kernel->evaluate(w);
     return SALTUS_OK;
+}
+
+static void apply_turning(saltus_flow *flow, int lane) {
+    saltus_lane *self = &flow->lane[lane];
+    saltus_event *event = &self->pending;
+    const double *observer = self->system->observer, *field = flow->before + flow->dof;
+    saltus_field_at(flow, lane, flow->state, self->now.phase, &self->hold, flow->before);
+    for (int i = 0; i < flow->dof; i++) {
+        event->displacement = fma(observer[i], flow->state[i], event->displacement);
+        event->velocity_before = fma(observer[i], field[i], event->velocity_before);
+    }
+    for (int c = 0; c < flow->options.columns; c++) {
+        const double *delta = flow->tangents + c * flow->dimension + flow->dof;
+        self->delay[c] = -saltus_column_observer(flow, c, flow->state + flow->dof) / event->velocity_before;
+        for (int i = 0; i < flow->dof; i++)
+            self->delay[c] -= observer[i] * delta[i] / event->velocity_before;
+    }
 }
 
 static saltus_status apply_event(saltus_flow *flow, int lane) {
@@ -178,20 +189,7 @@ static saltus_status apply_event(saltus_flow *flow, int lane) {
     saltus_status status = SALTUS_OK;
     event->time = self->now;
     if (event->kind == SALTUS_TURNING) {
-        const double *observer = self->system->observer;
-        saltus_field_at(flow, lane, self->state, self->now.phase, &self->hold, self->before);
-        event->displacement = event->velocity_before = 0;
-        for (int i = 0; i < flow->dof; i++) {
-            event->displacement = fma(observer[i], self->state[i], event->displacement);
-            event->velocity_before = fma(observer[i], self->before[flow->dof + i], event->velocity_before);
-        }
-        for (int c = 0; c < flow->options.columns; c++) {
-            const double *delta = self->tangents + c * flow->dimension + flow->dof;
-            self->delay[c] =
-                -saltus_column_observer(flow, c, self->state + flow->dof) / event->velocity_before;
-            for (int i = 0; i < flow->dof; i++)
-                self->delay[c] -= observer[i] * delta[i] / event->velocity_before;
-        }
+        apply_turning(flow, lane);
         return SALTUS_OK;
     }
     if (event->kind == SALTUS_IMPACT)
@@ -209,47 +207,38 @@ static saltus_status apply_event(saltus_flow *flow, int lane) {
 
 void saltus_flow_keep_contacts(saltus_flow *flow, int lane) {
     saltus_lane *self = &flow->lane[lane];
-    saltus_contact_map_settle(self->system, &self->hold, self->state);
+    saltus_contact_map_settle(self->system, &self->hold, flow->state);
     for (int c = 0; c < flow->options.columns; c++)
         saltus_column_settle(flow, lane, c);
-}
-
-static saltus_status stalled(const saltus_flow *flow, int lane, bool endless, double gap,
-                             saltus_message *message) {
-    const saltus_lane *self = &flow->lane[lane];
-    return saltus_fail(message, SALTUS_STALLED, "the flow stalls at %.15g periods (%s): gap %.3g, speed %.3g",
-                       saltus_time_periods(self->now),
-                       endless ? "bounces without end; a restitution of 1 never comes to rest under pressure"
-                               : "a gap is passed or an impact has no solution",
-                       gap, self->last_speed);
 }
 
 /* Move a lane's clock to the end of its step. */
 static void pass_time(const saltus_flow *flow, int lane, bool contact_event) {
     saltus_lane *self = &flow->lane[lane];
-    const double phase = self->now.phase + flow->work.passing[lane];
-    self->begin = self->now;
-    self->step = flow->work.advance[lane];
-    if (self->lands)
-        self->now = self->until;
+    const double phase = self->now.phase + flow->work.lane->passing[lane];
+    const saltus_time begin = self->step.begin = self->now;
+    self->step.length = flow->work.lane->advance[lane];
+    if (self->step.lands)
+        self->now = self->target.until;
     else if (phase < 1)
         self->now.phase = phase;
     else
-        self->now = saltus_time_after(self->now, flow->work.passing[lane]);
+        self->now = saltus_time_after(self->now, flow->work.lane->passing[lane]);
     self->info.steps++;
-    if (flow->integrator == SALTUS_TAYLOR)
+    if (!flow->radau)
         self->info.field_evaluations += flow->work.order;
     self->turned = self->pending.kind == SALTUS_TURNING;
-    self->idle_events = contact_event && self->now.phase == self->begin.phase ? self->idle_events + 1 : 0;
-    self->cycle_events = self->now.cycle == self->begin.cycle ? self->cycle_events + contact_event : 0;
+    self->idle_events = contact_event && self->now.phase == begin.phase ? self->idle_events + 1 : 0;
+    self->cycle_events = self->now.cycle == begin.cycle ? self->cycle_events + contact_event : 0;
 }
 
 /* Move a lane's clock and contact knowledge to the end of its step and apply the event there. */
-static saltus_status conclude(saltus_flow *flow, int lane, saltus_message *message) {
+static saltus_status conclude(saltus_flow *flow, int lane) {
     saltus_lane *self = &flow->lane[lane];
-    double step = flow->work.advance[lane], gap = 0;
-    bool contact_event = self->pending.kind == SALTUS_IMPACT || self->pending.kind == SALTUS_RELEASE;
-    bool quiet = self->calm && self->pending.kind == SALTUS_STEP;
+    const double step = flow->work.lane->advance[lane];
+    const bool event = self->pending.kind != SALTUS_STEP, quiet = self->step.calm && !event;
+    const bool contact_event = self->pending.kind == SALTUS_IMPACT || self->pending.kind == SALTUS_RELEASE;
+    double gap = 0;
     bool sound =
         quiet || saltus_events_carry(flow, lane, step, contact_event ? self->pending.face : -1, &gap);
     pass_time(flow, lane, contact_event);
@@ -258,40 +247,45 @@ static saltus_status conclude(saltus_flow *flow, int lane, saltus_message *messa
     if (quiet)
         return SALTUS_OK;
     bool endless = self->idle_events >= idle_events_max || self->cycle_events >= impacts_per_period_max;
-    if (!sound || endless)
-        return stalled(flow, lane, endless, gap, message);
-    if (self->contacts || self->pending.kind != SALTUS_STEP) {
+    if (sound && !endless && (self->hold.count || event)) {
         saltus_lane_gather_all(flow, lane);
         saltus_flow_keep_contacts(flow, lane);
-        saltus_status status = self->pending.kind != SALTUS_STEP ? apply_event(flow, lane) : SALTUS_OK;
+        sound = !event || apply_event(flow, lane) == SALTUS_OK;
         if (contact_event)
             self->last_speed = self->pending.velocity_before;
         saltus_lane_scatter_all(flow, lane);
-        if (status != SALTUS_OK)
-            return stalled(flow, lane, false, gap, message);
     }
-    return SALTUS_OK;
+    if (sound && !endless)
+        return SALTUS_OK;
+    return saltus_fail(&self->why, SALTUS_STALLED,
+                       "the flow stalls at %.15g periods (%s): gap %.3g, speed %.3g",
+                       saltus_time_periods(self->now),
+                       endless ? "bounces without end; a restitution of 1 never comes to rest under pressure"
+                               : "a gap is passed or an impact has no solution",
+                       gap, self->last_speed);
+}
+
+static saltus_event plain_event(saltus_event_kind kind, saltus_time time) {
+    return (saltus_event){.kind = kind, .face = -1, .time = time};
 }
 
 /* Whether a lane's run ends here, with the event to be reported. */
 static bool finished(saltus_lane *self) {
-    bool watched = self->pending.kind != SALTUS_STEP && self->watch >> self->pending.kind & 1;
-    if (watched || (self->pending.kind == SALTUS_STICK && self->watch & SALTUS_WATCH_IMPACT))
+    const unsigned watch = self->target.watch;
+    bool watched = self->pending.kind != SALTUS_STEP && watch >> self->pending.kind & 1;
+    if (watched || (self->pending.kind == SALTUS_STICK && watch & SALTUS_WATCH_IMPACT))
         return true;
     self->queued = 0;
-    if (remaining(self) <= 0)
-        self->pending = (saltus_event){.kind = SALTUS_REACHED, .face = -1, .time = self->now};
-    else if (self->watch & SALTUS_WATCH_STEP)
-        self->pending = (saltus_event){.kind = SALTUS_STEP, .face = -1, .time = self->now};
-    else
-        return false;
-    return true;
+    bool reached = remaining(self) <= 0;
+    if (reached || watch & SALTUS_WATCH_STEP)
+        self->pending = plain_event(reached ? SALTUS_REACHED : SALTUS_STEP, self->now);
+    return reached || watch & SALTUS_WATCH_STEP;
 }
 
 /* A lane that is aimed and has nothing left to do before its target, or whose event waits to be fetched. */
 static int waiting_lane(const saltus_flow *flow) {
     for (int l = 0; l < flow->lanes; l++)
-        if (flow->lane[l].aimed && (flow->lane[l].ended || remaining(&flow->lane[l]) <= 0))
+        if (flow->lane[l].target.aimed && (flow->lane[l].ended || remaining(&flow->lane[l]) <= 0))
             return l;
     return -1;
 }
@@ -301,12 +295,12 @@ static int waiting_lane(const saltus_flow *flow) {
 static bool next_queued(saltus_flow *flow, int *lane, saltus_event *event) {
     for (int l = 0; l < flow->lanes; l++) {
         saltus_lane *self = &flow->lane[l];
-        if (!self->aimed || self->ended || self->queued == 0)
+        if (!self->target.aimed || self->ended || self->queued == 0)
             continue;
-        if (self->watch & SALTUS_WATCH_IMPACT) {
+        if (self->target.watch & SALTUS_WATCH_IMPACT) {
             *event = self->queue[--self->queued];
             *lane = l;
-            self->aimed = false;
+            self->target.aimed = false;
             return true;
         }
         self->queued = 0;
@@ -314,42 +308,35 @@ static bool next_queued(saltus_flow *flow, int *lane, saltus_event *event) {
     return false;
 }
 
-/* The end of a lane's step. A failure is kept until the lane's turn comes, so that the others finish theirs.
- */
-static void finish_step(saltus_flow *flow, int lane) {
-    saltus_lane *self = &flow->lane[lane];
-    if (self->failure == SALTUS_OK)
-        self->failure = conclude(flow, lane, &self->why);
-    self->ended = self->failure != SALTUS_OK || finished(self);
-}
-
-static saltus_status interrupted(const saltus_flow *flow, saltus_message *message) {
-    return saltus_fail(message, SALTUS_INTERRUPTED, "interrupted at %.15g periods",
-                       saltus_time_periods(flow->lane[0].now));
-}
-
 saltus_status saltus_flow_run(saltus_flow *flow, int *lane, saltus_event *event, saltus_message *message) {
     if (next_queued(flow, lane, event))
         return SALTUS_OK;
     int ready = waiting_lane(flow);
-    while (ready < 0) {
-        saltus_status status = flow->options.stop && *flow->options.stop ? interrupted(flow, message)
-                                                                         : expand_lanes(flow, message);
+    for (; ready < 0; ready = waiting_lane(flow)) {
         *lane = 0;
+        if (flow->options.stop && *flow->options.stop)
+            return saltus_fail(message, SALTUS_INTERRUPTED, "interrupted at %.15g periods",
+                               saltus_time_periods(flow->lane[0].now));
+        saltus_status status = expand_lanes(flow, message);
         if (status != SALTUS_OK) {
-            flow->lane[0].aimed &= status == SALTUS_INTERRUPTED;
+            flow->lane[0].target.aimed = false;
             return status;
         }
-        for (int l = 0; l < flow->lanes; l++)
-            if (flow->lane[l].aimed)
-                finish_step(flow, l);
-        ready = waiting_lane(flow);
+        /* A failure is kept until the lane's turn comes, so that the others finish their steps. */
+        for (int l = 0; l < flow->lanes; l++) {
+            saltus_lane *self = &flow->lane[l];
+            if (!self->target.aimed)
+                continue;
+            if (self->failure == SALTUS_OK)
+                self->failure = conclude(flow, l);
+            self->ended = self->failure != SALTUS_OK || finished(self);
+        }
     }
     saltus_lane *self = &flow->lane[ready];
     saltus_status failure = self->failure;
     if (!self->ended)
-        self->pending = (saltus_event){.kind = SALTUS_REACHED, .face = -1, .time = self->now};
-    self->aimed = self->ended = false;
+        self->pending = plain_event(SALTUS_REACHED, self->now);
+    self->target.aimed = self->ended = false;
     self->failure = SALTUS_OK;
     *lane = ready;
     *event = self->pending;

@@ -12,19 +12,18 @@
  * restitution in the pull rows it is the impact law of these faces, without it the projection that a lasting
  * contact applies to accelerations. Directions point towards the stops. */
 typedef struct saltus_contact_map {
-    int count;
+    unsigned faces; /* as bits */
+    int count;      /* of them */
     int face[SALTUS_FACES_MAX];
     double *push, *pull; /* [count][dof], storage for SALTUS_FACES_MAX of them */
     double inverse[SALTUS_FACES_MAX *
                    SALTUS_FACES_MAX]; /* of n_k . push_j: shares gaps out among the directions */
 } saltus_contact_map;
 
-/* A direction in parameter space that a parameter column follows: how the system changes, and the projection
- * of the contacts that hold. */
+/* A direction in parameter space that a parameter column follows, and how the system changes along it. */
 typedef struct saltus_parameter_column {
     saltus_direction direction;
     saltus_variation variation;
-    double *push, *pull; /* [contact][dof] */
 } saltus_parameter_column;
 
 /* What is known of a face's gap at the start of a step, more exactly than n.q - d tells near contact: the
@@ -36,34 +35,50 @@ typedef struct saltus_face_state {
     double gap, rate;
 } saltus_face_state;
 
-/* One trajectory: its place in time, its contacts, and buffers in plain layout for the rare things. */
-typedef struct saltus_lane {
-    const saltus_system *system;
-    saltus_time now, begin, until;
+/* Where a lane shall go. */
+typedef struct saltus_target {
+    saltus_time until;
     unsigned watch;
-    bool aimed, ended;     /* under way; its event waits to be fetched */
-    saltus_status failure; /* waits likewise, with the reason */
-    saltus_message why;
+    bool aimed;               /* under way */
     bool coasting;            /* events are prescribed from outside: none is searched for */
     saltus_extreme *extremes; /* coasting: where largest gaps and smallest forces are collected, or NULL */
-    bool calm;                /* at the step's begin no face was touched, close or held */
-    bool turned;              /* the observer's velocity is zero now, by a turning event */
-    double step;              /* length of the last step, for dense output */
-    bool lands;               /* the step under way ends at the target */
-    unsigned contacts;        /* faces in lasting contact */
-    saltus_contact_map hold;
+} saltus_target;
+
+/* The last step of a lane, or the one under way. */
+typedef struct saltus_step {
+    saltus_time begin;
+    double length;
+    bool calm;  /* at its begin no face was touched, close or held */
+    bool lands; /* it ends at the target */
+} saltus_step;
+
+/* The first event of a step; kind SALTUS_STEP and the step's end when there is none. */
+typedef struct saltus_first_event {
+    double time; /* since the step's begin */
+    saltus_event_kind kind;
+    int face;
+} saltus_first_event;
+
+/* One trajectory: its place in time, its contacts, and what it has to report. */
+typedef struct saltus_lane {
+    const saltus_system *system;
+    saltus_time now;
+    saltus_target target;
+    saltus_step step;
+    saltus_contact_map hold; /* faces in lasting contact */
     saltus_face_state face[SALTUS_FACES_MAX];
-    saltus_flow_info info;
-    int idle_events;                      /* events since time last moved on */
-    int cycle_events;                     /* contact events within this period */
-    double last_speed;                    /* of the last contact event */
+    bool turned;                          /* the observer's velocity is zero now, by a turning event */
+    bool ended;                           /* the pending event, or the failure, waits to be fetched */
+    saltus_event pending;                 /* event at the step's end; kind SALTUS_STEP when there is none */
     saltus_event queue[SALTUS_FACES_MAX]; /* impacts in the same instant as the pending one */
     int queued;
-    saltus_event pending;     /* event found on the step's polynomial; kind SALTUS_STEP when there is none */
-    double *state, *tangents; /* dimension, columns * dimension */
-    double *before, *after;   /* fields on the two sides of an event */
-    double *trial;            /* a state */
-    double *delay;            /* per column: d (event time) / d column of the last event */
+    saltus_status failure;
+    saltus_message why; /* of the failure */
+    saltus_flow_info info;
+    int idle_events;   /* events since time last moved on */
+    int cycle_events;  /* contact events within this period */
+    double last_speed; /* of the last contact event */
+    double *delay;     /* per column: d (event time) / d column of the last event */
 } saltus_lane;
 
 struct saltus_flow {
@@ -71,20 +86,26 @@ struct saltus_flow {
     saltus_flow_options options;
     const saltus_kernel *kernel, *narrow;
     int lanes, dimension, dof, extra;
-    saltus_integrator integrator;
     saltus_lane *lane;
-    saltus_work work;           /* all lanes: jets of the step */
-    saltus_work *probe;         /* one narrow work per lane, for single points */
-    saltus_radau *radau;        /* stiff integrator, one per flow (width 1) */
-    saltus_contact_map scratch; /* a map under trial */
+    saltus_work work;    /* all lanes: jets of the step */
+    saltus_work *probe;  /* one narrow work per lane, for single points */
+    saltus_radau *radau; /* stiff integrator, one per flow (width 1); NULL: Taylor's */
     saltus_parameter_column parameter[SALTUS_DIRECTIONS_MAX];
-    double *law_push, *law_pull; /* how a parameter changes the scratch map */
+    /* Scratch in plain layout, for one lane at a time where it starts or has an event. */
+    double *state, *tangents;   /* dimension, columns * dimension */
+    double *before, *after;     /* fields on the two sides of an event */
+    double *trial;              /* a state */
+    saltus_contact_map scratch; /* a map under trial */
 };
 
 /* time.c */
 /* SALTUS_BAD_INPUT where a time is no number of periods. */
 saltus_status saltus_time_check(saltus_time time, saltus_message *message);
 saltus_time saltus_time_after(saltus_time time, double periods);
+/* b - a in periods. */
+static inline double saltus_time_between(saltus_time a, saltus_time b) {
+    return (double)(b.cycle - a.cycle) + (b.phase - a.phase);
+}
 
 /* flow.c */
 /* Put a lane at a time and state with nothing known of its contacts, tangent vectors as at a start. */
@@ -94,7 +115,7 @@ void saltus_flow_keep_contacts(saltus_flow *flow, int lane);
 
 /* lane.c */
 /* A lane's state (column 0) or tangent vector from or into the rows of the stepping work; all of them into
- * the lane's plain buffers and back. */
+ * the flow's state and tangents and back. */
 void saltus_lane_gather(const saltus_flow *flow, int lane, int column, double *vector);
 void saltus_lane_scatter(saltus_flow *flow, int lane, int column, const double *vector);
 void saltus_lane_gather_all(saltus_flow *flow, int lane);
@@ -114,7 +135,7 @@ void saltus_contact_map_vary(const saltus_system *system, const saltus_contact_m
 void saltus_contact_map_settle(const saltus_system *system, const saltus_contact_map *map, double *state);
 /* Normal velocity or acceleration towards a face. */
 double saltus_face_normal(const saltus_system *system, int face, const double *vector);
-/* Put a map into a lane's rows of a work that has `slots` contacts; those beyond the map's do nothing. */
+/* Put a map into a lane's rows of a work's first `slots` contacts; those beyond the map's do nothing. */
 void saltus_contact_map_publish(const saltus_contact_map *map, saltus_work *work, int lane, int slots);
 
 /* probe.c */
@@ -126,22 +147,19 @@ void saltus_field_at(saltus_flow *flow, int lane, const double *state, double ph
                      const saltus_contact_map *hold, double *derivative);
 
 /* contact.c */
-/* Decide, for faces touched with zero normal velocity (resting), which of them hold; set contacts, hold and
- * touch. */
+/* Decide, for faces touched with zero normal velocity (resting), which of them hold; set hold and touch. */
 void saltus_contacts_rest(saltus_flow *flow, int lane, unsigned resting);
-/* Impact on the face of the pending event; complete chatter; tangent vectors. */
+/* Impact on a face, its event; complete chatter; tangent vectors. */
 saltus_status saltus_contacts_impact(saltus_flow *flow, int lane, int face, saltus_event *event);
 /* Let go of a face whose force has come to zero; false if at the state itself it still presses. */
 bool saltus_contacts_release(saltus_flow *flow, int lane, int face);
-/* Change the lasting contacts: faces that hold from now on, the map with it; false if they cannot hold
- * together.
- */
+/* Change the lasting contacts: faces that hold from now on; false, and none holds, if they cannot hold
+ * together. */
 bool saltus_contacts_set(saltus_flow *flow, int lane, unsigned contacts);
 /* Put a lane's held contacts into the rows of the stepping work. */
 void saltus_contacts_publish(saltus_flow *flow, int lane);
 
 /* direction.c */
-void saltus_directions_reserve(saltus_flow *flow, const saltus_system *system);
 /* Bring the stored directions into the works, for the system that lane 0 has now. */
 void saltus_directions_load(saltus_flow *flow);
 /* How the projection of lane 0's held contacts changes: into the stepping work. */
@@ -166,9 +184,8 @@ void saltus_column_impact(saltus_flow *flow, int lane, const saltus_contact_map 
 double saltus_column_observer(const saltus_flow *flow, int column, const double *vector);
 
 /* events.c */
-/* The first event of a lane on the step just expanded, within `step`; sets lane->pending and returns its
- * time. */
-double saltus_events_first(saltus_flow *flow, int lane, double step);
+/* The first event of a lane on the step just expanded, within `step`. */
+saltus_first_event saltus_events_first(saltus_flow *flow, int lane, double step);
 /* Carry the faces' gap knowledge to the end of the step; false if a gap has opened beyond its stop (a lost
  * impact). */
 bool saltus_events_carry(saltus_flow *flow, int lane, double step, int event_face, double *gap);

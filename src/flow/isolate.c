@@ -1,4 +1,5 @@
-/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Zeros of a step's polynomial: the method stands in isolate.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "flow/isolate.h"
 
 #include <float.h>
@@ -166,24 +167,17 @@ static bool rise_to_maximum(const double *c, int degree, double lo, double hi, d
     return rise_between(c, degree, lo, top, root);
 }
 
-/* 1: a rise was found, -1: there is none on the piece, 0: the piece must be halved. */
-static int decide(const double *c, int degree, const piece *s, double noise, int depth, double *root) {
-    double highest = s->p[0][0];
-    for (int k = 1; k <= degree; k++)
-        highest = fmax(highest, s->p[0][k]);
-    if (highest < -noise)
-        return -1;
-    int slope = degree > 0 ? common_sign(s->p[1], degree - 1) : 1;
-    int curvature = degree > 1 ? common_sign(s->p[2], degree - 2) : 1;
+/* By the signs of p' and p'' on a piece, 0 where they are not known. 1: a rise was found, -1: there is none
+ * on the piece, 0: the signs do not decide. */
+static int decide(const double *c, int degree, int slope, int curvature, double lo, double hi, double *root) {
     if (slope < 0)
         return -1;
-    if (slope > 0 || depth >= depth_max)
-        return rise_between(c, degree, s->lo, s->hi, root) ? 1 : -1;
-    if (curvature > 0)
-        return rise_from_minimum(c, degree, s->lo, s->hi, root) ? 1 : -1;
-    if (curvature < 0)
-        return rise_to_maximum(c, degree, s->lo, s->hi, root) ? 1 : -1;
-    return 0;
+    if (slope == 0 && curvature == 0)
+        return 0;
+    bool found = slope > 0       ? rise_between(c, degree, lo, hi, root)
+                 : curvature > 0 ? rise_from_minimum(c, degree, lo, hi, root)
+                                 : rise_to_maximum(c, degree, lo, hi, root);
+    return found ? 1 : -1;
 }
 
 /* Signs of p' and p'' on [0, 1] where the sizes of the coefficients alone settle them. */
@@ -235,14 +229,9 @@ bool saltus_isolate_rise(const double *c, int degree, double *root) {
     int slope = 0, curvature = 0;
     if (degree >= 2)
         plain_signs(c, degree, &slope, &curvature);
-    if (slope < 0)
-        return false;
-    if (slope > 0)
-        return rise_between(c, degree, 0, 1, root);
-    if (curvature > 0)
-        return rise_from_minimum(c, degree, 0, 1, root);
-    if (curvature < 0)
-        return rise_to_maximum(c, degree, 0, 1, root);
+    int verdict = decide(c, degree, slope, curvature, 0, 1, root);
+    if (verdict != 0)
+        return verdict > 0;
 
     /* Depth first, leftmost piece on top: at most one piece per depth waits. */
     piece stack[depth_max + 2];
@@ -250,18 +239,24 @@ bool saltus_isolate_rise(const double *c, int degree, double *root) {
     first_piece(c, degree, &stack[0]);
     depth[0] = 0;
     while (top >= 0) {
-        int verdict = decide(c, degree, &stack[top], noise, depth[top], root);
+        piece *s = &stack[top];
+        double highest = s->p[0][0];
+        for (int k = 1; k <= degree; k++)
+            highest = fmax(highest, s->p[0][k]);
+        slope = degree > 0 ? common_sign(s->p[1], degree - 1) : 1;
+        curvature = degree > 1 ? common_sign(s->p[2], degree - 2) : 1;
+        if (slope == 0 && depth[top] >= depth_max)
+            slope = 1; /* shorter than rounding tells */
+        verdict = highest < -noise ? -1 : decide(c, degree, slope, curvature, s->lo, s->hi, root);
         if (verdict > 0)
             return true;
         if (verdict < 0) {
             top--;
             continue;
         }
-        piece *right = &stack[top], *left = &stack[top + 1];
-        *left = *right;
-        halve(left, right, degree);
-        depth[top]++;
-        depth[top + 1] = depth[top];
+        stack[top + 1] = *s;
+        halve(&stack[top + 1], s, degree);
+        depth[top + 1] = ++depth[top];
         top++;
     }
     return false;

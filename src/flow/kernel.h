@@ -21,62 +21,106 @@ enum { SALTUS_LANES_MAX = SALTUS_PACK_MAX };
 
 typedef struct saltus_kernel saltus_kernel;
 
-/* Arrays of one kernel instance. `row` doubles hold one value per mode and lane: element i of lane l stands
- * at i * stride + l. Jets are [order][column][row], column 0 being the trajectory itself. */
-typedef struct saltus_work {
-    saltus_arena arena;
-    int dof, extra, lanes, order, columns, stops, contacts;
-    int directions; /* of the columns, the last ones: parameter columns */
-    int row, extra_row, stride;
+/* What the error of a step is measured by: relative to the state's norm, absolute in displacements, and
+ * relative to a tangent vector's norm. */
+typedef struct saltus_tolerance {
+    double relative, absolute, tangent;
+} saltus_tolerance;
+
+/* Displacements, velocities and extra states of the trajectory (column 0) and of its tangent vectors. A row
+ * holds one value per mode and lane, element i of lane l at i * lanes + l, in the narrow kernel filled up to
+ * whole packs. States are [column][row], jets [order][column][row]. */
+typedef struct saltus_rows {
+    double *q, *v, *e;
+} saltus_rows;
+
+/* One number per lane. Every array is as long as the longest pack, so that all of them are aligned. */
+typedef struct saltus_lane_numbers {
+    /* of the lane's system */
+    double period[SALTUS_LANES_MAX];     /* of the forcing */
+    double limit[SALTUS_LANES_MAX];      /* largest step */
+    double omega_unit[SALTUS_LANES_MAX]; /* frequency that makes velocities comparable with displacements */
+    double clearance[SALTUS_FACES_MAX][SALTUS_LANES_MAX];
+    /* of the point expanded from */
+    double phase[SALTUS_LANES_MAX];   /* in [0,1) */
+    double elapsed[SALTUS_LANES_MAX]; /* time since the step's begin */
+    double left[SALTUS_LANES_MAX];    /* time left to the target; zero where a lane rests */
+    /* of the step */
+    double step[SALTUS_LANES_MAX];                     /* that keeps the tolerance */
+    double advance[SALTUS_LANES_MAX];                  /* where to evaluate */
+    double passing[SALTUS_LANES_MAX];                  /* the planned `advance` in periods */
+    double margin[SALTUS_FACES_MAX][SALTUS_LANES_MAX]; /* negative: the face surely stays open */
+    double near[SALTUS_LANES_MAX];                     /* negative: all faces do */
+} saltus_lane_numbers;
+
+/* What the loaded systems are to the kernel. */
+typedef struct saltus_loaded {
     unsigned terms;
     int lane_orders[SALTUS_LANES_MAX]; /* orders of the forcing's series that matter, per lane ... */
     int forcing_orders;                /* ... and the most of them */
-    int faces, face_stop[SALTUS_FACES_MAX], face_side[SALTUS_FACES_MAX];
-    double *omega_unit; /* per lane: frequency that makes velocities comparable with displacements */
-    double tolerance_relative, tolerance_absolute, tolerance_tangent;
-    double *q, *v, *e;    /* jets */
-    double *xq, *xv, *xe; /* states at the step's start (in) and at `advance` (out): [column][row] */
-    double *phase;        /* in [0,1), per lane */
-    double *limit;        /* largest step of each lane */
-    double *step;         /* step that keeps the tolerance, per lane */
-    double *left;         /* time left to the target, per lane; zero where a lane rests */
-    double *advance;      /* where to evaluate, per lane */
-    double *period;       /* of the forcing, per lane */
-    double *passing;      /* the planned `advance` in periods, per lane */
-    double *clearance;    /* of each face: [face][lane] */
-    double *margin;       /* negative where a face surely stays open until `advance`: [face][lane] */
-    double *near;         /* the same for all faces at once, per lane */
-    double *normal;       /* [stop][row] */
-    double *gap;          /* series of normal . q: [stop][order][lane] */
-    double *push;         /* directions of contact impulses: [contact][row] */
-    double *pull;         /* rows that give contact accelerations: [contact][row] */
-    double *force;        /* series of contact accelerations: [contact][order][lane] */
-    double *scalar;       /* [scalar][lane] */
-    double *rows;         /* [coefficient row][row] */
+    int faces;
+    saltus_face face[SALTUS_FACES_MAX]; /* their stops and sides, common to all lanes */
+    double *normal;                     /* [stop][row] */
+    double *scalar;                     /* [scalar][lane] */
+    double *rows;                       /* [coefficient row][row] */
     double *coupling[SALTUS_COUPLINGS_MAX];
+    double *table; /* model's constants per order: [table][order][lane] */
+} saltus_loaded;
+
+/* The model's intermediate series. */
+typedef struct saltus_model_series {
     size_t drive_size;
+    double *drive;  /* those that all columns share: [drive][order][lane] */
+    double *ahead;  /* rows begun for the next order: [ahead][column][row] */
+    double *series; /* the others: [series][column][order][lane] */
+} saltus_model_series;
+
+/* Contacts that hold. Slots beyond a lane's own contacts hold zeros. */
+typedef struct saltus_holding {
+    int count;
+    double *push;  /* directions of contact impulses: [contact][row] */
+    double *pull;  /* rows that give contact accelerations: [contact][row] */
+    double *force; /* series of contact accelerations: [contact][order][lane] */
+} saltus_holding;
+
+/* For parameter columns: how what a kernel loads changes along each direction (system.h, saltus_variation).
+ */
+typedef struct saltus_varied {
+    int orders;     /* orders of the forcing's derivatives that matter */
+    bool tilts;     /* the projections at contacts change */
+    double *scalar; /* [direction][scalar][lane] */
+    double *rows;   /* [direction][coefficient row][row] */
+    double *drive;  /* model's series: [direction][series][order][lane] */
+    double *push;   /* [direction][contact][row] */
+    double *pull;   /* [direction][contact][row] */
+    double *force;  /* at the order being expanded: [direction][contact][lane] */
+} saltus_varied;
+
+/* All that one kernel instance works on. */
+typedef struct saltus_work {
+    saltus_arena arena;
+    /* Settled when the work is opened. */
+    int dof, extra, lanes, order, columns;
+    int directions; /* of the columns, the last ones: parameter columns */
+    int row;        /* doubles in a row of q or v */
     int order_span; /* orders reserved for table and drive: a whole number of packs */
-    double *table;  /* model's constants per order: [table][order][lane] */
-    double *drive;  /* model's scalar series that all columns share: [drive][order][lane] */
-    double *ahead;  /* model's rows begun for the next order: [ahead][column][row] */
-    double *series; /* model's other scalar series: [series][column][order][lane] */
-    /* For parameter columns: how what stands above changes along each direction (system.h, saltus_variation).
-     */
-    double *elapsed;     /* time since the step's begin at the point expanded from, per lane */
-    double *vary_scalar; /* [direction][scalar][lane] */
-    double *vary_rows;   /* [direction][coefficient row][row] */
-    double *vary_drive;  /* model's series: [direction][series][order][lane] */
-    double *vary_push;   /* [direction][contact][row] */
-    double *vary_pull;   /* [direction][contact][row] */
-    double *vary_force;  /* at the order being expanded: [direction][contact][lane] */
-    int vary_orders;     /* orders of the forcing's derivatives that matter */
-    bool tilts;          /* the projections at contacts change */
+    saltus_tolerance tolerance;
+    /* Settled when systems, directions and contacts are loaded. */
+    int stops; /* rows of the gap series */
+    saltus_loaded loaded;
+    saltus_holding hold;
+    saltus_varied vary;
+    /* The step. */
+    saltus_lane_numbers *lane;
+    saltus_rows state; /* at the step's start (in) and at `advance` (out) */
+    saltus_rows jet;
+    double *gap; /* series of normal . q: [stop][order][lane] */
+    saltus_model_series model;
 } saltus_work;
 
 struct saltus_kernel {
     const char *model;
     int lanes; /* 1 or the width of a pack */
-    int pack;
     /* Reserve all arrays in the work's arena; sizes are already set. */
     void (*reserve)(saltus_work *work);
     /* Put the coefficients of a system into a lane. */
@@ -90,8 +134,8 @@ struct saltus_kernel {
     /* Step and what is left -> `advance`, `passing`, margins and `near`: how far to go, and which lanes may
      * meet a stop. */
     void (*plan)(saltus_work *work);
-    /* Jets -> states at `advance`. */
-    void (*evaluate)(saltus_work *work, int order);
+    /* Jets of the work's full order -> states at `advance`. */
+    void (*evaluate)(saltus_work *work);
 };
 
 /* The kernel for a model at width 1 or at this machine's SIMD width (0), chosen from the instruction sets
@@ -104,7 +148,7 @@ saltus_status saltus_kernel_check(saltus_message *message);
 /* Allocate a work for a kernel, with `directions` parameter columns among the columns. Sizes come from the
  * systems' common shape. */
 saltus_status saltus_work_open(saltus_work *work, const saltus_kernel *kernel, const saltus_system *system,
-                               int order, int columns, int directions);
+                               int order, int columns, int directions, saltus_tolerance tolerance);
 /* Forget which terms and orders of the forcing the loaded systems have, before they are loaded anew, and with
  * them the directions. */
 void saltus_work_forget(saltus_work *work);
@@ -113,12 +157,24 @@ void saltus_work_forget(saltus_work *work);
 void saltus_work_clear_states(saltus_work *work);
 void saltus_work_close(saltus_work *work);
 
-static inline size_t saltus_work_jet(const saltus_work *work, int order, int column) {
-    return ((size_t)order * (size_t)(1 + work->columns) + (size_t)column) * (size_t)work->row;
+/* Where element i of a column's row stands, at one order of a jet, and the same of extra states. A state is
+ * like order 0. */
+static inline size_t saltus_work_place(const saltus_work *work, int order, int column, int i, int lane) {
+    return ((size_t)order * (size_t)(1 + work->columns) + (size_t)column) * (size_t)work->row +
+           (size_t)(i * work->lanes + lane);
 }
 
-static inline size_t saltus_work_extra_jet(const saltus_work *work, int order, int column) {
-    return ((size_t)order * (size_t)(1 + work->columns) + (size_t)column) * (size_t)work->extra_row;
+static inline size_t saltus_work_extra_place(const saltus_work *work, int order, int column, int i,
+                                             int lane) {
+    return (((size_t)order * (size_t)(1 + work->columns) + (size_t)column) * (size_t)work->extra +
+            (size_t)i) *
+               (size_t)work->lanes +
+           (size_t)lane;
+}
+
+/* Where the gap series of a stop or the force series of a contact has its coefficient of an order. */
+static inline size_t saltus_work_series_place(const saltus_work *work, int which, int order, int lane) {
+    return ((size_t)which * (size_t)(work->order + 2) + (size_t)order) * (size_t)work->lanes + (size_t)lane;
 }
 
 #endif

@@ -12,51 +12,36 @@ saltus_time saltus_flow_time(const saltus_flow *flow, int lane) {
     return flow->lane[lane].now;
 }
 unsigned saltus_flow_contacts(const saltus_flow *flow, int lane) {
-    return flow->lane[lane].contacts;
+    return flow->lane[lane].hold.faces;
 }
 saltus_flow_info saltus_flow_information(const saltus_flow *flow, int lane) {
     return flow->lane[lane].info;
 }
 double saltus_flow_step_length(const saltus_flow *flow, int lane) {
-    return flow->lane[lane].step;
+    return flow->lane[lane].step.length;
 }
 saltus_time saltus_flow_step_begin(const saltus_flow *flow, int lane) {
-    return flow->lane[lane].begin;
+    return flow->lane[lane].step.begin;
 }
 
-/* One column of the work's start rows to or from a plain vector. */
 void saltus_lane_gather(const saltus_flow *flow, int lane, int column, double *vector) {
     const saltus_work *w = &flow->work;
     for (int i = 0; i < flow->dof; i++) {
-        vector[i] = w->xq[column * w->row + i * w->stride + lane];
-        vector[flow->dof + i] = w->xv[column * w->row + i * w->stride + lane];
+        vector[i] = w->state.q[saltus_work_place(w, 0, column, i, lane)];
+        vector[flow->dof + i] = w->state.v[saltus_work_place(w, 0, column, i, lane)];
     }
     for (int i = 0; i < flow->extra; i++)
-        vector[2 * flow->dof + i] = w->xe[column * w->extra_row + i * w->stride + lane];
+        vector[2 * flow->dof + i] = w->state.e[saltus_work_extra_place(w, 0, column, i, lane)];
 }
 
 void saltus_lane_scatter(saltus_flow *flow, int lane, int column, const double *vector) {
     saltus_work *w = &flow->work;
     for (int i = 0; i < flow->dof; i++) {
-        w->xq[column * w->row + i * w->stride + lane] = vector[i];
-        w->xv[column * w->row + i * w->stride + lane] = vector[flow->dof + i];
+        w->state.q[saltus_work_place(w, 0, column, i, lane)] = vector[i];
+        w->state.v[saltus_work_place(w, 0, column, i, lane)] = vector[flow->dof + i];
     }
     for (int i = 0; i < flow->extra; i++)
-        w->xe[column * w->extra_row + i * w->stride + lane] = vector[2 * flow->dof + i];
-}
-
-void saltus_lane_gather_all(saltus_flow *flow, int lane) {
-    saltus_lane *self = &flow->lane[lane];
-    saltus_lane_gather(flow, lane, 0, self->state);
-    for (int c = 0; c < flow->options.columns; c++)
-        saltus_lane_gather(flow, lane, c + 1, self->tangents + c * flow->dimension);
-}
-
-void saltus_lane_scatter_all(saltus_flow *flow, int lane) {
-    const saltus_lane *self = &flow->lane[lane];
-    saltus_lane_scatter(flow, lane, 0, self->state);
-    for (int c = 0; c < flow->options.columns; c++)
-        saltus_lane_scatter(flow, lane, c + 1, self->tangents + c * flow->dimension);
+        w->state.e[saltus_work_extra_place(w, 0, column, i, lane)] = vector[2 * flow->dof + i];
 }
 
 void saltus_flow_state(const saltus_flow *flow, int lane, double *state) {
@@ -73,6 +58,16 @@ void saltus_flow_set_tangents(saltus_flow *flow, int lane, const double *tangent
         saltus_lane_scatter(flow, lane, c + 1, tangents + c * flow->dimension);
 }
 
+void saltus_lane_gather_all(saltus_flow *flow, int lane) {
+    saltus_flow_state(flow, lane, flow->state);
+    saltus_flow_tangents(flow, lane, flow->tangents);
+}
+
+void saltus_lane_scatter_all(saltus_flow *flow, int lane) {
+    saltus_lane_scatter(flow, lane, 0, flow->state);
+    saltus_flow_set_tangents(flow, lane, flow->tangents);
+}
+
 void saltus_flow_delays(const saltus_flow *flow, int lane, double *delays) {
     for (int c = 0; c < flow->options.columns; c++)
         delays[c] = flow->lane[lane].delay[c];
@@ -87,23 +82,23 @@ static double series_value(const double *series, size_t stride, int degree, doub
 
 void saltus_flow_dense(const saltus_flow *flow, int lane, double since, double *state) {
     const saltus_work *w = &flow->work;
-    size_t orders = saltus_work_jet(w, 1, 0), extras = saltus_work_extra_jet(w, 1, 0);
+    size_t orders = saltus_work_place(w, 1, 0, 0, 0), extras = saltus_work_extra_place(w, 1, 0, 0, 0);
     for (int i = 0; i < flow->dof; i++) {
-        size_t place = (size_t)(i * w->stride + lane);
-        state[i] = series_value(w->q + place, orders, w->order, since);
-        state[flow->dof + i] = series_value(w->v + place, orders, w->order, since);
+        size_t place = saltus_work_place(w, 0, 0, i, lane);
+        state[i] = series_value(w->jet.q + place, orders, w->order, since);
+        state[flow->dof + i] = series_value(w->jet.v + place, orders, w->order, since);
     }
     for (int i = 0; i < flow->extra; i++)
-        state[2 * flow->dof + i] = series_value(w->e + i * w->stride + lane, extras, w->order, since);
+        state[2 * flow->dof + i] =
+            series_value(w->jet.e + saltus_work_extra_place(w, 0, 0, i, lane), extras, w->order, since);
 }
 
 int saltus_flow_state_at(const saltus_flow *flow, int lane, saltus_time time, double *state) {
-    saltus_time begin = saltus_flow_step_begin(flow, lane);
-    double length = saltus_flow_step_length(flow, lane),
-           since = ((double)(time.cycle - begin.cycle) + (time.phase - begin.phase)) *
-                   saltus_system_period(saltus_flow_system(flow, lane));
-    int order = saltus_time_compare(time, saltus_flow_time(flow, lane));
+    const saltus_lane *self = &flow->lane[lane];
+    double since = saltus_time_between(self->step.begin, time) * self->system->period;
+    int order = saltus_time_compare(time, self->now);
     if (order <= 0)
-        saltus_flow_dense(flow, lane, order < 0 && since < length ? since : length, state);
+        saltus_flow_dense(flow, lane, order < 0 && since < self->step.length ? since : self->step.length,
+                          state);
     return order;
 }

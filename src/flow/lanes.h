@@ -4,7 +4,8 @@
  *   lane_spread(s)   the pack that multiplies a pack of a row by each lane's own number
  *   lane_of(s)       the number per lane of a pack that holds it spread
  *   row_sum          sum over the modes in a fixed tree, the same at every width, spread
- *   row_couple       product with a coupling matrix; row_couple_two: two products with the same one
+ *   row_couple       product with a coupling matrix, which joins modes of opposite parity only;
+ *   row_couple_two   two products with the same one, of which the second may be absent (NULL)
  *   lane_largest     the largest of a row's modes, from the largest of each pack element
  *   lane_total       sum over the elements of a pack, as far as they belong to one lane
  *   lane_alternate   numbers for consecutive orders, as many as a pack holds; ORDERS_AT_ONCE of them are even
@@ -78,38 +79,23 @@ KERNEL_INLINE saltus_pack row_sum(const saltus_pack *row, int n, int packs) {
     return t[0];
 }
 
-/* out += coupling in for the modes of one parity. */
-KERNEL_INLINE void row_couple_part(saltus_pack *out, const double *coupling, const saltus_pack *in, int n,
-                                   const int first, const int other) {
-    for (int i = first; i < n; i += 2)
-        for (int j = other; j < n; j += 2)
-            out[i] = saltus_pack_fma(saltus_pack_splat(coupling[i * n + j]), in[j], out[i]);
-}
-
-KERNEL_INLINE void row_couple_part_two(saltus_pack *out, saltus_pack *out2, const double *coupling,
-                                       const saltus_pack *in, const saltus_pack *in2, int n, const int first,
-                                       const int other) {
-    for (int i = first; i < n; i += 2)
-        for (int j = other; j < n; j += 2) {
+KERNEL_INLINE void row_couple_part(saltus_pack *out, saltus_pack *out2, const double *coupling,
+                                   const saltus_pack *in, const saltus_pack *in2, int n, const int parity) {
+    for (int i = parity; i < n; i += 2)
+        for (int j = 1 - parity; j < n; j += 2) {
             const saltus_pack number = saltus_pack_splat(coupling[i * n + j]);
             out[i] = saltus_pack_fma(number, in[j], out[i]);
-            out2[i] = saltus_pack_fma(number, in2[j], out2[i]);
+            if (out2)
+                out2[i] = saltus_pack_fma(number, in2[j], out2[i]);
         }
 }
 
-/* out += coupling in; the coupling is plain, row-major, and joins modes of opposite parity only. */
-KERNEL_INLINE void row_couple(saltus_pack *out, const double *coupling, const saltus_pack *in, int n,
-                              int packs) {
-    (void)packs;
-    row_couple_part(out, coupling, in, n, 0, 1);
-    row_couple_part(out, coupling, in, n, 1, 0);
-}
-
+/* The coupling is plain, row-major. */
 KERNEL_INLINE void row_couple_two(saltus_pack *out, saltus_pack *out2, const double *coupling,
                                   const saltus_pack *in, const saltus_pack *in2, int n, int packs) {
     (void)packs;
-    row_couple_part_two(out, out2, coupling, in, in2, n, 0, 1);
-    row_couple_part_two(out, out2, coupling, in, in2, n, 1, 0);
+    row_couple_part(out, out2, coupling, in, in2, n, 0);
+    row_couple_part(out, out2, coupling, in, in2, n, 1);
 }
 
 KERNEL_INLINE lane_t lane_total(saltus_pack a) {
@@ -193,20 +179,8 @@ KERNEL_INLINE saltus_pack row_sum(const saltus_pack *row, int n, int packs) {
     return saltus_pack_sum(t[0]);
 }
 
-/* out += coupling in. Columns 2 j and 2 j + 1 of the coupling share a row of packs, because each mode is
- * coupled to one parity only; the order of each mode's sum is that of the wide kernel. */
-KERNEL_INLINE void row_couple(saltus_pack *out, const double *coupling, const saltus_pack *in, int n,
-                              int packs) {
-    const saltus_pack *column = (const saltus_pack *)(const void *)coupling;
-    for (int block = 0; block < packs; block++)
-        for (int pair = 0; pair < SALTUS_PACK / 2 && block * SALTUS_PACK + 2 * pair < n;
-             pair++, column += packs) {
-            const saltus_pack both = saltus_pack_swapped_pair(in[block], pair);
-            for (int p = 0; p < packs; p++)
-                out[p] = saltus_pack_fma(column[p], both, out[p]);
-        }
-}
-
+/* Columns 2 j and 2 j + 1 of the coupling share a row of packs, because each mode is coupled to one parity
+ * only; the order of each mode's sum is that of the wide kernel. */
 KERNEL_INLINE void row_couple_two(saltus_pack *out, saltus_pack *out2, const double *coupling,
                                   const saltus_pack *in, const saltus_pack *in2, int n, int packs) {
     const saltus_pack *column = (const saltus_pack *)(const void *)coupling;
@@ -214,10 +188,11 @@ KERNEL_INLINE void row_couple_two(saltus_pack *out, saltus_pack *out2, const dou
         for (int pair = 0; pair < SALTUS_PACK / 2 && block * SALTUS_PACK + 2 * pair < n;
              pair++, column += packs) {
             const saltus_pack both = saltus_pack_swapped_pair(in[block], pair),
-                              both2 = saltus_pack_swapped_pair(in2[block], pair);
+                              both2 = out2 ? saltus_pack_swapped_pair(in2[block], pair) : both;
             for (int p = 0; p < packs; p++) {
                 out[p] = saltus_pack_fma(column[p], both, out[p]);
-                out2[p] = saltus_pack_fma(column[p], both2, out2[p]);
+                if (out2)
+                    out2[p] = saltus_pack_fma(column[p], both2, out2[p]);
             }
         }
 }
@@ -227,6 +202,12 @@ KERNEL_INLINE lane_t lane_total(saltus_pack a) {
 }
 
 #endif
+
+/* out += coupling in. */
+KERNEL_INLINE void row_couple(saltus_pack *out, const double *coupling, const saltus_pack *in, int n,
+                              int packs) {
+    row_couple_two(out, NULL, coupling, in, NULL, n, packs);
+}
 
 KERNEL_INLINE lane_t lane_size(lane_t a) {
     return lane_if_less(a, lane_constant(0), -a, a);
@@ -267,21 +248,6 @@ KERNEL_INLINE saltus_pack row_dot(const saltus_pack *a, const saltus_pack *b, in
     for (int p = 0; p < packs; p++)
         product[p] = a[p] * b[p];
     return row_sum(product, n, packs);
-}
-
-/* sum of a_m b_{-m} over first <= m < count: `a` runs up and `b` down a jet whose orders lie `stride` packs
- * apart. Two chains halve the latency. */
-KERNEL_INLINE saltus_pack jet_product(const saltus_pack *a, const saltus_pack *b, long stride, int first,
-                                      int count) {
-    saltus_pack even = {0}, odd = {0};
-    int m = first;
-    for (a += m * stride, b -= m * stride; m + 1 < count; m += 2, a += 2 * stride, b -= 2 * stride) {
-        even = saltus_pack_fma(a[0], b[0], even);
-        odd = saltus_pack_fma(a[stride], b[-stride], odd);
-    }
-    if (m < count)
-        even = saltus_pack_fma(a[0], b[0], even);
-    return even + odd;
 }
 
 #endif

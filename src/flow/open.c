@@ -18,6 +18,15 @@ static int automatic_order(double rtol) {
     return order < SALTUS_ORDER_MIN ? SALTUS_ORDER_MIN : order;
 }
 
+/* Whether a system's flow looks the same from outside: states, faces. */
+static bool same_shape(const saltus_system *a, const saltus_system *b) {
+    bool same = a->spec.model == b->spec.model && a->dof == b->dof && a->extra == b->extra &&
+                a->face_count == b->face_count && a->spec.stop_count == b->spec.stop_count;
+    for (int f = 0; same && f < a->face_count; f++)
+        same = a->faces[f].stop == b->faces[f].stop && a->faces[f].side == b->faces[f].side;
+    return same;
+}
+
 static saltus_status check_options(const saltus_flow_options *o, saltus_message *message) {
     if (!(o->rtol >= 1e-15 && o->rtol <= 1e-3))
         return saltus_fail(message, SALTUS_BAD_INPUT, "rtol = %g: must be at least 1e-15 and at most 1e-3",
@@ -38,16 +47,16 @@ static saltus_status check_options(const saltus_flow_options *o, saltus_message 
     return SALTUS_OK;
 }
 
-/* Whether a system's flow looks the same from outside: states, faces. */
-static bool same_shape(const saltus_system *a, const saltus_system *b) {
-    bool same = a->spec.model == b->spec.model && a->dof == b->dof && a->extra == b->extra &&
-                a->face_count == b->face_count && a->spec.stop_count == b->spec.stop_count;
-    for (int f = 0; same && f < a->face_count; f++)
-        same = a->faces[f].stop == b->faces[f].stop && a->faces[f].side == b->faces[f].side;
-    return same;
-}
-
-static saltus_status check_systems(const saltus_system *const *systems, int lanes, saltus_message *message) {
+static saltus_status check_lanes(const saltus_system *const *systems, int lanes, int most, bool stiff,
+                                 const saltus_flow_options *options, saltus_message *message) {
+    if (lanes < 1 || lanes > most || (stiff && lanes > 1))
+        return saltus_fail(message, SALTUS_BAD_INPUT, "lanes = %d: must be from 1 to %d (%s)", lanes,
+                           stiff ? 1 : most,
+                           stiff ? "the stiff integrator runs one trajectory at a time"
+                                 : "what this processor's vectors hold");
+    if (lanes > 1 && options->directions)
+        return saltus_fail(message, SALTUS_BAD_INPUT,
+                           "directions = %d: parameter columns need a flow of one lane", options->directions);
     for (int l = 1; l < lanes; l++)
         if (!same_shape(systems[0], systems[l]) ||
             systems[0]->coefficients.terms != systems[l]->coefficients.terms)
@@ -57,24 +66,24 @@ static saltus_status check_systems(const saltus_system *const *systems, int lane
     return SALTUS_OK;
 }
 
-static void reserve(saltus_flow *flow, const saltus_system *first) {
+static void reserve(saltus_flow *flow) {
     saltus_arena *arena = &flow->arena;
-    size_t n = (size_t)flow->dof, dimension = (size_t)flow->dimension, faces = SALTUS_FACES_MAX;
-    saltus_contact_map scratch = {.push = saltus_arena_doubles(arena, faces * n),
-                                  .pull = saltus_arena_doubles(arena, faces * n)};
-    flow->scratch = scratch;
+    const size_t maps = SALTUS_FACES_MAX * (size_t)flow->dof, dimension = (size_t)flow->dimension,
+                 columns = (size_t)flow->options.columns;
+    flow->state = saltus_arena_doubles(arena, dimension);
+    flow->tangents = saltus_arena_doubles(arena, dimension * columns);
+    flow->before = saltus_arena_doubles(arena, dimension);
+    flow->after = saltus_arena_doubles(arena, dimension);
+    flow->trial = saltus_arena_doubles(arena, dimension);
+    flow->scratch.push = saltus_arena_doubles(arena, maps);
+    flow->scratch.pull = saltus_arena_doubles(arena, maps);
     for (int l = 0; l < flow->lanes; l++) {
-        saltus_lane *self = &flow->lane[l];
-        self->hold.push = saltus_arena_doubles(arena, faces * n);
-        self->hold.pull = saltus_arena_doubles(arena, faces * n);
-        self->state = saltus_arena_doubles(arena, dimension);
-        self->tangents = saltus_arena_doubles(arena, dimension * (size_t)flow->options.columns);
-        self->before = saltus_arena_doubles(arena, dimension);
-        self->after = saltus_arena_doubles(arena, dimension);
-        self->trial = saltus_arena_doubles(arena, dimension);
-        self->delay = saltus_arena_doubles(arena, (size_t)flow->options.columns);
+        flow->lane[l].hold.push = saltus_arena_doubles(arena, maps);
+        flow->lane[l].hold.pull = saltus_arena_doubles(arena, maps);
+        flow->lane[l].delay = saltus_arena_doubles(arena, columns);
     }
-    saltus_directions_reserve(flow, first);
+    for (int d = 0; d < flow->options.directions; d++)
+        saltus_variation_reserve(&flow->parameter[d].variation, flow->lane[0].system, arena);
 }
 
 /* The first row of the gap series is the observed displacement, in scenes without a stop too. */
@@ -86,72 +95,24 @@ static void load_system(saltus_work *work, const saltus_kernel *kernel, int lane
     work->stops = rows;
     if (system->spec.stop_count == 0)
         for (int i = 0; i < system->dof; i++)
-            work->normal[i * work->stride + lane] = system->observer[i];
+            work->loaded.normal[i * work->lanes + lane] = system->observer[i];
 }
 
-static saltus_status open_works(saltus_flow *flow, const saltus_system *const *systems) {
-    const saltus_system *first = systems[0];
-    saltus_status status = saltus_work_open(&flow->work, flow->kernel, first, flow->options.order,
-                                            flow->options.columns, flow->options.directions);
-    flow->work.tolerance_relative = flow->options.rtol;
-    flow->work.tolerance_absolute = flow->options.atol;
-    flow->work.tolerance_tangent = fmax(flow->options.rtol, 1e-13);
+static saltus_status open_works(saltus_flow *flow, bool stiff) {
+    const saltus_system *first = flow->lane[0].system;
+    const saltus_flow_options *o = &flow->options;
+    const saltus_tolerance tolerance = {o->rtol, o->atol, fmax(o->rtol, 1e-13)};
+    saltus_status status =
+        saltus_work_open(&flow->work, flow->kernel, first, o->order, o->columns, o->directions, tolerance);
     for (int l = 0; l < flow->lanes && status == SALTUS_OK; l++) {
-        load_system(&flow->work, flow->kernel, l, systems[l]);
-        status = saltus_work_open(&flow->probe[l], flow->narrow, first, SALTUS_ORDER_MIN, 0, 0);
+        load_system(&flow->work, flow->kernel, l, flow->lane[l].system);
+        status = saltus_work_open(&flow->probe[l], flow->narrow, first, SALTUS_ORDER_MIN, 0, 0, tolerance);
         if (status == SALTUS_OK)
-            load_system(&flow->probe[l], flow->narrow, 0, systems[l]);
+            load_system(&flow->probe[l], flow->narrow, 0, flow->lane[l].system);
     }
-    if (status == SALTUS_OK && flow->integrator == SALTUS_RADAU)
-        status = saltus_radau_open(&flow->radau, first, flow->options.columns, flow->options.directions,
-                                   &flow->work);
+    if (status == SALTUS_OK && stiff)
+        status = saltus_radau_open(&flow->radau, first, o->columns, o->directions, tolerance);
     return status;
-}
-
-static saltus_status check_lanes(int lanes, int most, bool stiff, const saltus_flow_options *options,
-                                 saltus_message *message) {
-    if (lanes < 1 || lanes > most || (stiff && lanes > 1))
-        return saltus_fail(message, SALTUS_BAD_INPUT, "lanes = %d: must be from 1 to %d (%s)", lanes,
-                           stiff ? 1 : most,
-                           stiff ? "the stiff integrator runs one trajectory at a time"
-                                 : "what this processor's vectors hold");
-    if (lanes > 1 && options->directions)
-        return saltus_fail(message, SALTUS_BAD_INPUT,
-                           "directions = %d: parameter columns need a flow of one lane", options->directions);
-    return SALTUS_OK;
-}
-
-/* A flow with its own arrays but without works; NULL if there is no memory. */
-static saltus_flow *allocate(const saltus_system *first, const saltus_kernel *narrow,
-                             const saltus_kernel *kernel, bool stiff, const saltus_flow_options *options) {
-    saltus_flow *made = calloc(1, sizeof *made);
-    saltus_lane *lane = calloc((size_t)kernel->lanes, sizeof *lane);
-    saltus_work *probe = calloc((size_t)kernel->lanes, sizeof *probe);
-    if (!made || !lane || !probe) {
-        free(made);
-        free(lane);
-        free(probe);
-        return NULL;
-    }
-    *made = (saltus_flow){.options = *options,
-                          .kernel = kernel,
-                          .narrow = narrow,
-                          .lanes = kernel->lanes,
-                          .dimension = first->dimension,
-                          .dof = first->dof,
-                          .extra = first->extra,
-                          .integrator = stiff ? SALTUS_RADAU : SALTUS_TAYLOR,
-                          .lane = lane,
-                          .probe = probe};
-    if (made->options.order == 0 || stiff)
-        made->options.order = stiff ? SALTUS_RADAU_DEGREE : automatic_order(options->rtol);
-    reserve(made, first);
-    if (!saltus_arena_open(&made->arena)) {
-        saltus_flow_free(made);
-        return NULL;
-    }
-    reserve(made, first);
-    return made;
 }
 
 saltus_status saltus_flow_new(const saltus_system *const *systems, int lanes,
@@ -167,19 +128,40 @@ saltus_status saltus_flow_new(const saltus_system *const *systems, int lanes,
     if (status == SALTUS_OK)
         status = check_options(options, message);
     if (status == SALTUS_OK)
-        status = check_lanes(lanes, kernel->lanes, stiff, options, message);
-    if (status == SALTUS_OK)
-        status = check_systems(systems, lanes, message);
+        status = check_lanes(systems, lanes, kernel->lanes, stiff, options, message);
     if (status != SALTUS_OK)
         return status;
-    saltus_flow *made = allocate(first, narrow, kernel, stiff, options);
-    if (!made)
+    saltus_flow *made = calloc(1, sizeof *made);
+    saltus_lane *lane = calloc((size_t)kernel->lanes, sizeof *lane);
+    saltus_work *probe = calloc((size_t)kernel->lanes, sizeof *probe);
+    if (!made || !lane || !probe) {
+        free(made);
+        free(lane);
+        free(probe);
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the flow");
+    }
+    *made = (saltus_flow){.options = *options,
+                          .kernel = kernel,
+                          .narrow = narrow,
+                          .lanes = kernel->lanes,
+                          .dimension = first->dimension,
+                          .dof = first->dof,
+                          .extra = first->extra,
+                          .lane = lane,
+                          .probe = probe};
+    if (stiff)
+        made->options.order = SALTUS_RADAU_DEGREE;
+    else if (options->order == 0)
+        made->options.order = automatic_order(options->rtol);
     /* Lanes beyond those asked for idle at rest with the first lane's system. */
-    const saltus_system *all[SALTUS_LANES_MAX];
     for (int l = 0; l < made->lanes; l++)
-        all[l] = made->lane[l].system = systems[l < lanes ? l : 0];
-    status = open_works(made, all);
+        lane[l].system = systems[l < lanes ? l : 0];
+    reserve(made);
+    status = saltus_arena_open(&made->arena) ? SALTUS_OK : SALTUS_NO_MEMORY;
+    if (status == SALTUS_OK) {
+        reserve(made);
+        status = open_works(made, stiff);
+    }
     if (status != SALTUS_OK) {
         saltus_flow_free(made);
         return saltus_fail(message, status, "no memory for the flow");
@@ -226,7 +208,7 @@ saltus_status saltus_flow_retune(saltus_flow *flow, int lane, const saltus_syste
     if (flow->lanes > 1 && self->system->coefficients.terms != system->coefficients.terms)
         return saltus_fail(message, SALTUS_BAD_INPUT, "systems side by side must have the same terms");
     self->system = system;
-    self->contacts = 0;
+    self->hold.faces = 0;
     self->hold.count = 0;
     reload(flow, lane);
     return SALTUS_OK;

@@ -23,7 +23,7 @@ saltus_status saltus_flow_place(saltus_flow *flow, int lane, saltus_time time, c
     saltus_flow_restart(flow, lane, time, state);
     if (!saltus_contacts_set(flow, lane, contacts))
         return saltus_fail(message, SALTUS_STALLED, "these contacts cannot hold together");
-    saltus_contact_map_settle(self->system, &self->hold, self->state);
+    saltus_contact_map_settle(self->system, &self->hold, flow->state);
     saltus_lane_scatter_all(flow, lane);
     return SALTUS_OK;
 }
@@ -32,16 +32,16 @@ saltus_status saltus_flow_coast(saltus_flow *flow, int lane, saltus_time until, 
                                 saltus_message *message) {
     saltus_lane *self = &flow->lane[lane];
     saltus_event event;
-    double ahead = (double)(until.cycle - self->now.cycle) + (until.phase - self->now.phase);
+    double ahead = saltus_time_between(self->now, until);
     if (!(ahead >= 0))
         return saltus_fail(message, SALTUS_NO_CONVERGENCE, "prescribed events change their order");
     if (ahead == 0)
         return SALTUS_OK;
-    self->coasting = true;
-    self->extremes = extremes;
+    self->target.coasting = true;
+    self->target.extremes = extremes;
     saltus_flow_aim(flow, lane, until, 0);
     saltus_status status = saltus_flow_run(flow, &lane, &event, message);
-    self->coasting = false;
+    self->target.coasting = false;
     return status;
 }
 
@@ -51,20 +51,20 @@ static bool release_equation(saltus_flow *flow, int lane, int face, saltus_strik
     saltus_lane *self = &flow->lane[lane];
     saltus_work *w = &flow->work;
     double acceleration[SALTUS_MODES_MAX], jerk[SALTUS_MODES_MAX], delta[SALTUS_MODES_MAX];
-    unsigned contacts = self->contacts;
+    unsigned contacts = self->hold.faces;
     if (!saltus_contacts_set(flow, lane, contacts & ~(1u << face)))
         return false;
-    w->phase[lane] = self->now.phase;
+    w->lane->phase[lane] = self->now.phase;
     flow->kernel->expand(w, 2);
     for (int i = 0; i < flow->dof; i++) {
-        acceleration[i] = w->v[saltus_work_jet(w, 1, 0) + (size_t)(i * w->stride + lane)];
-        jerk[i] = 2 * w->v[saltus_work_jet(w, 2, 0) + (size_t)(i * w->stride + lane)];
+        acceleration[i] = w->jet.v[saltus_work_place(w, 1, 0, i, lane)];
+        jerk[i] = 2 * w->jet.v[saltus_work_place(w, 2, 0, i, lane)];
     }
     strike->equation = saltus_face_normal(self->system, face, acceleration);
     strike->equation_rate = saltus_face_normal(self->system, face, jerk);
     for (int c = 0; c < flow->options.columns; c++) {
         for (int i = 0; i < flow->dof; i++)
-            delta[i] = w->v[saltus_work_jet(w, 1, c + 1) + (size_t)(i * w->stride + lane)];
+            delta[i] = w->jet.v[saltus_work_place(w, 1, c + 1, i, lane)];
         strike->equation_gradient[c] = saltus_column_normal(flow, lane, face, c, acceleration, delta);
     }
     return saltus_contacts_set(flow, lane, contacts);
@@ -72,13 +72,13 @@ static bool release_equation(saltus_flow *flow, int lane, int face, saltus_strik
 
 static void gap_equation(saltus_flow *flow, int lane, int face, saltus_strike *strike) {
     const saltus_lane *self = &flow->lane[lane];
-    strike->equation = saltus_system_gap(self->system, face, self->state);
-    strike->equation_rate = saltus_face_normal(self->system, face, self->state + flow->dof);
+    strike->equation = saltus_system_gap(self->system, face, flow->state);
+    strike->equation_rate = saltus_face_normal(self->system, face, flow->state + flow->dof);
     for (int c = 0; c < flow->options.columns; c++)
         strike->equation_gradient[c] = saltus_column_gap(flow, lane, face, c);
 }
 
-/* The event's law on state and tangent vectors; self->before becomes DP f-. */
+/* The event's law on state and tangent vectors; flow->before becomes DP f-. */
 static bool apply_law(saltus_flow *flow, int lane, saltus_event_kind kind, int face) {
     saltus_lane *self = &flow->lane[lane];
     int n = flow->dof;
@@ -87,22 +87,22 @@ static bool apply_law(saltus_flow *flow, int lane, saltus_event_kind kind, int f
     memset(self->face, 0, sizeof self->face);
     if (kind == SALTUS_RELEASE) {
         self->face[face].touch = 3;
-        return saltus_contacts_set(flow, lane, self->contacts & ~elastic & ~(1u << face));
+        return saltus_contacts_set(flow, lane, self->hold.faces & ~elastic & ~(1u << face));
     }
     saltus_contact_map *map = &flow->scratch;
-    if (!saltus_contact_map_build(self->system, self->contacts | 1u << face, elastic, map))
+    if (!saltus_contact_map_build(self->system, self->hold.faces | 1u << face, elastic, map))
         return false;
-    memcpy(velocity, self->state + n, (size_t)n * sizeof *velocity);
-    saltus_contact_map_apply(map, n, self->state + n);
-    saltus_contact_map_apply(map, n, self->before + n);
+    memcpy(velocity, flow->state + n, (size_t)n * sizeof *velocity);
+    saltus_contact_map_apply(map, n, flow->state + n);
+    saltus_contact_map_apply(map, n, flow->before + n);
     for (int c = 0; c < flow->options.columns; c++)
         saltus_column_impact(flow, lane, map, elastic, velocity, c);
     if (kind == SALTUS_IMPACT) {
         self->face[face].touch = 1;
         return true;
     }
-    memcpy(self->before, self->state + n, (size_t)n * sizeof *velocity);
-    if (!saltus_contacts_set(flow, lane, self->contacts | 1u << face))
+    memcpy(flow->before, flow->state + n, (size_t)n * sizeof *velocity);
+    if (!saltus_contacts_set(flow, lane, self->hold.faces | 1u << face))
         return false;
     saltus_flow_keep_contacts(flow, lane);
     return true;
@@ -112,18 +112,18 @@ saltus_status saltus_flow_strike(saltus_flow *flow, int lane, saltus_event_kind 
                                  saltus_strike *strike, saltus_message *message) {
     saltus_lane *self = &flow->lane[lane];
     saltus_lane_gather_all(flow, lane);
-    saltus_field_at(flow, lane, self->state, self->now.phase, &self->hold, self->before);
-    strike->speed = saltus_face_normal(self->system, face, self->state + flow->dof);
+    saltus_field_at(flow, lane, flow->state, self->now.phase, &self->hold, flow->before);
+    strike->speed = saltus_face_normal(self->system, face, flow->state + flow->dof);
     bool sound = true;
     if (kind == SALTUS_RELEASE)
-        sound = self->contacts >> face & 1 && release_equation(flow, lane, face, strike);
+        sound = self->hold.faces >> face & 1 && release_equation(flow, lane, face, strike);
     else
         gap_equation(flow, lane, face, strike);
     if (!sound || !apply_law(flow, lane, kind, face))
         return saltus_fail(message, SALTUS_STALLED, "a prescribed event has no solution");
-    saltus_field_at(flow, lane, self->state, self->now.phase, &self->hold, self->after);
+    saltus_field_at(flow, lane, flow->state, self->now.phase, &self->hold, flow->after);
     for (int i = 0; i < flow->dimension; i++)
-        strike->shift[i] = self->before[i] - self->after[i];
+        strike->shift[i] = flow->before[i] - flow->after[i];
     saltus_lane_scatter_all(flow, lane);
     if (flow->radau)
         saltus_radau_impact(flow->radau);

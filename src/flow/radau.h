@@ -13,7 +13,7 @@ typedef struct saltus_radau saltus_radau;
 /* A stiff integrator for one system and a number of tangent columns, the last ones of them parameter columns.
  * All memory is allocated here. */
 saltus_status saltus_radau_open(saltus_radau **radau, const saltus_system *system, int columns,
-                                int directions, const saltus_work *tolerances);
+                                int directions, saltus_tolerance tolerance);
 /* Take another system of the same shape; directions are forgotten. */
 void saltus_radau_retune(saltus_radau *radau, const saltus_system *system);
 /* How the system changes along a direction. */
@@ -26,10 +26,10 @@ void saltus_radau_reset(saltus_radau *radau);
 void saltus_radau_impact(saltus_radau *radau);
 /* Take over the held contacts from the flow's work. */
 void saltus_radau_publish(saltus_radau *radau, const saltus_work *work);
-/* From the state and phase in `work`, make one step, which may reach beyond `limit`, the target, where the
- * flow cuts it. Fills the work's jets (monomials in time, up to SALTUS_RADAU_DEGREE), gap and force series,
- * and work->step. Field evaluations are added to *evaluations. Errors: SALTUS_STALLED when no step converges.
- */
-saltus_status saltus_radau_step(saltus_radau *radau, saltus_work *work, double limit, long long *evaluations);
+/* From the state and phase in `work`, make one step, which may reach beyond the target (what is left), where
+ * the flow cuts it. Fills the work's jets (monomials in time, up to SALTUS_RADAU_DEGREE), gap and force
+ * series, and its step. Field evaluations are added to *evaluations. Errors: SALTUS_STALLED when no step
+ * converges. */
+saltus_status saltus_radau_step(saltus_radau *radau, saltus_work *work, long long *evaluations);
 
 #endif

@@ -14,17 +14,15 @@
 
 struct saltus_map {
     saltus_arena arena;
-    const saltus_system *system;
     saltus_section section;
     saltus_flow *flow;
     bool derivative;
-    int n; /* state dimension */
-    int dimension;
-    double *state;
+    int n;            /* of the state */
+    int dimension;    /* with the time where the section has one */
+    double period;    /* of the forcing */
     double *start;    /* field at the step's start */
     double *finish;   /* field at the section */
     double *tangents; /* n columns of length n */
-    double *identity;
     double *delays;
 };
 
@@ -34,11 +32,9 @@ saltus_section saltus_section_defaults(void) {
 
 static void reserve(saltus_map *map) {
     size_t n = (size_t)map->n, columns = map->derivative ? n : 0;
-    map->state = saltus_arena_doubles(&map->arena, n);
     map->start = saltus_arena_doubles(&map->arena, n);
     map->finish = saltus_arena_doubles(&map->arena, n);
     map->tangents = saltus_arena_doubles(&map->arena, columns * n);
-    map->identity = saltus_arena_doubles(&map->arena, columns * n);
     map->delays = saltus_arena_doubles(&map->arena, columns);
 }
 
@@ -69,11 +65,11 @@ saltus_status saltus_map_new(const saltus_system *system, const saltus_section *
     saltus_map *made = calloc(1, sizeof *made);
     if (!made)
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the map");
-    made->system = system;
     made->section = *section;
     made->derivative = derivative;
     made->n = saltus_system_dimension(system);
     made->dimension = made->n + (section->kind != SALTUS_SECTION_STROBOSCOPIC);
+    made->period = saltus_system_period(system);
     status = saltus_flow_single(system, derivative ? made->n : 0, options, &made->flow, message);
     reserve(made);
     if (status == SALTUS_OK && !saltus_arena_open(&made->arena))
@@ -83,8 +79,6 @@ saltus_status saltus_map_new(const saltus_system *system, const saltus_section *
         return status;
     }
     reserve(made);
-    for (int i = 0; derivative && i < made->n; i++)
-        made->identity[i * made->n + i] = 1;
     *map = made;
     return SALTUS_OK;
 }
@@ -107,31 +101,31 @@ const saltus_flow *saltus_map_flow(const saltus_map *map) {
 saltus_status saltus_map_reset(saltus_map *map, const double *point, saltus_message *message) {
     double phase = map->section.phase;
     if (map->dimension > map->n)
-        phase = point[map->n] / saltus_system_period(map->system);
+        phase = point[map->n] / map->period;
     return saltus_flow_start(map->flow, 0, (saltus_time){0, phase}, point, message);
 }
 
 /* To the next section point. */
 static saltus_status pass(saltus_map *map, saltus_event *event, saltus_message *message) {
-    saltus_time now = saltus_flow_time(map->flow, 0), until = now;
+    const saltus_section *section = &map->section;
+    const bool timed = section->kind == SALTUS_SECTION_STROBOSCOPIC;
+    saltus_time until = saltus_flow_time(map->flow, 0);
     unsigned watch = 0;
-    if (map->section.kind == SALTUS_SECTION_STROBOSCOPIC) {
-        until.cycle += now.phase >= map->section.phase;
-        until.phase = map->section.phase;
+    if (timed) {
+        until.cycle += until.phase >= section->phase;
+        until.phase = section->phase;
     } else {
-        double whole = floor(map->section.patience);
-        until.phase += map->section.patience - whole;
-        until.cycle += (long long)whole + (until.phase >= 1);
-        until.phase -= until.phase >= 1;
+        double whole = floor(section->patience);
+        until.cycle += (long long)whole;
+        until.phase += section->patience - whole;
         watch = SALTUS_WATCH_IMPACT | SALTUS_WATCH_STICK;
-        if (map->section.kind == SALTUS_SECTION_TURNING)
+        if (section->kind == SALTUS_SECTION_TURNING)
             watch |= SALTUS_WATCH_TURNING;
     }
     saltus_status status = saltus_flow_advance(map->flow, until, watch, event, message);
-    if (status == SALTUS_OK && map->section.kind != SALTUS_SECTION_STROBOSCOPIC &&
-        event->kind == SALTUS_REACHED)
+    if (status == SALTUS_OK && !timed && event->kind == SALTUS_REACHED)
         status = saltus_fail(message, SALTUS_NO_CONVERGENCE, "no section point within %g periods",
-                             map->section.patience);
+                             section->patience);
     return status;
 }
 
@@ -139,7 +133,10 @@ saltus_status saltus_map_step(saltus_map *map, double *point, saltus_event *even
     saltus_event last = {.kind = SALTUS_REACHED, .face = -1};
     saltus_status status = SALTUS_OK;
     if (map->derivative) {
-        saltus_flow_set_tangents(map->flow, 0, map->identity);
+        memset(map->tangents, 0, (size_t)(map->n * map->n) * sizeof *map->tangents);
+        for (int i = 0; i < map->n; i++)
+            map->tangents[i * map->n + i] = 1;
+        saltus_flow_set_tangents(map->flow, 0, map->tangents);
         saltus_flow_field(map->flow, 0, map->start);
     }
     for (int k = 0; k < map->section.iterate && status == SALTUS_OK; k++)
@@ -150,7 +147,7 @@ saltus_status saltus_map_step(saltus_map *map, double *point, saltus_event *even
         return status;
     saltus_flow_state(map->flow, 0, point);
     if (map->dimension > map->n)
-        point[map->n] = saltus_flow_time(map->flow, 0).phase * saltus_system_period(map->system);
+        point[map->n] = saltus_flow_time(map->flow, 0).phase * map->period;
     return status;
 }
 

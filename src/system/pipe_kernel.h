@@ -50,9 +50,9 @@ static void model_load(saltus_work *w, int lane, const saltus_system *system) {
     double root_beta = c->scalar[pipe_root_beta], u0 = c->scalar[pipe_u0], sigma = c->scalar[pipe_sigma];
     double single = 1, twice = 1;
     for (int k = 0; k < w->order_span; k++) {
-        double *t = w->table + (size_t)k * (size_t)w->lanes + lane;
+        double *t = w->loaded.table + (size_t)k * (size_t)w->lanes + lane;
         size_t stride = (size_t)w->order_span * (size_t)w->lanes;
-        double matters = c->terms & SALTUS_TERM_FORCED && k <= w->lane_orders[lane];
+        double matters = c->terms & SALTUS_TERM_FORCED && k <= w->loaded.lane_orders[lane];
         double sine = k & 2 ? -matters : matters, cosine = (k + 1) & 2 ? -matters : matters;
         t[table_velocity * stride] = 2 * root_beta * u0 * sigma * single * sine;
         t[table_gradient * stride] = root_beta * u0 * sigma * system->omega * single * cosine;
@@ -261,7 +261,7 @@ KERNEL_INLINE void model_two(frame f, int k, int c, model_pair *resting, model_p
         resting->next[p] *= ROW(pipe_lambda2)[p];
     }
     if (coupled && forced)
-        row_couple_two(resting->now, resting->next, f.coupling[pipe_gradient], slope.now, slope.next, f.dof,
+        row_couple_two(resting->now, resting->next, f.loaded.coupling[pipe_gradient], slope.now, slope.next, f.dof,
                        f.packs);
     FOR_ROW_BLOCKS(f, first, count, model_moving(f, k, c, first, count, moving));
     if (cubic && c > 0)
@@ -343,7 +343,7 @@ KERNEL_INLINE void model_order(frame f, int k, int c, double inverse, saltus_pac
         moving.now[p] = saltus_pack_fma(steady, velocity[p], moving.now[p]);
     }
     if (coupled)
-        row_couple(next, f.coupling[pipe_gyroscopic], moving.now, f.dof, f.packs);
+        row_couple(next, f.loaded.coupling[pipe_gyroscopic], moving.now, f.dof, f.packs);
     for (int p = 0; p < f.packs; p++)
         next[p] *= -inverse;
     if (k == 0)
@@ -370,7 +370,7 @@ KERNEL_INLINE void model_vary_forcing(frame f, int d, int order, lane_t sine, la
     const lane_t rate_pulsation = (rate_u0 * sigma + u0 * rate_sigma) * omega + u0 * sigma * rate_omega;
     lane_t s = sine, c = cosine, s2 = 2.0 * sine * cosine, c2 = 1.0 - 2.0 * sine * sine;
     lane_t before_s = lane_constant(0), before_c = before_s, before_s2 = before_s;
-    const int last = order < f.vary_orders ? order : f.vary_orders;
+    const int last = order < f.vary.orders ? order : f.vary.orders;
     for (int k = 0; k <= last; k++) {
         const double one = k == 0;
         const lane_t later_s = rate_omega * (elapsed * s + before_s),
@@ -401,7 +401,7 @@ KERNEL_INLINE void model_vary_forcing(frame f, int d, int order, lane_t sine, la
 KERNEL_INLINE void model_vary_tension(frame f, int k, int d) {
     const lane_t rate = *VARY_SCALAR(d, pipe_kappa);
     const lane_t damping = rate * *SCALAR(pipe_alpha) + *SCALAR(pipe_kappa) * *VARY_SCALAR(d, pipe_alpha);
-    lane_t tension = k <= f.vary_orders ? *VARY_DRIVE(d, vary_tension, k) : lane_constant(0);
+    lane_t tension = k <= f.vary.orders ? *VARY_DRIVE(d, vary_tension, k) : lane_constant(0);
     if (f.terms & SALTUS_TERM_CUBIC)
         tension +=
             rate * *SERIES(series_square, k, 0) + damping * (k + 1.0) * *SERIES(series_square, k + 1, 0);
@@ -411,7 +411,7 @@ KERNEL_INLINE void model_vary_tension(frame f, int k, int d) {
 /* The derivative of the field itself along a direction, at order k of the trajectory: the same three products
  * with the derivatives of the scalar series. */
 KERNEL_INLINE void model_source(frame f, int k, int c, int d, double inverse, saltus_pack *next) {
-    const int forced = k < f.vary_orders ? k : f.vary_orders, last = f.terms & SALTUS_TERM_CUBIC ? k : forced;
+    const int forced = k < f.vary.orders ? k : f.vary.orders, last = f.terms & SALTUS_TERM_CUBIC ? k : forced;
     saltus_pack source[ROW_PACKS_MAX], resting[ROW_PACKS_MAX], moving[ROW_PACKS_MAX];
     (void)c;
     model_vary_tension(f, k, d);
@@ -430,8 +430,8 @@ KERNEL_INLINE void model_source(frame f, int k, int c, int d, double inverse, sa
         }
         source[p] = ROW(pipe_lambda2)[p] * tension + VARY_ROW(d, pipe_damping)[p] * v[0];
     }
-    row_couple(source, f.coupling[pipe_gradient], resting, f.dof, f.packs);
-    row_couple(source, f.coupling[pipe_gyroscopic], moving, f.dof, f.packs);
+    row_couple(source, f.loaded.coupling[pipe_gradient], resting, f.dof, f.packs);
+    row_couple(source, f.loaded.coupling[pipe_gyroscopic], moving, f.dof, f.packs);
     for (int p = 0; p < f.packs; p++)
         next[p] -= source[p] * inverse;
 }
