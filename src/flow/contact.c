@@ -67,7 +67,7 @@ static bool pressed(const saltus_system *system, const saltus_work *probe, int f
     return true;
 }
 
-/* The subset of a set of faces that comes next where small ones come first; the last one is the set. */
+/* The next subset of a set of faces in the order of size: from the empty one to the set itself. */
 static unsigned next_subset(unsigned set, unsigned subset) {
     int size = saltus_count_bits(subset);
     do {
@@ -226,7 +226,7 @@ static void saltate_apart(saltus_flow *flow, int lane, int hit, const saltus_con
         }
 }
 
-/* How far a stop's coordinate moves with the modes: near a support these move by much more. */
+/* How far a stop's coordinate moves when the modes move by 1, at most 1: much less near a support. */
 static double reach_of(const saltus_system *system, int face) {
     const double *normal = system->stop_normal[system->faces[face].stop];
     return fmin(1, sqrt(saltus_dot(normal, normal, system->dof)));

@@ -7,13 +7,16 @@
 #include <math.h>
 #include <string.h>
 
+double saltus_dot(const double *a, const double *b, int n) {
+    double sum = 0;
+    for (int i = 0; i < n; i++)
+        sum = fma(a[i], b[i], sum);
+    return sum;
+}
+
 double saltus_face_normal(const saltus_system *system, int face, const double *vector) {
     saltus_face f = system->faces[face];
-    const double *normal = system->stop_normal[f.stop];
-    double sum = 0;
-    for (int i = 0; i < system->dof; i++)
-        sum = fma(normal[i], vector[i], sum);
-    return f.side * sum;
+    return f.side * saltus_dot(system->stop_normal[f.stop], vector, system->dof);
 }
 
 bool saltus_contact_map_build(const saltus_system *system, unsigned faces, unsigned elastic,
@@ -82,13 +85,6 @@ void saltus_contact_map_vary(const saltus_system *system, const saltus_contact_m
                 pull[k * n + i] = fma(map->inverse[k * m + j], change[j][i], pull[k * n + i]);
 }
 
-double saltus_dot(const double *a, const double *b, int n) {
-    double sum = 0;
-    for (int i = 0; i < n; i++)
-        sum = fma(a[i], b[i], sum);
-    return sum;
-}
-
 void saltus_contact_map_apply(const saltus_contact_map *map, int dof, double *velocity) {
     double size[SALTUS_FACES_MAX];
     for (int k = 0; k < map->count; k++)
@@ -98,17 +94,20 @@ void saltus_contact_map_apply(const saltus_contact_map *map, int dof, double *ve
             velocity[i] = fma(-size[k], map->push[k * dof + i], velocity[i]);
 }
 
+void saltus_contact_map_share_out(const saltus_contact_map *map, int dof, const double *excess,
+                                  double *vector) {
+    for (int k = 0; k < map->count; k++) {
+        double share = saltus_dot(map->inverse + k * map->count, excess, map->count);
+        for (int i = 0; i < dof; i++)
+            vector[i] = fma(-share, map->push[k * dof + i], vector[i]);
+    }
+}
+
 void saltus_contact_map_settle(const saltus_system *system, const saltus_contact_map *map, double *state) {
     double gap[SALTUS_FACES_MAX];
     for (int k = 0; k < map->count; k++)
         gap[k] = saltus_system_gap(system, map->face[k], state);
-    for (int k = 0; k < map->count; k++) {
-        double share = 0;
-        for (int j = 0; j < map->count; j++)
-            share = fma(map->inverse[k * map->count + j], gap[j], share);
-        for (int i = 0; i < system->dof; i++)
-            state[i] = fma(-share, map->push[k * system->dof + i], state[i]);
-    }
+    saltus_contact_map_share_out(map, system->dof, gap, state);
     saltus_contact_map_apply(map, system->dof, state + system->dof);
 }
 

@@ -97,15 +97,6 @@ void saltus_column_impact(saltus_flow *flow, int lane, const saltus_contact_map 
     }
 }
 
-/* Take what is too much at each held face off a tangent vector's displacements or velocities. */
-static void share_out(const saltus_contact_map *map, int n, const double *excess, double *delta) {
-    for (int k = 0; k < map->count; k++) {
-        double share = saltus_dot(map->inverse + k * map->count, excess, map->count);
-        for (int i = 0; i < n; i++)
-            delta[i] = fma(-share, map->push[k * n + i], delta[i]);
-    }
-}
-
 void saltus_column_settle(saltus_flow *flow, int lane, int column) {
     saltus_lane *self = &flow->lane[lane];
     const saltus_contact_map *map = &self->hold;
@@ -118,10 +109,10 @@ void saltus_column_settle(saltus_flow *flow, int lane, int column) {
     }
     for (int k = 0; k < map->count; k++)
         excess[k] = saltus_column_gap(flow, lane, map->face[k], column);
-    share_out(map, n, excess, delta);
+    saltus_contact_map_share_out(map, n, excess, delta);
     for (int k = 0; k < map->count; k++)
         excess[k] = saltus_column_normal(flow, lane, map->face[k], column, flow->state + n, delta + n);
-    share_out(map, n, excess, delta + n);
+    saltus_contact_map_share_out(map, n, excess, delta + n);
 }
 
 double saltus_column_observer(const saltus_flow *flow, int column, const double *vector) {

@@ -51,24 +51,17 @@ saltus_status saltus_kernel_check(saltus_message *message) {
     return SALTUS_OK;
 }
 
-static isa_level allowed_level(void) {
-    isa_level level = processor_level();
-    const char *forced = getenv("SALTUS_ISA");
-    isa_level cap = forced ? (isa_level)forced_level(forced) : level;
-    return cap < level ? cap : level;
-}
-
 const saltus_kernel *saltus_kernel_find(const char *model, int lanes) {
-    isa_level level = allowed_level();
+    const char *forced = getenv("SALTUS_ISA");
+    const int level = processor_level(), cap = forced ? forced_level(forced) : level;
     const saltus_kernel *best = NULL;
-    isa_level best_isa = isa_base;
+    /* The build lists a model's kernels from the lowest instruction set up. */
     for (size_t k = 0; k < sizeof kernels / sizeof kernels[0]; k++) {
         const saltus_kernel *kernel = kernels[k].kernel;
-        bool fits = strcmp(kernel->model, model) == 0 && (lanes == 1) == (kernel->lanes == 1);
-        if (fits && kernels[k].isa <= level && (!best || kernels[k].isa >= best_isa)) {
+        const int isa = kernels[k].isa;
+        if (strcmp(kernel->model, model) == 0 && (lanes == 1) == (kernel->lanes == 1) && isa <= level &&
+            isa <= cap)
             best = kernel;
-            best_isa = kernels[k].isa;
-        }
     }
     return best;
 }

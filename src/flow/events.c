@@ -39,14 +39,6 @@ static void force_polynomial(const saltus_flow *flow, int lane, int contact, dou
     scaled_series(flow, lane, flow->work.hold.force, contact, 0, -1, degree_of(flow) - 2, step, c);
 }
 
-/* Whether sum of c is surely negative on [0, 1]: the start plus all that can lift it. */
-static bool surely_negative(const double *c, int degree) {
-    double bound = c[0];
-    for (int k = 1; k <= degree; k++)
-        bound += c[k] > 0 ? c[k] : 0;
-    return bound < -1e-14 * fabs(c[0]);
-}
-
 /* First rise of c through zero on (0, 1], the first `touch` coefficients being zeros at the start and not
  * counted. Where c falls from a start above zero by rounding, its rise is sought after that fall; otherwise
  * such a start is a rise at once. */
@@ -57,7 +49,11 @@ static bool first_rise(const double *c, int degree, int touch, double *root) {
         *root = 0;
         return true;
     }
-    if (surely_negative(c + touch, degree - touch))
+    /* Most polynomials stay negative even if all that can lift them comes at once. */
+    double bound = c[touch];
+    for (int k = touch + 1; k <= degree; k++)
+        bound += c[k] > 0 ? c[k] : 0;
+    if (bound < -1e-14 * fabs(c[touch]))
         return false;
     return saltus_isolate_rise(c + touch, degree - touch, root);
 }

@@ -131,6 +131,9 @@ void saltus_contact_map_apply(const saltus_contact_map *map, int dof, double *ve
 /* The derivative of a map along a direction: push and pull of the map's layout. */
 void saltus_contact_map_vary(const saltus_system *system, const saltus_contact_map *map, unsigned elastic,
                              const saltus_variation *variation, double *push, double *pull);
+/* Take what is too much at each face of a map off displacements or velocities. */
+void saltus_contact_map_share_out(const saltus_contact_map *map, int dof, const double *excess,
+                                  double *vector);
 /* Bring a state exactly onto the faces of a map without restitution: gaps and normal velocities zero. */
 void saltus_contact_map_settle(const saltus_system *system, const saltus_contact_map *map, double *state);
 /* Normal velocity or acceleration towards a face. */

@@ -14,8 +14,9 @@
 #define PACKS(place) ((saltus_pack *)(void *)(place))
 #define NUMBERS(place) ((lane_t *)(void *)(place))
 
-/* What expanding a step needs of a work, by value: a store through a pack may alias the work itself, which
- * would then be read anew after each. Sizes become constants where the common case is compiled on its own. */
+/* What expanding a step needs of a work, by value: a store through a pack may alias the work itself, whose
+ * members the compiler would have to read again after every store. Sizes become constants where the common
+ * case is compiled on its own. */
 typedef struct frame {
     unsigned terms;
     int packs;      /* per row */
@@ -163,7 +164,7 @@ enum { sign_shift = 63, exponent_shift = 52, exponent_bias = 1023 }; /* of a dou
 /* A number whose sum with a small one holds the small one's nearest whole number in its last bits. */
 static const double rounder = 6755399441055744.0;
 
-/* Eight coefficients by Estrin's scheme: three products deep. */
+/* Sum of c_k x^k, k < 8, by Estrin's scheme: three products deep. */
 KERNEL_INLINE lane_t polynomial8(const double *c, lane_t x) {
     const lane_t x2 = x * x, x4 = x2 * x2;
     lane_t pair[4];
@@ -421,8 +422,9 @@ static void measure(saltus_work *w) {
     for (int c = 0; c <= w->columns; c++) {
         const lane_t change = limit * column_norm(w, 1, c);
         lane_t size = column_norm(w, 0, c);
-        /* A parameter column starts at zero: its size is what its rate makes of it. So is the size of a state
-         * at rest in the origin, but a millionth of it, which affects no other state. */
+        /* A parameter column starts at zero, so what its rate makes of it in a step counts as size, too. A
+         * state at rest in the origin has no size either: there a millionth of that change stands for it,
+         * which is too small to matter for any other state. */
         if (c > steady)
             size += change;
         else

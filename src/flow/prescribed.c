@@ -70,14 +70,6 @@ static bool release_equation(saltus_flow *flow, int lane, int face, saltus_strik
     return saltus_contacts_set(flow, lane, contacts);
 }
 
-static void gap_equation(saltus_flow *flow, int lane, int face, saltus_strike *strike) {
-    const saltus_lane *self = &flow->lane[lane];
-    strike->equation = saltus_system_gap(self->system, face, flow->state);
-    strike->equation_rate = saltus_face_normal(self->system, face, flow->state + flow->dof);
-    for (int c = 0; c < flow->options.columns; c++)
-        strike->equation_gradient[c] = saltus_column_gap(flow, lane, face, c);
-}
-
 /* The event's law on state and tangent vectors; flow->before becomes DP f-. */
 static bool apply_law(saltus_flow *flow, int lane, saltus_event_kind kind, int face) {
     saltus_lane *self = &flow->lane[lane];
@@ -86,8 +78,8 @@ static bool apply_law(saltus_flow *flow, int lane, saltus_event_kind kind, int f
     double velocity[SALTUS_MODES_MAX];
     memset(self->face, 0, sizeof self->face);
     if (kind == SALTUS_RELEASE) {
-        self->face[face].touch = 3;
-        return saltus_contacts_set(flow, lane, self->hold.faces & ~elastic & ~(1u << face));
+        self->face[face].touch = 3; /* gap, its rate and its acceleration are zero */
+        return saltus_contacts_set(flow, lane, self->hold.faces & ~(1u << face));
     }
     saltus_contact_map *map = &flow->scratch;
     if (!saltus_contact_map_build(self->system, self->hold.faces | 1u << face, elastic, map))
@@ -101,6 +93,7 @@ static bool apply_law(saltus_flow *flow, int lane, saltus_event_kind kind, int f
         self->face[face].touch = 1;
         return true;
     }
+    /* A stick puts displacements onto the stop, too: DP takes the approach off their rates. */
     memcpy(flow->before, flow->state + n, (size_t)n * sizeof *velocity);
     if (!saltus_contacts_set(flow, lane, self->hold.faces | 1u << face))
         return false;
@@ -115,10 +108,14 @@ saltus_status saltus_flow_strike(saltus_flow *flow, int lane, saltus_event_kind 
     saltus_field_at(flow, lane, flow->state, self->now.phase, &self->hold, flow->before);
     strike->speed = saltus_face_normal(self->system, face, flow->state + flow->dof);
     bool sound = true;
-    if (kind == SALTUS_RELEASE)
+    if (kind == SALTUS_RELEASE) {
         sound = self->hold.faces >> face & 1 && release_equation(flow, lane, face, strike);
-    else
-        gap_equation(flow, lane, face, strike);
+    } else {
+        strike->equation = saltus_system_gap(self->system, face, flow->state);
+        strike->equation_rate = strike->speed;
+        for (int c = 0; c < flow->options.columns; c++)
+            strike->equation_gradient[c] = saltus_column_gap(flow, lane, face, c);
+    }
     if (!sound || !apply_law(flow, lane, kind, face))
         return saltus_fail(message, SALTUS_STALLED, "a prescribed event has no solution");
     saltus_field_at(flow, lane, flow->state, self->now.phase, &self->hold, flow->after);
