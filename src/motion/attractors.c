@@ -1,7 +1,5 @@
 /* Distinct attractors from random initial states.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "saltus/motion.h"
-
 #include "motion/motion.h"
 #include "motion/verdict.h"
 
@@ -35,27 +33,10 @@ static void order_by_share(saltus_attractors *found) {
         }
 }
 
-/* A caller who has once refused to go on is not asked again. */
-typedef struct caller {
-    const saltus_classify_options *options;
-    bool refused;
-} caller;
-
-static bool ask(void *context, long long periods, long long at_most) {
-    caller *self = context;
-    const saltus_classify_options *o = self->options;
-    self->refused = self->refused || !o->progress(o->context, periods, at_most);
-    return !self->refused;
-}
-
 saltus_status saltus_attractors_find(const saltus_system *system, int seeds, unsigned long seed,
                                      const saltus_classify_options *options, saltus_attractors *attractors,
                                      saltus_message *message) {
     *attractors = (saltus_attractors){.seeds = seeds};
-    caller self = {.options = options};
-    saltus_classify_options asking = *options;
-    asking.progress = options->progress ? ask : NULL;
-    asking.context = &self;
     if (seeds < 1 || seeds > 1000000)
         return saltus_fail(message, SALTUS_BAD_INPUT, "seeds = %d: must be from 1 to 1000000", seeds);
     double state[SALTUS_STATE_MAX];
@@ -69,22 +50,20 @@ saltus_status saltus_attractors_find(const saltus_system *system, int seeds, uns
         gsl_rng_set(rng, seed);
     for (int k = 0; k < attractors->seeds && status == SALTUS_OK; k++) {
         saltus_motion motion = {0};
+        bool stopped = false;
         status = saltus_state_random(system, rng, state, message);
         if (status == SALTUS_OK)
-            status = saltus_classify(system, state, &asking, &motion, message);
-        /* A classification that was interrupted before it settled says nothing of an attractor. */
-        bool asked_to = self.refused || saltus_motion_stopped(&options->flow),
-             stopped = asked_to && !saltus_verdict_settled(motion.verdict);
-        if (status == SALTUS_INTERRUPTED || (status == SALTUS_OK && stopped)) {
-            saltus_motion_clear(&motion);
-            attractors->seeds = k;
+            status = saltus_motion_classify(system, state, options, &motion, &stopped, message);
+        stopped |= status == SALTUS_INTERRUPTED;
+        if (stopped)
+            attractors->seeds = k + saltus_verdict_settled(motion.verdict);
+        if (status == SALTUS_INTERRUPTED)
             status = SALTUS_OK;
-            break;
-        }
-        if (status == SALTUS_OK)
+        /* A classification that was stopped before it settled says nothing of an attractor. */
+        if (status == SALTUS_OK && k < attractors->seeds)
             sort_in(system, attractors, &motion);
-        if (self.refused)
-            attractors->seeds = k + 1;
+        else
+            saltus_motion_clear(&motion);
     }
     if (rng)
         gsl_rng_free(rng);

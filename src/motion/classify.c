@@ -1,8 +1,6 @@
 /* Classification of a motion (model.md, section 4): what its trajectory settles on, or else what it is
  * without a period.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "saltus/motion.h"
-
 #include "motion/search.h"
 
 #include <math.h>
@@ -12,26 +10,7 @@ enum {
     longest_period = 1024
 };
 
-/* What is concluded while flows are being stopped is no evidence: the motion is undecided. */
-static saltus_status drop_verdict(saltus_search *s, saltus_motion *motion) {
-    saltus_motion_forget_evidence(motion);
-    motion->verdict = SALTUS_UNDECIDED;
-    motion->lyapunov = motion->lyapunov_error = NAN;
-    s->stopped = true;
-    return SALTUS_OK;
-}
-
-static saltus_status check_options(const saltus_classify_options *options, saltus_message *message) {
-    if (options->transient < 1 || options->longest < 1 || options->longest > longest_period ||
-        options->measure < 0)
-        return saltus_fail(message, SALTUS_BAD_INPUT,
-                           "transient must be at least 1, the longest period from 1 to %d, the periods "
-                           "measured at least 0",
-                           longest_period);
-    return SALTUS_OK;
-}
-
-/* A motion in which nothing irregular goes on: look for longer periods than were asked for. */
+/* Nothing irregular goes on in the motion: look for longer periods than were asked for. */
 static saltus_status find_long_period(saltus_search *s, saltus_motion *motion, saltus_message *message) {
     saltus_classify_options options = *s->options;
     saltus_motion found = {0};
@@ -53,9 +32,11 @@ static saltus_status find_long_period(saltus_search *s, saltus_motion *motion, s
 /* No period so far: judge, and give a motion that should settle the rest of the time. */
 static saltus_status judge(saltus_search *s, saltus_motion *motion, saltus_message *message) {
     const saltus_classify_options *o = s->options;
-    bool regular;
+    saltus_outcome outcome;
     saltus_flow_state(s->flow, 0, motion->state);
-    saltus_status status = saltus_motion_judge(s->system, o, motion, &regular, &s->stopped, message);
+    saltus_status status = saltus_motion_judge(s->system, o, motion, &outcome, message);
+    bool regular = outcome == SALTUS_OUTCOME_REGULAR || outcome == SALTUS_OUTCOME_LEFT;
+    s->stopped = outcome == SALTUS_OUTCOME_STOPPED;
     if (status != SALTUS_OK || s->stopped || motion->verdict != SALTUS_UNDECIDED)
         return status;
     if (s->settling.count < o->transient)
@@ -63,32 +44,42 @@ static saltus_status judge(saltus_search *s, saltus_motion *motion, saltus_messa
     if (status != SALTUS_OK || s->found || motion->verdict != SALTUS_UNDECIDED)
         return status;
     saltus_flow_state(s->flow, 0, motion->state);
-    if (status == SALTUS_OK && regular && motion->evidence.left == 0)
+    if (regular && motion->evidence.left == 0)
         status = find_long_period(s, motion, message);
     if (status == SALTUS_OK && regular && motion->verdict == SALTUS_UNDECIDED)
         motion->verdict = motion->evidence.left ? SALTUS_TRANSIENT : SALTUS_LONG_PERIOD;
     return status;
 }
 
-saltus_status saltus_classify(const saltus_system *system, const double *state,
-                              const saltus_classify_options *options, saltus_motion *motion,
-                              saltus_message *message) {
+saltus_status saltus_motion_classify(const saltus_system *system, const double *state,
+                                     const saltus_classify_options *options, saltus_motion *motion,
+                                     bool *stopped, saltus_message *message) {
     saltus_search s = {.system = system, .options = options};
     *motion = (saltus_motion){0};
-    saltus_status status = check_options(options, message);
-    if (status != SALTUS_OK)
-        return status;
+    *stopped = false;
+    if (options->transient < 1 || options->longest < 1 || options->longest > longest_period ||
+        options->measure < 0)
+        return saltus_fail(message, SALTUS_BAD_INPUT,
+                           "transient must be at least 1, the longest period from 1 to %d, the periods "
+                           "measured at least 0",
+                           longest_period);
     long long early = options->measure && options->transient > patience * SALTUS_FIRST_BLOCK
                           ? options->transient / patience
                           : options->transient;
-    status = saltus_search_open(&s, state, motion, message);
+    saltus_status status = saltus_search_open(&s, state, motion, message);
     if (status == SALTUS_OK)
         status = saltus_search_run(&s, early, motion, message);
     bool open = status == SALTUS_OK && !s.found && motion->verdict == SALTUS_UNDECIDED && !s.stopped;
     if (open && options->measure)
         status = judge(&s, motion, message);
-    if (open && saltus_motion_stopped(&options->flow) && !saltus_verdict_settled(motion->verdict))
-        status = drop_verdict(&s, motion);
+    if (open && saltus_motion_stopped(&options->flow) && !saltus_verdict_settled(motion->verdict)) {
+        /* What is concluded from flows that are being stopped is no evidence. */
+        saltus_motion_forget_evidence(motion);
+        motion->verdict = SALTUS_UNDECIDED;
+        motion->lyapunov = motion->lyapunov_error = NAN;
+        s.stopped = true;
+        status = SALTUS_OK;
+    }
     bool judged = motion->evidence.periods > 0 && !s.found && !saltus_verdict_settled(motion->verdict);
     if (status == SALTUS_OK && judged)
         status = saltus_motion_survey(system, s.flow, motion, message);
@@ -97,8 +88,16 @@ saltus_status saltus_classify(const saltus_system *system, const double *state,
     /* What has no period shows how far it goes without a verdict, too. */
     if (status == SALTUS_OK && motion->verdict == SALTUS_UNDECIDED && !judged && !s.stopped)
         status = saltus_motion_survey(system, s.flow, motion, message);
+    *stopped = s.stopped;
     saltus_search_close(&s);
     if (status != SALTUS_OK)
         saltus_motion_clear(motion);
     return status;
+}
+
+saltus_status saltus_classify(const saltus_system *system, const double *state,
+                              const saltus_classify_options *options, saltus_motion *motion,
+                              saltus_message *message) {
+    bool stopped;
+    return saltus_motion_classify(system, state, options, motion, &stopped, message);
 }

@@ -1,4 +1,4 @@
-/* What is said of an orbit or a rest: its contact events, section points and extremes once around, its name,
+/* What is said of an orbit or a rest: its contact events, section points and extremes once around, its label,
  * its symmetry.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "motion/motion.h"
@@ -8,12 +8,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A rest that Newton's method moves further than this, relative to the system's scales, is another one. */
+/* Relative to the system's scales. A rest that Newton's method moves further is another one. */
 static const double same_rest = 3e-3;
 static const double same_image = 1e-7; /* a mirror image that is the orbit itself */
 
-/* q(t + pT/2) = -q(t), where half the orbit is an allowed shift: p even for a pulsation, odd for a direct
- * force. */
+/* Whether q(t + pT/2) = -q(t). Half the orbit's period must be a shift that the symmetry allows: whole
+ * forcing periods, or an odd number of half ones. */
 static saltus_status find_mirror(const saltus_system *system, saltus_flow *flow, saltus_motion *motion,
                                  saltus_message *message) {
     bool shift, symmetric = saltus_system_mirror_symmetric(system, &shift);
@@ -47,10 +47,10 @@ static saltus_status measure_forces(const saltus_system *system, const saltus_cl
     return status;
 }
 
-/* Copy what Newton's method and the multipliers say. */
-static bool take_orbit(const saltus_orbit *orbit, double period, saltus_motion *motion) {
+saltus_status saltus_motion_take(const saltus_system *system, saltus_flow *flow, const saltus_orbit *orbit,
+                                 saltus_lap *lap, const saltus_classify_options *options,
+                                 saltus_motion *motion, saltus_message *message) {
     size_t n = (size_t)orbit->dimension;
-    motion->verdict = SALTUS_PERIODIC;
     motion->periods = orbit->periods;
     motion->residual = orbit->residual;
     motion->iterations = orbit->iterations;
@@ -61,18 +61,13 @@ static bool take_orbit(const saltus_orbit *orbit, double period, saltus_motion *
     motion->multiplier_count = orbit->dimension;
     motion->multipliers = calloc(n, sizeof *motion->multipliers);
     if (!motion->multipliers)
-        return false;
+        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the orbit");
     memcpy(motion->multipliers, orbit->multipliers, n * sizeof *motion->multipliers);
     memcpy(motion->state, orbit->state, n * sizeof *motion->state);
     saltus_motion_forget_evidence(motion);
     motion->reason[0] = 0;
-    motion->lyapunov = orbit->multipliers[0].log_modulus / (motion->periods * period);
+    motion->lyapunov = orbit->multipliers[0].log_modulus / (motion->periods * saltus_system_period(system));
     motion->lyapunov_error = 0;
-    return true;
-}
-
-/* Take over what the lap around the orbit has seen. */
-static void take_lap(saltus_lap *lap, saltus_motion *motion) {
     motion->verdict = saltus_lap_held(lap) ? SALTUS_HELD : SALTUS_PERIODIC;
     motion->impacts = saltus_lap_impacts(lap);
     motion->sticking_intervals = saltus_lap_sticking(lap);
@@ -83,14 +78,6 @@ static void take_lap(saltus_lap *lap, saltus_motion *motion) {
     motion->events = lap->events;
     motion->event_count = lap->event_count;
     *lap = (saltus_lap){0};
-}
-
-saltus_status saltus_motion_take(const saltus_system *system, saltus_flow *flow, const saltus_orbit *orbit,
-                                 saltus_lap *lap, const saltus_classify_options *options,
-                                 saltus_motion *motion, saltus_message *message) {
-    if (!take_orbit(orbit, saltus_system_period(system), motion))
-        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the orbit");
-    take_lap(lap, motion);
     saltus_status status = SALTUS_OK;
     if (motion->verdict == SALTUS_HELD)
         status = measure_forces(system, options, motion, message);
@@ -133,9 +120,8 @@ saltus_status saltus_motion_polish(const saltus_system *system, int periods, con
     saltus_orbit orbit = {0};
     *motion = (saltus_motion){0};
     saltus_status status = saltus_orbit_find(system, periods, state, &shooting, &orbit, NULL);
-    bool own = status == SALTUS_OK && saltus_multipliers_stable(orbit.multipliers, orbit.dimension) &&
-               saltus_system_distance(system, orbit.state, state) < near;
-    if (own)
+    if (status == SALTUS_OK && saltus_multipliers_stable(orbit.multipliers, orbit.dimension) &&
+        saltus_system_distance(system, orbit.state, state) < near)
         status = saltus_motion_describe(system, &orbit, options, motion, NULL);
     else if (status == SALTUS_OK)
         status = SALTUS_NO_CONVERGENCE;
@@ -194,19 +180,14 @@ static saltus_status polish_rest(const saltus_system *system, const saltus_class
 saltus_status saltus_motion_rest(const saltus_system *system, saltus_flow *flow,
                                  const saltus_classify_options *options, saltus_motion *motion,
                                  saltus_message *message) {
-    bool shift;
-    saltus_status status = SALTUS_OK;
+    bool shift, rests = motion->verdict != SALTUS_UNDECIDED,
+                symmetric = rests && saltus_system_mirror_symmetric(system, &shift);
     saltus_flow_state(flow, 0, motion->state);
-    if (motion->verdict != SALTUS_UNDECIDED)
-        status = polish_rest(system, options, motion, message);
+    saltus_status status = rests ? polish_rest(system, options, motion, message) : SALTUS_OK;
     motion->largest = motion->smallest = saltus_system_observed(system, motion->state);
-    if (motion->verdict != SALTUS_UNDECIDED) {
-        motion->mirror =
-            saltus_system_mirror_symmetric(system, &shift) ? SALTUS_MIRROR_PAIR : SALTUS_MIRROR_NONE;
-        if (fabs(motion->largest) < 1e-9 * saltus_system_scale(system)[0] &&
-            motion->mirror == SALTUS_MIRROR_PAIR)
-            motion->mirror = SALTUS_MIRROR_SELF;
-    }
+    if (symmetric)
+        motion->mirror = fabs(motion->largest) < 1e-9 * saltus_system_scale(system)[0] ? SALTUS_MIRROR_SELF
+                                                                                       : SALTUS_MIRROR_PAIR;
     if (status == SALTUS_OK && motion->verdict == SALTUS_HELD)
         status = measure_forces(system, options, motion, message);
     saltus_verdict_label(motion->verdict, motion->impacts, motion->periods, motion->label);

@@ -6,30 +6,32 @@
 #include "motion/growth.h"
 #include "saltus/lyapunov.h"
 
+enum { SALTUS_MEMBERS_MAX = 64 };
+
 typedef struct saltus_member {
+    saltus_flow *flow; /* it runs in this lane of the ensemble's flow */
+    int lane;
     saltus_growth growth;
     saltus_average *averages; /* one per column: growth per sample; the last one: logarithm of the volume */
-    double volume;            /* what impacts have taken of it until the last sample */
-    saltus_flow_info begin;   /* of the flow when it began */
+    saltus_flow_info begin;   /* of the flow when the measurement began */
+    double volume;            /* logarithm of what impacts have left of it until the last sample */
     long long samples, goal;  /* samples taken, and to be taken */
-    double recent, grown;     /* growth of the first vector since the last run began */
-    double *state;
+    double recent;            /* logarithm of the first vector's growth since the last run began */
+    double *state;            /* at the last sample */
 } saltus_member;
 
 typedef struct saltus_ensemble {
     const saltus_system *system;
     const saltus_lyapunov_options *options;
     saltus_arena arena;
-    int n, columns, members, width; /* of a flow: `width` lanes */
-    saltus_flow **flows;            /* of up to `width` members each */
-    int flow_count;
-    saltus_member *member;
-    saltus_average *averages;
+    int n, columns, members;
+    int width, flow_count; /* flows of up to `width` members each */
+    saltus_flow *flows[SALTUS_MEMBERS_MAX];
+    saltus_member member[SALTUS_MEMBERS_MAX];
     gsl_integration_glfixed_table *table;
-    gsl_rng *rng;
+    gsl_rng rng;
     long long transient; /* periods before the measurement */
     bool stopped;        /* by the caller, in the transient */
-    double *initial;
     double *points; /* where the first member's section points go, `room` of them, or NULL; the owner's */
     long long room;
 } saltus_ensemble;
@@ -45,26 +47,24 @@ saltus_status saltus_ensemble_place(saltus_ensemble *ensemble, const double *sta
 saltus_status saltus_ensemble_run(saltus_ensemble *ensemble, long long samples, saltus_message *message);
 /* What has been measured so far counts as transient. */
 void saltus_ensemble_forget(saltus_ensemble *ensemble);
-/* Samples measured in each member, and the periods of all of them together. */
-long long saltus_ensemble_samples(const saltus_ensemble *ensemble);
+/* Periods measured by all members together. */
 long long saltus_ensemble_periods(const saltus_ensemble *ensemble);
 /* Most directions lost in any member. */
 int saltus_ensemble_lost(const saltus_ensemble *ensemble);
-/* Whether weighted means serve the largest exponent of all members, and hence are used for all exponents:
- * sums of exponents are then exact sums. */
+/* Whether weighted means serve the largest exponent of all members. They are then used for all exponents:
+ * sums of exponents are exact where all have the same kind of mean. */
 bool saltus_ensemble_regular(const saltus_ensemble *ensemble);
-/* An exponent per unit of time, by weighted or plain means; column `columns` is the growth of volumes, by
- * trace and restitution, where all exponents are measured. */
+/* An exponent per unit of time, by weighted or plain means, of one member and of all; column `columns` is the
+ * growth of volumes, by trace and restitution, where all exponents are measured. */
+saltus_estimate saltus_ensemble_member(const saltus_ensemble *ensemble, int member, int column,
+                                       bool weighted);
 saltus_estimate saltus_ensemble_exponent(const saltus_ensemble *ensemble, int column, bool weighted);
-/* The same over the first or second half of the run. */
-saltus_estimate saltus_ensemble_half(const saltus_ensemble *ensemble, int column, int half);
-/* Largest exponent of one member. */
-saltus_estimate saltus_ensemble_member(const saltus_ensemble *ensemble, int member);
-/* Whether the members' largest exponents scatter no more than their standard errors allow. */
-bool saltus_ensemble_agrees(const saltus_ensemble *ensemble);
-/* How far a member's largest exponent is from that of all, at most. */
-double saltus_ensemble_spread(const saltus_ensemble *ensemble);
-/* The state of a member now, at phase 0. */
-const double *saltus_ensemble_state(const saltus_ensemble *ensemble, int member);
+/* The largest exponent, by the means that serve it. */
+saltus_estimate saltus_ensemble_largest(const saltus_ensemble *ensemble);
+/* The same over the first (0) or second half (1) of the run. */
+saltus_estimate saltus_ensemble_half(const saltus_ensemble *ensemble, int half);
+/* Whether the members' largest exponents scatter no more than their standard errors allow, or are within
+ * `tolerance` of that of all. */
+bool saltus_ensemble_agrees(const saltus_ensemble *ensemble, double tolerance);
 
 #endif

@@ -2,7 +2,6 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "motion/evidence.h"
 
-#include "motion/motion.h"
 #include "saltus/series.h"
 #include "saltus/spectrum.h"
 
@@ -33,12 +32,15 @@ static void observe(const saltus_system *system, const double *points, long long
     }
 }
 
-saltus_status saltus_evidence_of_points(const saltus_system *system, const double *values, long long count,
-                                        saltus_evidence *evidence, saltus_message *message) {
+/* Second opinions on section points. */
+static saltus_status judge_points(const saltus_system *system, const double *values, long long count,
+                                  saltus_opinions opinions, saltus_evidence *evidence,
+                                  saltus_message *message) {
     const double *scale = saltus_system_scale(system);
-    double weights[SALTUS_STATE_MAX], *series = calloc((size_t)count, sizeof *series);
+    double weights[SALTUS_STATE_MAX], *series = malloc((size_t)count * sizeof *series);
+    bool all = opinions == SALTUS_OPINIONS_ALL;
     saltus_series_options options = saltus_series_defaults();
-    saltus_series_chaos chaos = {0};
+    saltus_series_chaos chaos = {NAN, NAN, NAN, false};
     saltus_series_curve curve = {0};
     saltus_series_dimension dimension = {0};
     saltus_series_points points = {values, weights, count, saltus_system_dimension(system)};
@@ -47,12 +49,12 @@ saltus_status saltus_evidence_of_points(const saltus_system *system, const doubl
     for (int i = 0; i < points.dimension; i++)
         weights[i] = 1 / scale[i];
     observe(system, values, count, series);
-    saltus_status status = saltus_series_chaos_test(series, points.count, &options, &chaos, message);
-    if (status == SALTUS_OK)
-        status = saltus_series_broadband(series, points.count, &evidence->broadband, message);
-    if (status == SALTUS_OK)
+    saltus_status status = saltus_series_broadband(series, count, &evidence->broadband, message);
+    if (status == SALTUS_OK && all)
+        status = saltus_series_chaos_test(series, count, &options, &chaos, message);
+    if (status == SALTUS_OK && (all || evidence->broadband < lines_only))
         status = saltus_series_closed_curve(&points, &options, &curve, message);
-    if (status == SALTUS_OK &&
+    if (status == SALTUS_OK && all &&
         saltus_series_correlation_dimension(&points, &options, &dimension, NULL) == SALTUS_OK) {
         evidence->dimension = dimension.dimension;
         evidence->dimension_error = dimension.error;
@@ -69,33 +71,34 @@ static bool positive(const saltus_estimate *estimate, double errors) {
     return estimate->mean > errors * estimate->standard_error;
 }
 
-static bool negative(const saltus_estimate *estimate, double errors) {
-    return estimate->mean < -errors * estimate->standard_error;
+/* The whole run and both its halves have a positive exponent. */
+static bool all_positive(const saltus_runs *r) {
+    return positive(&r->all, SALTUS_SIGNIFICANT) && positive(&r->first, halves_errors) &&
+           positive(&r->second, halves_errors);
 }
 
 saltus_outcome saltus_runs_weigh(const saltus_runs *r) {
     bool settled = fabs(r->first.mean - r->second.mean) <
                    halves_apart * hypot(r->first.standard_error, r->second.standard_error);
-    bool shrinks = negative(&r->all, SALTUS_SIGNIFICANT) && -r->all.mean * r->period > slow_exponent;
+    bool shrinks =
+        r->all.mean < -SALTUS_SIGNIFICANT * r->all.standard_error && -r->all.mean * r->period > slow_exponent;
     if (r->lost || (shrinks && r->first.mean < 0 && r->second.mean < 0))
         return SALTUS_OUTCOME_REGULAR;
     if (fabs(r->all.mean) * r->period < zero_exponent)
         return SALTUS_OUTCOME_TORUS;
-    return r->enough && settled && positive(&r->all, SALTUS_SIGNIFICANT) &&
-                   positive(&r->first, halves_errors) && positive(&r->second, halves_errors)
-               ? SALTUS_OUTCOME_CHAOS
-               : SALTUS_OUTCOME_GOES_ON;
+    return r->enough && settled && all_positive(r) ? SALTUS_OUTCOME_CHAOS : SALTUS_OUTCOME_OPEN;
 }
 
-saltus_outcome saltus_runs_conclude(const saltus_runs *r, saltus_outcome outcome,
-                                    const saltus_evidence *evidence) {
-    if (outcome != SALTUS_OUTCOME_TORUS && outcome != SALTUS_OUTCOME_CHAOS)
-        return outcome;
+saltus_status saltus_runs_ask_points(const saltus_runs *r, const saltus_system *system, const double *points,
+                                     long long count, saltus_opinions opinions, saltus_evidence *evidence,
+                                     saltus_outcome *outcome, saltus_message *message) {
+    saltus_status status = judge_points(system, points, count, opinions, evidence, message);
+    if (status != SALTUS_OK || (*outcome != SALTUS_OUTCOME_TORUS && *outcome != SALTUS_OUTCOME_CHAOS))
+        return status;
     /* An orbit that is approached slowly has lines and neighbours that stay, too, but no extent. */
     if (evidence->curves > 0 && evidence->broadband < lines_only && !(evidence->dimension < 0.5))
-        return SALTUS_OUTCOME_TORUS;
-    bool chaos = outcome == SALTUS_OUTCOME_CHAOS ||
-                 (r->enough && positive(&r->all, SALTUS_SIGNIFICANT) && positive(&r->first, halves_errors) &&
-                  positive(&r->second, halves_errors));
-    return chaos ? SALTUS_OUTCOME_CHAOS : SALTUS_OUTCOME_GOES_ON;
+        *outcome = SALTUS_OUTCOME_TORUS;
+    else if (*outcome == SALTUS_OUTCOME_TORUS)
+        *outcome = r->enough && all_positive(r) ? SALTUS_OUTCOME_CHAOS : SALTUS_OUTCOME_OPEN;
+    return SALTUS_OK;
 }

@@ -30,8 +30,7 @@ void saltus_growth_reserve(saltus_growth *g, saltus_arena *arena, int n, int col
     g->length = saltus_arena_doubles(arena, count);
     g->work = saltus_arena_doubles(arena, (size_t)saltus_dense_orthonormal_work(columns));
     g->sample = saltus_arena_doubles(arena, count);
-    g->pending = saltus_arena_doubles(arena, count);
-    g->state = saltus_arena_doubles(arena, (size_t)n);
+    g->open.logarithms = saltus_arena_doubles(arena, count);
 }
 
 void saltus_growth_choose(saltus_growth *g, const saltus_system *system, double interval,
@@ -53,15 +52,12 @@ void saltus_growth_choose(saltus_growth *g, const saltus_system *system, double 
 }
 
 static void open_sample(saltus_growth *g, long long cycle) {
-    g->at = cycle;
-    g->part = 0;
-    g->widest = 0;
-    g->trace_pending = 0;
-    memset(g->pending, 0, (size_t)g->columns * sizeof *g->pending);
+    g->open = (saltus_growth_sample){.begin = cycle, .logarithms = g->open.logarithms};
+    memset(g->open.logarithms, 0, (size_t)g->columns * sizeof *g->open.logarithms);
 }
 
 /* Hand the vectors to the flow in its own units. */
-static void give(saltus_growth *g, saltus_flow *flow, int lane) {
+static void hand_over(saltus_growth *g, saltus_flow *flow, int lane) {
     const double *scale = saltus_system_scale(saltus_flow_system(flow, lane));
     for (int c = 0; c < g->columns; c++)
         for (int i = 0; i < g->n; i++)
@@ -73,29 +69,24 @@ void saltus_growth_begin(saltus_growth *g, saltus_flow *flow, int lane, gsl_rng 
     for (int k = 0; k < g->n * g->columns; k++)
         g->vectors[k] = gsl_ran_ugaussian(rng);
     saltus_dense_orthonormal(g->vectors, g->n, g->columns, g->length, g->work);
-    give(g, flow, lane);
+    hand_over(g, flow, lane);
     g->calm = 0;
     g->steps = saltus_flow_information(flow, lane).steps;
     g->lost = 2 * saltus_count_bits(saltus_flow_contacts(flow, lane));
     open_sample(g, saltus_flow_time(flow, lane).cycle);
 }
 
-static saltus_time next_time(const saltus_growth *g) {
-    if (g->part + 1 == g->parts)
-        return (saltus_time){g->at + g->whole, 0};
-    return (saltus_time){g->at, (double)(g->part + 1) / g->parts};
-}
-
 void saltus_growth_aim(const saltus_growth *g, saltus_flow *flow, int lane) {
-    saltus_flow_aim(flow, lane, next_time(g), g->watch);
+    int part = g->open.part + 1;
+    saltus_time within = {g->open.begin, (double)part / g->parts}, end = {g->open.begin + g->whole, 0};
+    saltus_flow_aim(flow, lane, part < g->parts ? within : end, g->watch);
 }
 
 /* Shorter intervals where the growths differ too much, longer ones where they do not. */
 static void adapt(saltus_growth *g) {
-    if (g->fixed)
-        return;
-    g->calm = g->widest < narrow ? g->calm + 1 : 0;
-    if (g->widest > (g->columns > 1 ? 1.5 * too_wide : too_long) && g->parts < most_parts)
+    double widest = g->open.widest;
+    g->calm = widest < narrow ? g->calm + 1 : 0;
+    if (widest > (g->columns > 1 ? 1.5 * too_wide : too_long) && g->parts < most_parts)
         g->parts *= 2;
     else if (g->calm >= calm_samples && g->parts > 1) {
         g->parts = (g->parts + 1) / 2;
@@ -103,11 +94,7 @@ static void adapt(saltus_growth *g) {
     }
 }
 
-/* Directions that are still followed; the others have been lost. */
-static int alive(const saltus_growth *g) {
-    return g->columns < g->n - g->lost ? g->columns : g->n - g->lost;
-}
-
+/* Measure how the vectors have grown, and make them orthonormal again. False where they are no numbers. */
 static bool orthonormalise(saltus_growth *g, saltus_flow *flow, int lane) {
     const double *scale = saltus_system_scale(saltus_flow_system(flow, lane));
     double most = -INFINITY, least = INFINITY;
@@ -119,36 +106,29 @@ static bool orthonormalise(saltus_growth *g, saltus_flow *flow, int lane) {
         return false;
     for (int c = 0; c < g->columns; c++) {
         double growth = log(fmax(g->length[c], DBL_MIN));
-        g->pending[c] += growth;
-        if (c < alive(g) && g->length[c] > DBL_MIN) {
+        g->open.logarithms[c] += growth;
+        if (c < g->n - g->lost && g->length[c] > DBL_MIN) {
             most = fmax(most, growth);
             least = fmin(least, growth);
         }
     }
     if (most >= least)
-        g->widest = fmax(g->widest, g->columns > 1 ? most - least : fabs(most));
-    return true;
-}
-
-/* A vector of which nothing is left says nothing any more: any other will do. */
-static void revive(saltus_growth *g) {
+        g->open.widest = fmax(g->open.widest, g->columns > 1 ? most - least : fabs(most));
+    /* A vector of which nothing is left says nothing any more: any other will do. */
     if (g->columns == 1 && g->length[0] < DBL_MIN)
         for (int i = 0; i < g->n; i++)
             g->vectors[i] = 1 / sqrt(g->n);
-}
-
-static void close_sample(saltus_growth *g, long long cycle) {
-    memcpy(g->sample, g->pending, (size_t)g->columns * sizeof *g->sample);
-    g->trace = g->trace_pending;
-    adapt(g);
-    open_sample(g, cycle);
+    hand_over(g, flow, lane);
+    return true;
 }
 
 saltus_status saltus_growth_follow(saltus_growth *g, saltus_flow *flow, int lane, const saltus_event *event,
                                    bool *complete, saltus_message *message) {
     *complete = false;
-    if (g->table)
-        g->trace_pending += saltus_trace_over_step(flow, lane, g->table, g->state, &g->steps);
+    if (g->table) {
+        double state[SALTUS_STATE_MAX];
+        g->open.trace += saltus_trace_over_step(flow, lane, g->table, state, &g->steps);
+    }
     if (event->kind == SALTUS_STICK || event->kind == SALTUS_IMPACT) {
         int lost = saltus_lost_directions(flow, lane, event);
         g->lost = lost > g->lost ? lost : g->lost;
@@ -160,11 +140,21 @@ saltus_status saltus_growth_follow(saltus_growth *g, saltus_flow *flow, int lane
                            "the tangent vectors grow beyond numbers within %g periods; re-orthonormalise at "
                            "shorter intervals",
                            (double)g->whole / g->parts);
-    revive(g);
-    give(g, flow, lane);
-    g->part++;
-    *complete = g->part == g->parts;
-    if (*complete)
-        close_sample(g, saltus_flow_time(flow, lane).cycle);
+    *complete = ++g->open.part == g->parts;
+    if (*complete) {
+        memcpy(g->sample, g->open.logarithms, (size_t)g->columns * sizeof *g->sample);
+        g->trace = g->open.trace;
+        if (!g->fixed)
+            adapt(g);
+        open_sample(g, saltus_flow_time(flow, lane).cycle);
+    }
     return SALTUS_OK;
+}
+
+saltus_estimate saltus_growth_exponent(saltus_estimate growth, double steps, double tolerance,
+                                       double length) {
+    double error = steps * fmax(tolerance, 1e-15);
+    growth.standard_error = hypot(growth.standard_error, error) / length;
+    growth.mean /= length;
+    return growth;
 }

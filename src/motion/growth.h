@@ -4,10 +4,20 @@
 #define SALTUS_MOTION_GROWTH_H
 
 #include "base/memory.h"
+#include "saltus/average.h"
 #include "saltus/flow.h"
 
 #include <gsl/gsl_integration.h>
 #include <gsl/gsl_rng.h>
+
+/* The sample under way. */
+typedef struct saltus_growth_sample {
+    long long begin;    /* cycle at which it began */
+    int part;           /* orthonormalisations done in it */
+    double widest;      /* largest ratio of growths between two of them, as a logarithm */
+    double trace;       /* integral of the trace so far */
+    double *logarithms; /* of the growths so far */
+} saltus_growth_sample;
 
 /* Orthonormal vectors, in the system's scales, that the flow carries from one orthonormalisation to the next.
  * One sample of their growth is taken each `whole` periods, at phase 0. */
@@ -17,18 +27,14 @@ typedef struct saltus_growth {
     int parts;      /* and orthonormalisations in it: 1 where `whole` is greater */
     bool fixed;     /* the interval has been prescribed */
     unsigned watch; /* events at which directions may be lost, or the trace is added up */
-    int part;       /* orthonormalisations done in the sample under way */
-    long long at;   /* cycle at which the sample began */
-    int calm;       /* samples with little growth in a row */
-    double widest;  /* of the sample under way: largest ratio of growths between two orthonormalisations */
+    const gsl_integration_glfixed_table *table; /* for the trace; NULL: it is not wanted */
     double *vectors, *length, *work;
-    double *sample;              /* logarithms of the growths over the last whole sample */
-    double *pending;             /* of the sample under way */
-    double trace, trace_pending; /* integral of the trace likewise, where all directions are followed */
-    long long steps;             /* of the lane, when the trace was last added up */
-    int lost;                    /* most directions seen to be lost at once */
-    const gsl_integration_glfixed_table *table;
-    double *state;
+    saltus_growth_sample open;
+    double *sample;  /* logarithms of the growths over the last whole sample */
+    double trace;    /* integral of the trace likewise, where all directions are followed */
+    int calm;        /* samples with little growth in a row */
+    int lost;        /* most directions seen to be lost at once */
+    long long steps; /* of the lane, when the trace was last added up */
 } saltus_growth;
 
 /* Reserve its arrays (two passes, see base/memory.h). */
@@ -44,5 +50,9 @@ void saltus_growth_aim(const saltus_growth *growth, saltus_flow *flow, int lane)
  * when the vectors have grown beyond numbers. */
 saltus_status saltus_growth_follow(saltus_growth *growth, saltus_flow *flow, int lane,
                                    const saltus_event *event, bool *complete, saltus_message *message);
+
+/* An exponent per unit of time from the mean growth per sample: a sample lasts `length` and takes so many
+ * steps of the flow, each of which leaves an error of its tolerance in a vector's length. */
+saltus_estimate saltus_growth_exponent(saltus_estimate growth, double steps, double tolerance, double length);
 
 #endif

@@ -1,8 +1,8 @@
-/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Lyapunov exponents: how long several trajectories measure, and what becomes of it.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "saltus/lyapunov.h"
 
 #include "motion/ensemble.h"
-#include "motion/motion.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -38,8 +38,9 @@ static saltus_status check(const saltus_system *system, const saltus_lyapunov_op
     if (o->exponents < 0 || o->exponents > n)
         return saltus_fail(message, SALTUS_BAD_INPUT, "exponents = %d: the scene has %d, 0 asks for all",
                            o->exponents, n);
-    if (o->members < 1 || o->members > 64)
-        return saltus_fail(message, SALTUS_BAD_INPUT, "members = %d: must be from 1 to 64", o->members);
+    if (o->members < 1 || o->members > SALTUS_MEMBERS_MAX)
+        return saltus_fail(message, SALTUS_BAD_INPUT, "members = %d: must be from 1 to %d", o->members,
+                           SALTUS_MEMBERS_MAX);
     if (!(o->precision > 0))
         return saltus_fail(message, SALTUS_BAD_INPUT, "precision = %g: must be greater than 0", o->precision);
     if (!(o->interval >= 0 && part <= 1000000 && fabs(part - floor(part + 0.5)) < 1e-6 * part + 1e-300))
@@ -76,8 +77,12 @@ void saltus_lyapunov_clear(saltus_lyapunov *l) {
     *l = (saltus_lyapunov){0};
 }
 
-/* Keep the present estimate; where there is no room, every second one of the past goes. */
-static void remember(saltus_lyapunov *l, double time, saltus_estimate now) {
+/* Keep the present estimate, if it has an error; where there is no room, every second one of the past goes.
+ */
+static void remember(const saltus_ensemble *e, saltus_lyapunov *l, saltus_estimate now) {
+    double time = (double)saltus_ensemble_periods(e) * saltus_system_period(e->system);
+    if (!isfinite(now.standard_error))
+        return;
     if (l->history_count && l->history[l->history_count - 1].time >= time)
         l->history_count--;
     if (l->history_count == history_room) {
@@ -90,7 +95,7 @@ static void remember(saltus_lyapunov *l, double time, saltus_estimate now) {
 
 /* How far the two halves of the run are apart, and how many standard errors that is. */
 static double drift(const saltus_ensemble *e, double *errors) {
-    saltus_estimate first = saltus_ensemble_half(e, 0, 0), second = saltus_ensemble_half(e, 0, 1);
+    saltus_estimate first = saltus_ensemble_half(e, 0), second = saltus_ensemble_half(e, 1);
     double apart = fabs(first.mean - second.mean);
     *errors = apart > 0 ? apart / hypot(first.standard_error, second.standard_error) : 0;
     return apart;
@@ -107,44 +112,31 @@ static long long next_chunk(long long done, long long left) {
 }
 
 /* As precise as asked for, by a run whose halves and trajectories do not contradict each other by more than
- * that.
- */
+ * that. */
 static bool is_precise(const saltus_ensemble *e, const saltus_estimate *now, long long least) {
     double period = saltus_system_period(e->system), errors, apart = drift(e, &errors),
            target = fmax(e->options->precision * fabs(now->mean), precise_enough / period);
-    return all_lost(e) || (saltus_ensemble_samples(e) >= least && now->standard_error <= target &&
-                           (errors < halves_agree || apart <= target) &&
-                           (saltus_ensemble_agrees(e) || saltus_ensemble_spread(e) <= target));
+    return all_lost(e) || (e->member[0].samples >= least && now->standard_error <= target &&
+                           (errors < halves_agree || apart <= target) && saltus_ensemble_agrees(e, target));
 }
 
 /* Run on until all batches of the averages are complete: then all that is told refers to the same time. */
 static saltus_status complete_batches(saltus_ensemble *e, saltus_message *message) {
-    const saltus_average *average = &e->averages[0];
+    const saltus_average *average = &e->member[0].averages[0];
     long long missing = average->open ? average->size - average->open : 0;
     return missing ? saltus_ensemble_run(e, missing, message) : SALTUS_OK;
-}
-
-/* What is told in the end, of complete batches, has to be as precise, too. */
-static saltus_status confirm(saltus_ensemble *e, saltus_lyapunov *l, long long least, long long *spent,
-                             saltus_message *message) {
-    long long before = saltus_ensemble_samples(e);
-    saltus_status status = complete_batches(e, message);
-    *spent += (saltus_ensemble_samples(e) - before) * (long long)e->member[0].growth.whole * e->members;
-    saltus_estimate now = saltus_ensemble_exponent(e, 0, saltus_ensemble_regular(e));
-    l->precise = status == SALTUS_OK && is_precise(e, &now, least);
-    return status;
 }
 
 /* Measure until the largest exponent is known as well as asked for. A run that drifts was transient: after it
  * as much is measured anew before there can be an end. */
 static saltus_status measure(saltus_ensemble *e, saltus_lyapunov *l, saltus_message *message) {
     const saltus_lyapunov_options *o = e->options;
-    long long spent = 0, least = least_samples, next_look = least_samples, each;
+    long long spent = 0, least = least_samples, next_look = least_samples,
+              each = (long long)e->member[0].growth.whole * e->members; /* periods a sample */
     saltus_status status = SALTUS_OK;
     bool stopped = false;
-    each = (long long)e->member[0].growth.whole * e->members;
     while (status == SALTUS_OK && !stopped && !l->precise) {
-        long long done = saltus_ensemble_samples(e), chunk = next_chunk(done, (o->periods - spent) / each);
+        long long done = e->member[0].samples, chunk = next_chunk(done, (o->periods - spent) / each);
         if (chunk < 1)
             break;
         status = saltus_ensemble_run(e, chunk, message);
@@ -152,9 +144,8 @@ static saltus_status measure(saltus_ensemble *e, saltus_lyapunov *l, saltus_mess
             break;
         spent += chunk * each;
         done += chunk;
-        saltus_estimate now = saltus_ensemble_exponent(e, 0, saltus_ensemble_regular(e));
-        if (isfinite(now.standard_error))
-            remember(l, (double)saltus_ensemble_periods(e) * saltus_system_period(e->system), now);
+        saltus_estimate now = saltus_ensemble_largest(e);
+        remember(e, l, now);
         stopped = e->stopped || (o->progress && !o->progress(o->context, spent, o->periods));
         bool look = done >= next_look;
         double errors;
@@ -165,19 +156,23 @@ static saltus_status measure(saltus_ensemble *e, saltus_lyapunov *l, saltus_mess
             saltus_ensemble_forget(e);
             least = next_look = done;
             l->history_count = 0;
-        } else if (is_precise(e, &now, least))
-            status = confirm(e, l, least, &spent, message);
+        } else if (is_precise(e, &now, least)) {
+            /* The result, of complete batches, has to be as precise, too. */
+            status = complete_batches(e, message);
+            spent += (e->member[0].samples - done) * each;
+            now = saltus_ensemble_largest(e);
+            l->precise = status == SALTUS_OK && is_precise(e, &now, least);
+        }
     }
     if (status == SALTUS_OK)
         status = complete_batches(e, message);
-    saltus_estimate last = saltus_ensemble_exponent(e, 0, saltus_ensemble_regular(e));
-    if (status == SALTUS_OK && isfinite(last.standard_error))
-        remember(l, (double)saltus_ensemble_periods(e) * saltus_system_period(e->system), last);
+    if (status == SALTUS_OK)
+        remember(e, l, saltus_ensemble_largest(e));
     return status;
 }
 
-/* Larger exponents first, where they differ by more than their errors; those that are lost are the last ones.
- */
+/* Larger exponents first, where they differ by more than their errors; the -INFINITY of those that are lost
+ * come last. */
 static void order(saltus_lyapunov *l) {
     for (int i = 1; i < l->count; i++)
         for (int j = i; j > 0 && l->exponents[j] > l->exponents[j - 1] + hypot(l->standard_errors[j],
@@ -205,7 +200,7 @@ static double kaplan_yorke(const saltus_lyapunov *l) {
 }
 
 static void tell_exponents(const saltus_ensemble *e, saltus_lyapunov *l) {
-    bool regular = saltus_ensemble_regular(e);
+    bool regular = saltus_ensemble_regular(e), all = all_lost(e);
     l->lost = saltus_ensemble_lost(e);
     for (int c = 0; c < e->columns; c++) {
         saltus_estimate estimate = saltus_ensemble_exponent(e, c, regular);
@@ -216,28 +211,26 @@ static void tell_exponents(const saltus_ensemble *e, saltus_lyapunov *l) {
             l->independent = estimate.independent;
     }
     for (int half = 0; half < 2; half++) {
-        saltus_estimate part = saltus_ensemble_half(e, 0, half);
-        l->half[half] = all_lost(e) ? -INFINITY : part.mean;
-        l->half_errors[half] = all_lost(e) ? 0 : part.standard_error;
+        saltus_estimate part = saltus_ensemble_half(e, half);
+        l->half[half] = all ? -INFINITY : part.mean;
+        l->half_errors[half] = all ? 0 : part.standard_error;
     }
     for (int m = 0; m < e->members; m++)
-        l->member_exponents[m] = all_lost(e) ? -INFINITY : saltus_ensemble_member(e, m).mean;
-    l->agree = all_lost(e) || saltus_ensemble_agrees(e) ||
-               saltus_ensemble_spread(e) <= e->options->precision * fabs(l->exponents[0]);
+        l->member_exponents[m] = all ? -INFINITY : saltus_ensemble_member(e, m, 0, regular).mean;
+    l->agree = all || saltus_ensemble_agrees(e, e->options->precision * fabs(l->exponents[0]));
 }
 
 /* Both sides of the sum rule, by the same averages over the same time. */
 static void tell_sums(const saltus_ensemble *e, saltus_lyapunov *l) {
-    bool all = l->count == l->dimension && l->lost == 0;
     l->sum = l->sum_rule = NAN;
     for (int m = 0; m < e->members; m++) {
         const saltus_member *self = &e->member[m];
-        saltus_flow_info now = saltus_flow_information(e->flows[m / e->width], m % e->width);
+        saltus_flow_info now = saltus_flow_information(self->flow, self->lane);
         double periods = (double)l->periods;
         l->impacts_per_period += (double)(now.impacts - self->begin.impacts) / periods;
         l->sticks_per_period += (double)(now.sticks - self->begin.sticks) / periods;
     }
-    if (!all)
+    if (l->count < l->dimension || l->lost)
         return;
     l->sum = 0;
     for (int c = 0; c < l->count; c++)
@@ -245,18 +238,6 @@ static void tell_sums(const saltus_ensemble *e, saltus_lyapunov *l) {
     l->sum_rule = saltus_ensemble_exponent(e, e->columns, saltus_ensemble_regular(e)).mean;
     /* What the sum lacks the smallest exponent lacks: it is the most difficult one. */
     l->standard_errors[l->count - 1] = hypot(l->standard_errors[l->count - 1], l->sum - l->sum_rule);
-}
-
-static void tell(const saltus_ensemble *e, saltus_lyapunov *l) {
-    l->period = saltus_system_period(e->system);
-    l->periods = saltus_ensemble_periods(e);
-    l->time = (double)l->periods * l->period;
-    l->transient = e->transient;
-    memcpy(l->state, saltus_ensemble_state(e, 0), (size_t)e->n * sizeof *l->state);
-    tell_exponents(e, l);
-    tell_sums(e, l);
-    order(l);
-    l->kaplan_yorke = kaplan_yorke(l);
 }
 
 saltus_status saltus_lyapunov_run(const saltus_system *system, const double *state,
@@ -273,9 +254,17 @@ saltus_status saltus_lyapunov_run(const saltus_system *system, const double *sta
         status = saltus_ensemble_place(&ensemble, state, message);
     if (status == SALTUS_OK)
         status = measure(&ensemble, lyapunov, message);
-    if (status == SALTUS_OK)
-        tell(&ensemble, lyapunov);
-    else
+    if (status == SALTUS_OK) {
+        lyapunov->period = saltus_system_period(system);
+        lyapunov->periods = saltus_ensemble_periods(&ensemble);
+        lyapunov->time = (double)lyapunov->periods * lyapunov->period;
+        lyapunov->transient = ensemble.transient;
+        memcpy(lyapunov->state, ensemble.member[0].state, (size_t)ensemble.n * sizeof *lyapunov->state);
+        tell_exponents(&ensemble, lyapunov);
+        tell_sums(&ensemble, lyapunov);
+        order(lyapunov);
+        lyapunov->kaplan_yorke = kaplan_yorke(lyapunov);
+    } else
         saltus_lyapunov_clear(lyapunov);
     saltus_ensemble_close(&ensemble);
     return status;

@@ -3,8 +3,8 @@
 #ifndef SALTUS_MOTION_PRIVATE_H
 #define SALTUS_MOTION_PRIVATE_H
 
+#include "motion/evidence.h"
 #include "orbit/lap.h"
-#include "saltus/motion.h"
 #include "system/state.h"
 
 /* Whether the caller has asked to stop. */
@@ -12,16 +12,18 @@ bool saltus_motion_stopped(const saltus_flow_options *options);
 /* Options of Newton's method that suit those of a classification. */
 saltus_orbit_options saltus_motion_shooting(const saltus_classify_options *options);
 
-/* Judge a motion that has not settled: fills kind, reason, exponent and evidence, and moves motion->state on
- * along the attractor. kind stays SALTUS_UNDECIDED where more time may bring a period: *regular tells that it
- * should, as nothing irregular goes on, or as other trajectories have come to one; *stopped that the caller
- * has ended the search. Errors: those of the flow, SALTUS_NO_MEMORY. */
+/* saltus_classify; *stopped: the caller has ended it. */
+saltus_status saltus_motion_classify(const saltus_system *system, const double *state,
+                                     const saltus_classify_options *options, saltus_motion *motion,
+                                     bool *stopped, saltus_message *message);
+/* Judge a motion that has not settled: fills verdict, reason, exponent and evidence, and moves motion->state
+ * on along the attractor. The verdict stays SALTUS_UNDECIDED where more time may bring a period; the outcome
+ * tells whether it should. Errors: those of the flow, SALTUS_NO_MEMORY. */
 saltus_status saltus_motion_judge(const saltus_system *system, const saltus_classify_options *options,
-                                  saltus_motion *motion, bool *regular, bool *stopped,
-                                  saltus_message *message);
+                                  saltus_motion *motion, saltus_outcome *outcome, saltus_message *message);
 /* Nothing has been measured: numbers are NAN. */
 void saltus_motion_forget_evidence(saltus_motion *motion);
-/* Name a motion without a period, and measure its extremes from its state on. Errors: those of the flow. */
+/* Label a motion without a period, and measure its extremes from its state on. Errors: those of the flow. */
 saltus_status saltus_motion_survey(const saltus_system *system, saltus_flow *flow, saltus_motion *motion,
                                    saltus_message *message);
 /* Settle and find a period, as saltus_classify does, without judging a motion that has none; `limited`: no
@@ -41,7 +43,7 @@ saltus_status saltus_motion_take(const saltus_system *system, saltus_flow *flow,
  * system's scales; those of the flow, SALTUS_NO_MEMORY. */
 saltus_status saltus_motion_polish(const saltus_system *system, int periods, const double *state, double near,
                                    const saltus_classify_options *options, saltus_motion *motion);
-/* Fill an open motion, whose kind is known, from the flow's present state. */
+/* Fill an open motion that has no orbit, whose verdict is known, from the flow's present state. */
 saltus_status saltus_motion_rest(const saltus_system *system, saltus_flow *flow,
                                  const saltus_classify_options *options, saltus_motion *motion,
                                  saltus_message *message);

@@ -14,7 +14,6 @@ typedef struct recorder {
     saltus_record *record;
     const saltus_system *system;
     saltus_flow *flow;
-    double *state; /* scratch */
     long long rows_room, events_room;
     long long next, last; /* sample to be taken next, last sample */
     int per_period;
@@ -86,15 +85,16 @@ static saltus_time sample_time(const recorder *self, long long k) {
 /* The samples that fall into the flow's last step. The end of the step is included unless an event waits
  * there. */
 static bool take_samples(recorder *self, bool event) {
+    double state[SALTUS_STATE_MAX];
     for (; self->next <= self->last; self->next++) {
         saltus_time time = sample_time(self, self->next);
-        int order = saltus_flow_state_at(self->flow, 0, time, self->state);
+        int order = saltus_flow_state_at(self->flow, 0, time, state);
         if (order > 0 || (order == 0 && event))
             return true;
         if (order == 0)
-            saltus_flow_state(self->flow, 0, self->state);
-        add_strobe(self, self->state);
-        if (!add_row(self, saltus_time_periods(time), self->state))
+            saltus_flow_state(self->flow, 0, state);
+        add_strobe(self, state);
+        if (!add_row(self, saltus_time_periods(time), state))
             return false;
     }
     return true;
@@ -106,21 +106,22 @@ static bool take_event(recorder *self, const saltus_event *event) {
     saltus_record *r = self->record;
     saltus_time now = saltus_flow_time(self->flow, 0);
     saltus_face face = saltus_system_face(self->system, event->face);
+    double state[SALTUS_STATE_MAX];
     if (r->event_count == self->events_room && !reserve_events(self, 2 * self->events_room))
         return false;
-    saltus_flow_state_at(self->flow, 0, now, self->state);
+    saltus_flow_state_at(self->flow, 0, now, state);
     if (self->next <= self->last && saltus_time_compare(sample_time(self, self->next), now) == 0) {
-        add_strobe(self, self->state);
+        add_strobe(self, state);
         self->next++;
     }
     long long row = r->samples;
-    if (!add_row(self, saltus_time_periods(now), self->state))
+    if (!add_row(self, saltus_time_periods(now), state))
         return false;
     r->events[r->event_count] = *event;
     r->event_rows[r->event_count++] = row;
     bool jumps = event->kind != SALTUS_RELEASE, observed_stop = face.stop == 0;
-    saltus_flow_state(self->flow, 0, self->state);
-    if (jumps && !add_row(self, saltus_time_periods(now), self->state))
+    saltus_flow_state(self->flow, 0, state);
+    if (jumps && !add_row(self, saltus_time_periods(now), state))
         return false;
     if (observed_stop) {
         for (long long k = row; k < r->samples; k++)
@@ -154,15 +155,6 @@ static saltus_status run(recorder *self, const double *state, long long transien
     return room ? SALTUS_OK : saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the record");
 }
 
-static saltus_status open_record(recorder *self, long long periods) {
-    saltus_record *r = self->record;
-    r->dimension = saltus_system_dimension(self->system);
-    self->state = malloc((size_t)r->dimension * sizeof(double));
-    bool done = self->state && reserve_rows(self, self->last + 1 + 64) && reserve_events(self, 64) &&
-                grow(&r->strobe_states, periods, (size_t)r->dimension * sizeof(double));
-    return done ? SALTUS_OK : SALTUS_NO_MEMORY;
-}
-
 saltus_status saltus_record_run(const saltus_system *system, const double *state,
                                 const saltus_flow_options *options, long long transient, long long periods,
                                 int per_period, saltus_record *record, saltus_message *message) {
@@ -179,12 +171,15 @@ saltus_status saltus_record_run(const saltus_system *system, const double *state
     recorder self = {
         .record = record, .system = system, .per_period = per_period, .last = periods * per_period};
     saltus_status status = saltus_flow_single(system, 0, options, &self.flow, message);
-    if (status == SALTUS_OK && (status = open_record(&self, periods)) != SALTUS_OK)
-        saltus_fail(message, status, "no memory for a record of %lld samples", self.last + 1);
+    record->dimension = saltus_system_dimension(system);
+    if (status == SALTUS_OK &&
+        !(reserve_rows(&self, self.last + 1 + 64) && reserve_events(&self, 64) &&
+          grow(&record->strobe_states, periods, (size_t)record->dimension * sizeof(double))))
+        status =
+            saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a record of %lld samples", self.last + 1);
     if (status == SALTUS_OK)
         status = run(&self, state, transient, periods, message);
     saltus_flow_free(self.flow);
-    free(self.state);
     if (status != SALTUS_OK && status != SALTUS_INTERRUPTED)
         saltus_record_clear(record);
     return status;

@@ -13,27 +13,8 @@
 #include <stdio.h>
 
 /* Distances in the stroboscopic section are relative to the system's scales. */
-static const double nearby =
-    3e-3; /* the polished orbit must be this close to the trajectory, in recurrences */
+static const double nearby = 3e-3;        /* the polished orbit must be this close to the trajectory */
 static const double drift_at_rest = 1e-6; /* of a displacement over a period */
-
-/* A failure of what was only tried, which is none unless memory is lacking. */
-static saltus_status tried(saltus_status status) {
-    return status == SALTUS_NO_MEMORY ? status : SALTUS_OK;
-}
-
-/* Newton from the trajectory's last point; accepted if the orbit is where the trajectory is, and stable. */
-static saltus_status polish(saltus_search *s, int p, bool *accepted, saltus_message *message) {
-    saltus_orbit_options shooting = saltus_motion_shooting(s->options);
-    const double *last = saltus_settling_point(&s->settling, 0);
-    double recurs = saltus_settling_recurrence(&s->settling, p);
-    saltus_status status = saltus_return_polish(s->beside, p, last, &shooting, &s->orbit, &s->lap, message);
-    *accepted = status == SALTUS_OK && saltus_multipliers_stable(s->orbit.multipliers, s->orbit.dimension) &&
-                saltus_system_distance(s->system, s->orbit.state, last) <= fmax(nearby, 30 * recurs);
-    if (!*accepted)
-        saltus_orbit_clear(&s->orbit);
-    return tried(status);
-}
 
 /* One more period of the trajectory. */
 static saltus_status advance_period(saltus_search *s, saltus_message *message) {
@@ -49,12 +30,11 @@ static saltus_status advance_period(saltus_search *s, saltus_message *message) {
     return saltus_state_bounded(s->system, state, s->settling.count, message);
 }
 
-/* Whether the system is at rest: without forcing, no event and no motion over the last periods. */
+/* Whether the system is at rest: without forcing, no event and no motion over the last periods, and no
+ * displacement that drifts. Accelerations do not count: a fast mode magnifies rounding in them. */
 static bool is_resting(const saltus_search *s) {
     if (saltus_system_forced(s->system) || !saltus_settling_rests(&s->settling))
         return false;
-    /* The field of a fast mode magnifies rounding; what counts is that nothing moved and no displacement
-     * drifts. */
     const double *scale = saltus_system_scale(s->system);
     double drift = 0, field[SALTUS_STATE_MAX];
     saltus_flow_field(s->flow, 0, field);
@@ -114,27 +94,29 @@ void saltus_search_close(saltus_search *s) {
     saltus_lap_close(&s->lap);
 }
 
-/* Newton's method is not asked about very long orbits of very many impacts: each try would take minutes. */
-static bool is_too_long(const saltus_search *s, int p) {
-    enum { most_impacts = 150 };
-    double impacts = (double)saltus_flow_information(s->flow, 0).impacts / (double)s->settling.count;
-    return s->limited && p * impacts > most_impacts;
-}
-
-/* Try the period that recurs at present. */
+/* Try the period that recurs at present: Newton's method from the trajectory's last point. The orbit must be
+ * where the trajectory is, and stable. */
 static saltus_status try_period(saltus_search *s, saltus_message *message) {
+    enum { most_impacts = 150 };
+    saltus_orbit_options shooting = saltus_motion_shooting(s->options);
+    const double *last = saltus_settling_point(&s->settling, 0);
     int p = saltus_system_forced(s->system) ? saltus_settling_candidate(&s->settling) : 0;
-    bool accepted = false;
-    saltus_status status = p && !is_too_long(s, p) ? polish(s, p, &accepted, message) : SALTUS_OK;
-    if (accepted)
+    /* A try at a very long orbit of very many impacts would take minutes. */
+    double impacts = (double)saltus_flow_information(s->flow, 0).impacts / (double)s->settling.count;
+    if (p == 0 || (s->limited && p * impacts > most_impacts))
+        return SALTUS_OK;
+    double near = fmax(nearby, 30 * saltus_settling_recurrence(&s->settling, p));
+    saltus_status status = saltus_return_polish(s->beside, p, last, &shooting, &s->orbit, &s->lap, message);
+    if (status == SALTUS_OK && saltus_multipliers_stable(s->orbit.multipliers, s->orbit.dimension) &&
+        saltus_system_distance(s->system, s->orbit.state, last) <= near)
         status = confirm(s, message);
+    else if (status != SALTUS_NO_MEMORY)
+        status = SALTUS_OK; /* no orbit here */
     if (!s->found)
         saltus_orbit_clear(&s->orbit);
     return status;
 }
 
-/* Go on until the trajectory has come to a rest, which goes to motion->verdict, or to an orbit, or so many
- * periods have passed. */
 saltus_status saltus_search_run(saltus_search *s, long long at_most, saltus_motion *motion,
                                 saltus_message *message) {
     const saltus_classify_options *o = s->options;
@@ -146,7 +128,7 @@ saltus_status saltus_search_run(saltus_search *s, long long at_most, saltus_moti
             status = advance_period(s, message);
         s->stopped = saltus_motion_stopped(&o->flow);
         if (s->stopped)
-            status = SALTUS_OK;
+            status = SALTUS_OK; /* the flow's interruption is no error here */
         if (status != SALTUS_OK || s->stopped)
             break;
         s->stopped = o->progress && !o->progress(o->context, s->settling.count, o->transient);
@@ -161,7 +143,6 @@ saltus_status saltus_search_run(saltus_search *s, long long at_most, saltus_moti
     return status;
 }
 
-/* Fill the motion with what has been found, or say that nothing was. */
 saltus_status saltus_search_conclude(saltus_search *s, saltus_motion *motion, saltus_message *message) {
     if (s->found)
         return saltus_motion_take(s->system, s->beside, &s->orbit, &s->lap, s->options, motion, message);

@@ -8,7 +8,7 @@
 
 enum { SALTUS_FIRST_BLOCK = 64 }; /* periods before the first look */
 
-/* A search under way: the trajectory, what it has done, and the orbit once one is found. */
+/* A search under way: the trajectory, its section points, and the orbit once one is found. */
 typedef struct saltus_search {
     const saltus_system *system;
     const saltus_classify_options *options;
@@ -21,8 +21,7 @@ typedef struct saltus_search {
 } saltus_search;
 
 /* A zeroed search, given its system and options, begins at a state, with an undecided motion. Close in any
- * case.
- */
+ * case. */
 saltus_status saltus_search_open(saltus_search *search, const double *state, saltus_motion *motion,
                                  saltus_message *message);
 void saltus_search_close(saltus_search *search);

@@ -48,14 +48,13 @@ void saltus_settling_close(saltus_settling *s) {
 
 void saltus_settling_reset(saltus_settling *s, const saltus_system *system) {
     const double *scale = saltus_system_scale(system);
-    s->system = system;
     s->count = 0;
     for (int i = 0; i < s->n; i++)
         s->weight[i] = 1 / scale[i];
     memset(s->streak, 0, ((size_t)s->longest + 1) * sizeof *s->streak);
 }
 
-static const double *point_before(const saltus_settling *s, int back) {
+const double *saltus_settling_point(const saltus_settling *s, int back) {
     return s->points + (size_t)((s->count - 1 - back) % s->size) * (size_t)s->n;
 }
 
@@ -79,57 +78,55 @@ void saltus_settling_add(saltus_settling *s, const double *state, long long impa
     s->contact[slot] = contact_events;
     s->count++;
     for (int p = 1; p <= s->longest && p < s->count; p++)
-        s->streak[p] = distance(s, state, point_before(s, p), recurrence) < recurrence ? s->streak[p] + 1 : 0;
+        s->streak[p] =
+            distance(s, state, saltus_settling_point(s, p), recurrence) < recurrence ? s->streak[p] + 1 : 0;
 }
 
-/* Largest distance between points p apart, over p points that end `back` periods ago. */
+/* Largest distance between points p apart, over so many points that end `back` periods ago. */
 static double recurrence_over(const saltus_settling *s, int p, int points, int back) {
     double largest = 0;
     for (int k = 0; k < points; k++)
-        largest =
-            fmax(largest, distance(s, point_before(s, back + k), point_before(s, back + k + p), INFINITY));
+        largest = fmax(largest, distance(s, saltus_settling_point(s, back + k),
+                                         saltus_settling_point(s, back + k + p), INFINITY));
     return largest;
 }
 
-/* Cosine of the angle by which recurrences turn from one cycle to the next. */
-static double turning_cosine(const saltus_settling *s, int p) {
-    double product = 0, now = 0, before = 0;
-    for (int k = 0; k < p; k++) {
-        const double *x = point_before(s, k), *y = point_before(s, k + p), *z = point_before(s, k + 2 * p);
-        for (int i = 0; i < s->n; i++) {
-            double last = (x[i] - y[i]) * s->weight[i], first = (y[i] - z[i]) * s->weight[i];
-            product += last * first;
-            now += last * last;
-            before += first * first;
-        }
-    }
-    return now > 0 && before > 0 ? product / sqrt(now) / sqrt(before) : 1;
-}
-
-/* The i-th entry of the recurrence of a cycle, `back` periods ago. */
+/* An entry of a recurrence: how far the point `back` periods ago is from that p periods before it. */
 static double recurred(const saltus_settling *s, int p, int back, int i) {
-    return (point_before(s, back)[i] - point_before(s, back + p)[i]) * s->weight[i];
+    return (saltus_settling_point(s, back)[i] - saltus_settling_point(s, back + p)[i]) * s->weight[i];
 }
 
-/* Distance left where the recurrences turn as well: each is a times the one before it and b times the one
- * before that, so the sum of those to come follows from the last two. 0 where they do not turn enough to tell
- * a and b, or where these do not shrink. */
-static double spiral_left(const saltus_settling *s, int p) {
-    double g11 = 0, g12 = 0, g22 = 0, h1 = 0, h2 = 0, largest = 0;
+/* Scalar products of the recurrences of the last cycle (0), of the one before it (1) and the first of three
+ * (2). */
+typedef struct products {
+    double p00, p01, p02, p11, p12, p22;
+} products;
+
+static products products_of(const saltus_settling *s, int p) {
+    products sum = {0};
     for (int k = 0; k < p; k++)
         for (int i = 0; i < s->n; i++) {
-            double now = recurred(s, p, k, i), before = recurred(s, p, k + p, i),
-                   first = recurred(s, p, k + 2 * p, i);
-            g11 += before * before;
-            g12 += before * first;
-            g22 += first * first;
-            h1 += now * before;
-            h2 += now * first;
+            double r0 = recurred(s, p, k, i), r1 = recurred(s, p, k + p, i),
+                   r2 = recurred(s, p, k + 2 * p, i);
+            sum.p00 += r0 * r0;
+            sum.p01 += r0 * r1;
+            sum.p02 += r0 * r2;
+            sum.p11 += r1 * r1;
+            sum.p12 += r1 * r2;
+            sum.p22 += r2 * r2;
         }
-    double determinant = g11 * g22 - g12 * g12;
-    if (!(determinant > least_turn * g11 * g22))
+    return sum;
+}
+
+/* Distance left where recurrences spiral: each is a times the one before it and b times the one before that,
+ * so the sum of those to come follows from the last two. 0 where they do not turn enough to tell a and b, or
+ * where these do not shrink. */
+static double spiral_left(const saltus_settling *s, int p, const products *r) {
+    double determinant = r->p11 * r->p22 - r->p12 * r->p12, largest = 0;
+    if (!(determinant > least_turn * r->p11 * r->p22))
         return 0;
-    double a = (h1 * g22 - h2 * g12) / determinant, b = (h2 * g11 - h1 * g12) / determinant;
+    double a = (r->p01 * r->p22 - r->p02 * r->p12) / determinant,
+           b = (r->p02 * r->p11 - r->p01 * r->p12) / determinant;
     if (!(fabs(b) < 1 && fabs(a) < 1 - b))
         return 0;
     for (int k = 0; k < p; k++)
@@ -150,26 +147,24 @@ static double distance_left(const saltus_settling *s, int p, bool shrinking) {
         ratio = before / first;
     if (shrinking && !(ratio < 1))
         return INFINITY;
-    double across = 1 - 2 * ratio * turning_cosine(s, p) + ratio * ratio;
-    return fmax(now * fmax(ratio, least_ratio) / sqrt(fmax(across, 1e-30)), spiral_left(s, p));
+    products r = products_of(s, p);
+    double cosine = r.p00 > 0 && r.p11 > 0 ? r.p01 / sqrt(r.p00) / sqrt(r.p11) : 1,
+           across = 1 - 2 * ratio * cosine + ratio * ratio;
+    return fmax(now * fmax(ratio, least_ratio) / sqrt(fmax(across, 1e-30)), spiral_left(s, p, &r));
 }
 
+/* How much a counter has grown over p periods that end `back` periods ago. */
 static long long difference_over(const saltus_settling *s, const long long *counter, int p, int back) {
     return counter[(s->count - 1 - back) % s->size] - counter[(s->count - 1 - back - p) % s->size];
 }
 
-/* Whether a proper part of a period recurs as well: then it is looked at now and then only, as it will be the
- * part's turn first. */
-static bool has_part(const saltus_settling *s, int p) {
-    for (int part = 1; part <= p / 2; part++)
-        if (p % part == 0 && s->streak[part] >= part + 2)
-            return true;
-    return false;
-}
-
 static bool reached(const saltus_settling *s, int p, double limit) {
-    if (s->streak[p] < p + 2 || s->count < 4 * p + 2 || (s->count % seldom != 0 && has_part(s, p)))
+    if (s->streak[p] < p + 2 || s->count < 4 * p + 2)
         return false;
+    /* Where a proper part of the period recurs, that one will be reached first: seldom worth the work. */
+    for (int part = 1; part <= p / 2 && s->count % seldom != 0; part++)
+        if (p % part == 0 && s->streak[part] >= part + 2)
+            return false;
     return difference_over(s, s->impacts, p, 0) == difference_over(s, s->impacts, p, p) &&
            difference_over(s, s->contact, p, 0) == difference_over(s, s->contact, p, p) &&
            recurrence_over(s, p, p, 0) <= worth_a_look * limit && distance_left(s, p, true) <= limit;
@@ -208,10 +203,6 @@ long long saltus_settling_contacts(const saltus_settling *s, int period) {
 
 double saltus_settling_recurrence(const saltus_settling *s, int period) {
     return recurrence_over(s, period, period, 0);
-}
-
-const double *saltus_settling_point(const saltus_settling *s, int back) {
-    return point_before(s, back);
 }
 
 double saltus_settling_closest(const saltus_settling *s) {

@@ -6,7 +6,6 @@
 #include "saltus/system.h"
 
 typedef struct saltus_settling {
-    const saltus_system *system;
     int n, longest, size;
     double near;                  /* remaining distance from the orbit that is small enough */
     long long count;              /* points seen */
@@ -23,8 +22,8 @@ void saltus_settling_reset(saltus_settling *settling, const saltus_system *syste
 /* One more point at phase 0, with the numbers of impacts and of other contact events so far. */
 void saltus_settling_add(saltus_settling *settling, const double *state, long long impacts,
                          long long contact_events);
-/* The least period whose orbit has been reached to within a distance, or 0. In doubt, the orbit may be one of
- * a part of that period. */
+/* The least period whose orbit has been reached to within a distance, or 0. *doubt: the orbit's period may be
+ * a part of that one. */
 int saltus_settling_period(const saltus_settling *settling, double limit, bool *doubt);
 /* The least period that recurs roughly at present, or 0. */
 int saltus_settling_candidate(const saltus_settling *settling);
@@ -34,7 +33,7 @@ long long saltus_settling_contacts(const saltus_settling *settling, int period);
 /* Least of the largest distances between points p apart, over the last p + 2, of all p; INFINITY while there
  * are too few points. */
 double saltus_settling_closest(const saltus_settling *settling);
-/* The last point but `back`. */
+/* The point `back` periods before the last one. */
 const double *saltus_settling_point(const saltus_settling *settling, int back);
 /* Largest distance between points a period apart, over the last one. */
 double saltus_settling_recurrence(const saltus_settling *settling, int period);

@@ -25,12 +25,10 @@ static const double reach_of_lines = 32, reach_of_density = 16; /* times omega *
 static const double rounding = 1e-12, rest_rounding = 1e-8;     /* of the scale of a quantity */
 
 typedef struct sampler {
-    const saltus_system *system;
     saltus_flow *flow;
     int quantities, dimension;
-    double *rows;    /* quantities x dimension: what each is of the state */
-    double *scale;   /* of each quantity */
-    double *state;   /* scratch */
+    double row[SALTUS_QUANTITIES_MAX][SALTUS_STATE_MAX]; /* each quantity is this row times the state */
+    double scale[SALTUS_QUANTITIES_MAX];
     double *samples; /* quantities x count */
     long long count, next;
     int per_period;
@@ -76,50 +74,32 @@ void saltus_spectra_clear(saltus_spectra *spectra) {
 
 /* Sampling */
 
-static void set_row(const sampler *self, const saltus_quantity *quantity, int k) {
-    int dof = saltus_system_dof(self->system);
-    double *row = self->rows + (size_t)(k * self->dimension) + (quantity->velocity ? dof : 0);
-    if (quantity->coordinate > 0)
-        row[quantity->coordinate - 1] = 1;
-    else
-        memcpy(row, saltus_system_observer(self->system), (size_t)dof * sizeof *row);
-    const double *scale = saltus_system_scale(self->system), *whole = self->rows + k * self->dimension;
-    for (int i = 0; i < self->dimension; i++)
-        self->scale[k] += fabs(whole[i]) * scale[i];
-}
-
 static saltus_status open_sampler(sampler *self, const saltus_system *system,
                                   const saltus_spectrum_options *options, saltus_message *message) {
-    *self = (sampler){.system = system,
-                      .quantities = options->quantity_count,
+    const double *scale = saltus_system_scale(system), *observer = saltus_system_observer(system);
+    int dof = saltus_system_dof(system);
+    *self = (sampler){.quantities = options->quantity_count,
                       .dimension = saltus_system_dimension(system),
                       .anew = options->anew};
-    size_t n = (size_t)self->dimension, quantities = (size_t)self->quantities;
-    self->rows = calloc(quantities * n, sizeof *self->rows);
-    self->scale = calloc(quantities, sizeof *self->scale);
-    self->state = calloc(n, sizeof *self->state);
-    if (!(self->rows && self->scale && self->state))
-        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a spectrum");
-    for (int k = 0; k < self->quantities; k++)
-        set_row(self, &options->quantities[k], k);
+    for (int k = 0; k < self->quantities; k++) {
+        const saltus_quantity *quantity = &options->quantities[k];
+        double *row = self->row[k] + (quantity->velocity ? dof : 0);
+        if (quantity->coordinate > 0)
+            row[quantity->coordinate - 1] = 1;
+        else
+            memcpy(row, observer, (size_t)dof * sizeof *row);
+        for (int i = 0; i < self->dimension; i++)
+            self->scale[k] += fabs(self->row[k][i]) * scale[i];
+    }
     return saltus_flow_single(system, 0, &options->flow, &self->flow, message);
 }
 
-static void close_sampler(sampler *self) {
-    saltus_flow_free(self->flow);
-    free(self->rows);
-    free(self->scale);
-    free(self->state);
-    free(self->samples);
-}
-
-/* Add a share of the present state's quantities to the next sample. */
-static void add_sample(sampler *self, double share) {
+/* Add a share of a state's quantities to the next sample. */
+static void add_sample(sampler *self, const double *state, double share) {
     for (int k = 0; k < self->quantities; k++) {
-        const double *row = self->rows + (size_t)(k * self->dimension);
         double value = 0;
         for (int i = 0; i < self->dimension; i++)
-            value += row[i] * self->state[i];
+            value += self->row[k][i] * state[i];
         self->samples[(long long)k * self->count + self->next] += share * value;
     }
 }
@@ -127,17 +107,18 @@ static void add_sample(sampler *self, double share) {
 /* The samples in the flow's last step, up to sample `end`, which is not taken. One at the very time of an
  * event is the mean of both sides. */
 static void take_samples(sampler *self, long long end, bool event) {
+    double state[SALTUS_STATE_MAX];
     for (; self->next < end; self->next++) {
         saltus_time time = {self->next / self->per_period,
                             (double)(self->next % self->per_period) / self->per_period};
-        int order = saltus_flow_state_at(self->flow, 0, time, self->state);
+        int order = saltus_flow_state_at(self->flow, 0, time, state);
         if (order > 0)
             return;
         if (order < 0 || event)
-            add_sample(self, order < 0 ? 1 : 0.5);
+            add_sample(self, state, order < 0 ? 1 : 0.5);
         if (order == 0) {
-            saltus_flow_state(self->flow, 0, self->state);
-            add_sample(self, event ? 0.5 : 1);
+            saltus_flow_state(self->flow, 0, state);
+            add_sample(self, state, event ? 0.5 : 1);
         }
     }
 }
@@ -149,8 +130,9 @@ static saltus_status run_stretch(sampler *self, const double *state, long long e
     saltus_event event = {.kind = SALTUS_STEP};
     saltus_status status = saltus_flow_start(self->flow, 0, start, state, message);
     if (status == SALTUS_OK) {
-        saltus_flow_state(self->flow, 0, self->state);
-        add_sample(self, 1);
+        double now[SALTUS_STATE_MAX];
+        saltus_flow_state(self->flow, 0, now);
+        add_sample(self, now, 1);
         self->next++;
     }
     while (status == SALTUS_OK && event.kind != SALTUS_REACHED) {
@@ -190,14 +172,9 @@ static saltus_signal signal_of(const sampler *self, int k, bool resting) {
 static saltus_status trust(saltus_signal signal, double *samples, int per_period, int orbit, double *upto,
                            saltus_message *message) {
     saltus_spectrum spectrum = {0};
-    int thinning = signal.per_period / per_period;
-    for (long long j = 0; j < signal.count / thinning; j++)
-        samples[j] = signal.samples[j * thinning];
-    signal.samples = samples;
-    signal.count /= thinning;
-    signal.per_period = per_period;
-    saltus_status status = orbit ? saltus_signal_orbits(&signal, orbit, &spectrum, message)
-                                 : saltus_signal_density(&signal, pilot_segment, 0.95, &spectrum, message);
+    saltus_signal thinned = saltus_signal_thinned(&signal, signal.per_period / per_period, samples);
+    saltus_status status = orbit ? saltus_signal_orbits(&thinned, orbit, &spectrum, message)
+                                 : saltus_signal_density(&thinned, pilot_segment, 0.95, &spectrum, message);
     *upto = spectrum.kind == SALTUS_SPECTRUM_CONSTANT ? INFINITY : spectrum.trustworthy;
     saltus_spectrum_clear(&spectrum);
     return status;
@@ -227,7 +204,7 @@ static saltus_status choose_samples(sampler *self, const double *state, int orbi
     return status;
 }
 
-/* The plan */
+/* Checks and lengths */
 
 static saltus_status check_options(const saltus_system *system, int periods, const saltus_spectrum_options *o,
                                    saltus_message *message) {
@@ -280,26 +257,13 @@ static saltus_status plan_lengths(int orbit, const saltus_spectrum_options *o, l
     return SALTUS_OK;
 }
 
-static saltus_status analyse(const sampler *self, int orbit, long long segment,
-                             const saltus_spectrum_options *options, saltus_spectra *spectra,
-                             saltus_message *message) {
-    saltus_status status = SALTUS_OK;
-    for (int k = 0; k < self->quantities && status == SALTUS_OK; k++) {
-        saltus_signal signal = signal_of(self, k, options->resting);
-        saltus_spectrum *spectrum = &spectra->spectra[k];
-        status = segment ? saltus_signal_welch(&signal, segment, options->confidence, spectrum, message)
-                         : saltus_signal_orbits(&signal, orbit, spectrum, message);
-    }
-    return status;
-}
-
 saltus_status saltus_spectra_run(const saltus_system *system, const double *state, int periods,
                                  const saltus_spectrum_options *options, saltus_spectra *spectra,
                                  saltus_message *message) {
     *spectra = (saltus_spectra){.count = options->quantity_count, .periods = periods};
     long long length = 0, segment = 0;
     int per_period = options->per_period;
-    sampler self = {.system = NULL};
+    sampler self = {.flow = NULL};
     saltus_status status = check_options(system, periods, options, message);
     if (status == SALTUS_OK)
         status = plan_lengths(periods, options, &length, &segment, message);
@@ -312,9 +276,14 @@ saltus_status saltus_spectra_run(const saltus_system *system, const double *stat
         per_period /= 2;
     if (status == SALTUS_OK)
         status = sample(&self, state, length, periods, per_period, message);
-    if (status == SALTUS_OK)
-        status = analyse(&self, periods, segment, options, spectra, message);
-    close_sampler(&self);
+    for (int k = 0; k < self.quantities && status == SALTUS_OK; k++) {
+        saltus_signal signal = signal_of(&self, k, options->resting);
+        saltus_spectrum *spectrum = &spectra->spectra[k];
+        status = segment ? saltus_signal_welch(&signal, segment, options->confidence, spectrum, message)
+                         : saltus_signal_orbits(&signal, periods, spectrum, message);
+    }
+    saltus_flow_free(self.flow);
+    free(self.samples);
     if (status != SALTUS_OK) {
         saltus_spectra_clear(spectra);
         return status;
@@ -332,11 +301,8 @@ saltus_status saltus_motion_spectra(const saltus_system *system, const saltus_mo
     bool rests =
         motion->verdict == SALTUS_EQUILIBRIUM || (motion->verdict == SALTUS_HELD && motion->periods == 0);
     bool closed = motion->verdict == SALTUS_PERIODIC || motion->verdict == SALTUS_HELD;
+    int periods = rests ? 1 : closed ? motion->periods : 0;
     fitting.resting = options->resting || rests;
     fitting.anew = options->anew || (closed && !motion->stable);
-    return saltus_spectra_run(system, motion->state,
-                              rests    ? 1
-                              : closed ? motion->periods
-                                       : 0,
-                              &fitting, spectra, message);
+    return saltus_spectra_run(system, motion->state, periods, &fitting, spectra, message);
 }

@@ -11,8 +11,8 @@
 #include "orbit/fixed_point.h"
 #include "orbit/returns.h"
 
+#include <gsl/gsl_sort.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum {
@@ -22,36 +22,28 @@ enum {
     steps = 10,
     bisections = 6,
     probes = 64,
-    wait_most = 200,
+    wait_most = 200, /* periods */
     remembered = 8
 };
 static const double converged = 1e-6, hopeless = 10;
-/* Near is what lies within so many distances of neighbouring points, or such a part of their extent. */
+/* An orbit counts if its basin comes this near to the points: within so many distances of neighbouring
+ * points, or such a part of their extent. */
 static const double spacings = 16, part_of_extent = 0.06;
 
-/* A search among the section points of a trajectory. */
 typedef struct search {
     const saltus_system *system;
     const saltus_flow_options *flow;
     const double *points;
     long long count;
     int n;
-    double extent;                               /* of the points */
-    double passed[remembered][SALTUS_STATE_MAX]; /* points of orbits that are of no account, the last ones */
-    int passed_over;                             /* how many there were */
+    double extent;                                 /* of the points */
+    double rejected[remembered][SALTUS_STATE_MAX]; /* points of stable orbits far from these, the last ones */
+    int rejections;                                /* how many there were */
 } search;
 
-static double extent_of_points(const search *s) {
-    double extent = 0;
-    for (int k = 0; k < probes; k++)
-        extent = fmax(extent,
-                      saltus_system_distance(s->system, s->points + s->count * k / probes * s->n, s->points));
-    return extent;
-}
-
-static bool is_passed_over(const search *s, const double *state) {
-    for (int k = 0; k < s->passed_over && k < remembered; k++)
-        if (saltus_system_distance(s->system, state, s->passed[k]) < 10 * converged)
+static bool was_rejected(const search *s, const double *state) {
+    for (int k = 0; k < s->rejections && k < remembered; k++)
+        if (saltus_system_distance(s->system, state, s->rejected[k]) < 10 * converged)
             return true;
     return false;
 }
@@ -64,25 +56,13 @@ static bool leads_to_stable(const search *s, saltus_fixed_point *f, const double
     for (int k = 0; k < steps; k++) {
         double residual = saltus_fixed_point_residual(f);
         if (residual < converged)
-            return !(saltus_fixed_point_multiplier(f) >= 0) && !is_passed_over(s, f->state);
+            return !(saltus_fixed_point_multiplier(f) >= 0) && !was_rejected(s, f->state);
         if (!(residual < hopeless * before) || saltus_fixed_point_step(f) == INFINITY ||
             !(saltus_system_distance(s->system, f->state, point) < s->extent))
             return false;
         before = residual;
     }
     return false;
-}
-
-/* Confirm what has converged, and describe it. */
-static bool confirm(const search *s, int p, const double *state, saltus_motion *motion) {
-    saltus_classify_options options = saltus_classify_defaults();
-    options.flow = *s->flow;
-    return saltus_motion_polish(s->system, p, state, INFINITY, &options, motion) == SALTUS_OK;
-}
-
-static int compare(const void *a, const void *b) {
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
 }
 
 /* Distance of a point to the nearest of the others, or of all where `self` is -1; which one it is. */
@@ -106,12 +86,12 @@ static double near_enough(const search *s) {
         long long place = s->count * k / probes;
         spacing[k] = nearest(s, s->points + place * s->n, place, &which);
     }
-    qsort(spacing, probes, sizeof spacing[0], compare);
+    gsl_sort(spacing, 1, probes);
     return fmax(spacings * spacing[probes / 2], part_of_extent * s->extent);
 }
 
-/* Whether a state comes to the orbit: to a tenth of its distance, in the time that takes on the orbit's
- * terms. */
+/* Whether a state comes to the orbit: to a tenth of its distance, in the time which that takes by the orbit's
+ * multipliers. */
 static bool captured(const search *s, saltus_flow *flow, const saltus_motion *orbit, const double *from,
                      double distance) {
     double cycles = log(0.05) / fmin(orbit->multipliers[0].log_modulus, -1e-3), end[SALTUS_STATE_MAX];
@@ -148,28 +128,25 @@ static double distance_of_basin(const search *s, saltus_flow *flow, const saltus
     return (1 - low) * least;
 }
 
-static bool within_basin(const search *s, const saltus_motion *orbit, saltus_status *status,
-                         saltus_message *message) {
-    saltus_flow *flow = NULL;
-    *status = saltus_flow_single(s->system, 0, s->flow, &flow, message);
-    bool near = *status == SALTUS_OK && distance_of_basin(s, flow, orbit) < near_enough(s);
-    saltus_flow_free(flow);
-    return near;
-}
-
 /* The closest returns after p periods; short periods, whose trials cost little, get more of them. */
 static saltus_status try_period(search *s, saltus_returns *returns, int p, saltus_motion *motion, bool *found,
                                 saltus_message *message) {
     int tries = most / p > fewest ? most / p : fewest;
+    saltus_classify_options options = saltus_classify_defaults();
+    options.flow = *s->flow;
     saltus_fixed_point f;
     saltus_return closest;
     saltus_status status = saltus_fixed_point_open(&f, s->system, p, s->flow, message);
     for (int k = 0; k < tries && !*found && status == SALTUS_OK && saltus_returns_next(returns, p, &closest);
          k++) {
-        if (!leads_to_stable(s, &f, closest.state) || !confirm(s, p, f.state, motion))
+        saltus_flow *flow = NULL;
+        if (!leads_to_stable(s, &f, closest.state) ||
+            saltus_motion_polish(s->system, p, f.state, INFINITY, &options, motion) != SALTUS_OK)
             continue;
-        memcpy(s->passed[s->passed_over++ % remembered], f.state, (size_t)s->n * sizeof *f.state);
-        *found = within_basin(s, motion, &status, message);
+        memcpy(s->rejected[s->rejections++ % remembered], f.state, (size_t)s->n * sizeof *f.state);
+        status = saltus_flow_single(s->system, 0, s->flow, &flow, message);
+        *found = status == SALTUS_OK && distance_of_basin(s, flow, motion) < near_enough(s);
+        saltus_flow_free(flow);
         if (!*found)
             saltus_motion_clear(motion);
     }
@@ -188,7 +165,8 @@ saltus_status saltus_stable_orbit_among(const saltus_system *system, const saltu
     saltus_returns *returns = NULL;
     *found = false;
     *motion = (saltus_motion){0};
-    s.extent = extent_of_points(&s);
+    for (int k = 0; k < probes; k++)
+        s.extent = fmax(s.extent, saltus_system_distance(system, points + count * k / probes * s.n, points));
     saltus_status status = saltus_returns_new(system, longest, most, INFINITY, &returns, message);
     for (long long k = 0; k < count && status == SALTUS_OK; k++)
         saltus_returns_add(returns, points + k * s.n);

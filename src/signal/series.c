@@ -1,8 +1,8 @@
-/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Points made ready for the tests on stroboscopic series: checked, weighted, centred and scaled.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "signal/series.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 saltus_series_options saltus_series_defaults(void) {
     return (saltus_series_options){
@@ -33,21 +33,7 @@ saltus_status saltus_series_check(long long count, const saltus_series_options *
     return SALTUS_OK;
 }
 
-bool saltus_series_random_open(saltus_series_random *random, unsigned long seed) {
-    random->state = malloc(gsl_rng_mt19937->size);
-    random->rng = (gsl_rng){.type = gsl_rng_mt19937, .state = random->state};
-    if (random->state)
-        gsl_rng_set(&random->rng, seed);
-    return random->state != NULL;
-}
-
-void saltus_series_random_close(saltus_series_random *random) {
-    free(random->state);
-    random->state = NULL;
-}
-
-/* The largest weighted modulus; NAN where a value or a weight is unsuitable. */
-static double largest_value(const saltus_series_points *points) {
+double saltus_series_largest(const saltus_series_points *points) {
     double largest = 0;
     for (int d = 0; d < points->dimension; d++) {
         double weight = points->weights ? points->weights[d] : 1;
@@ -63,22 +49,21 @@ static double largest_value(const saltus_series_points *points) {
     return largest;
 }
 
-/* Relative to the largest value, so that nothing overflows, and about the mean. */
-static void fill_centred(const saltus_series_points *points, double largest, saltus_cloud *cloud) {
-    int n = cloud->dimension;
+void saltus_series_centre(const saltus_series_points *points, double largest, double *centred) {
+    int n = points->dimension;
     for (int d = 0; d < n; d++) {
         double weight = points->weights ? points->weights[d] : 1, mean = 0;
-        for (long long i = 0; i < cloud->count; i++) {
-            cloud->x[i * n + d] = weight * points->values[i * n + d] / largest;
-            mean += cloud->x[i * n + d] / (double)cloud->count;
+        for (long long i = 0; i < points->count; i++) {
+            centred[i * n + d] = weight * points->values[i * n + d] / largest;
+            mean += centred[i * n + d] / (double)points->count;
         }
-        for (long long i = 0; i < cloud->count; i++)
-            cloud->x[i * n + d] -= mean;
+        for (long long i = 0; i < points->count; i++)
+            centred[i * n + d] -= mean;
     }
 }
 
-/* The unit becomes the largest distance from the mean, twice. */
-static void scale_to_unit(double largest, double resolution, saltus_cloud *cloud) {
+/* The unit becomes twice the largest distance from the mean. */
+static void scale_to_unit(double largest, double resolution, saltus_series_cloud *cloud) {
     double farthest = 0, squares = 0;
     for (long long i = 0; i < cloud->count; i++) {
         double square = 0;
@@ -99,9 +84,9 @@ static void scale_to_unit(double largest, double resolution, saltus_cloud *cloud
     cloud->spread = sqrt(2 * squares) / unit;
 }
 
-/* Three times the first lag at which the autocorrelation is down to 1/e: at the first alone, points are still
+/* Three times the first lag at which the autocorrelation is down to 1/e: at that lag itself points are still
  * neighbours because they are close in time. */
-static long long chosen_window(const saltus_cloud *cloud) {
+static long long chosen_window(const saltus_series_cloud *cloud) {
     long long most = cloud->count / 10, lag = 1;
     int n = cloud->dimension;
     double limit = exp(-1.0) * 0.5 * cloud->spread * cloud->spread;
@@ -115,16 +100,17 @@ static long long chosen_window(const saltus_cloud *cloud) {
     return 3 * lag < most ? 3 * lag : most;
 }
 
-saltus_status saltus_cloud_open(const saltus_series_points *points, const saltus_series_options *options,
-                                saltus_cloud *cloud, saltus_message *message) {
-    *cloud = (saltus_cloud){.count = points->count, .dimension = points->dimension};
+saltus_status saltus_series_cloud_open(const saltus_series_points *points,
+                                       const saltus_series_options *options, saltus_series_cloud *cloud,
+                                       saltus_message *message) {
+    *cloud = (saltus_series_cloud){.count = points->count, .dimension = points->dimension};
     saltus_status status = saltus_series_check(points->count, options, message);
     if (status != SALTUS_OK)
         return status;
     if (points->dimension < 1)
         return saltus_fail(message, SALTUS_BAD_INPUT, "points of dimension %d should have at least 1",
                            points->dimension);
-    double largest = largest_value(points);
+    double largest = saltus_series_largest(points);
     if (!isfinite(largest))
         return saltus_fail(message, SALTUS_BAD_INPUT,
                            "points and weights should be finite, and weights not negative");
@@ -134,13 +120,13 @@ saltus_status saltus_cloud_open(const saltus_series_points *points, const saltus
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for %lld points", points->count);
     cloud->x = saltus_arena_doubles(&cloud->arena, size);
     if (largest > 0) {
-        fill_centred(points, largest, cloud);
+        saltus_series_centre(points, largest, cloud->x);
         scale_to_unit(largest, options->resolution, cloud);
     }
     cloud->window = options->window >= 0 ? options->window : cloud->unit > 0 ? chosen_window(cloud) : 0;
     return SALTUS_OK;
 }
 
-void saltus_cloud_close(saltus_cloud *cloud) {
+void saltus_series_cloud_close(saltus_series_cloud *cloud) {
     saltus_arena_close(&cloud->arena);
 }

@@ -3,13 +3,11 @@
 #ifndef SALTUS_SIGNAL_SERIES_H
 #define SALTUS_SIGNAL_SERIES_H
 
-#include "base/memory.h"
 #include "saltus/series.h"
-
-#include <gsl/gsl_rng.h>
+#include "signal/random.h"
 
 /* Weighted and centred points, in units in which none is farther from the mean than 1/2. */
-typedef struct saltus_cloud {
+typedef struct saltus_series_cloud {
     saltus_arena arena;
     double *x; /* count x dimension */
     long long count;
@@ -18,28 +16,24 @@ typedef struct saltus_cloud {
     double resolution; /* distances up to this are none */
     double spread;     /* root mean square distance of two points */
     long long window;
-} saltus_cloud;
+} saltus_series_cloud;
 
-/* Errors: those of the calls on points. On success saltus_cloud_close is due. */
-saltus_status saltus_cloud_open(const saltus_series_points *points, const saltus_series_options *options,
-                                saltus_cloud *cloud, saltus_message *message);
-void saltus_cloud_close(saltus_cloud *cloud);
+/* Errors: those of the calls on points. On success saltus_series_cloud_close is due. */
+saltus_status saltus_series_cloud_open(const saltus_series_points *points,
+                                       const saltus_series_options *options, saltus_series_cloud *cloud,
+                                       saltus_message *message);
+void saltus_series_cloud_close(saltus_series_cloud *cloud);
 
 /* SALTUS_BAD_INPUT where an option or the number of values is unsuitable. */
 saltus_status saltus_series_check(long long count, const saltus_series_options *options,
                                   saltus_message *message);
 
-/* A generator of GSL's in room of its own: nothing of GSL's allocates, so nothing of it fails. */
-typedef struct saltus_series_random {
-    gsl_rng rng;
-    void *state;
-} saltus_series_random;
+/* The largest weighted modulus; NAN where a value is not finite, or a weight not finite or negative. */
+double saltus_series_largest(const saltus_series_points *points);
+/* Weighted points relative to the largest modulus, so that nothing overflows, and about their mean. */
+void saltus_series_centre(const saltus_series_points *points, double largest, double *centred);
 
-/* False if there is no memory. */
-bool saltus_series_random_open(saltus_series_random *random, unsigned long seed);
-void saltus_series_random_close(saltus_series_random *random);
-
-static inline const double *saltus_cloud_point(const saltus_cloud *cloud, long long i) {
+static inline const double *saltus_series_cloud_point(const saltus_series_cloud *cloud, long long i) {
     return cloud->x + i * cloud->dimension;
 }
 

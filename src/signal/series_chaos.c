@@ -20,6 +20,7 @@ typedef struct walk {
     double *steps, *msd; /* displacements used, and mean squares */
     double *rate;        /* one per frequency */
     size_t used;
+    gsl_rng rng;
 } walk;
 
 static void reserve(walk *w, size_t frequencies) {
@@ -30,20 +31,7 @@ static void reserve(walk *w, size_t frequencies) {
     w->steps = saltus_arena_doubles(&w->arena, w->used);
     w->msd = saltus_arena_doubles(&w->arena, w->used);
     w->rate = saltus_arena_doubles(&w->arena, frequencies);
-}
-
-/* The series relative to its largest modulus and without its mean; false if it does not vary. */
-static bool fill(walk *w, const double *series, double largest, double resolution) {
-    double mean = 0, low = INFINITY, high = -INFINITY;
-    for (long long k = 0; k < w->count; k++) {
-        w->value[k] = series[k] / largest;
-        mean += w->value[k] / (double)w->count;
-        low = fmin(low, w->value[k]);
-        high = fmax(high, w->value[k]);
-    }
-    for (long long k = 0; k < w->count; k++)
-        w->value[k] -= mean;
-    return high - low > resolution;
+    w->rng = saltus_random_reserve(&w->arena);
 }
 
 static void take_steps(walk *w, double angle) {
@@ -83,30 +71,19 @@ static double growth_rate(walk *w, double angle) {
     return isfinite(rate) ? rate : 0;
 }
 
-static void run_test(walk *w, const saltus_series_options *options, gsl_rng *rng,
-                     saltus_series_chaos *chaos) {
+static void run_test(walk *w, const saltus_series_options *options, saltus_series_chaos *chaos) {
     size_t frequencies = (size_t)options->frequencies;
+    gsl_rng_set(&w->rng, options->seed);
     for (size_t k = 0; k < w->used; k++)
         w->steps[k] = (double)((long long)(k + 1) * w->stride);
     for (size_t k = 0; k < frequencies; k++) {
-        double part = ((double)k + gsl_rng_uniform_pos(rng)) / (double)frequencies;
+        double part = ((double)k + gsl_rng_uniform_pos(&w->rng)) / (double)frequencies;
         w->rate[k] = growth_rate(w, M_PI / 5 + part * 3 * M_PI / 5);
     }
     gsl_sort(w->rate, 1, frequencies);
     chaos->k = gsl_stats_median_from_sorted_data(w->rate, 1, frequencies);
     chaos->lower = gsl_stats_quantile_from_sorted_data(w->rate, 1, frequencies, 0.25);
     chaos->upper = gsl_stats_quantile_from_sorted_data(w->rate, 1, frequencies, 0.75);
-}
-
-/* The largest modulus; NAN where a value is not finite. */
-static double largest_value(const double *series, long long count) {
-    double largest = 0;
-    for (long long k = 0; k < count; k++) {
-        if (!isfinite(series[k]))
-            return NAN;
-        largest = fmax(largest, fabs(series[k]));
-    }
-    return largest;
 }
 
 saltus_status saltus_series_chaos_test(const double *series, long long count,
@@ -116,25 +93,23 @@ saltus_status saltus_series_chaos_test(const double *series, long long count,
     saltus_status status = saltus_series_check(count, options, message);
     if (status != SALTUS_OK)
         return status;
-    double largest = largest_value(series, count);
+    saltus_series_points values = {.values = series, .count = count, .dimension = 1};
+    double low, high, largest = saltus_series_largest(&values);
     if (isnan(largest))
         return saltus_fail(message, SALTUS_BAD_INPUT, "the series should hold finite values only");
-    if (largest == 0)
+    gsl_stats_minmax(&low, &high, series, 1, (size_t)count);
+    chaos->constant = !(high / largest - low / largest > options->resolution);
+    if (chaos->constant)
         return SALTUS_OK;
     walk w = {.count = count, .longest = count / 10};
     w.stride = (w.longest + most_steps - 1) / most_steps;
     w.used = (size_t)(w.longest / w.stride);
-    saltus_series_random random;
-    bool room = saltus_series_random_open(&random, options->seed);
     reserve(&w, (size_t)options->frequencies);
-    room = room && saltus_arena_open(&w.arena);
-    if (room) {
-        reserve(&w, (size_t)options->frequencies);
-        chaos->constant = !fill(&w, series, largest, options->resolution);
-        if (!chaos->constant)
-            run_test(&w, options, &random.rng, chaos);
-    }
+    if (!saltus_arena_open(&w.arena))
+        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the 0-1 test");
+    reserve(&w, (size_t)options->frequencies);
+    saltus_series_centre(&values, largest, w.value);
+    run_test(&w, options, chaos);
     saltus_arena_close(&w.arena);
-    saltus_series_random_close(&random);
-    return room ? SALTUS_OK : saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the 0-1 test");
+    return SALTUS_OK;
 }

@@ -15,10 +15,10 @@ enum {
     curves_max = 64
 };
 
-/* What has been seen, and the work space. */
+/* What has been found, and work space. */
 typedef struct survey {
     saltus_arena arena;
-    const saltus_cloud *cloud;
+    const saltus_series_cloud *cloud;
     int places;
     long long *neighbour; /* [places][many], nearest first */
     double *square;       /* [many]: of their distances */
@@ -50,15 +50,15 @@ static long long place_at(const survey *s, int k) {
 
 /* The neighbours of point i that are not close to it in time, by insertion. */
 static void find_neighbours(survey *s, long long i, long long *neighbour) {
-    const saltus_cloud *cloud = s->cloud;
-    const double *point = saltus_cloud_point(cloud, i);
+    const saltus_series_cloud *cloud = s->cloud;
+    const double *point = saltus_series_cloud_point(cloud, i);
     double none = cloud->resolution * cloud->resolution;
     for (int k = 0; k < many; k++)
         s->square[k] = INFINITY;
     for (long long j = 0; j < cloud->count; j++) {
         if (j >= i - cloud->window && j <= i + cloud->window)
             continue;
-        double square = saltus_distance_square(point, saltus_cloud_point(cloud, j), cloud->dimension);
+        double square = saltus_distance_square(point, saltus_series_cloud_point(cloud, j), cloud->dimension);
         s->coincident += square <= none;
         if (square >= s->square[many - 1])
             continue;
@@ -69,20 +69,6 @@ static void find_neighbours(survey *s, long long i, long long *neighbour) {
         }
         s->square[k] = square;
         neighbour[k] = j;
-    }
-}
-
-/* The neighbourhood of point i about its mean. */
-static void gather(survey *s, long long i, const long long *neighbour, int count) {
-    int n = s->cloud->dimension;
-    for (int d = 0; d < n; d++) {
-        double mean = 0;
-        for (int k = 0; k <= count; k++) {
-            s->offset[k * n + d] = saltus_cloud_point(s->cloud, k < count ? neighbour[k] : i)[d];
-            mean += s->offset[k * n + d] / (count + 1);
-        }
-        for (int k = 0; k <= count; k++)
-            s->offset[k * n + d] -= mean;
     }
 }
 
@@ -117,11 +103,20 @@ static void find_direction(survey *s, int count) {
     }
 }
 
-/* Width over length of a neighbourhood: 0 for points on a line, up to 1 on a surface, more beyond. */
+/* Width over length of the neighbourhood of point i: 0 for points on a line, up to 1 on a surface, more
+ * beyond. Leaves its offsets from the mean, the point's last, and their direction. */
 static double width_over_length(survey *s, long long i, const long long *neighbour, int count) {
     int n = s->cloud->dimension;
     double length = 0, width = 0;
-    gather(s, i, neighbour, count);
+    for (int d = 0; d < n; d++) {
+        double mean = 0;
+        for (int k = 0; k <= count; k++) {
+            s->offset[k * n + d] = saltus_series_cloud_point(s->cloud, k < count ? neighbour[k] : i)[d];
+            mean += s->offset[k * n + d] / (count + 1);
+        }
+        for (int k = 0; k <= count; k++)
+            s->offset[k * n + d] -= mean;
+    }
     find_direction(s, count);
     for (int k = 0; k <= count; k++) {
         const double *offset = s->offset + k * n;
@@ -135,7 +130,8 @@ static double width_over_length(survey *s, long long i, const long long *neighbo
     return length > 0 ? sqrt(width / length) : 1;
 }
 
-/* How evenly the neighbours of the point gathered last lie on its two sides: 1 evenly, 0 on one side. */
+/* How evenly the neighbours of the point that was looked at last lie on its two sides along that direction: 1
+ * evenly, 0 on one side. */
 static double balance_of(const survey *s) {
     int n = s->cloud->dimension, before = 0;
     double own = product(s->offset + many * n, s->direction, n);
@@ -157,13 +153,14 @@ static void look_around(survey *s) {
 }
 
 /* How many points are nearer to i than j is, up to `most`; those close in time to i are left out. */
-static int rank_of(const saltus_cloud *cloud, long long i, long long j, int most) {
-    const double *point = saltus_cloud_point(cloud, i);
-    double limit = saltus_distance_square(point, saltus_cloud_point(cloud, j), cloud->dimension);
+static int rank_of(const saltus_series_cloud *cloud, long long i, long long j, int most) {
+    const double *point = saltus_series_cloud_point(cloud, i);
+    double limit = saltus_distance_square(point, saltus_series_cloud_point(cloud, j), cloud->dimension);
     int rank = 0;
     for (long long k = 0; k < cloud->count && rank < most; k++)
         if (k < i - cloud->window || k > i + cloud->window)
-            rank += saltus_distance_square(point, saltus_cloud_point(cloud, k), cloud->dimension) < limit;
+            rank +=
+                saltus_distance_square(point, saltus_series_cloud_point(cloud, k), cloud->dimension) < limit;
     return rank;
 }
 
@@ -197,8 +194,8 @@ static double balance_at_ends(survey *s) {
     return sum;
 }
 
-/* Number of curves visited in turn: neighbours are whole rounds apart in time. A few neighbours may come from
- * another curve that passes near. */
+/* Number of curves visited in turn: points on one curve are whole rounds apart in time. A few neighbours may
+ * come from another curve that passes near. */
 static int count_curves(const survey *s) {
     for (int curves = curves_max; curves > 1; curves--) {
         long long same = 0;
@@ -234,9 +231,9 @@ static void judge(survey *s, saltus_series_curve *curve) {
 saltus_status saltus_series_closed_curve(const saltus_series_points *points,
                                          const saltus_series_options *options, saltus_series_curve *curve,
                                          saltus_message *message) {
-    saltus_cloud cloud;
+    saltus_series_cloud cloud;
     *curve = (saltus_series_curve){.recurs = true};
-    saltus_status status = saltus_cloud_open(points, options, &cloud, message);
+    saltus_status status = saltus_series_cloud_open(points, options, &cloud, message);
     if (status != SALTUS_OK)
         return status;
     if (cloud.unit > 0) {
@@ -245,11 +242,10 @@ saltus_status saltus_series_closed_curve(const saltus_series_points *points,
         if (saltus_arena_open(&s.arena)) {
             reserve(&s);
             judge(&s, curve);
-        } else {
+        } else
             status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for neighbourhoods");
-        }
         saltus_arena_close(&s.arena);
     }
-    saltus_cloud_close(&cloud);
+    saltus_series_cloud_close(&cloud);
     return status;
 }

@@ -16,7 +16,7 @@ enum {
     octave = 4,              /* edges in one */
     octaves = 40,            /* of radii, below the largest */
     bins = octave * octaves, /* of distances */
-    edges = bins + 1,        /* radii that part them */
+    edges = bins + 1,        /* radii between and around them */
     replicates = blocks + 1,
     least_pairs = 32, /* nearer than the smallest radius of a range ... */
     least_left = 16,  /* ... and of these without the pairs of any one block */
@@ -36,6 +36,7 @@ typedef struct tally {
     double *count;    /* of pairs nearer than the radius: [replicate][edge], first of all; later logarithms */
     double neighbours; /* of a point on average, for each pair that is counted */
     long long compared, coincident;
+    gsl_rng rng;
 } tally;
 
 /* A range of radii, and the slope over it. */
@@ -51,6 +52,7 @@ static void reserve(tally *t) {
     t->pairs = (long long *)(void *)saltus_arena_doubles(&t->arena, (size_t)blocks * blocks * bins);
     t->radius = saltus_arena_doubles(&t->arena, edges);
     t->count = saltus_arena_doubles(&t->arena, (size_t)replicates * edges);
+    t->rng = saltus_random_reserve(&t->arena);
 }
 
 static long long *tally_of(const tally *t, int a, int b) {
@@ -75,13 +77,13 @@ static double edge_square(int edge) {
 }
 
 /* Point i with those from `from` to before `to`. */
-static void compare_with(const saltus_cloud *cloud, long long i, long long from, long long to,
+static void compare_with(const saltus_series_cloud *cloud, long long i, long long from, long long to,
                          long long *pairs, tally *t) {
     double nearest = cloud->resolution * cloud->resolution;
-    const double *point = saltus_cloud_point(cloud, i);
+    const double *point = saltus_series_cloud_point(cloud, i);
     long long coincident = 0;
     for (long long j = from; j < to; j++) {
-        double square = saltus_distance_square(point, saltus_cloud_point(cloud, j), cloud->dimension);
+        double square = saltus_distance_square(point, saltus_series_cloud_point(cloud, j), cloud->dimension);
         pairs[bin_of(square)]++;
         coincident += square <= nearest;
     }
@@ -89,7 +91,7 @@ static void compare_with(const saltus_cloud *cloud, long long i, long long from,
     t->coincident += coincident;
 }
 
-static void compare_all(const saltus_cloud *cloud, tally *t) {
+static void compare_all(const saltus_series_cloud *cloud, tally *t) {
     for (int a = 0; a < blocks; a++)
         for (int b = a; b < blocks; b++) {
             long long to = (b + 1) * cloud->count / blocks, start = b * cloud->count / blocks;
@@ -101,13 +103,13 @@ static void compare_all(const saltus_cloud *cloud, tally *t) {
 }
 
 /* As many pairs, drawn; a pair that is close in time is left out. */
-static void compare_some(const saltus_cloud *cloud, long long pairs, gsl_rng *rng, tally *t) {
+static void compare_some(const saltus_series_cloud *cloud, long long pairs, tally *t) {
     enum { batch = 1024 };
     long long chosen[2 * batch];
     for (long long done = 0; done < pairs; done += batch) {
         int drawn = pairs - done < batch ? (int)(pairs - done) : batch;
         for (int k = 0; k < 2 * drawn; k++)
-            chosen[k] = (long long)(gsl_rng_uniform(rng) * (double)cloud->count);
+            chosen[k] = (long long)(gsl_rng_uniform(&t->rng) * (double)cloud->count);
         for (int k = 0; k < 2 * drawn; k += 2) {
             long long i = chosen[k], j = chosen[k + 1];
             if ((i > j ? i - j : j - i) > cloud->window)
@@ -119,7 +121,7 @@ static void compare_some(const saltus_cloud *cloud, long long pairs, gsl_rng *rn
 }
 
 /* How many pairs are nearer than each radius: all, and without each block. */
-static void accumulate(const saltus_cloud *cloud, tally *t) {
+static void accumulate(const saltus_series_cloud *cloud, tally *t) {
     for (int a = 0; a < blocks; a++)
         for (int b = a; b < blocks; b++)
             for (int bin = 0; bin < bins; bin++)
@@ -212,13 +214,9 @@ static bool is_known(const range *r) {
     return hypot(r->sampling, r->deviation) < fmax(0.1, 0.1 * r->slope);
 }
 
-static bool differ(const range *a, const range *b) {
-    return fabs(a->slope - b->slope) > fmax(other_slope, 2 * hypot(error_of(a), error_of(b)));
-}
-
-/* Edges between which there are pairs enough, and not too many: radii comparable with the whole set do not
- * scale. */
-static void limit_edges(const saltus_cloud *cloud, const tally *t, int *low, int *high) {
+/* Edges between which there are pairs enough, and not too many: near the size of the whole set counts follow
+ * no power law. */
+static void limit_edges(const saltus_series_cloud *cloud, const tally *t, int *low, int *high) {
     static const double largest_share = 0.05;
     *low = edges;
     *high = 0;
@@ -236,7 +234,7 @@ static void limit_edges(const saltus_cloud *cloud, const tally *t, int *low, int
 
 /* The range that counts; false if there is none. A decade or more where the slope is known there; else what
  * is shorter; and a decade of smaller radii where that has another slope. Counts become logarithms. */
-static bool choose_range(const saltus_cloud *cloud, tally *t, range *best) {
+static bool choose_range(const saltus_series_cloud *cloud, tally *t, range *best) {
     int low, high;
     limit_edges(cloud, t, &low, &high);
     for (int k = 0; k < replicates * edges; k++)
@@ -249,32 +247,23 @@ static bool choose_range(const saltus_cloud *cloud, tally *t, range *best) {
             found = true;
         }
     for (int below = found ? best->first : 0; best_range(t, low, below, decade, &other); below = other.first)
-        if (is_known(&other) && differ(&other, best))
+        if (is_known(&other) &&
+            fabs(other.slope - best->slope) > fmax(other_slope, 2 * hypot(error_of(&other), error_of(best))))
             *best = other;
     return found;
 }
 
-static void fill_result(const saltus_cloud *cloud, const tally *t, const range *r,
-                        saltus_series_dimension *dimension) {
-    dimension->dimension = r->slope;
-    dimension->error = error_of(r);
-    dimension->sampling = r->sampling;
-    dimension->variation = r->variation;
-    dimension->radius[0] = exp(t->radius[r->first]) * cloud->unit;
-    dimension->radius[1] = exp(t->radius[r->last]) * cloud->unit;
-    dimension->decade = t->radius[r->last] - t->radius[r->first] > log(decade) - 1e-9;
-    dimension->within = llround(exp(t->count[r->last]));
-}
-
-/* Tally, and say what the tallies say. */
-static saltus_status judge(const saltus_cloud *cloud, long long pairs, gsl_rng *rng, tally *t,
+/* Count the pairs, and take the slope. */
+static saltus_status judge(const saltus_series_cloud *cloud, const saltus_series_options *options, tally *t,
                            saltus_series_dimension *dimension, saltus_message *message) {
     range r;
-    if (cloud->count * (cloud->count - 1) / 2 <= pairs)
+    gsl_rng_set(&t->rng, options->seed);
+    if (cloud->count * (cloud->count - 1) / 2 <= options->pairs)
         compare_all(cloud, t);
     else
-        compare_some(cloud, pairs, rng, t);
+        compare_some(cloud, options->pairs, t);
     accumulate(cloud, t);
+    dimension->distinct = 0;
     dimension->pairs = t->compared;
     if ((double)t->coincident * t->neighbours >= 1) {
         dimension->distinct = llround((double)t->compared / (double)t->coincident);
@@ -286,7 +275,14 @@ static saltus_status judge(const saltus_cloud *cloud, long long pairs, gsl_rng *
         return saltus_fail(
             message, SALTUS_NO_CONVERGENCE,
             "no range of radii for the dimension: too few of %lld pairs are at small distances", t->compared);
-    fill_result(cloud, t, &r, dimension);
+    dimension->dimension = r.slope;
+    dimension->error = error_of(&r);
+    dimension->sampling = r.sampling;
+    dimension->variation = r.variation;
+    dimension->radius[0] = exp(t->radius[r.first]) * cloud->unit;
+    dimension->radius[1] = exp(t->radius[r.last]) * cloud->unit;
+    dimension->decade = t->radius[r.last] - t->radius[r.first] > log(decade) - 1e-9;
+    dimension->within = llround(exp(t->count[r.last]));
     return SALTUS_OK;
 }
 
@@ -294,26 +290,23 @@ saltus_status saltus_series_correlation_dimension(const saltus_series_points *po
                                                   const saltus_series_options *options,
                                                   saltus_series_dimension *dimension,
                                                   saltus_message *message) {
-    saltus_cloud cloud;
+    saltus_series_cloud cloud;
     *dimension = (saltus_series_dimension){.distinct = 1};
-    saltus_status status = saltus_cloud_open(points, options, &cloud, message);
+    saltus_status status = saltus_series_cloud_open(points, options, &cloud, message);
     if (status != SALTUS_OK)
         return status;
     dimension->window = cloud.window;
     dimension->ceiling = 2 * log10((double)cloud.count);
     if (cloud.unit > 0) {
         tally t = {0};
-        saltus_series_random random;
-        bool room = saltus_series_random_open(&random, options->seed);
         reserve(&t);
-        room = room && saltus_arena_open(&t.arena);
-        reserve(&t);
-        dimension->distinct = 0;
-        status = room ? judge(&cloud, options->pairs, &random.rng, &t, dimension, message)
-                      : saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the correlation dimension");
+        if (saltus_arena_open(&t.arena)) {
+            reserve(&t);
+            status = judge(&cloud, options, &t, dimension, message);
+        } else
+            status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the correlation dimension");
         saltus_arena_close(&t.arena);
-        saltus_series_random_close(&random);
     }
-    saltus_cloud_close(&cloud);
+    saltus_series_cloud_close(&cloud);
     return status;
 }

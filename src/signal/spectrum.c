@@ -1,4 +1,5 @@
-/* Spectra of sampled signals: lines of whole orbits, Welch's averaged density.
+/* Spectra of sampled signals: lines of whole orbits, Welch's averaged density, and how far they can be
+ * trusted.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "signal/spectrum.h"
 
@@ -7,44 +8,31 @@
 
 enum { welch_lines_max = 4096 };
 
+static const double tolerance = 0.01; /* difference of two spectra that are trusted */
+static const double rounding = 1e-11; /* of the highest line: below it two spectra differ by rounding alone */
+
 void saltus_spectrum_clear(saltus_spectrum *spectrum) {
     free(spectrum->density);
     free(spectrum->lines);
     *spectrum = (saltus_spectrum){0};
 }
 
+/* Mean and variance; a variance of 0 says that the signal does not move. */
 static void measure(const saltus_signal *signal, saltus_spectrum *s) {
-    saltus_sum square = {0, 0};
     *s = (saltus_spectrum){.per_period = signal->per_period,
                            .count = signal->count,
                            .mean = saltus_signal_mean(signal),
                            .between = NAN,
                            .trustworthy = NAN};
-    if (!saltus_signal_moves(signal, s->mean)) {
-        s->mean = fabs(s->mean) > signal->rounding ? s->mean : 0;
-        return;
-    }
-    for (long long j = 0; j < signal->count; j++) {
-        double away = signal->samples[j] - s->mean;
-        saltus_sum_add(&square, away * away);
-    }
-    s->variance = (square.value + square.rest) / (double)signal->count;
-}
-
-/* Decibels and shares, when the amplitudes are known. */
-static void rank_lines(saltus_spectrum *s) {
-    double highest = 0;
-    for (long long k = 0; k < s->line_count; k++)
-        highest = fmax(highest, s->lines[k].amplitude);
-    for (long long k = 0; k < s->line_count; k++) {
-        saltus_spectral_line *line = &s->lines[k];
-        line->decibels = highest > 0 ? 20 * log10(line->amplitude / highest) : 0;
-    }
+    if (saltus_signal_moves(signal, s->mean))
+        s->variance = saltus_signal_variance(signal, s->mean);
+    else if (fabs(s->mean) <= signal->rounding)
+        s->mean = 0;
 }
 
 /* Whole orbits */
 
-/* Transform of a signal without its mean, divided by the number of samples. */
+/* Transform of a signal without its mean, divided by the number of samples; the signal may be in t->input. */
 static void transform_whole(saltus_transform *t, const saltus_signal *signal, double mean) {
     for (long long j = 0; j < t->count; j++)
         t->input[j] = signal->samples[j] - mean;
@@ -78,28 +66,42 @@ static void read_orbits(const saltus_transform *t, saltus_spectrum *s) {
     s->parseval = fabs(all.value + all.rest - s->variance) / s->variance;
     s->broadband = (off.value + off.rest) / s->variance;
     s->between = s->orbits == 1 ? NAN : highest > 0 ? between / highest : INFINITY;
-    rank_lines(s);
+    saltus_lines_rank(s->lines, s->line_count);
 }
 
-/* The transform of every second sample decides how far the lines can be trusted. */
+/* Up to which line the spectrum can be trusted: what aliases doubles when every second sample is left out, so
+ * where both spectra agree there is little of it. A line may be weak by chance or symmetry, and at low
+ * frequencies a velocity has little power: what aliases is held against the largest line at the same or a
+ * higher frequency. */
 static saltus_status trust_orbits(const saltus_signal *signal, const saltus_transform *all,
                                   saltus_spectrum *s, saltus_message *message) {
     saltus_transform half = {0};
-    double *samples = malloc((size_t)(signal->count / 2 + 1) * sizeof *samples);
-    saltus_status status = samples ? saltus_transform_open(&half, signal->count / 2, message)
-                                   : saltus_fail(message, SALTUS_NO_MEMORY, "no memory to look for aliasing");
+    saltus_status status = saltus_transform_open(&half, signal->count / 2, message);
     if (status == SALTUS_OK) {
-        saltus_signal halved = saltus_signal_halved(signal, samples);
+        saltus_signal halved = saltus_signal_thinned(signal, 2, half.input);
         transform_whole(&half, &halved, s->mean);
-        long long last = saltus_trust_lines(all->output, half.output, half.bins, s->orbits);
-        s->trustworthy = (double)last * s->resolution;
+        long long lines = half.bins > 2 ? (half.bins - 2) / s->orbits : 0, trusted = lines;
+        double highest = 0, reference = 0;
+        for (long long n = 1; n <= lines; n++)
+            highest = fmax(highest, cabs(all->output[n * s->orbits]));
+        /* From above, as the reference grows on the way down: the lowest line that disagrees ends the trust.
+         */
+        for (long long n = lines; n >= 1; n--) {
+            double complex line = all->output[n * s->orbits];
+            double difference = cabs(line - half.output[n * s->orbits]);
+            reference = fmax(reference, cabs(line));
+            if (!(difference <= fmax(tolerance * reference, rounding * highest)))
+                trusted = n - 1;
+        }
+        s->trustworthy = (double)(trusted * s->orbits) * s->resolution;
     }
     saltus_transform_close(&half);
-    free(samples);
     return status;
 }
 
-static saltus_status check_orbits(const saltus_signal *signal, int periods, saltus_message *message) {
+saltus_status saltus_signal_orbits(const saltus_signal *signal, int periods, saltus_spectrum *s,
+                                   saltus_message *message) {
+    *s = (saltus_spectrum){0};
     saltus_status status = saltus_signal_check(signal, message);
     if (status != SALTUS_OK)
         return status;
@@ -108,21 +110,12 @@ static saltus_status check_orbits(const saltus_signal *signal, int periods, salt
         return saltus_fail(message, SALTUS_BAD_INPUT,
                            "%lld samples are not whole orbits of %d periods with %d samples each",
                            signal->count, periods, signal->per_period);
-    return SALTUS_OK;
-}
-
-saltus_status saltus_signal_orbits(const saltus_signal *signal, int periods, saltus_spectrum *s,
-                                   saltus_message *message) {
-    *s = (saltus_spectrum){0};
-    saltus_status status = check_orbits(signal, periods, message);
-    if (status != SALTUS_OK)
-        return status;
     measure(signal, s);
     if (s->variance == 0)
         return SALTUS_OK;
     s->kind = SALTUS_SPECTRUM_LINES;
     s->periods = periods;
-    s->orbits = (int)(signal->count / ((long long)periods * signal->per_period));
+    s->orbits = (int)(signal->count / orbit);
     s->resolution = 1.0 / ((double)periods * s->orbits);
     saltus_transform t = {0};
     status = saltus_transform_open(&t, signal->count, message);
@@ -200,6 +193,14 @@ static double degrees_of_freedom(long long length, long long segments) {
     return 2 * (double)segments / (1 + 2 * correlation * (1 - 1 / (double)segments));
 }
 
+/* The band of bin k, from 1 on. */
+static int band_of(long long k) {
+    enum { bands_per_octave = 8, bands_max = 26 * bands_per_octave };
+    int band = (int)floor(bands_per_octave * log2((double)k) + 1e-9);
+    return band < bands_max ? band : bands_max - 1;
+}
+
+/* The same as for lines (trust_orbits), band by band. */
 static saltus_status trust_welch(const saltus_signal *signal, long long length, saltus_spectrum *s,
                                  saltus_message *message) {
     double *samples = malloc((size_t)(signal->count / 2 + 1) * sizeof *samples),
@@ -208,32 +209,36 @@ static saltus_status trust_welch(const saltus_signal *signal, long long length, 
                                ? SALTUS_OK
                                : saltus_fail(message, SALTUS_NO_MEMORY, "no memory to look for aliasing");
     if (status == SALTUS_OK) {
-        saltus_signal halved = saltus_signal_halved(signal, samples);
+        saltus_signal halved = saltus_signal_thinned(signal, 2, samples);
         status = average_segments(&halved, saltus_signal_mean(&halved), length / 2, density, NULL, message);
     }
     if (status == SALTUS_OK) {
-        long long last = saltus_trust_bands(s->density, density, length / 4 + 1);
-        s->trustworthy = (double)last * s->resolution;
+        long long last = length / 4 - 1, trusted = last > 0 ? last : 0;
+        double peak = 0, reference = 0;
+        for (long long k = 1; k <= last; k++)
+            peak = fmax(peak, s->density[k]);
+        for (long long k = trusted; k >= 1;) {
+            double power = 0, power_half = 0;
+            long long top = k;
+            for (int band = band_of(k); k >= 1 && band_of(k) == band; k--) {
+                power += s->density[k];
+                power_half += density[k];
+            }
+            double bins = (double)(top - k);
+            reference = fmax(reference, power / bins);
+            if (!(fabs(power_half - power) <= bins * fmax(tolerance * reference, rounding * rounding * peak)))
+                trusted = k;
+        }
+        s->trustworthy = (double)trusted * s->resolution;
     }
     free(density);
     free(samples);
     return status;
 }
 
-static saltus_status find_lines(const saltus_signal *signal, saltus_spectrum *s, saltus_message *message) {
-    int count = 0;
-    s->lines = malloc(welch_lines_max * sizeof *s->lines);
-    if (!s->lines)
-        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the lines of a spectrum");
-    double highest = s->trustworthy > 0 ? s->trustworthy : 0;
-    saltus_status status =
-        saltus_signal_lines(signal, highest, welch_lines_max, s->lines, &count, &s->broadband, message);
-    s->line_count = count;
-    return status;
-}
-
-static saltus_status check_welch(const saltus_signal *signal, long long segment_periods, double confidence,
-                                 saltus_message *message) {
+saltus_status saltus_signal_density(const saltus_signal *signal, long long segment_periods, double confidence,
+                                    saltus_spectrum *s, saltus_message *message) {
+    *s = (saltus_spectrum){0};
     saltus_status status = saltus_signal_check(signal, message);
     if (status != SALTUS_OK)
         return status;
@@ -246,23 +251,6 @@ static saltus_status check_welch(const saltus_signal *signal, long long segment_
                            segment_periods * signal->per_period);
     if (!(confidence > 0 && confidence < 1))
         return saltus_fail(message, SALTUS_BAD_INPUT, "confidence %g: must be between 0 and 1", confidence);
-    return SALTUS_OK;
-}
-
-static void set_band(saltus_spectrum *s, long long length, double confidence) {
-    double outside = (1 - confidence) / 2;
-    s->degrees = degrees_of_freedom(length, s->segments);
-    s->confidence = confidence;
-    s->low = s->degrees / gsl_cdf_chisq_Qinv(outside, s->degrees);
-    s->high = s->degrees / gsl_cdf_chisq_Pinv(outside, s->degrees);
-}
-
-saltus_status saltus_signal_density(const saltus_signal *signal, long long segment_periods, double confidence,
-                                    saltus_spectrum *s, saltus_message *message) {
-    *s = (saltus_spectrum){0};
-    saltus_status status = check_welch(signal, segment_periods, confidence, message);
-    if (status != SALTUS_OK)
-        return status;
     measure(signal, s);
     if (s->variance == 0)
         return SALTUS_OK;
@@ -272,7 +260,10 @@ saltus_status saltus_signal_density(const saltus_signal *signal, long long segme
     s->segments = (signal->count - length) / (length / 2) + 1;
     s->bins = length / 2 + 1;
     s->resolution = 1.0 / (double)segment_periods;
-    set_band(s, length, confidence);
+    s->degrees = degrees_of_freedom(length, s->segments);
+    s->confidence = confidence;
+    s->low = s->degrees / gsl_cdf_chisq_Qinv((1 - confidence) / 2, s->degrees);
+    s->high = s->degrees / gsl_cdf_chisq_Pinv((1 - confidence) / 2, s->degrees);
     s->density = calloc((size_t)s->bins, sizeof *s->density);
     if (!s->density)
         status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a spectrum of %lld bins", s->bins);
@@ -288,8 +279,15 @@ saltus_status saltus_signal_density(const saltus_signal *signal, long long segme
 saltus_status saltus_signal_welch(const saltus_signal *signal, long long segment_periods, double confidence,
                                   saltus_spectrum *s, saltus_message *message) {
     saltus_status status = saltus_signal_density(signal, segment_periods, confidence, s, message);
-    if (status == SALTUS_OK && s->kind == SALTUS_SPECTRUM_WELCH)
-        status = find_lines(signal, s, message);
+    if (status == SALTUS_OK && s->kind == SALTUS_SPECTRUM_WELCH) {
+        int count = 0;
+        double highest = s->trustworthy > 0 ? s->trustworthy : 0;
+        s->lines = malloc(welch_lines_max * sizeof *s->lines);
+        status = s->lines ? saltus_signal_lines(signal, highest, welch_lines_max, s->lines, &count,
+                                                &s->broadband, message)
+                          : saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the lines of a spectrum");
+        s->line_count = count;
+    }
     if (status != SALTUS_OK)
         saltus_spectrum_clear(s);
     return status;

@@ -1,4 +1,4 @@
-/* Private: what the parts of the spectra share.
+/* Private: transforms, checks and sums that the analyses of signals share.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_SIGNAL_SPECTRUM_H
 #define SALTUS_SIGNAL_SPECTRUM_H
@@ -27,15 +27,20 @@ saltus_status saltus_transform_open(saltus_transform *transform, long long count
 /* A zeroed transform is accepted. */
 void saltus_transform_close(saltus_transform *transform);
 
-/* How often bin k of a one-sided spectrum of `count` samples stands for itself and its mirror image. */
+/* 2 where bin k of a one-sided spectrum of `count` samples stands for its negative frequency too, or 1. */
 double saltus_bin_weight(long long k, long long count);
 
 /* Whether a signal can be analysed. */
 saltus_status saltus_signal_check(const saltus_signal *signal, saltus_message *message);
 double saltus_signal_mean(const saltus_signal *signal);
 bool saltus_signal_moves(const saltus_signal *signal, double mean);
-/* Every second sample of a signal goes to `half` (count / 2), which becomes a signal of its own. */
-saltus_signal saltus_signal_halved(const saltus_signal *signal, double *half);
+/* Mean square of the distance from the mean. */
+double saltus_signal_variance(const saltus_signal *signal, double mean);
+/* Every `thinning`-th sample of a signal: a signal of its own, held by `samples` (count / thinning). */
+saltus_signal saltus_signal_thinned(const saltus_signal *signal, int thinning, double *samples);
+
+/* Decibels of lines whose amplitudes are known. */
+void saltus_lines_rank(saltus_spectral_line *lines, long long count);
 
 /* Welch's density without lines. */
 saltus_status saltus_signal_density(const saltus_signal *signal, long long segment_periods, double confidence,
@@ -53,13 +58,5 @@ static inline void saltus_sum_add(saltus_sum *sum, double term) {
     sum->rest += (large - total) + small;
     sum->value = total;
 }
-
-/* Frequencies up to which spectra from all and from every second sample agree: see spectrum.h. `all` and
- * `half` hold the amplitudes (with their phases) of bins 0, 1, ...; `stride` bins lie from line to line. The
- * number of the last bin that agrees is returned. */
-long long saltus_trust_lines(const double complex *all, const double complex *half, long long half_bins,
-                             long long stride);
-/* The same for densities, band by band. */
-long long saltus_trust_bands(const double *all, const double *half, long long half_bins);
 
 #endif

@@ -27,8 +27,8 @@ static const double window[terms] = {0.35875, 0.48829, 0.14128, 0.01168};
 
 /* The lowest tenth of the bins around gives the continuum's level, however many lines stand there. */
 static const double quantile = 0.1;
-/* That noise shows a peak anywhere, were its level known exactly; the quantile of some 200 independent bins
- * is only known to a fifth, which makes it 1e-3. */
+/* Probability that noise shows a peak anywhere, were its level known exactly; the quantile of some 200
+ * independent bins is only known to a fifth, which makes it 1e-3. */
 static const double false_alarm = 1e-6;
 static const double round_depth = 1e-3; /* power below the round's strongest at which the next round begins */
 static const double negligible = 1e-9;  /* power of a peak over all power: worth no line */
@@ -97,8 +97,8 @@ static void take_away(finder *self, const peak *p, double sign) {
         self->left[k] -= sign * line_in_bin(p, k, (double)self->count);
 }
 
-/* Solve the 3 x 3 normal equations; a column that adds nothing (the sine at half the samples' frequency, the
- * frequency of a line without amplitude) gets no share. */
+/* Solve the 3 x 3 normal equations. Where a column is zero (the sine at half the samples' frequency, the
+ * frequency of a line without amplitude) so is its unknown. */
 static void solve(double a[3][3], double b[3], double x[3]) {
     bool used[3] = {false};
     double scale = fmax(a[0][0], fmax(a[1][1], a[2][2]));
@@ -120,29 +120,20 @@ static void solve(double a[3][3], double b[3], double x[3]) {
     }
 }
 
-/* How bin k answers to the real and imaginary part of the half amplitude, and to the place times the modulus.
- */
-static void responses(const peak *p, long long k, double n, double complex column[3]) {
-    double complex direct = window_transform((double)k - p->place, n),
-                   image = window_transform((double)k + p->place, n);
-    double modulus = cabs(p->half_amplitude);
-    column[0] = direct + image;
-    column[1] = I * (direct - image);
-    column[2] = 0;
-    if (modulus > 0)
-        column[2] = (conj(p->half_amplitude) * window_slope((double)k + p->place, n) -
-                     p->half_amplitude * window_slope((double)k - p->place, n)) /
-                    modulus;
-}
-
-/* One Gauss-Newton step of one line, the others standing. */
+/* One Gauss-Newton step of one line, the others standing: in the real and imaginary part of the half
+ * amplitude, and in the place times the modulus. */
 static void refit(finder *self, peak *p) {
-    double a[3][3] = {{0}}, b[3] = {0}, x[3];
+    double a[3][3] = {{0}}, b[3] = {0}, x[3], n = (double)self->count, modulus = cabs(p->half_amplitude);
     long long from, to;
     bins_around(self, p->place, core, &from, &to);
     for (long long k = from; k <= to; k++) {
-        double complex column[3];
-        responses(p, k, (double)self->count, column);
+        double below = (double)k - p->place, above = (double)k + p->place;
+        double complex direct = window_transform(below, n), image = window_transform(above, n);
+        double complex column[3] = {direct + image, I * (direct - image), 0};
+        if (modulus > 0)
+            column[2] = (conj(p->half_amplitude) * window_slope(above, n) -
+                         p->half_amplitude * window_slope(below, n)) /
+                        modulus;
         for (int r = 0; r < 3; r++) {
             b[r] += creal(conj(column[r]) * self->left[k]);
             for (int c = 0; c < 3; c++)
@@ -151,9 +142,8 @@ static void refit(finder *self, peak *p) {
     }
     solve(a, b, x);
     take_away(self, p, -1);
-    double modulus = cabs(p->half_amplitude), move = modulus > 0 ? x[2] / modulus : 0;
     p->half_amplitude += x[0] + I * x[1];
-    p->place += fmax(-0.3, fmin(0.3, move));
+    p->place += modulus > 0 ? fmax(-0.3, fmin(0.3, x[2] / modulus)) : 0;
     p->place = fmax(0, fmin((double)self->count / 2, p->place));
     take_away(self, p, 1);
 }
@@ -181,14 +171,6 @@ static bool stands_out(const finder *self, long long k) {
            here >= power(self->left[k - 1]) && (k + 1 == self->bins || here >= power(self->left[k + 1]));
 }
 
-static double admit_above(const finder *self) {
-    double strongest = 0;
-    for (long long k = 1; k <= self->last; k++)
-        if (stands_out(self, k))
-            strongest = fmax(strongest, power(self->left[k]));
-    return strongest > negligible * self->total ? round_depth * strongest : 0;
-}
-
 static void mark_tried(finder *self, long long place) {
     long long from, to;
     bins_around(self, (double)place, apart - 1, &from, &to);
@@ -198,9 +180,15 @@ static void mark_tried(finder *self, long long place) {
 /* Peaks of what is left become lines; how many. Of two too near to each other the stronger one stays. */
 static int admit(finder *self) {
     int found = 0, before = self->peak_count;
+    double strongest = 0;
     find_levels(self);
-    double above = admit_above(self);
-    for (long long k = 1; k <= self->last && above > 0; k++) {
+    for (long long k = 1; k <= self->last; k++)
+        if (stands_out(self, k))
+            strongest = fmax(strongest, power(self->left[k]));
+    if (!(strongest > negligible * self->total))
+        return 0;
+    double above = round_depth * strongest;
+    for (long long k = 1; k <= self->last; k++) {
         if (!stands_out(self, k) || power(self->left[k]) < above)
             continue;
         bool near = found > 0 && k - self->candidates[found - 1] < apart;
@@ -222,37 +210,27 @@ static void relax(finder *self, int sweeps) {
             refit(self, &self->peaks[c]);
 }
 
-/* Whether what is left in a line's core is little beside the line. */
-static bool has_shape(const finder *self, const peak *p) {
-    double line = 0, left = 0;
-    long long from, to;
-    bins_around(self, p->place, core, &from, &to);
-    for (long long k = from; k <= to; k++) {
-        line += power(line_in_bin(p, k, (double)self->count));
-        left += power(self->left[k]);
-    }
-    return left <= misfit_max * line;
-}
-
-/* Put back what is no line; whether there was any. The first peak, the rest of the mean, stays. */
+/* Put back the peaks that do not have a line's shape; whether there were any. The first one, what the window
+ * leaves of the mean, stays. */
 static bool prune(finder *self) {
     int kept = 1;
     for (int c = 1; c < self->peak_count; c++) {
-        if (has_shape(self, &self->peaks[c]))
-            self->peaks[kept++] = self->peaks[c];
+        const peak *p = &self->peaks[c];
+        double line = 0, left = 0;
+        long long from, to;
+        bins_around(self, p->place, core, &from, &to);
+        for (long long k = from; k <= to; k++) {
+            line += power(line_in_bin(p, k, (double)self->count));
+            left += power(self->left[k]);
+        }
+        if (left <= misfit_max * line)
+            self->peaks[kept++] = *p;
         else
-            take_away(self, &self->peaks[c], -1);
+            take_away(self, p, -1);
     }
     bool pruned = kept < self->peak_count;
     self->peak_count = kept;
     return pruned;
-}
-
-/* What the window leaves of the mean is a line that cannot move. */
-static void take_mean(finder *self) {
-    self->peaks[self->peak_count++] = (peak){.place = 0};
-    mark_tried(self, 0);
-    relax(self, 1);
 }
 
 static void find_lines(finder *self) {
@@ -267,7 +245,9 @@ static void find_lines(finder *self) {
         relax(self, fresh);
 }
 
-static void load(finder *self, const saltus_signal *signal, double mean) {
+/* Transform the signal, windowed and without its mean. What the window leaves of that is taken away as a line
+ * that cannot move. */
+static void transform_signal(finder *self, const saltus_signal *signal, double mean) {
     saltus_transform *t = &self->transform;
     for (long long j = 0; j < t->count; j++) {
         double angle = 2 * M_PI * (double)j / (double)t->count, weight = window[0] - window[1] * cos(angle) +
@@ -277,6 +257,9 @@ static void load(finder *self, const saltus_signal *signal, double mean) {
     }
     fftw_execute(t->plan);
     self->left = t->output;
+    self->peaks[self->peak_count++] = (peak){.place = 0};
+    mark_tried(self, 0);
+    relax(self, 1);
 }
 
 static double power_left(const finder *self) {
@@ -322,7 +305,6 @@ static int by_place(const void *a, const void *b) {
 
 /* The peaks, but for the mean, in the units of the signal. */
 static int report(finder *self, const saltus_signal *signal, double variance, saltus_spectral_line *lines) {
-    double highest = 0;
     int count = self->peak_count - 1;
     qsort(self->peaks + 1, (size_t)count, sizeof *self->peaks, by_place);
     for (int c = 0; c < count; c++) {
@@ -333,18 +315,9 @@ static int report(finder *self, const saltus_signal *signal, double variance, sa
                                           .amplitude = amplitude,
                                           .phase = carg(p->half_amplitude),
                                           .share = (fastest ? 1 : 0.5) * amplitude * amplitude / variance};
-        highest = fmax(highest, amplitude);
     }
-    for (int c = 0; c < count; c++)
-        lines[c].decibels = 20 * log10(lines[c].amplitude / highest);
+    saltus_lines_rank(lines, count);
     return count;
-}
-
-static double variance_of(const saltus_signal *signal, double mean) {
-    saltus_sum sum = {0, 0};
-    for (long long j = 0; j < signal->count; j++)
-        saltus_sum_add(&sum, (signal->samples[j] - mean) * (signal->samples[j] - mean));
-    return (sum.value + sum.rest) / (double)signal->count;
 }
 
 saltus_status saltus_signal_lines(const saltus_signal *signal, double highest, int most,
@@ -368,12 +341,11 @@ saltus_status saltus_signal_lines(const saltus_signal *signal, double highest, i
     finder self = {.peaks = NULL};
     status = open_finder(&self, signal, highest, most, message);
     if (status == SALTUS_OK) {
-        load(&self, signal, mean);
-        take_mean(&self);
+        transform_signal(&self, signal, mean);
         self.total = power_left(&self);
         find_lines(&self);
         *broadband = self.total > 0 ? fmin(1, power_left(&self) / self.total) : 0;
-        *line_count = report(&self, signal, variance_of(signal, mean), lines);
+        *line_count = report(&self, signal, saltus_signal_variance(signal, mean), lines);
     }
     close_finder(&self);
     return status;

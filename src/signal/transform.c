@@ -1,4 +1,4 @@
-/* What all spectra need of a signal: that it can be analysed, its mean, its transform.
+/* What all analyses of signals need: checks, mean and variance, transforms, the ranking of lines.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "signal/spectrum.h"
 
@@ -57,17 +57,31 @@ bool saltus_signal_moves(const saltus_signal *signal, double mean) {
         largest = fmax(largest, fabs(signal->samples[j]));
         away = fmax(away, fabs(signal->samples[j] - mean));
     }
-    double rounding = signal->rounding > 0 ? signal->rounding : 1e-14 * largest;
-    /* Squares that vanish are no power either. */
-    return away > rounding && away > 1e-140;
+    /* Where the square of 1e-140 underflows there is no power either. */
+    return away > fmax(signal->rounding > 0 ? signal->rounding : 1e-14 * largest, 1e-140);
 }
 
-saltus_signal saltus_signal_halved(const saltus_signal *signal, double *half) {
-    saltus_signal halved = *signal;
-    halved.samples = half;
-    halved.count = signal->count / 2;
-    halved.per_period = signal->per_period / 2;
-    for (long long j = 0; j < halved.count; j++)
-        half[j] = signal->samples[2 * j];
-    return halved;
+double saltus_signal_variance(const saltus_signal *signal, double mean) {
+    saltus_sum sum = {0, 0};
+    for (long long j = 0; j < signal->count; j++)
+        saltus_sum_add(&sum, (signal->samples[j] - mean) * (signal->samples[j] - mean));
+    return (sum.value + sum.rest) / (double)signal->count;
+}
+
+saltus_signal saltus_signal_thinned(const saltus_signal *signal, int thinning, double *samples) {
+    saltus_signal thinned = *signal;
+    thinned.samples = samples;
+    thinned.count /= thinning;
+    thinned.per_period /= thinning;
+    for (long long j = 0; j < thinned.count; j++)
+        samples[j] = signal->samples[j * thinning];
+    return thinned;
+}
+
+void saltus_lines_rank(saltus_spectral_line *lines, long long count) {
+    double highest = 0;
+    for (long long k = 0; k < count; k++)
+        highest = fmax(highest, lines[k].amplitude);
+    for (long long k = 0; k < count; k++)
+        lines[k].decibels = highest > 0 ? 20 * log10(lines[k].amplitude / highest) : 0;
 }

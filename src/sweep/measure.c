@@ -10,8 +10,6 @@
 #include "sweep/sweep.h"
 
 #include "motion/evidence.h"
-#include "saltus/series.h"
-#include "saltus/spectrum.h"
 
 #include <float.h>
 #include <math.h>
@@ -30,7 +28,6 @@ enum {
 };
 
 static const double nothing_left = 40; /* logarithm of a contraction */
-static const double lines_only = 1e-2; /* broadband part of a torus' section points, at most */
 
 static long long steps_of(const saltus_trajectory *t) {
     return saltus_trajectory_information(t).steps;
@@ -65,14 +62,11 @@ saltus_next saltus_measuring_follow(saltus_trajectory *t, const saltus_event *ev
     return status == SALTUS_OK ? SALTUS_NEXT_GO_ON : SALTUS_NEXT_DONE;
 }
 
-/* Each step of the flow leaves an error of its tolerance in the vector's length. */
 static saltus_estimate per_time(const saltus_trajectory *t, saltus_estimate estimate) {
     const saltus_measuring *m = &t->measuring;
-    double period = saltus_system_period(t->system), steps = (double)(steps_of(t) - m->steps),
-           error = steps / (double)m->samples * fmax(t->sweep->options.flow.rtol, 1e-15);
-    estimate.mean /= period;
-    estimate.standard_error = hypot(estimate.standard_error, error) / period;
-    return estimate;
+    double steps = (double)(steps_of(t) - m->steps) / (double)m->samples;
+    return saltus_growth_exponent(estimate, steps, t->sweep->options.flow.rtol,
+                                  saltus_system_period(t->system));
 }
 
 static saltus_runs runs_of(const saltus_trajectory *t) {
@@ -94,30 +88,6 @@ static saltus_next end(saltus_trajectory *t, saltus_verdict verdict, const saltu
     return SALTUS_NEXT_DONE;
 }
 
-/* What of the second opinions tells a torus: first whether there are lines only, then whether there are
- * curves. */
-static saltus_status look_at_points(const saltus_trajectory *t, saltus_evidence *evidence) {
-    const saltus_measuring *m = &t->measuring;
-    const double *observer = saltus_system_observer(t->system),
-                 unit = saltus_system_period(t->system) / (2 * M_PI);
-    int n = m->growth.n, dof = saltus_system_dof(t->system);
-    const saltus_series_points points = {m->points, t->proof.settling.weight, m->count, n};
-    const saltus_series_options options = saltus_series_defaults();
-    saltus_series_curve curve = {0};
-    double *series = calloc((size_t)m->count, sizeof *series);
-    if (!series)
-        return SALTUS_NO_MEMORY;
-    for (long long k = 0; k < m->count; k++)
-        for (int i = 0; i < dof; i++)
-            series[k] += observer[i] * (m->points[k * n + i] + unit * m->points[k * n + dof + i]);
-    saltus_status status = saltus_series_broadband(series, m->count, &evidence->broadband, NULL);
-    if (status == SALTUS_OK && evidence->broadband < lines_only)
-        status = saltus_series_closed_curve(&points, &options, &curve, NULL);
-    evidence->curves = curve.closed ? curve.curves : 0;
-    free(series);
-    return status;
-}
-
 /* A torus is suspected: ask its section points, or collect some first. */
 static saltus_outcome ask_points(saltus_trajectory *t, const saltus_runs *runs) {
     saltus_measuring *m = &t->measuring;
@@ -127,12 +97,13 @@ static saltus_outcome ask_points(saltus_trajectory *t, const saltus_runs *runs) 
     t->starved |= !m->points;
     m->suspected = m->points != NULL;
     if (!m->suspected || m->count < least_points || m->count < 2 * m->asked)
-        return SALTUS_OUTCOME_GOES_ON;
+        return SALTUS_OUTCOME_OPEN;
     m->asked = m->count;
-    saltus_status status = look_at_points(t, &evidence);
+    saltus_outcome outcome = SALTUS_OUTCOME_TORUS;
+    saltus_status status = saltus_runs_ask_points(runs, t->system, m->points, m->count, SALTUS_OPINIONS_TORUS,
+                                                  &evidence, &outcome, NULL);
     t->starved |= status == SALTUS_NO_MEMORY;
-    return status == SALTUS_OK ? saltus_runs_conclude(runs, SALTUS_OUTCOME_TORUS, &evidence)
-                               : SALTUS_OUTCOME_GOES_ON;
+    return status == SALTUS_OK ? outcome : SALTUS_OUTCOME_OPEN;
 }
 
 /* The next run: as long as all before it; at the end of what may be measured, until points that have been
@@ -167,7 +138,7 @@ static saltus_next weigh(saltus_trajectory *t) {
     if (zero && !forced && runs.enough)
         return end(t, SALTUS_UNDECIDED, &runs);
     if (zero)
-        outcome = forced ? ask_points(t, &runs) : SALTUS_OUTCOME_GOES_ON;
+        outcome = forced ? ask_points(t, &runs) : SALTUS_OUTCOME_OPEN;
     if (outcome == SALTUS_OUTCOME_CHAOS)
         return end(t, SALTUS_CHAOTIC, &runs);
     if (outcome == SALTUS_OUTCOME_TORUS)
