@@ -14,7 +14,7 @@ extern "C" {
 #endif
 
 typedef struct saltus_lyapunov_options {
-    saltus_flow_options flow; /* columns and directions are the method's own business */
+    saltus_flow_options flow; /* columns and directions are set by the method */
     int exponents;            /* how many, the largest ones; 0: all */
     int members;              /* trajectories that share the work, 1 to 64 */
     long long transient;      /* periods before the measurement */

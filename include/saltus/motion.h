@@ -100,8 +100,8 @@ typedef struct saltus_motion {
     double log_volume, sum_rule; /* see saltus_orbit */
     saltus_mirror mirror;
     double contact_force[SALTUS_FACES_MAX]; /* held: force per modal mass at section phase 0 */
-    double largest, smallest; /* of the observed displacement over the orbit; over 400 periods without one, of
-                                 its state where the search was stopped before anything was measured */
+    double largest, smallest; /* of the observed displacement over the orbit, or over 400 periods of a motion
+                                 without one; of its last state where the search was stopped early */
     long long transient;      /* periods simulated before the verdict */
     double lyapunov;       /* largest exponent per unit of time: of an orbit ln |multiplier| / (p T), else as
                               measured; NAN where it was not */
@@ -111,8 +111,8 @@ typedef struct saltus_motion {
 } saltus_motion;
 
 /* Settle from an initial state (length dimension, at phase 0) and classify. On success the motion's arrays
- * are owned by it: saltus_motion_clear. An undecided motion is a success too, and that is what one is whose
- * search was stopped. Errors: SALTUS_BAD_INPUT (state beyond a stop), those of the flow. */
+ * are owned by it: saltus_motion_clear. An undecided motion is a success too; a motion whose search was
+ * stopped is undecided. Errors: SALTUS_BAD_INPUT (state beyond a stop), those of the flow. */
 saltus_status saltus_classify(const saltus_system *system, const double *state,
                               const saltus_classify_options *options, saltus_motion *motion,
                               saltus_message *message);

@@ -65,10 +65,9 @@ saltus_status saltus_series_chaos_test(const double *series, long long count,
 /* A correlation dimension and what it rests on. */
 typedef struct saltus_series_dimension {
     double dimension;
-    double error;    /* of both kinds together */
-    double sampling; /* standard error that comes of the finite number of points */
-    double
-        variation; /* largest deviation of the slope over an octave of the range from that over the whole */
+    double error;       /* of both kinds together */
+    double sampling;    /* standard error that comes of the finite number of points */
+    double variation;   /* largest deviation of an octave's slope from that over the whole range */
     double radius[2];   /* range of weighted distances over which the slope was taken */
     bool decade;        /* that range spans a decade; a shorter one is a hint rather than a dimension */
     long long pairs;    /* compared */
@@ -97,9 +96,8 @@ saltus_status saltus_series_correlation_dimension(const saltus_series_points *po
 
 /* Whether points fill closed curves, and the measures that say so. */
 typedef struct saltus_series_curve {
-    bool closed; /* the verdict: all measures agree */
-    double
-        thickness;   /* median ratio of width to length of neighbourhoods of 8 neighbours; small on a curve */
+    bool closed;      /* the verdict: all measures agree */
+    double thickness; /* median ratio of width to length of 8 neighbours; small on a curve */
     double thinning; /* by what factor 16 neighbours make it larger: 2 on a smooth curve, about 1 on a surface
                         or a fractal, less than 1 where noise makes the width */
     double kept;     /* share of neighbours that are neighbours still at a later time: 1 on a curve that is

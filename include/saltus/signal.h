@@ -21,10 +21,8 @@ extern "C" {
 typedef struct saltus_signal {
     const double *samples; /* the caller's */
     long long count;
-    int per_period; /* samples a forcing period; 1 for a stroboscopic series */
-    double
-        rounding; /* a signal that stays this close to its mean does not move; 0: 1e-14 of its largest value
-                   */
+    int per_period;  /* samples a forcing period; 1 for a stroboscopic series */
+    double rounding; /* a signal this close to its mean does not move; 0: 1e-14 of its largest value */
 } saltus_signal;
 
 typedef enum saltus_spectrum_kind {

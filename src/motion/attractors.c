@@ -5,7 +5,7 @@
 
 #include <stdlib.h>
 
-/* Count a motion with its attractor, or take it over as a new one. */
+/* Count a motion with its attractor, or add it as a new one. */
 static void sort_in(const saltus_system *system, saltus_attractors *found, saltus_motion *motion) {
     saltus_ending ending = saltus_motion_ending(motion);
     for (int k = 0; k < found->count; k++) {

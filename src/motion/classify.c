@@ -29,7 +29,7 @@ static saltus_status find_long_period(saltus_search *s, saltus_motion *motion, s
     return status;
 }
 
-/* No period so far: judge, and give a motion that should settle the rest of the time. */
+/* No period so far: judge the motion; if it should settle, give it the rest of the time. */
 static saltus_status judge(saltus_search *s, saltus_motion *motion, saltus_message *message) {
     const saltus_classify_options *o = s->options;
     saltus_outcome outcome;
@@ -73,7 +73,7 @@ saltus_status saltus_motion_classify(const saltus_system *system, const double *
     if (open && options->measure)
         status = judge(&s, motion, message);
     if (open && saltus_motion_stopped(&options->flow) && !saltus_verdict_settled(motion->verdict)) {
-        /* What is concluded from flows that are being stopped is no evidence. */
+        /* Flows that are being stopped prove nothing. */
         saltus_motion_forget_evidence(motion);
         motion->verdict = SALTUS_UNDECIDED;
         motion->lyapunov = motion->lyapunov_error = NAN;
@@ -85,7 +85,7 @@ saltus_status saltus_motion_classify(const saltus_system *system, const double *
         status = saltus_motion_survey(system, s.flow, motion, message);
     else if (status == SALTUS_OK && !(saltus_verdict_settled(motion->verdict) && motion->multiplier_count))
         status = saltus_search_conclude(&s, motion, message);
-    /* What has no period shows how far it goes without a verdict, too. */
+    /* The extremes of a motion without a period are measured without a verdict, too. */
     if (status == SALTUS_OK && motion->verdict == SALTUS_UNDECIDED && !judged && !s.stopped)
         status = saltus_motion_survey(system, s.flow, motion, message);
     *stopped = s.stopped;

@@ -17,8 +17,8 @@ enum {
     most_aligned = 1000, /* for neighbouring trajectories to become strangers */
     report_cycles = 64   /* of the transient, from one report of progress to the next */
 };
-static const double disturbance = 1e-6, strangers = 17; /* e^17 of it is more than the attractor */
-/* Members whose scatter is less likely than this do not measure the same thing. */
+static const double disturbance = 1e-6, strangers = 17; /* e^17 times it is more than the attractor */
+/* Members whose scatter is less probable than this are not on the same motion. */
 static const double unlikely = 1e-4;
 static const double bounds_apart = 6; /* the errors of regular motions are bounds, more or less */
 
@@ -102,8 +102,8 @@ static saltus_status follow(saltus_ensemble *e, saltus_flow *flow, long long cyc
     return status;
 }
 
-/* One trajectory runs the transient, and leaves a member at each of their places in the last half of it. The
- * last member, at the end, becomes the first. */
+/* One trajectory runs the transient; the members start from its states at places spread over the last half of
+ * that, the first one at the end. */
 static saltus_status run_transient(saltus_ensemble *e, const double *initial, saltus_message *message) {
     saltus_flow *flow = NULL;
     e->transient = e->options->transient;
@@ -114,15 +114,15 @@ static saltus_status run_transient(saltus_ensemble *e, const double *initial, sa
         long long spread = e->transient / 2, place = e->transient - spread * m / e->members;
         status = follow(e, flow, place, e->member[m].state, message);
     }
-    /* Stopped by the caller, the transient was as long as it got. */
+    /* A transient that was stopped counts as far as it got. */
     if (status == SALTUS_OK && e->stopped)
         e->transient = saltus_flow_time(flow, 0).cycle;
     saltus_flow_free(flow);
     return status;
 }
 
-/* Until the directions are aligned; and, where neighbours separate, until the members have nothing in common
- * with the trajectory that they come from, which each would else retrace. */
+/* Run until the directions are aligned; and, where neighbours separate, until the members have come apart
+ * from the trajectory that they start on, which each would retrace otherwise. */
 static saltus_status align(saltus_ensemble *e, saltus_message *message) {
     double least, grown[SALTUS_MEMBERS_MAX] = {0};
     saltus_status status = SALTUS_OK;
@@ -258,8 +258,8 @@ saltus_estimate saltus_ensemble_exponent(const saltus_ensemble *e, int column, b
     saltus_estimate joint = saltus_estimates_join(each, e->members);
     if (!weighted || e->members == 1)
         return joint;
-    /* Directions of the members are random and independent: an error that all of them share in size shows in
-     * their scatter. */
+    /* The members' directions are random and independent: errors that their own runs do not show, show in the
+     * scatter of the members. */
     double square = 0;
     for (int m = 0; m < e->members; m++)
         square += (each[m].mean - joint.mean) * (each[m].mean - joint.mean);
@@ -269,6 +269,21 @@ saltus_estimate saltus_ensemble_exponent(const saltus_ensemble *e, int column, b
 
 saltus_estimate saltus_ensemble_largest(const saltus_ensemble *e) {
     return saltus_ensemble_exponent(e, 0, saltus_ensemble_regular(e));
+}
+
+void saltus_ensemble_record(const saltus_ensemble *e, saltus_estimate now, saltus_lyapunov_progress *history,
+                            int *count) {
+    double time = (double)saltus_ensemble_periods(e) * saltus_system_period(e->system);
+    if (!isfinite(now.standard_error))
+        return;
+    if (*count && history[*count - 1].time >= time)
+        --*count;
+    if (*count == SALTUS_HISTORY_ROOM) {
+        *count /= 2;
+        for (int k = 0; k < *count; k++)
+            history[k] = history[2 * k + 1];
+    }
+    history[(*count)++] = (saltus_lyapunov_progress){time, now.mean, now.standard_error};
 }
 
 saltus_estimate saltus_ensemble_half(const saltus_ensemble *e, int half) {

@@ -6,7 +6,7 @@
 #include "motion/growth.h"
 #include "saltus/lyapunov.h"
 
-enum { SALTUS_MEMBERS_MAX = 64 };
+enum { SALTUS_MEMBERS_MAX = 64, SALTUS_HISTORY_ROOM = 512 };
 
 typedef struct saltus_member {
     saltus_flow *flow; /* it runs in this lane of the ensemble's flow */
@@ -61,7 +61,11 @@ saltus_estimate saltus_ensemble_member(const saltus_ensemble *ensemble, int memb
 saltus_estimate saltus_ensemble_exponent(const saltus_ensemble *ensemble, int column, bool weighted);
 /* The largest exponent, by the means that serve it. */
 saltus_estimate saltus_ensemble_largest(const saltus_ensemble *ensemble);
-/* The same over the first (0) or second half (1) of the run. */
+/* Add it, as it is now, to a history with room for SALTUS_HISTORY_ROOM entries, if it has an error. Where
+ * there is no room every second entry goes. */
+void saltus_ensemble_record(const saltus_ensemble *ensemble, saltus_estimate now,
+                            saltus_lyapunov_progress *history, int *count);
+/* The largest exponent over the first (0) or second half (1) of the run. */
 saltus_estimate saltus_ensemble_half(const saltus_ensemble *ensemble, int half);
 /* Whether the members' largest exponents scatter no more than their standard errors allow, or are within
  * `tolerance` of that of all. */

@@ -13,7 +13,7 @@ static const double zero_exponent = 2e-3; /* per period: what may be a torus */
 static const double slow_exponent = 1e-5; /* per period: what shrinks no faster may be a torus */
 static const double lines_only = 1e-2;    /* broadband part of a torus' section points */
 
-/* The observed displacement at the section points, or its rate where a contact holds it there. */
+/* The observed displacement at the section points, or its rate where a contact holds the displacement. */
 static void observe(const saltus_system *system, const double *points, long long count, double *series) {
     const double *observer = saltus_system_observer(system);
     int n = saltus_system_dimension(system), dof = saltus_system_dof(system);
@@ -32,7 +32,7 @@ static void observe(const saltus_system *system, const double *points, long long
     }
 }
 
-/* Second opinions on section points. */
+/* Fill the evidence with what the section points say. */
 static saltus_status judge_points(const saltus_system *system, const double *values, long long count,
                                   saltus_opinions opinions, saltus_evidence *evidence,
                                   saltus_message *message) {
@@ -95,7 +95,8 @@ saltus_status saltus_runs_ask_points(const saltus_runs *r, const saltus_system *
     saltus_status status = judge_points(system, points, count, opinions, evidence, message);
     if (status != SALTUS_OK || (*outcome != SALTUS_OUTCOME_TORUS && *outcome != SALTUS_OUTCOME_CHAOS))
         return status;
-    /* An orbit that is approached slowly has lines and neighbours that stay, too, but no extent. */
+    /* The points of an orbit that is approached slowly have a spectrum of lines and keep their neighbours,
+     * too, but their dimension is zero. */
     if (evidence->curves > 0 && evidence->broadband < lines_only && !(evidence->dimension < 0.5))
         *outcome = SALTUS_OUTCOME_TORUS;
     else if (*outcome == SALTUS_OUTCOME_TORUS)

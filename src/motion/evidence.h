@@ -13,7 +13,7 @@
 #define SALTUS_SIGNIFICANT 3.0
 
 typedef enum saltus_outcome {
-    SALTUS_OUTCOME_OPEN, /* cannot be told yet */
+    SALTUS_OUTCOME_OPEN, /* not decided yet */
     SALTUS_OUTCOME_CHAOS,
     SALTUS_OUTCOME_TORUS,
     SALTUS_OUTCOME_REGULAR, /* nothing irregular: a period must show */

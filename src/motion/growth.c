@@ -4,8 +4,8 @@
  * The flow carries the vectors through impacts, chatter, sticking and release. Between two
  * orthonormalisations the fastest growing one must not swamp the others: where the growths differ by more
  * than `too_wide` the interval is halved, where they stay together it is doubled, up to a period. Where a
- * contact has held, some directions are lost for good, two for each face: the last exponents are then
- * -infinity, and what the factorisation finds there is rounding.
+ * contact has held, two directions for each face are lost for good: the last exponents are then -infinity,
+ * and what the factorisation finds there is rounding.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "motion/growth.h"
 
@@ -19,7 +19,7 @@
 #include <string.h>
 
 enum { calm_samples = 8, most_parts = 1 << 20 };
-/* Natural logarithms. A single vector may grow as far as numbers go. */
+/* Logarithms of growths. A single vector may grow as far as floating-point numbers reach. */
 static const double too_wide = 16, narrow = 5, too_long = 300;
 
 void saltus_growth_reserve(saltus_growth *g, saltus_arena *arena, int n, int columns) {
@@ -114,7 +114,7 @@ static bool orthonormalise(saltus_growth *g, saltus_flow *flow, int lane) {
     }
     if (most >= least)
         g->open.widest = fmax(g->open.widest, g->columns > 1 ? most - least : fabs(most));
-    /* A vector of which nothing is left says nothing any more: any other will do. */
+    /* A single vector that has shrunk to nothing is replaced by any other. */
     if (g->columns == 1 && g->length[0] < DBL_MIN)
         for (int i = 0; i < g->n; i++)
             g->vectors[i] = 1 / sqrt(g->n);

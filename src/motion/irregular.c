@@ -1,12 +1,12 @@
-/* The verdict on a motion without a period: quasi-periodic, chaotic, on its way to something else, or not to
- * be told.
+/* The verdict on a motion without a period: quasi-periodic, chaotic, on its way to something else, or
+ * undecided.
  *
- * Several trajectories on the motion measure its largest exponent together, in runs that are doubled. Chaotic
- * is what has a positive exponent by three standard errors over the whole run and by two in each half of it,
- * while none of the trajectories has left for a regular motion: long transients are chaotic as long as they
- * last, and a trajectory that has left is betrayed by tangent vectors that shrink. A negative exponent means
- * that nothing irregular goes on and a period will show. A largest exponent of zero belongs to a torus if the
- * section points fill closed curves and have a spectrum of lines.
+ * Several trajectories on the motion measure its largest exponent together, in runs of which each is as long
+ * as all before it. A motion is chaotic if its exponent is positive by three standard errors over the whole
+ * run and by two in each half of it, while none of the trajectories has come to a regular motion: a long
+ * transient looks chaotic as long as it lasts, and where a trajectory has left it the tangent vectors begin
+ * to shrink. A negative exponent means that nothing irregular goes on and a period will show. An exponent of
+ * zero belongs to a torus if the section points fill closed curves and have a spectrum of lines.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "motion/ensemble.h"
 #include "motion/evidence.h"
@@ -24,7 +24,7 @@ enum {
     trajectories = 8,
     spread = 400,    /* periods over which they start */
     first_run = 500, /* samples; then doubled */
-    chunk = 250,     /* samples between looks at who has left */
+    chunk = 250,     /* samples between checks whether a trajectory has left */
     assertion = 8,   /* chaos is asserted from this part of the periods that may be measured */
     least_torus = 1000,
     points_kept = 4096,
@@ -32,7 +32,8 @@ enum {
     longest_laminar = 16
 };
 
-/* In so many times of separation, -ln 1e-16, neighbours come apart from rounding to the motion's extent. */
+/* -ln 1e-16: after so many e-folding times neighbours have come apart from rounding to the motion's extent.
+ */
 static const double apart = 37;
 
 typedef struct judge {
@@ -58,7 +59,7 @@ static saltus_runs runs_of(const judge *j) {
                         .second = saltus_ensemble_half(e, 1),
                         .period = saltus_system_period(j->system),
                         .lost = saltus_ensemble_lost(e) >= e->n};
-    /* Before neighbours have come apart the run may be all about one unstable orbit, which the trajectories
+    /* Before neighbours have come apart all trajectories may still be near one unstable orbit, which they
      * leave slowly. */
     runs.enough = samples >= j->options->measure / assertion / trajectories &&
                   runs.all.mean * runs.period * (double)samples >= apart;
@@ -91,35 +92,19 @@ static saltus_status look_who_left(judge *j, saltus_outcome *outcome, saltus_mes
     return status;
 }
 
-/* Keep what is known of the exponent by now. False without memory. */
-static bool remember(judge *j) {
-    saltus_evidence *evidence = &j->motion->evidence;
-    int count = evidence->history_count;
-    if ((count & (count - 1)) == 0) {
-        saltus_lyapunov_progress *grown =
-            realloc(evidence->history, (size_t)(count ? 2 * count : 1) * sizeof *grown);
-        if (!grown)
-            return false;
-        evidence->history = grown;
-    }
-    saltus_estimate now = saltus_ensemble_largest(&j->ensemble);
-    double time = (double)saltus_ensemble_periods(&j->ensemble) * saltus_system_period(j->system);
-    evidence->history[evidence->history_count++] =
-        (saltus_lyapunov_progress){time, now.mean, now.standard_error};
-    return true;
-}
-
-/* One run more, with a look now and then at who has left; the caller may stop it. */
+/* One run more. Now and then it is checked whether a trajectory has left, and the caller may stop it. */
 static saltus_status run_on(judge *j, long long samples, saltus_outcome *outcome, saltus_message *message) {
     const saltus_classify_options *o = j->options;
+    saltus_evidence *evidence = &j->motion->evidence;
     saltus_status status = SALTUS_OK;
     for (long long done = 0; done < samples && status == SALTUS_OK && *outcome == SALTUS_OUTCOME_OPEN;
          done += chunk) {
         status = saltus_ensemble_run(&j->ensemble, chunk, message);
-        if (status == SALTUS_OK && !remember(j))
-            status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the exponent's history");
-        if (status == SALTUS_OK)
+        if (status == SALTUS_OK) {
+            saltus_ensemble_record(&j->ensemble, saltus_ensemble_largest(&j->ensemble), evidence->history,
+                                   &evidence->history_count);
             status = look_who_left(j, outcome, message);
+        }
         if (o->progress && !o->progress(o->context, saltus_ensemble_periods(&j->ensemble), o->measure))
             *outcome = SALTUS_OUTCOME_STOPPED;
     }
@@ -139,8 +124,8 @@ static saltus_status decide(judge *j, saltus_outcome *outcome, saltus_message *m
                                         evidence, outcome, message);
     if (status != SALTUS_OK || *outcome != SALTUS_OUTCOME_CHAOS)
         return status;
-    /* Chaos among whose points there is a stable orbit may be a transient that has not ended yet: it is
-     * followed for as long as may be, and not asserted. */
+    /* With a stable orbit among its points chaos may be a transient that has not ended yet: it is not
+     * asserted, and followed for as long as allowed. */
     if (!j->searched) {
         saltus_motion orbit = {0};
         bool found;
@@ -170,13 +155,13 @@ static saltus_status run_trial(judge *j, saltus_outcome *outcome, saltus_message
     bool open = *outcome == SALTUS_OUTCOME_OPEN || *outcome == SALTUS_OUTCOME_STOPPED;
     if (status != SALTUS_OK || !open || points_there(j) < SALTUS_SERIES_LEAST)
         return status;
-    /* The opinions are part of the report even where they do not decide. */
+    /* What the points say is part of the evidence even where it does not decide. */
     saltus_runs runs = runs_of(j);
     return saltus_runs_ask_points(&runs, j->system, j->points, points_there(j), SALTUS_OPINIONS_ALL,
                                   &j->motion->evidence, outcome, message);
 }
 
-/* Intermittent is what stays near a periodic motion for much longer than the time in which neighbours
+/* A motion is intermittent if it stays near a periodic one for much longer than the time in which neighbours
  * separate. */
 static void find_intermittency(judge *j) {
     saltus_evidence *evidence = &j->motion->evidence;
@@ -221,7 +206,9 @@ __attribute__((format(printf, 2, 3))) static void say(saltus_motion *motion, con
     va_end(arguments);
 }
 
-/* What is lacking, and what run would decide: standard errors fall with the square root of the time. */
+/* Why it is undecided, and how long a run would decide: standard errors fall with the square root of the
+ * time.
+ */
 static void tell_undecided(saltus_motion *m, double period) {
     const saltus_evidence *e = &m->evidence;
     double exponent = m->lyapunov, error = m->lyapunov_error, rate = exponent * period;
@@ -317,7 +304,8 @@ saltus_status saltus_motion_judge(const saltus_system *system, const saltus_clas
     j.how.transient = spread;
     saltus_motion_forget_evidence(motion);
     j.points = calloc((size_t)saltus_system_dimension(system) * points_kept, sizeof *j.points);
-    saltus_status status = j.points
+    motion->evidence.history = calloc(SALTUS_HISTORY_ROOM, sizeof *motion->evidence.history);
+    saltus_status status = j.points && motion->evidence.history
                                ? saltus_ensemble_open(&j.ensemble, system, &j.how, message)
                                : saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the section points");
     if (status == SALTUS_OK) {
@@ -327,6 +315,8 @@ saltus_status saltus_motion_judge(const saltus_system *system, const saltus_clas
     }
     if (status == SALTUS_OK && saltus_ensemble_periods(&j.ensemble) > 0)
         tell(&j, *outcome);
+    else
+        saltus_motion_forget_evidence(motion);
     saltus_ensemble_close(&j.ensemble);
     free(j.points);
     return status;

@@ -8,13 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum {
-    least_samples = 200,
-    shortest_chunk = 25,
-    longest_chunk = 5000,
-    chunks_per_run = 20,
-    history_room = 512
-};
+enum { least_samples = 200, shortest_chunk = 25, longest_chunk = 5000, chunks_per_run = 20 };
 static const double precise_enough = 1e-6; /* standard error per period */
 static const double halves_apart = 4;      /* standard errors: the exponent is still drifting */
 static const double halves_agree = 3;      /* no end before they do */
@@ -64,7 +58,7 @@ static bool open_result(saltus_lyapunov *l, const saltus_ensemble *e) {
     l->standard_errors = calloc(count, sizeof *l->standard_errors);
     l->state = calloc((size_t)e->n, sizeof *l->state);
     l->member_exponents = calloc((size_t)e->members, sizeof *l->member_exponents);
-    l->history = calloc(history_room, sizeof *l->history);
+    l->history = calloc(SALTUS_HISTORY_ROOM, sizeof *l->history);
     return l->exponents && l->standard_errors && l->state && l->member_exponents && l->history;
 }
 
@@ -75,22 +69,6 @@ void saltus_lyapunov_clear(saltus_lyapunov *l) {
     free(l->member_exponents);
     free(l->history);
     *l = (saltus_lyapunov){0};
-}
-
-/* Keep the present estimate, if it has an error; where there is no room, every second one of the past goes.
- */
-static void remember(const saltus_ensemble *e, saltus_lyapunov *l, saltus_estimate now) {
-    double time = (double)saltus_ensemble_periods(e) * saltus_system_period(e->system);
-    if (!isfinite(now.standard_error))
-        return;
-    if (l->history_count && l->history[l->history_count - 1].time >= time)
-        l->history_count--;
-    if (l->history_count == history_room) {
-        l->history_count /= 2;
-        for (int k = 0; k < l->history_count; k++)
-            l->history[k] = l->history[2 * k + 1];
-    }
-    l->history[l->history_count++] = (saltus_lyapunov_progress){time, now.mean, now.standard_error};
 }
 
 /* How far the two halves of the run are apart, and how many standard errors that is. */
@@ -111,8 +89,7 @@ static long long next_chunk(long long done, long long left) {
     return chunk < left ? chunk : left;
 }
 
-/* As precise as asked for, by a run whose halves and trajectories do not contradict each other by more than
- * that. */
+/* As precise as asked for, by a run whose halves and trajectories agree to that precision. */
 static bool is_precise(const saltus_ensemble *e, const saltus_estimate *now, long long least) {
     double period = saltus_system_period(e->system), errors, apart = drift(e, &errors),
            target = fmax(e->options->precision * fabs(now->mean), precise_enough / period);
@@ -120,15 +97,15 @@ static bool is_precise(const saltus_ensemble *e, const saltus_estimate *now, lon
                            (errors < halves_agree || apart <= target) && saltus_ensemble_agrees(e, target));
 }
 
-/* Run on until all batches of the averages are complete: then all that is told refers to the same time. */
+/* Run on until all batches of the averages are complete: then all results refer to the same time. */
 static saltus_status complete_batches(saltus_ensemble *e, saltus_message *message) {
     const saltus_average *average = &e->member[0].averages[0];
     long long missing = average->open ? average->size - average->open : 0;
     return missing ? saltus_ensemble_run(e, missing, message) : SALTUS_OK;
 }
 
-/* Measure until the largest exponent is known as well as asked for. A run that drifts was transient: after it
- * as much is measured anew before there can be an end. */
+/* Measure until the largest exponent is known as well as asked for. A run that drifts counts as transient:
+ * the measurement begins anew, and lasts as long at least. */
 static saltus_status measure(saltus_ensemble *e, saltus_lyapunov *l, saltus_message *message) {
     const saltus_lyapunov_options *o = e->options;
     long long spent = 0, least = least_samples, next_look = least_samples,
@@ -145,7 +122,7 @@ static saltus_status measure(saltus_ensemble *e, saltus_lyapunov *l, saltus_mess
         spent += chunk * each;
         done += chunk;
         saltus_estimate now = saltus_ensemble_largest(e);
-        remember(e, l, now);
+        saltus_ensemble_record(e, now, l->history, &l->history_count);
         stopped = e->stopped || (o->progress && !o->progress(o->context, spent, o->periods));
         bool look = done >= next_look;
         double errors;
@@ -167,7 +144,7 @@ static saltus_status measure(saltus_ensemble *e, saltus_lyapunov *l, saltus_mess
     if (status == SALTUS_OK)
         status = complete_batches(e, message);
     if (status == SALTUS_OK)
-        remember(e, l, saltus_ensemble_largest(e));
+        saltus_ensemble_record(e, saltus_ensemble_largest(e), l->history, &l->history_count);
     return status;
 }
 

@@ -82,8 +82,8 @@ static saltus_time sample_time(const recorder *self, long long k) {
     return (saltus_time){k / self->per_period, (double)(k % self->per_period) / self->per_period};
 }
 
-/* The samples that fall into the flow's last step. The end of the step is included unless an event waits
- * there. */
+/* The samples that fall into the flow's last step. The end of the step is included unless there is an event.
+ */
 static bool take_samples(recorder *self, bool event) {
     double state[SALTUS_STATE_MAX];
     for (; self->next <= self->last; self->next++) {

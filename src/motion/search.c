@@ -43,7 +43,7 @@ static bool is_resting(const saltus_search *s) {
     return drift < drift_at_rest;
 }
 
-/* The trajectory must go on closing in on the orbit: its distance falls to a fifth or below `close`, or,
+/* The trajectory must go on closing in on the orbit: its distance falls to a fifth or below `near`, or,
  * where the largest multiplier is near the unit circle, at least half as far as that multiplier predicts. */
 static saltus_status confirm(saltus_search *s, saltus_message *message) {
     enum { cycles_max = 60, patient_cycles = 40 };

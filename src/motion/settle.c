@@ -19,8 +19,9 @@
 
 enum { seldom = 8 };
 static const double recurrence = 1e-3;
-static const double rounding = 1e-13;   /* recurrences this small say nothing about how they shrink */
-static const double slower = 10;        /* a part of a period that lags by less than this is waited for */
+static const double rounding = 1e-13; /* recurrences this small say nothing about how they shrink */
+static const double slower =
+    10; /* a part of a period farther from its orbit by less than this factor is waited for */
 static const double least_ratio = 0.01; /* no faster shrinking is relied upon, ... */
 static const double worth_a_look = 200; /* ... so that a recurrence leaves more than a 200th of itself */
 static const double least_turn = 1e-6;  /* squared sine of the angle between recurrences that turn */
@@ -96,8 +97,9 @@ static double recurred(const saltus_settling *s, int p, int back, int i) {
     return (saltus_settling_point(s, back)[i] - saltus_settling_point(s, back + p)[i]) * s->weight[i];
 }
 
-/* Scalar products of the recurrences of the last cycle (0), of the one before it (1) and the first of three
- * (2). */
+/* Scalar products of the recurrences of the last cycle (0), the one before it (1) and the one before that
+ * (2).
+ */
 typedef struct products {
     double p00, p01, p02, p11, p12, p22;
 } products;
@@ -170,7 +172,7 @@ static bool reached(const saltus_settling *s, int p, double limit) {
            recurrence_over(s, p, p, 0) <= worth_a_look * limit && distance_left(s, p, true) <= limit;
 }
 
-/* What the parts of a period say: +1 none of them recurs, 0 one of them is nearly there too, -1 doubt. */
+/* What the parts of a period say: +1 none of them recurs, 0 one of them is near its orbit too, -1 doubt. */
 static int parts_say(const saltus_settling *s, int p, double limit) {
     int verdict = 1;
     for (int part = 1; part <= p / 2; part++)

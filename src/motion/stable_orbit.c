@@ -17,11 +17,11 @@
 
 enum {
     longest = 12,
-    most = 200, /* returns of one period */
-    fewest = 5,
-    steps = 10,
-    bisections = 6,
-    probes = 64,
+    most = 200,      /* returns of period 1 that are tried, fewer of longer periods, ... */
+    fewest = 5,      /* ... but so many at least */
+    steps = 10,      /* of Newton's method */
+    bisections = 6,  /* on the way from an orbit to the points */
+    probes = 64,     /* points that stand for all */
     wait_most = 200, /* periods */
     remembered = 8
 };
@@ -48,8 +48,8 @@ static bool was_rejected(const search *s, const double *state) {
     return false;
 }
 
-/* Newton's method from a point: does it lead to a stable fixed point of the map? What is not among the points
- * is not looked for; far out a single period can take as long as a million of the motion's. */
+/* Newton's method from a point: does it lead to a stable fixed point of the map? It is given up where it
+ * leaves the points: far out a single period can take as long as a million of the motion's. */
 static bool leads_to_stable(const search *s, saltus_fixed_point *f, const double *point) {
     double before = INFINITY;
     memcpy(f->state, point, (size_t)s->n * sizeof *point);
@@ -65,7 +65,8 @@ static bool leads_to_stable(const search *s, saltus_fixed_point *f, const double
     return false;
 }
 
-/* Distance of a point to the nearest of the others, or of all where `self` is -1; which one it is. */
+/* Distance of a point to the nearest of the trajectory's points but `self` (-1: of all), and which that is.
+ */
 static double nearest(const search *s, const double *point, long long self, long long *which) {
     double least = INFINITY;
     for (long long k = 0; k < s->count; k++) {

@@ -1,4 +1,5 @@
-/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Averages of correlated or oscillating values, with their standard errors.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "saltus/average.h"
 
 #include <math.h>
@@ -8,16 +9,9 @@ enum { least_values = 16, most_order = 40, enough_to_weight = 128 };
 
 /* A weighted mean's error is never stated below this part of the plain mean's: agreement can be luck. */
 static const double least_gain = 0.05;
-/* Of random values half the excursion is this small beside the standard error, and the weighted means of the
- * parts agree this well, once in many thousand runs. */
+/* In one of many thousand runs of random values half the excursion is this small beside the standard error,
+ * and the weighted means of the parts agree this well. */
 static const double too_calm = 0.2, too_good = 0.1;
-
-static void halve(saltus_average *a) {
-    for (int k = 0; k < SALTUS_AVERAGE_BATCHES / 2; k++)
-        a->sum[k] = a->sum[2 * k] + a->sum[2 * k + 1];
-    a->batches = SALTUS_AVERAGE_BATCHES / 2;
-    a->size *= 2;
-}
 
 void saltus_average_add(saltus_average *a, double value) {
     if (a->size == 0) {
@@ -32,8 +26,12 @@ void saltus_average_add(saltus_average *a, double value) {
     a->sum[a->batches++] = a->partial;
     a->open = 0;
     a->partial = 0;
-    if (a->batches == SALTUS_AVERAGE_BATCHES)
-        halve(a);
+    if (a->batches < SALTUS_AVERAGE_BATCHES)
+        return;
+    for (int k = 0; k < SALTUS_AVERAGE_BATCHES / 2; k++)
+        a->sum[k] = a->sum[2 * k] + a->sum[2 * k + 1];
+    a->batches = SALTUS_AVERAGE_BATCHES / 2;
+    a->size *= 2;
 }
 
 static double plain_mean(const double *sum, int batches) {
@@ -92,8 +90,8 @@ static double variance_of_mean(const double *sum, int batches, double mean) {
     return variance;
 }
 
-/* Half the largest excursion of the partial sums, per batch: no less than this is open where values
- * oscillate. Of random values it is 0.43 +- 0.13 of their standard error. */
+/* Half the largest excursion of the partial sums, per batch: where values oscillate the error of the mean is
+ * no smaller. Of random values it is 0.43 +- 0.13 of their standard error. */
 static double excursion(const double *sum, int batches, double mean) {
     double partial = 0, largest = 0;
     for (int k = 0; k < batches; k++) {
@@ -127,6 +125,7 @@ static double disagreement(const double *sum, int batches, double all) {
     return largest;
 }
 
+/* Which mean: the weighted one where it is better. */
 typedef enum choice { PLAIN, WEIGHTED, BETTER } choice;
 
 static saltus_estimate estimate(const double *sum, int batches, long long size, choice which) {
@@ -138,10 +137,8 @@ static saltus_estimate estimate(const double *sum, int batches, long long size, 
     if (batches < least_values)
         return result;
     double random = sqrt(variance_of_mean(sum, batches, mean)), bounded = excursion(sum, batches, mean);
-    double error = fmax(random, bounded);
     result.regular = bounded >= random;
-    if (result.regular)
-        error = 2 * bounded;
+    double error = result.regular ? 2 * bounded : fmax(random, bounded);
     if (which != PLAIN && batches >= enough_to_weight) {
         double weighted = weighted_mean(sum, batches),
                apart = fmax(2 * disagreement(sum, batches, weighted), least_gain * bounded);

@@ -44,8 +44,8 @@ static void take_steps(walk *w, double angle) {
     }
 }
 
-/* Mean square displacement over n steps, from the same starting points for all n. Sums side by side, so that
- * they fit the processor's vectors. */
+/* Mean square displacement over n steps, from the same starting points for all n. Sums run side by side, so
+ * that the compiler can use vector instructions. */
 static double displacement(const walk *w, long long n) {
     enum { side = 8 };
     long long starts = w->count - w->longest, k = 0;

@@ -40,7 +40,7 @@ static void reserve(survey *s) {
     s->image = saltus_arena_doubles(&s->arena, n);
 }
 
-/* Places spread over the series without a period of their own, by the golden section. */
+/* Places spread over the series by the golden section, so that they have no period of their own. */
 static long long place_at(const survey *s, int k) {
     const double golden = 0.6180339887498949;
     if (s->places == s->cloud->count)
@@ -85,7 +85,8 @@ static void normalise(double *a, int n) {
         a[d] = square > 0 ? a[d] / sqrt(square) : d == 0;
 }
 
-/* The dominant direction, by iteration: where that converges slowly there is none, and any will do. */
+/* The dominant direction, by power iteration. Where that converges slowly no direction dominates, and any
+ * will do. */
 static void find_direction(survey *s, int count) {
     enum { iterations = 20 };
     int n = s->cloud->dimension;
@@ -164,8 +165,8 @@ static int rank_of(const saltus_series_cloud *cloud, long long i, long long j, i
     return rank;
 }
 
-/* Share of nearest neighbours that have a low rank still some time later. Where time is nearly over, nothing
- * can be said. */
+/* Share of nearest neighbours that have a low rank still some time later; pairs near the end of the series
+ * are left out. */
 static double share_kept(const survey *s) {
     const double silver = 0.4142135623730951;
     int pairs = 0, kept = 0;
@@ -181,7 +182,7 @@ static double share_kept(const survey *s) {
     return pairs > 0 ? (double)kept / pairs : 0;
 }
 
-/* Balance at the first and the last points of the series, which are the ends of what is not closed. */
+/* Balance at the first and the last points of the series, which are the ends of an arc that is not closed. */
 static double balance_at_ends(survey *s) {
     enum { ends = 4 };
     double sum = 0;

@@ -24,11 +24,11 @@ enum {
 };
 static const double decade = 10;
 static const double other_slope = 0.25; /* a difference that slopes of one fractal do not have */
-/* Where points have few neighbours, those of near recurrences come first, and then none for a while: a
- * gentle slope there tells nothing. */
+/* Where points have few neighbours the nearest ones are near recurrences, and then none come for a while: a
+ * smaller slope there is no dimension. */
 static const double least_slope = 0.75;
 
-/* Numbers of pairs by distance. */
+/* Numbers of pairs by distance, and what they are counted with. */
 typedef struct tally {
     saltus_arena arena;
     long long *pairs; /* [block][block][bin], the first block not after the second */
@@ -76,7 +76,7 @@ static double edge_square(int edge) {
     return square;
 }
 
-/* Point i with those from `from` to before `to`. */
+/* Count the pairs of point i with the points from `from` to before `to`. */
 static void compare_with(const saltus_series_cloud *cloud, long long i, long long from, long long to,
                          long long *pairs, tally *t) {
     double nearest = cloud->resolution * cloud->resolution;
@@ -102,7 +102,7 @@ static void compare_all(const saltus_series_cloud *cloud, tally *t) {
         }
 }
 
-/* As many pairs, drawn; a pair that is close in time is left out. */
+/* So many pairs, drawn at random; those that are close in time are left out. */
 static void compare_some(const saltus_series_cloud *cloud, long long pairs, tally *t) {
     enum { batch = 1024 };
     long long chosen[2 * batch];
@@ -151,44 +151,36 @@ static double slope_of(const tally *t, int replicate, int first, int last) {
     return xy / xx;
 }
 
-/* How the slopes over the range's octaves, whichever edge they begin at, differ: standard deviation, and
- * largest deviation from the slope over the whole. */
-static void compare_octaves(const tally *t, range *r) {
-    double mean = 0, squares = 0;
-    int count = r->last - r->first - octave + 1;
-    r->variation = 0;
-    for (int k = 0; k < count; k++) {
-        double slope = slope_of(t, 0, r->first + k, r->first + k + octave);
-        squares += (slope - mean) * (slope - mean) * k / (k + 1);
-        mean += (slope - mean) / (k + 1);
-        r->variation = fmax(r->variation, fabs(slope - r->slope));
-    }
-    r->deviation = sqrt(squares / (count - 1));
-}
-
-static double sampling_error(const tally *t, const range *r) {
+/* The slope over a range and its errors, if it is known better than with an error of `least`; otherwise the
+ * weight is INFINITY. Local slopes that go up and down, as those of a fractal do, average out over a long
+ * range: so ranges are chosen. The error in the result does not count on it. */
+static range fit(const tally *t, int first, int last, double least) {
+    range r = {.first = first, .last = last, .slope = slope_of(t, 0, first, last), .weight = INFINITY};
+    double length = sqrt((t->radius[last] - t->radius[first]) / M_LN2);
     double slope[blocks], mean = 0, squares = 0;
+    /* The octaves of the range, whichever edge they begin at. */
+    int count = last - first - octave + 1;
+    for (int k = 0; k < count; k++) {
+        double local = slope_of(t, 0, first + k, first + k + octave);
+        squares += (local - mean) * (local - mean) * k / (k + 1);
+        mean += (local - mean) / (k + 1);
+        r.variation = fmax(r.variation, fabs(local - r.slope));
+    }
+    r.deviation = sqrt(squares / (count - 1));
+    if (r.deviation / length >= least)
+        return r;
+    /* The jackknife. */
+    mean = squares = 0;
     for (int b = 0; b < blocks; b++) {
-        slope[b] = slope_of(t, b + 1, r->first, r->last);
+        slope[b] = slope_of(t, b + 1, first, last);
         mean += slope[b] / blocks;
     }
     for (int b = 0; b < blocks; b++)
         squares += (slope[b] - mean) * (slope[b] - mean);
-    return sqrt(squares * (blocks - 1) / blocks);
-}
-
-/* Slope over a range and its errors; true if it is known better than the one whose weight is given. Local
- * slopes that go up and down, as those of a fractal do, average out over a long range: so ranges are chosen.
- * The error that is told does not count on it. */
-static bool is_better(const tally *t, range *r, double least) {
-    double length = sqrt((t->radius[r->last] - t->radius[r->first]) / M_LN2);
-    r->slope = slope_of(t, 0, r->first, r->last);
-    compare_octaves(t, r);
-    if (r->deviation / length >= least)
-        return false;
-    r->sampling = sampling_error(t, r);
-    r->weight = hypot(r->sampling, r->deviation / length);
-    return r->weight < least;
+    r.sampling = sqrt(squares * (blocks - 1) / blocks);
+    double weight = hypot(r.sampling, r.deviation / length);
+    r.weight = weight < least ? weight : INFINITY;
+    return r;
 }
 
 /* The range between two edges, at least `factor` long, whose slope is best known; false if there is none. */
@@ -196,10 +188,11 @@ static bool best_range(const tally *t, int low, int high, double factor, range *
     best->weight = INFINITY;
     for (int first = low; first <= high; first++)
         for (int last = first + octave + 1; last <= high; last++) {
-            range r = {.first = first, .last = last};
-            if (t->radius[last] - t->radius[first] < log(factor) - 1e-9 || !is_better(t, &r, best->weight))
+            if (t->radius[last] - t->radius[first] < log(factor) - 1e-9)
                 continue;
-            if (r.slope >= least_slope || exp(t->count[first]) * t->neighbours >= few_neighbours)
+            range r = fit(t, first, last, best->weight);
+            if (isfinite(r.weight) &&
+                (r.slope >= least_slope || exp(t->count[first]) * t->neighbours >= few_neighbours))
                 *best = r;
         }
     return isfinite(best->weight);
@@ -232,8 +225,9 @@ static void limit_edges(const saltus_series_cloud *cloud, const tally *t, int *l
     }
 }
 
-/* The range that counts; false if there is none. A decade or more where the slope is known there; else what
- * is shorter; and a decade of smaller radii where that has another slope. Counts become logarithms. */
+/* The range that counts; false if there is none. A decade or more where the slope is known there; else a
+ * shorter one; and a decade of smaller radii where that has another slope. From here on t->count holds
+ * logarithms. */
 static bool choose_range(const saltus_series_cloud *cloud, tally *t, range *best) {
     int low, high;
     limit_edges(cloud, t, &low, &high);

@@ -46,7 +46,7 @@ typedef struct finder {
     peak *peaks;
     int peak_count, most;
     long long *candidates;
-    unsigned char *tried;    /* bins near a line found, whether it stays or not */
+    unsigned char *tried;    /* bins near a line found, even if it was put back */
     double *level;           /* of the continuum, per block */
     double threshold, total; /* least power of a peak over the level; all power */
 } finder;
@@ -177,7 +177,8 @@ static void mark_tried(finder *self, long long place) {
     memset(self->tried + from, 1, (size_t)(to - from + 1));
 }
 
-/* Peaks of what is left become lines; how many. Of two too near to each other the stronger one stays. */
+/* Make lines of the peaks of what is left; returns their number. Of two that are too near to each other the
+ * stronger one stays. */
 static int admit(finder *self) {
     int found = 0, before = self->peak_count;
     double strongest = 0;
