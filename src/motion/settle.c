@@ -55,7 +55,8 @@ void saltus_settling_reset(saltus_settling *s, const saltus_system *system) {
     memset(s->streak, 0, ((size_t)s->longest + 1) * sizeof *s->streak);
 }
 
-const double *saltus_settling_point(const saltus_settling *s, int back) {
+/* The point `back` periods before the last one: called most, so inlined. */
+static const double *point_before(const saltus_settling *s, int back) {
     return s->points + (size_t)((s->count - 1 - back) % s->size) * (size_t)s->n;
 }
 
@@ -79,22 +80,21 @@ void saltus_settling_add(saltus_settling *s, const double *state, long long impa
     s->contact[slot] = contact_events;
     s->count++;
     for (int p = 1; p <= s->longest && p < s->count; p++)
-        s->streak[p] =
-            distance(s, state, saltus_settling_point(s, p), recurrence) < recurrence ? s->streak[p] + 1 : 0;
+        s->streak[p] = distance(s, state, point_before(s, p), recurrence) < recurrence ? s->streak[p] + 1 : 0;
 }
 
 /* Largest distance between points p apart, over so many points that end `back` periods ago. */
 static double recurrence_over(const saltus_settling *s, int p, int points, int back) {
     double largest = 0;
     for (int k = 0; k < points; k++)
-        largest = fmax(largest, distance(s, saltus_settling_point(s, back + k),
-                                         saltus_settling_point(s, back + k + p), INFINITY));
+        largest =
+            fmax(largest, distance(s, point_before(s, back + k), point_before(s, back + k + p), INFINITY));
     return largest;
 }
 
 /* An entry of a recurrence: how far the point `back` periods ago is from that p periods before it. */
 static double recurred(const saltus_settling *s, int p, int back, int i) {
-    return (saltus_settling_point(s, back)[i] - saltus_settling_point(s, back + p)[i]) * s->weight[i];
+    return (point_before(s, back)[i] - point_before(s, back + p)[i]) * s->weight[i];
 }
 
 /* Scalar products of the recurrences of the last cycle (0), the one before it (1) and the one before that
@@ -205,6 +205,10 @@ long long saltus_settling_contacts(const saltus_settling *s, int period) {
 
 double saltus_settling_recurrence(const saltus_settling *s, int period) {
     return recurrence_over(s, period, period, 0);
+}
+
+const double *saltus_settling_point(const saltus_settling *s, int back) {
+    return point_before(s, back);
 }
 
 double saltus_settling_closest(const saltus_settling *s) {
