@@ -161,10 +161,17 @@ static inline void closed_after(const closed_oscillator *o, const closed_impact 
     x[1] = -o->r * impact->side * impact->speed;
 }
 
-/* Least distance of the turning points of a flight from the stop that they approach. */
-static inline long double closed_flight_margin(const closed_oscillator *o, const closed_impact *impact,
-                                               long double end) {
-    long double start[2], x[2], margin = INFINITY, step = closed_resolution(o), before;
+/* A turning point of a flight: its distance from the stop that it approaches, 1: at d, -1: at -d. */
+typedef struct closed_turn {
+    long double margin, time;
+    int side;
+} closed_turn;
+
+/* The turning point that comes nearest to a stop. */
+static inline closed_turn closed_flight_turn(const closed_oscillator *o, const closed_impact *impact,
+                                             long double end) {
+    closed_turn nearest = {.margin = INFINITY};
+    long double start[2], x[2], step = closed_resolution(o), before;
     long double steps = ceill((end - impact->time) / step), time = impact->time;
     closed_after(o, impact, start);
     before = start[1];
@@ -174,13 +181,16 @@ static inline long double closed_flight_margin(const closed_oscillator *o, const
         closed_flight(o, impact->time, start, time, x);
         long double speed = x[1];
         if ((before > 0) != (speed > 0) && (before > 0 || o->mirrored)) {
-            closed_flight(o, impact->time, start, closed_crossing(o, impact->time, start, 1, 0, last, time),
-                          x);
-            margin = fminl(margin, before > 0 ? o->d - x[0] : o->d + x[0]);
+            closed_turn turn = {.time = closed_crossing(o, impact->time, start, 1, 0, last, time),
+                                .side = before > 0 ? 1 : -1};
+            closed_flight(o, impact->time, start, turn.time, x);
+            turn.margin = o->d - turn.side * x[0];
+            if (turn.margin < nearest.margin)
+                nearest = turn;
         }
         before = speed;
     }
-    return margin;
+    return nearest;
 }
 
 static inline void closed_saltation(const closed_oscillator *o, const closed_impact *impact, long double *s) {
@@ -227,7 +237,7 @@ static inline void closed_complete(closed_orbit *orbit) {
         closed_multiply(s, m, m);
         time = impact[i].time;
         long double next = i + 1 < orbit->impacts ? impact[i + 1].time : impact[0].time + length;
-        orbit->margin = fminl(orbit->margin, closed_flight_margin(o, &impact[i], next));
+        orbit->margin = fminl(orbit->margin, closed_flight_turn(o, &impact[i], next).margin);
         orbit->admissible = orbit->admissible && impact[i].speed > 0;
     }
     orbit->admissible = orbit->admissible && orbit->margin > 0;

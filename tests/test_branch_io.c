@@ -71,7 +71,12 @@ static void make_point(fixture *f, int k) {
                                .iterations = 3,
                                .log_volume = -287.8,
                                .sum_rule = NAN,
-                               .accuracy = 1e-12};
+                               .accuracy = 1e-12,
+                               .grazing_time = NAN};
+    if (p->kind == SALTUS_POINT_GR) {
+        p->grazing_time = 3.99;
+        p->grazing_stop = p->grazing_side = 1;
+    }
     set_parameter(&p->spec, "omega", p->value[0]);
     p->spec.stops[0].d = 0.035 + 1e-5 * k;
     snprintf(p->label, sizeof p->label, "%d/4", 4 + k / 20);
@@ -169,6 +174,9 @@ static void check_point(const saltus_branch_point *a, const saltus_branch_point 
     same(log_volume);
     same(sum_rule);
     same(accuracy);
+    same(grazing_time);
+    same(grazing_stop);
+    same(grazing_side);
     same(spec.parameters);
     assert_int_equal(a->spec.stop_count, b->spec.stop_count);
     assert_true(a->spec.stops[0].d == b->spec.stops[0].d && a->spec.stops[0].sides == b->spec.stops[0].sides);
@@ -418,6 +426,11 @@ static void unsound_contents_are_named(void **state) {
                    {"points/kind", "row 1 of /points", false, 99},
                    {"points/event_first", "row 1 of /points", false, 1000000},
                    {"points/event_count", "row 1 of /points", false, -1},
+                   {"points/grazing_time", "points/grazing_time", true, 0},
+                   {"points/grazing_stop", "row 1 of /points", false, 1},
+                   {"points/grazing_stop", "row 1 of /points", false, 2},
+                   {"points/grazing_side", "row 1 of /points", false, 1},
+                   {"points/grazing_side", "row 1 of /points", false, -1},
                    {"points/periods", "row 1 of /points", false, 0},
                    {"events/stop", "an event", false, 7},
                    {"events/kind", "an event", false, 0},
@@ -433,6 +446,40 @@ static void unsound_contents_are_named(void **state) {
         change_dataset(path, changes[k].name, changes[k].drop, changes[k].value);
         refuse_file(path, changes[k].word);
     }
+    folder_files(f->folder, true);
+}
+
+/* A touch is at a stop of the scene, on a side that it has, within the orbit; or there is none. */
+static void touches_are_checked(void **state) {
+    fixture *f = *state;
+    static const struct {
+        double time;
+        int stop, side;
+        bool sound;
+    } touches[] = {{NAN, 0, 0, true},    {0, 1, 1, true},        {3.999, 1, 1, true}, {4, 1, 1, false},
+                   {-1e-9, 1, 1, false}, {NAN, 1, 1, false},     {0.5, 0, 0, false},  {0.5, 1, 0, false},
+                   {0.5, 1, -1, false},  {0.5, 2, 1, false},     {0.5, -1, 1, false}, {NAN, 0, 1, false},
+                   {0.5, 1, 2, false},   {INFINITY, 1, 1, false}};
+    saltus_branch_point *p = &f->points[0];
+    const saltus_branch_point kept = *p;
+    char path[160];
+    path_in(f, "b.h5", path);
+    for (size_t k = 0; k < sizeof touches / sizeof touches[0]; k++) {
+        saltus_branch_file file;
+        saltus_message message = {""};
+        p->grazing_time = touches[k].time;
+        p->grazing_stop = touches[k].stop;
+        p->grazing_side = touches[k].side;
+        write_branch(f, path, 1, true);
+        if (!touches[k].sound) {
+            refuse_file(path, "row 1 of /points");
+            continue;
+        }
+        check_ok(saltus_branch_file_read(path, &file, &message), &message);
+        check_point(&file.points[0], p);
+        saltus_branch_file_clear(&file);
+    }
+    *p = kept;
     folder_files(f->folder, true);
 }
 
@@ -917,6 +964,7 @@ int main(void) {
         cmocka_unit_test(damage_is_noticed),
         cmocka_unit_test(foreign_files_are_named),
         cmocka_unit_test(unsound_contents_are_named),
+        cmocka_unit_test(touches_are_checked),
         cmocka_unit_test(endless_numbers_are_no_points),
         cmocka_unit_test(long_texts_are_not_cut),
         cmocka_unit_test(starts_come_from_branches),

@@ -155,6 +155,191 @@ static void held_until_the_force_vanishes(void **unused) {
     }
 }
 
+/* The way back: flights that shrink to nothing leave a contact that lasts, which the branch goes on with. */
+static void contacts_that_become_permanent(void **unused) {
+    (void)unused;
+    static const struct {
+        const char *key;
+        double from, end, at, r;
+    } rows[] = {
+        {"F", 1.1, 0.1, 1, 0.5}, {"d", 1, 0.1, 0.9, 0.5}, {"k", 1, 0.3, 0.9, 0.5}, {"F", 1.1, 0.1, 1, 0}};
+    for (int row = 0; row < 4; row++) {
+        saltus_spec spec = oscillator_spec(0.1, 1, 1.1, 1);
+        set_parameter(&spec, "F0", 2);
+        add_stop(&spec, 1, rows[row].r, SALTUS_UPPER);
+        saltus_branch_options options = branch_along(rows[row].key, rows[row].end, 1.2);
+        options.direction = -1;
+        branch_record record = run_settled(&spec, &options, rows[row].r > 0 ? "chatter/1" : "1/1");
+        recount_run(&record, &options, 5);
+        int from = 0, held = 0;
+        const saltus_branch_point *point = branch_next_special(&record, 0, &from);
+        assert_true(point && point->kind == (rows[row].r > 0 ? SALTUS_POINT_CH : SALTUS_POINT_ST));
+        check_near(point->value[0], rows[row].at, 1e-10);
+        assert_string_equal(point->label_after, "held");
+        assert_null(branch_next_special(&record, 0, &from));
+        for (int k = 0; k < record.count; k++) {
+            const saltus_branch_point *p = &record.point[k];
+            bool lasts = strcmp(p->label, "held") == 0;
+            held += lasts;
+            if (p->kind == SALTUS_POINT_REGULAR)
+                assert_true(p->admissible && lasts == (p->value[0] < rows[row].at));
+        }
+        assert_true(held > 10);
+        check_near(record.point[record.count - 1].value[0], rows[row].end, 0);
+        branch_forget(&record);
+    }
+}
+
+/* Where a parameter's domain ends its last value is reached, be the equations singular there: without a
+ * spring to the support nothing holds the masses in place. */
+static void domains_are_reached(void **unused) {
+    (void)unused;
+    static const struct {
+        const char *key, *label;
+        double end;
+        int masses;
+    } rows[] = {{"k", "0/1", 0, 1}, {"c", "0/1", 0, 1},  {"k", "1/1", 0, 2},
+                {"c", "1/1", 0, 2}, {"c2", "1/1", 0, 2}, {"k2", "1/1", 0, 2},
+                {"r", "1/1", 1, 2}, {"r", "1/1", 0, 2},  {"r", "2/1", 1, 0}};
+    for (size_t row = 0; row < sizeof rows / sizeof rows[0]; row++) {
+        int masses = rows[row].masses;
+        saltus_spec spec = oscillator_spec(0.1, 1, masses ? 0.5 : 1, masses == 2 ? 1.6 : 1);
+        add_stop(&spec, masses == 2 ? 0.3 : masses ? 20 : 2, 0.8, masses ? SALTUS_UPPER : SALTUS_BOTH);
+        if (masses == 2) {
+            set_parameter(&spec, "N", 2);
+            set_parameter(&spec, "c2", 0.1);
+            spec.stops[0].weight[1] = -1;
+        } else if (masses == 0) {
+            set_parameter(&spec, "c", 0);
+            set_parameter(&spec, "k", 0);
+        }
+        bool up = rows[row].end > 0;
+        saltus_branch_options options = branch_along(rows[row].key, up ? 0.7 : 0, up ? 1 : 1.1);
+        options.direction = up ? 1 : -1;
+        branch_record record = run_settled(&spec, &options, rows[row].label);
+        recount_run(&record, &options, 8);
+        const saltus_branch_point *last = &record.point[record.count - 1];
+        /* Without a spring between the masses the impact dies in the very place, and orbits without impacts
+         * form a family. */
+        bool family = strcmp(rows[row].key, "k2") == 0 && strstr(last->reason, "form a family");
+        assert_true(family || strcmp(last->reason, "end of the parameter's range") == 0);
+        check_near(last->value[0], rows[row].end, family ? 1e-11 : 0);
+        saltus_direction direction;
+        saltus_message message = {""};
+        double value;
+        check_ok(saltus_spec_direction(&last->spec, rows[row].key, &direction, &value, &message), &message);
+        check_near(value, rows[row].end, family ? 1e-11 : 1e-15);
+        branch_forget(&record);
+    }
+}
+
+/* Two masses of which one hits two stops: tori and flips come in pairs, within one step, each time an impact
+ * dies. */
+static void tori_beside_flips(void **unused) {
+    (void)unused;
+    saltus_spec spec = oscillator_spec(0.1736, 1, 1.123, 0.9818);
+    set_parameter(&spec, "N", 2);
+    set_parameter(&spec, "m2", 1.105);
+    set_parameter(&spec, "c2", 0.137);
+    set_parameter(&spec, "k2", 1.22);
+    add_stop(&spec, 0.89922, 0.881, SALTUS_UPPER);
+    add_stop(&spec, 0.48966, 0.48, SALTUS_LOWER);
+    for (int k = 0; k < 2; k++) {
+        spec.stops[k].weight[0] = 0;
+        spec.stops[k].weight[1] = 1;
+    }
+    saltus_branch_options options = branch_along("k2", 1.1, 1.6);
+    options.direction = 1;
+    branch_record record = run_settled(&spec, &options, "chatter/1");
+    recount_run(&record, &options, 20);
+    int tori = 0, flips = 0;
+    for (int k = 0; k < record.count; k++) {
+        const saltus_branch_point *p = &record.point[k];
+        if (p->kind == SALTUS_POINT_GR && p->impacts < 15 && p->impacts > 3)
+            assert_true(tori == 1 && flips >= 1);
+        tori = p->kind == SALTUS_POINT_GR ? 0 : tori + (p->kind == SALTUS_POINT_NS);
+        flips = p->kind == SALTUS_POINT_GR ? 0 : flips + (p->kind == SALTUS_POINT_PD);
+    }
+    branch_forget(&record);
+}
+
+/* A ball on a table: where complete chatter ends as the restitution grows, the branch goes on to ever fewer
+ * impacts, one by one, and not back. */
+static void a_branch_leaves_chatter(void **unused) {
+    (void)unused;
+    saltus_spec spec = oscillator_spec(0, 0, 1.2, 1);
+    set_parameter(&spec, "F0", -1);
+    add_stop(&spec, 0, 0.6, SALTUS_LOWER);
+    saltus_branch_options options = branch_along("r", 0.5, 1);
+    options.direction = 1;
+    branch_record record = run_settled(&spec, &options, "chatter/1");
+    long long fewest = 1000;
+    int ends = 0;
+    for (int k = 0; k < record.count; k++) {
+        const saltus_branch_point *p = &record.point[k];
+        ends += p->kind == SALTUS_POINT_CH;
+        assert_null(strstr(p->reason, "come back to this CH"));
+        if (p->kind == SALTUS_POINT_REGULAR && p->impacts > 0)
+            fewest = p->impacts < fewest ? p->impacts : fewest;
+        if (p->kind == SALTUS_POINT_GR)
+            assert_true(llabs(p->impacts - atoll(p->label_after)) == 1);
+    }
+    assert_int_equal(ends, 1);
+    assert_true(fewest < 40);
+    branch_forget(&record);
+}
+
+/* Grazings that follow one another ever closer are not taken for one and the same. */
+static void grazings_close_together(void **unused) {
+    (void)unused;
+    saltus_spec spec = pipe_spec(1, 29.374);
+    set_parameter(&spec, "alpha", 0.00809);
+    set_parameter(&spec, "u0", 4.742);
+    set_parameter(&spec, "sigma", 0.302);
+    add_stop(&spec, 0.01591, 0.423, SALTUS_UPPER);
+    saltus_branch_options options = branch_along("u0", 3.79, 5.69);
+    options.direction = -1;
+    branch_record record = run_settled(&spec, &options, "chatter/7");
+    int born = 0;
+    for (int k = 0; k < record.count; k++) {
+        const saltus_branch_point *p = &record.point[k];
+        born += p->kind == SALTUS_POINT_GR && strcmp(p->reason, "an impact dies") != 0;
+        if (strstr(p->reason, "has come back to this"))
+            recount_closure(&record, k);
+    }
+    assert_true(born >= 3);
+    branch_forget(&record);
+}
+
+/* The branch of asymmetric orbits ends where that of symmetric ones has its pitchfork. */
+static void pitchforks_from_both_branches(void **unused) {
+    (void)unused;
+    static const struct {
+        closed_example example;
+        long double omega;
+        double low, high;
+    } rows[] = {{closed_mirrored_bubble, 1.2L, 1, 4}, {closed_mirrored, 3.6L, 2.3, 4}};
+    int joins = 0;
+    for (int row = 0; row < 2; row++) {
+        saltus_branch_options options = branch_along("omega", rows[row].low, rows[row].high);
+        options.switches = 1;
+        branch_record record = run_example(rows[row].example, rows[row].omega, &options);
+        for (int k = 0; k < record.count; k++) {
+            const saltus_branch_point *p = &record.point[k];
+            closed_oscillator o = closed_example_of(rows[row].example);
+            closed_orbit orbit;
+            if (p->kind != SALTUS_POINT_BP)
+                continue;
+            o.omega = rows[row].omega;
+            assert_true(closed_pitchfork(&o, "omega", p->value[0] - 1e-4L, p->value[0] + 1.1e-4L, &orbit));
+            check_near(p->value[0], (double)orbit.oscillator.omega, 1e-10);
+            joins += p->parent >= 0;
+        }
+        branch_forget(&record);
+    }
+    assert_true(joins >= 1);
+}
+
 /* Chatter that is complete ceases to be so, and impacts that grow in number complete chatter, in one and the
  * same place. */
 static void chatter_ends_where_it_begins(void **unused) {
@@ -194,9 +379,18 @@ static void chatter_ends_where_it_begins(void **unused) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(one_stop_and_doubled_orbits),   cmocka_unit_test(two_stops_of_one_mass),
-        cmocka_unit_test(two_masses_and_tori),           cmocka_unit_test(contacts_that_begin_and_end),
-        cmocka_unit_test(held_until_the_force_vanishes), cmocka_unit_test(chatter_ends_where_it_begins),
+        cmocka_unit_test(one_stop_and_doubled_orbits),
+        cmocka_unit_test(two_stops_of_one_mass),
+        cmocka_unit_test(two_masses_and_tori),
+        cmocka_unit_test(contacts_that_begin_and_end),
+        cmocka_unit_test(held_until_the_force_vanishes),
+        cmocka_unit_test(chatter_ends_where_it_begins),
+        cmocka_unit_test(contacts_that_become_permanent),
+        cmocka_unit_test(domains_are_reached),
+        cmocka_unit_test(tori_beside_flips),
+        cmocka_unit_test(grazings_close_together),
+        cmocka_unit_test(a_branch_leaves_chatter),
+        cmocka_unit_test(pitchforks_from_both_branches),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -58,7 +58,13 @@ static void make(made *m, saltus_point_kind locus) {
                                    .iterations = 2 + k,
                                    .log_volume = -1.5 - k,
                                    .sum_rule = -1.25 - k,
-                                   .accuracy = k % 4 == 1 ? 2e-5 * (k + 1) : 1e-12};
+                                   .accuracy = k % 4 == 1 ? 2e-5 * (k + 1) : 1e-12,
+                                   .grazing_time = NAN};
+        if (p->kind == SALTUS_POINT_GR) {
+            p->grazing_time = 0.03125 * k;
+            p->grazing_stop = 1;
+            p->grazing_side = locus ? -1 : 1;
+        }
         snprintf(p->label, sizeof p->label, "%d/%d", 50 + k, 3 + k);
         if (k % 6 == 1)
             snprintf(p->label_after, sizeof p->label_after, "%d/%d", 80 + k, 3 + k);
@@ -240,6 +246,7 @@ static void stability_beyond_needs_a_plain_point(void **state) {
 static void a_point_is_told_in_json(void **state) {
     (void)state;
     static made m;
+    int touched[2] = {0};
     for (int locus = 0; locus < 2; locus++) {
         make(&m, locus ? SALTUS_POINT_PD : SALTUS_POINT_REGULAR);
         for (int k = 0; k < most; k++) {
@@ -310,10 +317,20 @@ static void a_point_is_told_in_json(void **state) {
                             json_number_at(e, "normal_velocity_before") == event->velocity_before &&
                             json_number_at(e, "normal_velocity_after") == (i ? 0 : event->velocity_after));
             }
+            bool grazes = p->kind == SALTUS_POINT_GR;
+            const json *touch = json_at(o, "grazing");
+            assert_int_equal(touch->kind, grazes ? JSON_OBJECT : JSON_NULL);
+            if (grazes) {
+                assert_true(json_number_at(touch, "time_over_T") == p->grazing_time);
+                assert_true(json_number_at(touch, "stop") == p->grazing_stop);
+                assert_string_equal(json_text_at(touch, "side"), p->grazing_side > 0 ? "upper" : "lower");
+                touched[locus]++;
+            }
             json_free(o);
             free(lines.text);
         }
         saltus_system_free(m.system);
+        assert_true(touched[locus] > 0);
     }
 }
 

@@ -488,7 +488,8 @@ static void the_longest_words_come_back_whole(void **state) {
                                      .periods = 1,
                                      .dimension = 4,
                                      .state = start,
-                                     .multipliers = multipliers};
+                                     .multipliers = multipliers,
+                                     .grazing_time = NAN};
         fill(point.label, sizeof point.label - 1 - less);
         fill(point.label_after, sizeof point.label_after - 1 - less);
         fill(point.reason, sizeof point.reason - 1 - less);

@@ -99,7 +99,11 @@ static void check_on_curve(const closed_curve *c, const closed_oscillator *o,
     assert_true(point->admissible);
     if (point->kind == SALTUS_POINT_EP) {
         /* The curve leaves the range, or the impact's speed has vanished: there it meets grazing. */
-        assert_true(on_border(c, point->value) || orbit.impact[0].speed < 1e-3L);
+        assert_true(on_border(c, point->value) || orbit.impact[0].speed < 1e-9L);
+        return;
+    }
+    if (point->kind == SALTUS_POINT_GR_LP || point->kind == SALTUS_POINT_GR_PD) {
+        assert_true(orbit.impact[0].speed < 1e-9L);
         return;
     }
     assert_int_equal(point->kind, c->kind);
@@ -142,12 +146,12 @@ static void check_order(const saltus_branch_options *options, const branch_recor
         } else {
             assert_string_equal(b->reason, "");
         }
+        /* The step is measured along the tangent, in the states too; its parts in the plane are the
+         * headings'. */
         length = hypot(apart[0], apart[1]);
-        check_near(b->arclength - a->arclength, length, 1e-9);
-        check_near(b->heading * length, b->value[0] - a->value[0], 1e-9);
-        /* The first step does not know yet which way the curve goes. */
-        if (b->step > 2)
-            assert_true(length <= 1.2 * options->step_max);
+        double ahead = b->arclength - a->arclength, unit = options->high[0] - options->low[0];
+        assert_true(length <= ahead * 1.1 && length <= options->step_max * 1.2);
+        check_near(0.5 * (a->heading + b->heading) * ahead, b->value[0] - a->value[0], 0.05 * unit * ahead);
     }
 }
 
@@ -200,13 +204,13 @@ static void one_way(void **unused) {
         options.direction = direction;
         options.points = count;
         branch_record one = run_curve(&c, &o, &options);
-        assert_int_equal(one.count, count + 1);
+        assert_int_equal(one.count, count);
         assert_true(direction * (one.point[1].value[1] - one.point[0].value[1]) > 0);
         for (int k = 0; k < count; k++)
             for (int i = 0; i < 2; i++)
                 check_near(one.point[k].value[i], both.point[from + k].value[i], 1e-12);
-        assert_int_equal(one.point[count].kind, SALTUS_POINT_EP);
-        assert_non_null(strstr(one.point[count].reason, "as many points as asked for"));
+        assert_int_equal(one.point[count - 1].kind, SALTUS_POINT_EP);
+        assert_non_null(strstr(one.point[count - 1].reason, "as many points as asked for"));
         branch_forget(&one);
         branch_forget(&both);
     }
@@ -333,7 +337,7 @@ static void check_curve_anew(const saltus_spec *spec, int periods, const double 
     int checked = 0;
     for (int k = 0; k < record.count; k++) {
         const saltus_branch_point *point = &record.point[k];
-        if (point->kind == SALTUS_POINT_EP)
+        if (point->kind == SALTUS_POINT_EP || point->kind >= SALTUS_POINT_CP)
             continue;
         assert_int_equal(point->kind, options->locus);
         assert_true(point->admissible);
@@ -394,6 +398,112 @@ static void two_masses(void **unused) {
     saltus_system_free(system);
 }
 
+/* Where a curve of flips ends at grazing the curve of grazing has its own corner, found by other equations.
+ */
+static void curves_meet_at_corners(void **unused) {
+    (void)unused;
+    static const char *const key[2] = {"omega", "d"}, *const turned[2] = {"d", "omega"};
+    static const double low[2] = {38, 0.034}, high[2] = {46, 0.036};
+    static const double from[2] = {0.034, 38}, to[2] = {0.0365, 46};
+    reference r = read_reference("fig7d");
+    saltus_branch_options options = locus_options(SALTUS_POINT_PD, key, low, high);
+    saltus_branch_options other = locus_options(SALTUS_POINT_GR, turned, from, to);
+    branch_record flips = branch_run(&r.spec, r.periods, r.states[0], &options);
+    branch_record grazing = branch_run(&r.spec, r.periods, r.states[0], &other);
+    int met = 0;
+    for (int k = 0; k < flips.count; k++) {
+        const double *at = flips.point[k].value;
+        double nearest = INFINITY;
+        if (flips.point[k].kind != SALTUS_POINT_GR_PD)
+            continue;
+        for (int j = 0; j < grazing.count; j++)
+            if (grazing.point[j].kind == SALTUS_POINT_GR_PD)
+                nearest = fmin(nearest, fabs(grazing.point[j].value[0] - at[1]) / at[1] +
+                                            fabs(grazing.point[j].value[1] - at[0]) / at[0]);
+        check_near(nearest, 0, 1e-9);
+        met++;
+    }
+    assert_int_equal(met, 2);
+    branch_forget(&flips);
+    branch_forget(&grazing);
+    free(r.text);
+}
+
+/* At a cusp both parameters turn back, and the curve leaves to the side that it came from. */
+static void folds_have_cusps(void **unused) {
+    (void)unused;
+    static const struct {
+        double c, r, d, F, omega;
+    } rows[] = {{0.125561, 0.674443, -0.192737, 1.0072, 0.806906},
+                {0.0819887, 0.512876, 0.391993, 1.02048, 0.68369}};
+    static const char *const key[2] = {"omega", "d"};
+    for (size_t k = 0; k < sizeof rows / sizeof rows[0]; k++) {
+        saltus_spec spec = oscillator_spec(rows[k].c, 1, rows[k].F, rows[k].omega);
+        set_parameter(&spec, "F0", 0.3);
+        add_stop(&spec, rows[k].d, rows[k].r, SALTUS_UPPER);
+        saltus_system *system = build(&spec);
+        saltus_classify_options how = saltus_classify_defaults();
+        saltus_message message = {""};
+        saltus_motion motion;
+        double state[2] = {0};
+        check_ok(saltus_system_default_state(system, state, &message), &message);
+        check_ok(saltus_classify(system, state, &how, &motion, &message), &message);
+        const double low[2] = {0.6 * rows[k].omega, rows[k].d - 0.6},
+                     high[2] = {1.5 * rows[k].omega, rows[k].d + 0.6};
+        saltus_branch_options options = locus_options(SALTUS_POINT_LP, key, low, high);
+        branch_record record = branch_run(&spec, motion.periods, motion.state, &options);
+        int cusps = 0;
+        for (int p = 1; p + 1 < record.count; p++) {
+            const saltus_branch_point *at = &record.point[p], *before = at - 1, *after = at + 1;
+            if (at->kind != SALTUS_POINT_CP)
+                continue;
+            cusps++;
+            check_near(at->heading, 0, 1e-8);
+            for (int i = 0; i < 2; i++)
+                assert_true((before->value[i] - at->value[i]) * (after->value[i] - at->value[i]) > 0);
+            check_near(at->multipliers[0].re, 1, 1e-7);
+        }
+        assert_int_equal(cusps, 1);
+        branch_forget(&record);
+        saltus_motion_clear(&motion);
+        saltus_system_free(system);
+    }
+}
+
+/* On a curve of flips, where a second multiplier reaches -1; on one of tori, where the angle is a third or a
+ * quarter of the circle, until it is a half. */
+static void resonances(void **unused) {
+    (void)unused;
+    static const char *const key[2] = {"omega", "d"};
+    static const double low[2] = {38, 0.034}, high[2] = {46, 0.036}, from[2] = {38.5, 0.0345},
+                        to[2] = {42.2, 0.0361};
+    const double pi = acos(-1);
+    reference r = read_reference("fig7d");
+    int found[SALTUS_POINT_KINDS] = {0};
+    for (int tori = 0; tori < 2; tori++) {
+        saltus_branch_options options = tori ? locus_options(SALTUS_POINT_NS, key, from, to)
+                                             : locus_options(SALTUS_POINT_PD, key, low, high);
+        branch_record record = branch_run(&r.spec, r.periods, r.states[0], &options);
+        for (int k = 0; k < record.count; k++) {
+            const saltus_branch_point *p = &record.point[k];
+            const saltus_multiplier *mu = p->multipliers;
+            double angle = p->kind == SALTUS_POINT_R2   ? pi
+                           : p->kind == SALTUS_POINT_R3 ? 2 * pi / 3
+                           : p->kind == SALTUS_POINT_R4 ? pi / 2
+                                                        : NAN;
+            if (isnan(angle))
+                continue;
+            found[p->kind]++;
+            /* A double multiplier answers to its place like a square root. */
+            check_near(fabs(atan2(mu[0].im, mu[0].re)), angle, p->kind == SALTUS_POINT_R2 ? 1e-3 : 1e-8);
+            check_near(mu[0].log_modulus + mu[1].log_modulus, 0, 1e-7);
+        }
+        branch_forget(&record);
+    }
+    assert_true(found[SALTUS_POINT_R2] == 3 && found[SALTUS_POINT_R3] == 1 && found[SALTUS_POINT_R4] == 1);
+    free(r.text);
+}
+
 static void check_pipe_curve(saltus_point_kind kind, const double *low, const double *high, int least) {
     const char *const key[2] = {"omega", "d"};
     if (!long_version())
@@ -443,6 +553,9 @@ int main(void) {
         cmocka_unit_test(an_interrupted_curve_is_made_again),
         cmocka_unit_test(no_torus),
         cmocka_unit_test(two_masses),
+        cmocka_unit_test(curves_meet_at_corners),
+        cmocka_unit_test(folds_have_cusps),
+        cmocka_unit_test(resonances),
         cmocka_unit_test(pipe_folds),
         cmocka_unit_test(pipe_flips),
         cmocka_unit_test(pipe_grazing),

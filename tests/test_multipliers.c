@@ -377,11 +377,16 @@ static void quad_multipliers(const double *segments, int n, int count, saltus_mu
 
 static saltus_cocycle run_cocycle(const saltus_system *system, int periods, const double *state,
                                   double phase) {
-    saltus_orbit_options options = saltus_orbit_defaults();
+    const saltus_flow_options options = saltus_flow_defaults();
     saltus_message message = {""};
-    saltus_cocycle cocycle;
-    options.phase = phase;
-    check_ok(saltus_cocycle_run(system, &options, periods, state, &cocycle, &message), &message);
+    saltus_cocycle cocycle = {0};
+    saltus_flow *flow = NULL;
+    check_ok(saltus_flow_single(system, saltus_system_dimension(system), &options, &flow, &message),
+             &message);
+    check_ok(saltus_cocycle_open(&cocycle, system, periods, &message), &message);
+    check_ok(saltus_flow_start(flow, 0, (saltus_time){0, phase}, state, &message), &message);
+    check_ok(saltus_cocycle_follow(&cocycle, flow, (saltus_time){periods, phase}, NULL, &message), &message);
+    saltus_flow_free(flow);
     return cocycle;
 }
 
@@ -402,7 +407,7 @@ static void orbits_in_quadruple_precision(void **unused) {
             &message);
         check_near(log_volume, cocycle.sum_rule, 1e-9 * fabs(cocycle.sum_rule));
         quad_multipliers(cocycle.segments, r.n, cocycle.count, expected);
-        saltus_cocycle_clear(&cocycle);
+        saltus_cocycle_close(&cocycle);
         saltus_flow_options options = saltus_flow_defaults();
         saltus_flow *flow = open_flow(system, &options, 0, r.states[0]);
         advance(flow, 0.37, 0);
@@ -418,7 +423,7 @@ static void orbits_in_quadruple_precision(void **unused) {
             check_near(claim_nearest(modulus, angle, found, r.n, claimed), 0, 1e-9);
             check_near(claim_nearest(modulus, angle, other, r.n, claimed_other), 0, 1e-6);
         }
-        saltus_cocycle_clear(&cocycle);
+        saltus_cocycle_close(&cocycle);
         saltus_system_free(system);
         free(r.text);
     }
@@ -441,7 +446,7 @@ static void sticking_orbit(void **unused) {
     check_near(sum, log_volume, 1e-9);
     for (int k = r.n - 2; k < r.n; k++)
         assert_true(mu[k].re == 0 && mu[k].im == 0 && mu[k].log_modulus == -INFINITY);
-    saltus_cocycle_clear(&cocycle);
+    saltus_cocycle_close(&cocycle);
     saltus_system_free(system);
     free(r.text);
 }
@@ -471,7 +476,7 @@ static void uncoupled_modes(void **unused) {
             check_near(claim_nearest(exp(creal(s)), cimag(s), found, 2 * modes, claimed), 0, 1e-9);
         }
     }
-    saltus_cocycle_clear(&cocycle);
+    saltus_cocycle_close(&cocycle);
     saltus_system_free(system);
 }
 
@@ -586,7 +591,7 @@ static void equilibria_and_multipliers(void **unused) {
             if (log_modulus > -600)
                 check_near(claim_nearest(exp(log_modulus), angle, mu, n, claimed), 0, 1e-8);
         }
-        saltus_cocycle_clear(&cocycle);
+        saltus_cocycle_close(&cocycle);
         saltus_motion_clear(&motion);
         saltus_equilibrium_clear(&found);
         saltus_system_free(system);

@@ -1045,7 +1045,7 @@ static void progress_lines_tell_what_is_found(void **state) {
     size_t length;
     clear(*state, "with");
     words_on_terminal(
-        *state, "continue impact-oscillator --in omega=0.99:1.01 --points 3 --at 1.00005,0.99993 -o x.h5",
+        *state, "continue impact-oscillator --in omega=0.99:1.01 --points 6 --at 1.00005,0.99993 -o x.h5",
         "--json", said, sizeof said);
     char *text = text_of(*state, "with", "out", &length), label[16], mark[16];
     const char *at = text, *line = said;

@@ -28,6 +28,18 @@ typedef enum saltus_point_kind {
     SALTUS_POINT_ST, /* a sticking interval begins, splits or ends otherwise */
     SALTUS_POINT_UZ, /* a value asked for */
     SALTUS_POINT_EP, /* end of the branch; `reason` says why */
+    /* On loci, where one condition more holds: */
+    SALTUS_POINT_CP,    /* cusp: two folds meet */
+    SALTUS_POINT_GR_LP, /* a fold meets grazing */
+    SALTUS_POINT_GR_PD,
+    SALTUS_POINT_GR_NS,
+    SALTUS_POINT_GR_GR, /* two impacts graze */
+    SALTUS_POINT_GR_BP,
+    SALTUS_POINT_CH_GR, /* complete chatter begins or ends at grazing */
+    SALTUS_POINT_R1,    /* resonances: a double multiplier 1, */
+    SALTUS_POINT_R2,    /* a double multiplier -1, */
+    SALTUS_POINT_R3,    /* a pair at a third */
+    SALTUS_POINT_R4,    /* or a quarter of the circle */
     SALTUS_POINT_KINDS
 } saltus_point_kind;
 
@@ -54,13 +66,16 @@ typedef struct saltus_branch_point {
     saltus_event *events; /* of one orbit, times in periods from phase 0 */
     int event_count;
     saltus_multiplier *multipliers; /* dimension of them */
-    int unstable;                   /* multipliers outside the unit circle */
-    bool stable;
-    bool admissible;             /* the event-driven flow closes on this orbit with this sequence of events */
-    double residual;             /* scaled */
-    int iterations;              /* Newton steps */
+    int unstable;                   /* multipliers not inside the unit circle (saltus_multipliers_unstable) */
+    bool stable;                    /* false at LP, PD, NS and BP, where one is on it */
+    bool admissible; /* the event-driven flow closes on this orbit with this sequence of events */
+    double residual; /* scaled, at the last evaluation; a Newton step from there ends in rounding */
+    int iterations;  /* Newton steps */
     double log_volume, sum_rule; /* as in saltus_orbit */
     double accuracy;             /* special points: bound on the error of value[0] from the last bracket */
+    double grazing_time; /* GR: of the touch, in periods from phase 0, in [0, periods); of several the worst;
+                            NAN elsewhere, and where no more is known than that the label changes */
+    int grazing_stop, grazing_side; /* GR: stop from 1, side +1 or -1; 0 where grazing_time is NAN */
     char reason[SALTUS_REASON_MAX]; /* EP: why; GR, CH, ST: what changes */
 } saltus_branch_point;
 
@@ -70,7 +85,7 @@ typedef struct saltus_branch_options {
     double low[2], high[2];      /* their ranges */
     double step, step_max; /* first and largest step of arclength: the parameter in units of its range, the
                               state in units of the system's scale */
-    int points;            /* at most, per branch */
+    int points;            /* at most, per branch, special points and its end among them */
     int direction;         /* +1 up first and only, -1 down only, 0 both */
     int switches;          /* how often to switch branches: at flips and branch points, and at grazing to
                               orbits of twice the period that graze in one half only; 0 ... */

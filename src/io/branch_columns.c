@@ -41,20 +41,25 @@ const saltus_branch_column saltus_point_columns[SALTUS_POINT_COLUMNS] = {
      ROW(multipliers)},
     {"log_moduli", "1", "natural logarithms of their moduli; -inf: exactly zero, NaN: not resolved", REAL,
      SALTUS_WIDTH_STATE, ROW(log_moduli)},
-    {"unstable", "1", "multipliers outside the unit circle", INT, ONE, POINT(unstable)},
+    {"unstable", "1", "multipliers not inside the unit circle", INT, ONE, POINT(unstable)},
     {"stable", "1", "whether all are inside", SALTUS_ELEMENT_FLAG, ONE, POINT(stable)},
     {"admissible", "1", "whether the flow with its events closes on the orbit", SALTUS_ELEMENT_FLAG, ONE,
      POINT(admissible)},
-    {"residual", "1", "scaled, after the last Newton step", REAL, ONE, POINT(residual)},
+    {"residual", "1", "scaled, at the last evaluation; a Newton step from there ends in rounding", REAL, ONE,
+     POINT(residual)},
     {"iterations", "1", "Newton steps", INT, ONE, POINT(iterations)},
     {"log_volume", "1", "sum of the log moduli", REAL, ONE, POINT(log_volume)},
     {"sum_rule", "1", "what the trace of the Jacobian and the restitutions make it", REAL, ONE,
      POINT(sum_rule)},
     {"accuracy", "1", "special points: bound on the error of value[0]", REAL, ONE, POINT(accuracy)},
+    {"grazing_time", "T", "GR: time of the touch from phase 0; NaN where none is known", REAL, ONE,
+     POINT(grazing_time)},
+    {"grazing_stop", "1", "GR: number of the stop that is touched, from 1; 0: none", INT, ONE,
+     POINT(grazing_stop)},
+    {"grazing_side", "1", "GR: its side, +1 upper, -1 lower; 0: none", INT, ONE, POINT(grazing_side)},
     {"event_first", "1", "the orbit's first row of /events, from 0", SALTUS_ELEMENT_LONG, ONE,
      offsetof(saltus_point_row, event_first), false},
     {"event_count", "1", "number of its rows", INT, ONE, POINT(event_count)},
-
 };
 
 #define EVENT(member) offsetof(saltus_event_row, member), false

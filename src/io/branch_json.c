@@ -22,6 +22,19 @@ static void put_values(FILE *file, const saltus_branch_point *point) {
     saltus_json_member(file, "arclength", point->arclength);
 }
 
+/* What touches which stop at grazing. */
+static void put_grazing(FILE *file, const saltus_branch_point *point) {
+    saltus_json_key(file, "grazing");
+    if (!point->grazing_stop) {
+        fputs("null", file);
+        return;
+    }
+    fprintf(file, "{\"side\": \"%s\", \"stop\": %d", saltus_side_word(point->grazing_side),
+            point->grazing_stop);
+    saltus_json_member(file, "time_over_T", point->grazing_time);
+    fputc('}', file);
+}
+
 void saltus_write_point_json(FILE *file, const saltus_scene *scene, const saltus_system *system,
                              const saltus_branch_point *point) {
     fputs("{\"version\": \"" SALTUS_VERSION "\"", file);
@@ -37,6 +50,7 @@ void saltus_write_point_json(FILE *file, const saltus_scene *scene, const saltus
     saltus_json_key(file, "state");
     saltus_json_vector(file, point->state, point->dimension);
     saltus_json_events(file, system, point->events, point->event_count);
+    put_grazing(file, point);
     saltus_json_multipliers(file, point->multipliers, point->dimension);
     saltus_json_member(file, "log_volume", point->log_volume);
     saltus_json_member(file, "sum_rule", point->sum_rule);

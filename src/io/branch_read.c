@@ -269,6 +269,14 @@ static bool finite_row(const double *values, int count) {
     return true;
 }
 
+/* Whether a touch is at a face there is, at a time of the orbit. */
+static bool is_touch(const saltus_system *system, const saltus_branch_point *point) {
+    if (point->grazing_stop == 0)
+        return point->grazing_side == 0 && isnan(point->grazing_time);
+    return face_of(system, point->grazing_stop, point->grazing_side) >= 0 && point->grazing_time >= 0 &&
+           point->grazing_time < point->periods;
+}
+
 /* Complete a point from the parts of its row that are kept in another form. */
 static bool make_point(reader *r, saltus_point_row *row, long long k, long long events) {
     saltus_branch_point *point = &row->point;
@@ -280,7 +288,8 @@ static bool make_point(reader *r, saltus_point_row *row, long long k, long long 
         point->event_count >= 0 && row->event_first >= 0 && row->event_first + point->event_count <= events;
     if (!texts || !counted || (int)point->kind < 0 || point->kind >= SALTUS_POINT_KINDS ||
         point->periods < 1 || !finite_row(point->state, n) ||
-        !finite_row(point->spec.parameters, r->shape.parameters) || !isfinite(point->value[0]))
+        !finite_row(point->spec.parameters, r->shape.parameters) || !isfinite(point->value[0]) ||
+        !is_touch(r->system, point))
         return false;
     for (int s = 0; s < r->shape.stops; s++)
         saltus_stop_from_values(row->stops[s], &point->spec.stops[s]);

@@ -43,6 +43,10 @@ enum { SALTUS_STROKES = 3, SALTUS_HUES = 6 };
  * often it was switched. */
 int saltus_plot_hue(const saltus_plot_page *page, int file, int branch);
 
+/* The kind whose mark a kind has: points of codimension two share one, with their names beside it. */
+enum { SALTUS_PLOT_MARKS = SALTUS_POINT_CP + 1 };
+saltus_point_kind saltus_plot_mark(saltus_point_kind kind);
+
 /* plot_curves.c: elements of a plot command that goes on: curves, marks, and what they are in the legend. */
 void saltus_plot_curves(const saltus_plot_page *page);
 void saltus_plot_marks(const saltus_plot_page *page);

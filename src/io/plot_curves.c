@@ -10,7 +10,7 @@ static const struct {
     int point_type;
     double size;
     const char *colour, *meaning;
-} marks[SALTUS_POINT_KINDS] = {
+} marks[SALTUS_PLOT_MARKS] = {
     [SALTUS_POINT_LP] = {5, 1.15, "#1c1c1c", "LP  fold"},
     [SALTUS_POINT_PD] = {13, 1.5, "#b5179e", "PD  flip"},
     [SALTUS_POINT_NS] = {9, 1.4, "#e07a00", "NS  torus"},
@@ -20,6 +20,7 @@ static const struct {
     [SALTUS_POINT_ST] = {4, 1.2, "#3a5a98", "ST  sticking"},
     [SALTUS_POINT_UZ] = {6, 1.1, "#404040", "UZ  wanted"},
     [SALTUS_POINT_EP] = {2, 1.1, "#606060", "EP  end"},
+    [SALTUS_POINT_CP] = {12, 1.4, "#1c1c1c", "codimension two, as named"},
 };
 
 static const char *hue_colour(const saltus_plot_page *page, int hue) {
@@ -40,7 +41,7 @@ static bool has_kind(const saltus_plot_page *page, saltus_point_kind kind) {
     for (int i = 0; i < page->count; i++)
         for (int k = 0; k < page->files[i].point_count; k++) {
             const saltus_branch_point *point = &page->files[i].points[k];
-            if (point->kind == kind && saltus_plot_shown(page, point) &&
+            if (saltus_plot_mark(point->kind) == kind && saltus_plot_shown(page, point) &&
                 saltus_plot_marked(&page->files[i], point))
                 return true;
         }
@@ -51,7 +52,7 @@ int saltus_plot_legend_entries(const saltus_plot_page *page) {
     int count = page->locus ? 1 : page->count == 1 ? 2 : 2 + page->count;
     for (int hue = 0; hue < SALTUS_HUES; hue++)
         count += page->locus && has_hue(page, hue);
-    for (int kind = SALTUS_POINT_LP; kind < SALTUS_POINT_KINDS; kind++)
+    for (int kind = SALTUS_POINT_LP; kind < SALTUS_PLOT_MARKS; kind++)
         count += has_kind(page, (saltus_point_kind)kind);
     return count;
 }
@@ -68,17 +69,16 @@ void saltus_plot_curves(const saltus_plot_page *page) {
 
 /* Marks with a white rim, which lifts them off the curves; those that often lie under others come last. */
 void saltus_plot_marks(const saltus_plot_page *page) {
-    for (int kind = SALTUS_POINT_KINDS - 1; kind >= SALTUS_POINT_LP; kind--) {
-        const char *word = saltus_point_word((saltus_point_kind)kind);
+    for (int kind = SALTUS_PLOT_MARKS - 1; kind >= SALTUS_POINT_LP; kind--) {
         bool solid = kind != SALTUS_POINT_EP && kind != SALTUS_POINT_UZ && kind != SALTUS_POINT_ST;
         if (!has_kind(page, (saltus_point_kind)kind))
             continue;
         if (solid)
             fprintf(page->file,
-                    "     $marks_%s using 1:2 with points pt %d ps %g lc rgb '#ffffff' notitle, \\\n", word,
+                    "     $marks_%d using 1:2 with points pt %d ps %g lc rgb '#ffffff' notitle, \\\n", kind,
                     marks[kind].point_type, marks[kind].size + 0.45);
         fprintf(page->file,
-                "     $marks_%s using 1:2 with points pt %d ps %g lw 1.6 lc rgb '%s' notitle, \\\n", word,
+                "     $marks_%d using 1:2 with points pt %d ps %g lw 1.6 lc rgb '%s' notitle, \\\n", kind,
                 marks[kind].point_type, marks[kind].size, marks[kind].colour);
     }
 }
@@ -105,7 +105,7 @@ static void put_line_legend(const saltus_plot_page *page) {
 
 void saltus_plot_legend(const saltus_plot_page *page) {
     put_line_legend(page);
-    for (int kind = SALTUS_POINT_LP; kind < SALTUS_POINT_KINDS; kind++)
+    for (int kind = SALTUS_POINT_LP; kind < SALTUS_PLOT_MARKS; kind++)
         if (has_kind(page, (saltus_point_kind)kind))
             fprintf(page->file, "     NaN with points pt %d ps %g lw 1.6 lc rgb '%s' title '%s', \\\n",
                     marks[kind].point_type, marks[kind].size, marks[kind].colour, marks[kind].meaning);

@@ -43,6 +43,10 @@ static double slowest(const saltus_branch_point *point) {
     return isfinite(least) ? least : 0;
 }
 
+saltus_point_kind saltus_plot_mark(saltus_point_kind kind) {
+    return kind > SALTUS_POINT_CP ? SALTUS_POINT_CP : kind;
+}
+
 double saltus_plot_y(const saltus_plot_page *page, const saltus_branch_point *point) {
     if (page->locus)
         return point->value[1];
@@ -134,8 +138,9 @@ static bool ends_early(const saltus_branch_file *f, const saltus_branch_point *p
 }
 
 bool saltus_plot_marked(const saltus_branch_file *file, const saltus_branch_point *point) {
+    /* A curve that ends at a point of codimension two has that one's mark. */
     if (point->kind == SALTUS_POINT_EP)
-        return ends_early(file, point);
+        return ends_early(file, point) && !(point > file->points && point[-1].kind >= SALTUS_POINT_CP);
     return point->kind != SALTUS_POINT_REGULAR && point->kind != file->options.locus;
 }
 
@@ -254,11 +259,11 @@ static void put_impacts(const saltus_plot_page *page, int hue, saltus_stroke str
 }
 
 static void put_marks(const saltus_plot_page *page, saltus_point_kind kind) {
-    fprintf(page->file, "$marks_%s << EOD\n# parameter, measure\n", saltus_point_word(kind));
+    fprintf(page->file, "$marks_%d << EOD\n# parameter, measure\n", (int)kind);
     for (int i = 0; i < page->count; i++)
         for (int k = 0; k < page->files[i].point_count; k++) {
             const saltus_branch_point *point = &page->files[i].points[k];
-            if (point->kind == kind && saltus_plot_marked(&page->files[i], point))
+            if (saltus_plot_mark(point->kind) == kind && saltus_plot_marked(&page->files[i], point))
                 fprintf(page->file, "%.12g %.9g\n", saltus_plot_x(point), saltus_plot_y(page, point));
         }
     fputs("EOD\n", page->file);
@@ -272,6 +277,6 @@ void saltus_plot_data(const saltus_plot_page *page) {
             else
                 put_curves(page, hue, (saltus_stroke)stroke);
         }
-    for (int kind = SALTUS_POINT_LP; kind < SALTUS_POINT_KINDS; kind++)
+    for (int kind = SALTUS_POINT_LP; kind < SALTUS_PLOT_MARKS; kind++)
         put_marks(page, (saltus_point_kind)kind);
 }

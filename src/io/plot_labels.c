@@ -93,7 +93,11 @@ static void name_point(const saltus_plot_page *page, const saltus_branch_point *
         return;
     for (size_t k = 0; k < sizeof shift / sizeof shift[0]; k++) {
         place wanted = place_of(page, point, strlen(word));
-        wanted.x += shift[k][0];
+        /* The shifts are those of a name of two letters. */
+        double longer = 0.5 * letter_width * ((double)strlen(word) - 2);
+        wanted.x += shift[k][0] + (shift[k][0] > 0 ? longer : shift[k][0] < 0 ? -longer : 0);
+        if (shift[k][0] == 0)
+            wanted.x = fmin(fmax(wanted.x, wanted.half_width), page_width - wanted.half_width);
         wanted.y += shift[k][1];
         double away = is_free(all, wanted) ? clearance(page, wanted) : 0;
         if (away <= widest + 0.1)

@@ -3,6 +3,7 @@
 #include "orbit/multipliers.h"
 #include "orbit/shooting.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -16,20 +17,22 @@ static saltus_status relax(const saltus_spec *spec, const saltus_direction *omeg
                                 .driven = true,
                                 .cuts = 1,
                                 .cut = {options->phase}};
+    const saltus_family family = {.spec = *spec, .parameters = 1, .direction = {*omega}, .unit = {value}};
+    const double start = 0;
     saltus_shooting *shooting = NULL;
     double *u = calloc((size_t)orbit->dimension + 1, sizeof *u);
-    saltus_status status = u ? saltus_shooting_new(spec, omega, value, value, options, &shooting, message)
+    saltus_status status = u ? saltus_shooting_new(&family, options, &shooting, message)
                              : saltus_fail(message, SALTUS_NO_MEMORY, "no memory for shooting");
     if (status == SALTUS_OK)
         status = saltus_shooting_shape(shooting, &sequence, message);
     if (status == SALTUS_OK)
-        status = saltus_shooting_fill(shooting, value, orbit->state, u, message);
+        status = saltus_shooting_fill(shooting, &start, orbit->state, u, message);
     if (status == SALTUS_OK)
-        status = saltus_shooting_relax(shooting, u, &orbit->iterations, message);
+        status = saltus_newton_shortest(saltus_shooting_equations(shooting), u, &orbit->iterations, message);
     if (status == SALTUS_OK) {
         saltus_shooting_extract(shooting, u, &sequence, orbit->state);
-        *found = saltus_shooting_value(shooting, u);
-        orbit->residual = saltus_shooting_residual(shooting);
+        *found = fma(value, u[orbit->dimension], value);
+        orbit->residual = saltus_shooting_equations(shooting)->size;
     }
     saltus_shooting_free(shooting);
     free(u);

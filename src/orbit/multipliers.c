@@ -29,76 +29,91 @@ static const double separate = 1e-12;
  * the tangent vectors, which are 1e-13 of their length. */
 static const double weakest_growth = 1e-10;
 
-/* The derivatives over the segments, the sum rule's right side and the number of exact zeros. `columns` has
- * room for n tangent vectors and a state. */
-static saltus_status run_segments(saltus_flow *flow, double phase, int periods, const double *state,
-                                  const gsl_integration_glfixed_table *table, double *columns,
-                                  saltus_cocycle *cocycle, saltus_message *message) {
-    int n = cocycle->n;
-    long long steps = 0;
-    for (int i = 0; i < n; i++)
-        columns[i * n + i] = 1;
-    saltus_status status = saltus_flow_start(flow, 0, (saltus_time){0, phase}, state, message);
-    for (int m = 0; m < cocycle->count && status == SALTUS_OK; m++) {
-        double end = phase + (double)periods * (m + 1) / cocycle->count, whole = floor(end);
-        saltus_time until = {(long long)whole, end - whole};
-        if (m + 1 == cocycle->count)
-            until = (saltus_time){periods, phase};
-        saltus_flow_set_tangents(flow, 0, columns);
-        for (saltus_event event = {.kind = SALTUS_STEP}; event.kind != SALTUS_REACHED;) {
-            status =
-                saltus_flow_advance(flow, until, SALTUS_WATCH_STEP | SALTUS_WATCH_CONTACT, &event, message);
-            if (status != SALTUS_OK)
-                return status;
-            cocycle->sum_rule += saltus_trace_over_step(flow, 0, table, columns + n * n, &steps);
-            int lost = saltus_lost_directions(flow, 0, &event);
-            cocycle->zeros = lost > cocycle->zeros ? lost : cocycle->zeros;
-        }
-        saltus_flow_tangents(flow, 0, cocycle->segments + (size_t)m * (size_t)(n * n));
-    }
-    cocycle->sum_rule += saltus_flow_information(flow, 0).log_volume;
-    return status;
-}
-
 /* So many segments that no direction contracts by more than e^-14 over one: then the errors of the tangent
  * vectors cost the smallest multipliers few digits. Where they would need more than 16 MiB, as many as fit if
  * that still keeps the contraction above e^-20; otherwise only the leading multipliers can be had, for which
  * a few segments do. */
-static int count_segments(const saltus_system *system, int n, int periods) {
+static double choose_density(const saltus_system *system, int n, int periods) {
     enum { bytes_max = 1 << 24, coarse = 16 };
     double decay = saltus_system_fastest_decay(system) * saltus_system_period(system);
     double fit = floor(bytes_max / (8.0 * n * n));
     double fine = periods * fmax(1, ceil(decay / 14)), enough = periods * fmax(1, ceil(decay / 20));
-    return (int)(fine <= fit ? fine : enough <= fit ? fit : coarse * (double)periods);
+    return (fine <= fit ? fine : enough <= fit ? fit : coarse * (double)periods) / periods;
 }
 
-saltus_status saltus_cocycle_run(const saltus_system *system, const saltus_orbit_options *options,
-                                 int periods, const double *state, saltus_cocycle *cocycle,
-                                 saltus_message *message) {
-    int n = saltus_system_dimension(system);
-    size_t square = (size_t)n * (size_t)n;
-    *cocycle = (saltus_cocycle){.n = n, .count = count_segments(system, n, periods)};
-    saltus_flow *flow = NULL;
-    saltus_status status = saltus_flow_single(system, n, &options->flow, &flow, message);
-    gsl_integration_glfixed_table *table = gsl_integration_glfixed_table_alloc(SALTUS_TRACE_POINTS);
-    double *columns = calloc(square + (size_t)n, sizeof *columns);
-    cocycle->segments = calloc(square * (size_t)cocycle->count, sizeof *cocycle->segments);
-    if (status == SALTUS_OK && !(table && columns && cocycle->segments))
-        status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the multipliers");
-    if (status == SALTUS_OK)
-        status = run_segments(flow, options->phase, periods, state, table, columns, cocycle, message);
-    free(columns);
-    if (table)
-        gsl_integration_glfixed_table_free(table);
-    saltus_flow_free(flow);
-    if (status != SALTUS_OK)
-        saltus_cocycle_clear(cocycle);
-    return status;
+saltus_status saltus_cocycle_open(saltus_cocycle *cocycle, const saltus_system *system, int periods,
+                                  saltus_message *message) {
+    int n = cocycle->n = saltus_system_dimension(system);
+    cocycle->count = cocycle->zeros = 0;
+    cocycle->sum_rule = 0;
+    cocycle->density = choose_density(system, n, periods);
+    if (!cocycle->table)
+        cocycle->table = gsl_integration_glfixed_table_alloc(SALTUS_TRACE_POINTS);
+    if (!cocycle->columns)
+        cocycle->columns = calloc((size_t)(n * n + n), sizeof *cocycle->columns);
+    if (!cocycle->table || !cocycle->columns)
+        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the multipliers");
+    for (int i = 0; i < n; i++)
+        cocycle->columns[i * n + i] = 1;
+    return SALTUS_OK;
 }
 
-void saltus_cocycle_clear(saltus_cocycle *cocycle) {
+void saltus_cocycle_close(saltus_cocycle *cocycle) {
     free(cocycle->segments);
+    free(cocycle->columns);
+    if (cocycle->table)
+        gsl_integration_glfixed_table_free(cocycle->table);
     *cocycle = (saltus_cocycle){0};
+}
+
+/* One segment more: its derivative, its share of the sum rule, and the number of exact zeros. */
+static saltus_status follow_segment(saltus_cocycle *cocycle, saltus_flow *flow, saltus_time until,
+                                    saltus_lap *lap, saltus_message *message) {
+    int n = cocycle->n;
+    double *state = cocycle->columns + n * n;
+    saltus_flow_info before = saltus_flow_information(flow, 0);
+    long long steps = before.steps;
+    saltus_flow_set_tangents(flow, 0, cocycle->columns);
+    for (saltus_event event = {.kind = SALTUS_STEP}; event.kind != SALTUS_REACHED;) {
+        saltus_status status =
+            saltus_flow_advance(flow, until, SALTUS_WATCH_STEP | SALTUS_WATCH_CONTACT, &event, message);
+        if (status != SALTUS_OK)
+            return status;
+        cocycle->sum_rule += saltus_trace_over_step(flow, 0, cocycle->table, state, &steps);
+        int lost = saltus_lost_directions(flow, 0, &event);
+        cocycle->zeros = lost > cocycle->zeros ? lost : cocycle->zeros;
+        saltus_flow_state(flow, 0, state);
+        if (lap && !saltus_lap_add(lap, &event, state))
+            return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the events of an orbit");
+    }
+    cocycle->sum_rule += saltus_flow_information(flow, 0).log_volume - before.log_volume;
+    saltus_flow_tangents(flow, 0, cocycle->segments + (size_t)cocycle->count++ * (size_t)(n * n));
+    return SALTUS_OK;
+}
+
+saltus_status saltus_cocycle_follow(saltus_cocycle *cocycle, saltus_flow *flow, saltus_time until,
+                                    saltus_lap *lap, saltus_message *message) {
+    saltus_time from = saltus_flow_time(flow, 0);
+    double length = (double)(until.cycle - from.cycle) + (until.phase - from.phase);
+    int more = (int)fmax(1, ceil(length * cocycle->density - 1e-9));
+    size_t square = (size_t)(cocycle->n * cocycle->n);
+    if (cocycle->count + more > cocycle->room) {
+        size_t room = (size_t)(cocycle->count + more);
+        double *grown = realloc(cocycle->segments, room * square * sizeof *grown);
+        if (!grown)
+            return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the multipliers");
+        cocycle->segments = grown;
+        cocycle->room = (int)room;
+    }
+    saltus_status status = SALTUS_OK;
+    for (int m = 1; m <= more && status == SALTUS_OK; m++) {
+        double end = saltus_time_periods(from) + length * m / more, whole = floor(end);
+        saltus_time at = m < more ? (saltus_time){(long long)whole, end - whole} : until;
+        status = follow_segment(cocycle, flow, at, lap, message);
+    }
+    if (lap)
+        lap->contacts = saltus_flow_contacts(flow, 0);
+    return status;
 }
 
 /* Orthogonal iteration on a cocycle. All but its own matrices are row-major. */
@@ -325,9 +340,17 @@ saltus_status saltus_orbit_multipliers(const saltus_system *system, const saltus
                                        saltus_orbit *orbit, saltus_message *message) {
     int n = orbit->dimension;
     size_t square = (size_t)n * (size_t)n;
-    saltus_cocycle cocycle;
-    saltus_status status =
-        saltus_cocycle_run(system, options, orbit->periods, orbit->state, &cocycle, message);
+    saltus_cocycle cocycle = {.n = n};
+    saltus_flow *flow = NULL;
+    saltus_status status = saltus_flow_single(system, n, &options->flow, &flow, message);
+    if (status == SALTUS_OK)
+        status = saltus_cocycle_open(&cocycle, system, orbit->periods, message);
+    if (status == SALTUS_OK)
+        status = saltus_flow_start(flow, 0, (saltus_time){0, options->phase}, orbit->state, message);
+    if (status == SALTUS_OK)
+        status = saltus_cocycle_follow(&cocycle, flow, (saltus_time){orbit->periods, options->phase}, NULL,
+                                       message);
+    saltus_flow_free(flow);
     double *product = calloc(square, sizeof *product);
     orbit->monodromy = calloc(square, sizeof *orbit->monodromy);
     orbit->multipliers = calloc((size_t)n, sizeof *orbit->multipliers);
@@ -346,7 +369,7 @@ saltus_status saltus_orbit_multipliers(const saltus_system *system, const saltus
                                             orbit->multipliers, &orbit->log_volume, message);
     }
     free(product);
-    saltus_cocycle_clear(&cocycle);
+    saltus_cocycle_close(&cocycle);
     return status;
 }
 

@@ -3,23 +3,32 @@
 #ifndef SALTUS_ORBIT_MULTIPLIERS_H
 #define SALTUS_ORBIT_MULTIPLIERS_H
 
-#include "saltus/orbit.h"
+#include "orbit/lap.h"
 
-/* The derivative around an orbit as the product A_count ... A_1 of derivatives over segments so short that
- * each keeps the digits of its smallest singular value. */
+#include <gsl/gsl_integration.h>
+
+/* The derivative along an orbit as the product A_count ... A_1 of derivatives over segments so short that
+ * each keeps the digits of its smallest singular value. It is filled piece by piece from a flow with n
+ * columns, and is the workspace for that. */
 typedef struct saltus_cocycle {
-    int n, count;
+    int n, count, room;
     int zeros;        /* multipliers that are zero because directions are lost (lasting contacts, r = 0) */
     double *segments; /* count matrices n x n, by columns */
     double sum_rule;  /* integral of the trace, and 2 ln r for each impact */
+    double density;   /* of segments, per period */
+    double *columns;  /* the identity, and room for a state */
+    gsl_integration_glfixed_table *table;
 } saltus_cocycle;
 
-/* Run once around the orbit of `periods` periods from a state at the section phase of the options. On success
- * the cocycle owns its segments: saltus_cocycle_clear. Errors: those of the flow, SALTUS_NO_MEMORY. */
-saltus_status saltus_cocycle_run(const saltus_system *system, const saltus_orbit_options *options,
-                                 int periods, const double *state, saltus_cocycle *cocycle,
-                                 saltus_message *message);
-void saltus_cocycle_clear(saltus_cocycle *cocycle);
+/* An empty cocycle for orbits of so many periods; its memory is used again. Errors: SALTUS_NO_MEMORY. */
+saltus_status saltus_cocycle_open(saltus_cocycle *cocycle, const saltus_system *system, int periods,
+                                  saltus_message *message);
+/* A zeroed cocycle is accepted. */
+void saltus_cocycle_close(saltus_cocycle *cocycle);
+/* Follow lane 0 of a flow to a time; contact events go to the lap (may be NULL). Errors: those of the flow,
+ * SALTUS_NO_MEMORY. */
+saltus_status saltus_cocycle_follow(saltus_cocycle *cocycle, saltus_flow *flow, saltus_time until,
+                                    saltus_lap *lap, saltus_message *message);
 
 /* Multipliers of a cocycle whose matrices the caller has: n of them to `out`, by decreasing modulus. The last
  * `zeros` are exact zeros (log_modulus -INFINITY); those that no segment's digits resolve are NAN.

@@ -45,7 +45,7 @@ static saltus_status adopt(search *s, const saltus_sequence *sequence, saltus_me
     saltus_status status = saltus_shooting_shape(s->shooting, sequence, message);
     if (status != SALTUS_OK)
         return status;
-    int unknowns = saltus_shooting_unknowns(s->shooting);
+    int unknowns = saltus_shooting_equations(s->shooting)->unknowns;
     if (unknowns > s->unknowns_room) {
         double *grown = realloc(s->u, (size_t)unknowns * sizeof *grown);
         if (!grown)
@@ -53,7 +53,7 @@ static saltus_status adopt(search *s, const saltus_sequence *sequence, saltus_me
         s->u = grown;
         s->unknowns_room = unknowns;
     }
-    return saltus_shooting_fill(s->shooting, 0, s->state, s->u, message);
+    return saltus_shooting_fill(s->shooting, NULL, s->state, s->u, message);
 }
 
 /* Equal segments, their number from the growth over the whole orbit. */
@@ -69,19 +69,20 @@ static void cut_sequence(saltus_sequence *sequence, int segments, double growth)
 static saltus_status solve(search *s, const saltus_sequence *sequence, saltus_message *message) {
     saltus_sequence cut = *sequence;
     int iterations = 0, segments = s->options->segments;
+    saltus_equations *equations = saltus_shooting_equations(s->shooting);
     cut_sequence(&cut, 1, 1);
     saltus_status status = adopt(s, &cut, message);
     if (status == SALTUS_OK)
-        status = saltus_shooting_evaluate(s->shooting, s->u, message);
+        status = saltus_equations_evaluate(equations, s->u, message);
     double growth = status == SALTUS_OK ? saltus_shooting_growth(s->shooting) : 1, size = 0;
     if (status == SALTUS_OK && (segments > 1 || (segments == 0 && growth > growth_max))) {
         cut_sequence(&cut, segments, growth);
         status = adopt(s, &cut, message);
     }
     if (status == SALTUS_OK)
-        status = saltus_shooting_correct(s->shooting, s->u, NULL, NULL, true, &iterations, message);
+        status = saltus_newton(equations, s->u, NULL, NULL, true, &iterations, message);
     s->iterations += iterations;
-    s->residual = saltus_shooting_residual(s->shooting);
+    s->residual = equations->size;
     if (status == SALTUS_OK || s->residual < INFINITY)
         saltus_shooting_extract(s->shooting, s->u, &s->sequence, s->state);
     const double *scale = saltus_system_scale(saltus_shooting_system(s->shooting));
@@ -120,7 +121,7 @@ static saltus_status solve_sequence(search *s, const saltus_sequence *sequence, 
     saltus_status status = solve(s, sequence, &ignored);
     if (status != SALTUS_OK)
         return status;
-    status = saltus_sequence_walk(sequence, s->flow, s->state, &s->lap, &ignored);
+    status = saltus_sequence_walk(sequence, s->flow, s->state, &s->lap, NULL, &ignored);
     bool follows = status == SALTUS_OK && saltus_sequence_follows(&s->sequence, &s->lap);
     if (follows || status == SALTUS_NO_MEMORY)
         return status;
@@ -204,7 +205,8 @@ saltus_status saltus_orbit_find(const saltus_system *system, int periods, const 
     *orbit = (saltus_orbit){.dimension = n, .periods = periods};
     saltus_status status = saltus_flow_single(system, 0, &options->flow, &s.flow, message);
     if (status == SALTUS_OK)
-        status = saltus_shooting_new(saltus_system_spec(system), NULL, 0, 1, options, &s.shooting, message);
+        status = saltus_shooting_new(&(saltus_family){.spec = *saltus_system_spec(system)}, options,
+                                     &s.shooting, message);
     if (status == SALTUS_OK)
         status = find(&s, guess, message);
     orbit->residual = s.residual;

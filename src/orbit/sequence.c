@@ -10,8 +10,14 @@ static saltus_time as_time(double periods) {
     return (saltus_time){(long long)whole, periods - whole};
 }
 
+static saltus_status follow(saltus_flow *flow, saltus_time until, saltus_lap *lap, saltus_cocycle *cocycle,
+                            saltus_message *message) {
+    return cocycle ? saltus_cocycle_follow(cocycle, flow, until, lap, message)
+                   : saltus_lap_run(lap, flow, until, false, message);
+}
+
 saltus_status saltus_sequence_walk(const saltus_sequence *s, saltus_flow *flow, const double *states,
-                                   saltus_lap *lap, saltus_message *message) {
+                                   saltus_lap *lap, saltus_cocycle *cocycle, saltus_message *message) {
     const saltus_system *system = saltus_flow_system(flow, 0);
     int n = saltus_system_dimension(system);
     double section = ceil(s->base / s->periods) * s->periods;
@@ -27,11 +33,11 @@ saltus_status saltus_sequence_walk(const saltus_sequence *s, saltus_flow *flow, 
             memcpy(lap->points, state, (size_t)n * sizeof *state);
         status = saltus_flow_start(flow, 0, as_time(from), state, message);
         if (status == SALTUS_OK && section > from && section <= to) {
-            status = saltus_lap_run(lap, flow, (saltus_time){(long long)section, 0}, false, message);
+            status = follow(flow, (saltus_time){(long long)section, 0}, lap, cocycle, message);
             saltus_flow_state(flow, 0, lap->points);
         }
         if (status == SALTUS_OK)
-            status = saltus_lap_run(lap, flow, as_time(to), false, message);
+            status = follow(flow, as_time(to), lap, cocycle, message);
     }
     saltus_flow_state(flow, 0, lap->end);
     return status;
@@ -114,7 +120,7 @@ saltus_status saltus_sequence_make(saltus_flow *flow, int periods, double *state
                                    saltus_sequence *s, saltus_message *message) {
     saltus_event event;
     *s = (saltus_sequence){.periods = periods, .cuts = 1};
-    saltus_status status = saltus_sequence_walk(s, flow, state, lap, message);
+    saltus_status status = saltus_sequence_walk(s, flow, state, lap, NULL, message);
     if (status != SALTUS_OK)
         return status;
     s->base = s->cut[0] = longest_flight(lap);
@@ -125,7 +131,7 @@ saltus_status saltus_sequence_make(saltus_flow *flow, int periods, double *state
         saltus_flow_state(flow, 0, state);
         s->contacts = saltus_flow_contacts(flow, 0);
         if (status == SALTUS_OK)
-            status = saltus_sequence_walk(s, flow, state, lap, message);
+            status = saltus_sequence_walk(s, flow, state, lap, NULL, message);
     } else {
         s->contacts = lap->event_count ? 0 : lap->contacts;
     }

@@ -4,13 +4,15 @@
 #define SALTUS_ORBIT_SEQUENCE_H
 
 #include "orbit/lap.h"
+#include "orbit/multipliers.h"
 #include "orbit/shooting.h"
 
 /* Walk once around an orbit that is known at the cuts of its sequence: `states` has one state for each. The
  * flow starts anew at each cut, so that strong growth does not lead it astray. The lap, which keeps events,
- * has one section point: at phase 0, at the first whole number of orbits from the base on. */
+ * has one section point: at phase 0, at the first whole number of orbits from the base on. With a cocycle,
+ * which has been opened, and a flow with n columns, the derivative is kept too; otherwise NULL. */
 saltus_status saltus_sequence_walk(const saltus_sequence *sequence, saltus_flow *flow, const double *states,
-                                   saltus_lap *lap, saltus_message *message);
+                                   saltus_lap *lap, saltus_cocycle *cocycle, saltus_message *message);
 /* The sequence of a motion near an orbit of `periods` periods through `state` at section phase 0: base in the
  * middle of the longest free flight, marks from the lap from there. `state` becomes the one at the base. */
 saltus_status saltus_sequence_make(saltus_flow *flow, int periods, double *state, saltus_lap *lap,

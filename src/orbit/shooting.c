@@ -15,19 +15,14 @@ static void reserve(saltus_shooting *p) {
     p->gradient = saltus_arena_doubles(&p->arena, (size_t)p->columns);
 }
 
-static void reserve_shape(saltus_shooting *p) {
+static void reserve_shape(saltus_shooting *p, int unknowns) {
     saltus_arena *arena = &p->shape_arena;
-    size_t unknowns = (size_t)p->unknowns, equations = (size_t)p->equations, n = (size_t)p->n;
-    p->scale = saltus_arena_doubles(arena, unknowns);
-    p->plain = saltus_arena_doubles(arena, unknowns);
-    p->residual = saltus_arena_doubles(arena, equations);
-    p->jacobian = saltus_arena_doubles(arena, equations * unknowns);
-    p->answer = saltus_arena_doubles(arena, n * unknowns);
-    p->next = saltus_arena_doubles(arena, n * unknowns);
-    p->matrix = saltus_arena_doubles(arena, unknowns * unknowns);
-    p->step = saltus_arena_doubles(arena, unknowns);
-    p->trial = saltus_arena_doubles(arena, unknowns);
-    p->kept = saltus_arena_doubles(arena, unknowns);
+    saltus_equations_reserve(&p->equations, unknowns, arena);
+    p->equations.count = p->count;
+    p->scale = saltus_arena_doubles(arena, (size_t)p->count);
+    p->plain = saltus_arena_doubles(arena, (size_t)unknowns);
+    p->answer = saltus_arena_doubles(arena, (size_t)p->n * (size_t)unknowns);
+    p->next = saltus_arena_doubles(arena, (size_t)p->n * (size_t)unknowns);
 }
 
 static saltus_status check_options(const saltus_orbit_options *o, saltus_message *message) {
@@ -39,8 +34,33 @@ static saltus_status check_options(const saltus_orbit_options *o, saltus_message
     return SALTUS_OK;
 }
 
-saltus_status saltus_shooting_new(const saltus_spec *spec, const saltus_direction *direction, double origin,
-                                  double unit, const saltus_orbit_options *options,
+/* Flow, scales and vectors for the first system. */
+static saltus_status open_parts(saltus_shooting *p, saltus_message *message) {
+    saltus_flow_options flow = p->options.flow;
+    const saltus_system *system = p->system;
+    p->n = saltus_system_dimension(system);
+    flow.directions = p->family.parameters;
+    p->columns = flow.columns = p->n + flow.directions;
+    saltus_status status = saltus_flow_new(&system, 1, &flow, &p->flow, message);
+    if (status != SALTUS_OK)
+        return status;
+    if (p->family.parameters)
+        saltus_flow_set_directions(p->flow, p->family.direction);
+    reserve(p);
+    if (!saltus_arena_open(&p->arena))
+        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for shooting");
+    reserve(p);
+    const double *scale = saltus_system_scale(system);
+    double frequency = 2 * 3.14159265358979323846 / saltus_system_period(system);
+    /* The metric stays that of the first system, however the parameters change. */
+    memcpy(p->state_scale, scale, (size_t)p->n * sizeof *scale);
+    p->length = scale[0];
+    p->speed = scale[saltus_system_dof(system)];
+    p->force = p->speed * fmax(frequency, p->speed / p->length);
+    return status;
+}
+
+saltus_status saltus_shooting_new(const saltus_family *family, const saltus_orbit_options *options,
                                   saltus_shooting **shooting, saltus_message *message) {
     *shooting = NULL;
     saltus_status status = check_options(options, message);
@@ -49,64 +69,29 @@ saltus_status saltus_shooting_new(const saltus_spec *spec, const saltus_directio
     saltus_shooting *p = calloc(1, sizeof *p);
     if (!p)
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for shooting");
-    p->spec = *spec;
-    p->has_direction = direction != NULL;
-    if (direction)
-        p->direction = *direction;
-    p->origin = p->value = origin;
-    p->unit = unit;
+    p->family = *family;
     p->options = *options;
-    status = saltus_system_new(spec, &p->system, message);
-    if (status == SALTUS_OK) {
-        saltus_flow_options flow = options->flow;
-        p->n = saltus_system_dimension(p->system);
-        flow.directions = p->has_direction;
-        p->columns = flow.columns = p->n + flow.directions;
-        const saltus_system *system = p->system;
-        status = saltus_flow_new(&system, 1, &flow, &p->flow, message);
-    }
-    if (status == SALTUS_OK) {
-        if (direction)
-            saltus_flow_set_directions(p->flow, direction);
-        reserve(p);
-        if (!saltus_arena_open(&p->arena))
-            status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for shooting");
-        else
-            reserve(p);
-    }
+    p->equations = (saltus_equations){.self = p,
+                                      .evaluate = saltus_shooting_around,
+                                      .tolerance = options->tolerance,
+                                      .iterations = options->iterations,
+                                      .history = options->history,
+                                      .context = options->context};
+    status = saltus_system_new(&family->spec, &p->system, message);
+    if (status == SALTUS_OK)
+        status = open_parts(p, message);
     if (status != SALTUS_OK) {
         saltus_shooting_free(p);
         return status;
     }
-    const double *scale = saltus_system_scale(p->system);
-    double frequency = 2 * 3.14159265358979323846 / saltus_system_period(p->system);
-    /* The metric stays that of the first system, however the parameter changes. */
-    memcpy(p->state_scale, scale, (size_t)p->n * sizeof *scale);
-    p->length = scale[0];
-    p->speed = scale[saltus_system_dof(p->system)];
-    p->force = p->speed * fmax(frequency, p->speed / p->length);
     *shooting = p;
     return status;
-}
-
-saltus_status saltus_shooting_redirect(saltus_shooting *p, const saltus_spec *spec,
-                                       const saltus_direction *direction, double origin, double unit,
-                                       saltus_message *message) {
-    p->spec = *spec;
-    p->direction = *direction;
-    p->origin = origin;
-    p->unit = unit;
-    p->value = NAN;
-    if (p->scale)
-        p->scale[p->equations] = unit;
-    saltus_flow_set_directions(p->flow, direction);
-    return saltus_shooting_tune(p, origin, message);
 }
 
 static void close_shape(saltus_shooting *p) {
     saltus_arena_close(&p->shape_arena);
     p->shape_arena = (saltus_arena){0};
-    saltus_dense_lu_close(&p->lu);
+    saltus_dense_lu_close(&p->equations.lu);
     free(p->breaches);
     p->breaches = NULL;
 }
@@ -125,31 +110,30 @@ saltus_status saltus_shooting_shape(saltus_shooting *p, const saltus_sequence *s
                                     saltus_message *message) {
     int marks = sequence->count, cuts = sequence->cuts, faces = saltus_system_face_count(p->system);
     close_shape(p);
-    p->residual_size = INFINITY;
+    p->equations.size = INFINITY;
     if (sequence->periods < 1)
         return saltus_fail(message, SALTUS_BAD_INPUT, "periods = %d: must be at least 1", sequence->periods);
     p->sequence = *sequence;
-    p->equations = cuts * p->n + marks;
-    p->unknowns = p->equations + 1;
+    p->count = cuts * p->n + marks;
+    p->equations.kind = marks ? "event times unknown" : "stroboscopic map";
+    int unknowns = p->count + (p->family.parameters > 1 ? p->family.parameters : 1);
     p->breach_room = 2 * marks + (marks + cuts + 1) * faces;
     p->breaches = calloc((size_t)p->breach_room + 1, sizeof *p->breaches);
-    reserve_shape(p);
-    if (!(p->breaches && saltus_dense_lu_open(&p->lu, p->unknowns) && saltus_arena_open(&p->shape_arena)))
+    reserve_shape(p, unknowns);
+    if (!(p->breaches && saltus_dense_lu_open(&p->equations.lu, unknowns) &&
+          saltus_arena_open(&p->shape_arena)))
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a sequence of %d events", marks);
-    reserve_shape(p);
-    for (int j = 0; j < cuts; j++)
-        memcpy(p->scale + j * p->n, p->state_scale, (size_t)p->n * sizeof(double));
-    for (int k = 0; k < marks; k++)
-        p->scale[cuts * p->n + k] = 1;
-    p->scale[p->equations] = p->unit;
+    reserve_shape(p, unknowns);
+    for (int j = 0; j < p->count; j++)
+        p->scale[j] = j < cuts * p->n ? p->state_scale[j % p->n] : 1;
     return SALTUS_OK;
 }
 
+saltus_equations *saltus_shooting_equations(saltus_shooting *p) {
+    return &p->equations;
+}
 const saltus_sequence *saltus_shooting_sequence(const saltus_shooting *p) {
     return &p->sequence;
-}
-int saltus_shooting_unknowns(const saltus_shooting *p) {
-    return p->unknowns;
 }
 const double *saltus_shooting_scale(const saltus_shooting *p) {
     return p->scale;
@@ -157,8 +141,15 @@ const double *saltus_shooting_scale(const saltus_shooting *p) {
 const saltus_system *saltus_shooting_system(const saltus_shooting *p) {
     return p->system;
 }
-double saltus_shooting_residual(const saltus_shooting *p) {
-    return p->residual_size;
+double saltus_shooting_speed_scale(const saltus_shooting *p) {
+    return p->speed;
+}
+int saltus_shooting_closing_row(const saltus_shooting *p) {
+    return (p->sequence.cuts - 1) * p->n;
+}
+const saltus_breach *saltus_shooting_breaches(const saltus_shooting *p, int *count) {
+    *count = p->breach_count;
+    return p->breaches;
 }
 
 double saltus_shooting_growth(const saltus_shooting *p) {
@@ -166,22 +157,31 @@ double saltus_shooting_growth(const saltus_shooting *p) {
     for (int cut = 0; cut < p->sequence.cuts; cut++)
         for (int i = cut * p->n; i < (cut + 1) * p->n; i++)
             for (int j = cut * p->n; j < (cut + 1) * p->n; j++)
-                largest = fmax(largest, fabs(p->jacobian[(size_t)i * (size_t)p->unknowns + (size_t)j]));
+                largest = fmax(largest, fabs(p->equations.jacobian[(size_t)(i * p->equations.unknowns + j)]));
     return largest;
 }
 
-const saltus_breach *saltus_shooting_breaches(const saltus_shooting *p, int *count) {
-    *count = p->breach_count;
-    return p->breaches;
-}
-double saltus_shooting_speed(const saltus_shooting *p, int mark) {
-    for (int k = 0; k < p->breach_count; k++)
-        if (p->breaches[k].kind == SALTUS_BREACH_SPEED && p->breaches[k].mark == mark)
-            return -p->breaches[k].value * p->speed;
-    return 0;
-}
-double saltus_shooting_value(const saltus_shooting *p, const double *u) {
-    return p->origin + p->unit * u[p->equations];
+/* The states at the cuts follow from the one at the base; times come from the sequence. */
+saltus_status saltus_shooting_fill(saltus_shooting *p, const double *parameters, const double *state,
+                                   double *u, saltus_message *message) {
+    const saltus_sequence *s = &p->sequence;
+    int n = p->n;
+    for (int j = 0; j < s->cuts * n; j++)
+        u[j] = j < n ? state[j] / p->scale[j] : 0;
+    for (int k = 0; k < s->count; k++)
+        u[s->cuts * n + k] = s->mark[k].time;
+    u[p->count] = 0;
+    for (int d = 0; d < p->family.parameters; d++)
+        u[p->count + d] = parameters[d];
+    saltus_status status = SALTUS_OK;
+    for (int cut = 1; cut < s->cuts && status == SALTUS_OK; cut++) {
+        /* The residual of the segment before this cut is the state at its end less the unknown, still zero.
+         */
+        status = saltus_equations_evaluate(&p->equations, u, message);
+        for (int i = 0; i < n && status == SALTUS_OK; i++)
+            u[cut * n + i] += p->equations.residual[(cut - 1) * n + i];
+    }
+    return status;
 }
 
 const double *saltus_shooting_states(saltus_shooting *p, const double *u) {
@@ -199,20 +199,16 @@ void saltus_shooting_extract(const saltus_shooting *p, const double *u, saltus_s
         sequence->mark[k].time = u[sequence->cuts * p->n + k];
 }
 
-saltus_status saltus_shooting_tune(saltus_shooting *p, double value, saltus_message *message) {
-    if (value == p->value)
-        return SALTUS_OK;
-    saltus_spec spec = saltus_spec_shifted(&p->spec, &p->direction, value - p->origin);
-    saltus_system *system = NULL;
-    saltus_status status = saltus_system_new(&spec, &system, message);
-    if (status == SALTUS_OK)
-        status = saltus_flow_retune(p->flow, 0, system, message);
-    if (status != SALTUS_OK) {
-        saltus_system_free(system);
-        return status;
-    }
-    saltus_system_free(p->system);
-    p->system = system;
-    p->value = value;
-    return SALTUS_OK;
+/* The Jacobian with the parameter fixed, and an orbit that closes on minus its begin. */
+void saltus_shooting_flip(saltus_shooting *p, int *sign, double *log_determinant) {
+    saltus_equations *e = &p->equations;
+    int m = e->unknowns, row = saltus_shooting_closing_row(p);
+    memcpy(e->matrix, e->jacobian, (size_t)(p->count * m) * sizeof(double));
+    for (int j = 0; j < m; j++)
+        e->matrix[p->count * m + j] = j == p->count;
+    for (int i = 0; i < p->n; i++)
+        e->matrix[(row + i) * m + i] += 2;
+    saltus_dense_factor(&e->lu, e->matrix);
+    *sign = e->lu.sign;
+    *log_determinant = e->lu.log_modulus;
 }

@@ -13,6 +13,7 @@
 #ifndef SALTUS_ORBIT_SHOOTING_H
 #define SALTUS_ORBIT_SHOOTING_H
 
+#include "orbit/newton.h"
 #include "saltus/orbit.h"
 
 enum { SALTUS_MARKS_MAX = 192, SALTUS_CUTS_MAX = 32 };
@@ -54,67 +55,56 @@ typedef struct saltus_breach {
 
 typedef struct saltus_shooting saltus_shooting;
 
-/* A workspace for orbits of a specification and those along a direction from it (NULL: parameters fixed).
- * `origin` and `unit`: the parameter unknown is (value - origin) / unit. */
-saltus_status saltus_shooting_new(const saltus_spec *spec, const saltus_direction *direction, double origin,
-                                  double unit, const saltus_orbit_options *options,
+/* What the orbits are orbits of: a specification and one or two directions from it. The parameter unknowns
+ * are 0 at the specification, in units of `unit`. Without a direction there is one parameter, which does
+ * nothing. */
+typedef struct saltus_family {
+    saltus_spec spec;
+    int parameters; /* 0, 1 or 2 */
+    saltus_direction direction[2];
+    double unit[2];
+} saltus_family;
+
+/* The specification at values of the parameter unknowns (as many as there are parameters). */
+saltus_spec saltus_family_spec(const saltus_family *family, const double *parameters);
+
+/* A workspace for the orbits of a family. */
+saltus_status saltus_shooting_new(const saltus_family *family, const saltus_orbit_options *options,
                                   saltus_shooting **shooting, saltus_message *message);
 void saltus_shooting_free(saltus_shooting *shooting);
-/* Follow another direction, from another specification, with the sequence as it is. */
-saltus_status saltus_shooting_redirect(saltus_shooting *shooting, const saltus_spec *spec,
-                                       const saltus_direction *direction, double origin, double unit,
-                                       saltus_message *message);
-/* Take on a sequence: afterwards there are saltus_shooting_unknowns() unknowns, all in scaled units: states
- * at the cuts, times of the marks, parameter. */
+/* Take on a sequence: afterwards the unknowns are, all in scaled units, the states at the cuts, the times of
+ * the marks, the parameters. */
 saltus_status saltus_shooting_shape(saltus_shooting *shooting, const saltus_sequence *sequence,
                                     saltus_message *message);
+/* The equations of the sequence: continuity and the marks. With two parameters there are two unknowns more
+ * than equations, which is one too many for Newton's method. */
+saltus_equations *saltus_shooting_equations(saltus_shooting *shooting);
 const saltus_sequence *saltus_shooting_sequence(const saltus_shooting *shooting);
-int saltus_shooting_unknowns(const saltus_shooting *shooting);
+/* Of the unknowns but for the parameters. */
 const double *saltus_shooting_scale(const saltus_shooting *shooting);
-/* The system at the parameter of the last evaluation. */
+/* The system at the parameters of the last evaluation. */
 const saltus_system *saltus_shooting_system(const saltus_shooting *shooting);
-double saltus_shooting_value(const saltus_shooting *shooting, const double *u);
 
 /* Put a state at the base into unknowns, the cuts' states following from it by the flow. */
-saltus_status saltus_shooting_fill(saltus_shooting *shooting, double value, const double *state, double *u,
-                                   saltus_message *message);
-/* The sequence with the event times of `u`. */
+saltus_status saltus_shooting_fill(saltus_shooting *shooting, const double *parameters, const double *state,
+                                   double *u, saltus_message *message);
+/* The sequence with the event times of `u`, and the state at the base. */
 void saltus_shooting_extract(const saltus_shooting *shooting, const double *u, saltus_sequence *sequence,
                              double *state);
-
 /* The states at the cuts (cuts x dimension, the shooting's own), unscaled. */
 const double *saltus_shooting_states(saltus_shooting *shooting, const double *u);
 
-/* Residuals and Jacobian at u. Errors: those of the flow; marks out of order. */
-saltus_status saltus_shooting_evaluate(saltus_shooting *shooting, const double *u, saltus_message *message);
-double saltus_shooting_residual(const saltus_shooting *shooting);
-/* The largest growth of a scaled perturbation over a segment. */
+/* The largest growth of a scaled perturbation over a segment, at the last evaluation. */
 double saltus_shooting_growth(const saltus_shooting *shooting);
 /* What the last evaluation saw of the orbit between its marks; `count` entries. */
 const saltus_breach *saltus_shooting_breaches(const saltus_shooting *shooting, int *count);
-
-/* The speed towards the stop, as of the last evaluation, of the impact that a mark is. */
-double saltus_shooting_speed(const saltus_shooting *shooting, int mark);
-
-/* Newton's iteration from u. With `normal` (length unknowns): on the hyperplane normal . (u - anchor) = 0;
- * NULL: at u's parameter. Damped if asked for. Errors: SALTUS_NO_CONVERGENCE, SALTUS_SINGULAR, the flow's. */
-saltus_status saltus_shooting_correct(saltus_shooting *shooting, double *u, const double *normal,
-                                      const double *anchor, bool damped, int *iterations,
-                                      saltus_message *message);
-/* Newton's iteration in all unknowns, the parameter among them, by the shortest steps: for equations that
- * leave directions open. Damped. */
-saltus_status saltus_shooting_relax(saltus_shooting *shooting, double *u, int *iterations,
-                                    saltus_message *message);
-/* Unit tangent of the solution curve at the last evaluated point, with tangent . guide > 0; the determinant
- * of the Jacobian bordered by `guide` as sign and log modulus. */
-saltus_status saltus_shooting_tangent(saltus_shooting *shooting, const double *guide, double *tangent,
-                                      int *sign, double *log_determinant, saltus_message *message);
-/* The determinant of the equations with x(pT) + x(0) in place of x(pT) - x(0): zero where a multiplier is -1,
- * and smooth through grazing. */
+/* The scale of normal speeds, in which breaches give them. */
+double saltus_shooting_speed_scale(const saltus_shooting *shooting);
+/* The first of the equations (as many as the dimension) that close the orbit: in their rows of the Jacobian,
+ * -1 on the diagonal of the first columns is the state at the base, which is subtracted. */
+int saltus_shooting_closing_row(const saltus_shooting *shooting);
+/* The determinant of the equations with x(pT) + x(0) in place of x(pT) - x(0), the one parameter fixed: zero
+ * where a multiplier is -1, and smooth through grazing. */
 void saltus_shooting_flip(saltus_shooting *shooting, int *sign, double *log_determinant);
-/* Two orthonormal vectors (2 x unknowns) that belong to the smallest singular values of the Jacobian of the
- * last evaluated point, and these: at a branch point both are zero. */
-saltus_status saltus_shooting_null_plane(saltus_shooting *shooting, double *vectors, double values[2],
-                                         saltus_message *message);
 
 #endif

@@ -30,24 +30,26 @@ static void begin_piece(saltus_shooting *p) {
     memset(p->tangents, 0, (size_t)(n * p->columns) * sizeof(double));
     for (int i = 0; i < n; i++)
         p->tangents[i * n + i] = 1;
-    for (int i = 0; p->has_direction && i < n; i++)
-        p->tangents[n * n + i] = p->answer[i * p->unknowns + p->equations];
+    for (int d = 0; d < p->family.parameters; d++)
+        for (int i = 0; i < n; i++)
+            p->tangents[(n + d) * n + i] = p->answer[i * p->equations.unknowns + p->count + d];
     saltus_flow_set_tangents(p->flow, 0, p->tangents);
 }
 
 /* answer = A answer, with the columns that the flow has now. */
 static void end_piece(saltus_shooting *p) {
-    int n = p->n, m = p->unknowns;
+    int n = p->n, m = p->equations.unknowns;
     saltus_flow_tangents(p->flow, 0, p->tangents);
     memset(p->next, 0, (size_t)(n * m) * sizeof(double));
     for (int k = 0; k < n; k++)
         for (int i = 0; i < n; i++) {
             double a = p->tangents[k * n + i];
-            for (int j = 0; j < p->equations; j++)
+            for (int j = 0; j < p->count; j++)
                 p->next[i * m + j] = fma(a, p->answer[k * m + j], p->next[i * m + j]);
         }
-    for (int i = 0; p->has_direction && i < n; i++)
-        p->next[i * m + p->equations] = p->tangents[n * n + i];
+    for (int d = 0; d < p->family.parameters; d++)
+        for (int i = 0; i < n; i++)
+            p->next[i * m + p->count + d] = p->tangents[(n + d) * n + i];
     double *swap = p->answer;
     p->answer = p->next;
     p->next = swap;
@@ -111,7 +113,7 @@ static saltus_status run_piece(walk *w, double until, int mark, saltus_message *
 /* Start at a cut: the state there is itself unknown. */
 static saltus_status open_segment(walk *w, int cut, unsigned contacts, saltus_message *message) {
     saltus_shooting *p = w->p;
-    int n = p->n, m = p->unknowns;
+    int n = p->n, m = p->equations.unknowns;
     w->time = p->sequence.cut[cut];
     /* Where the flow finds its events itself, what the start touches is for it to resolve. */
     saltus_status status =
@@ -125,24 +127,25 @@ static saltus_status open_segment(walk *w, int cut, unsigned contacts, saltus_me
     for (int i = 0; i < n; i++) {
         for (int k = 0; k < n; k++)
             p->answer[i * m + cut * n + k] = p->tangents[k * n + i];
-        if (p->has_direction)
-            p->answer[i * m + p->equations] = p->tangents[n * n + i];
+        for (int d = 0; d < p->family.parameters; d++)
+            p->answer[i * m + p->count + d] = p->tangents[(n + d) * n + i];
     }
     return status;
 }
 
 /* The equation of a mark and its row, from the answer before the piece that led to it. */
 static void mark_row(saltus_shooting *p, int k, const saltus_strike *strike, double scale) {
-    int n = p->n, m = p->unknowns, row = p->sequence.cuts * n + k;
-    double *gradient = p->jacobian + (size_t)row * (size_t)m, period = saltus_system_period(p->system);
-    p->residual[row] = strike->equation / scale;
+    int n = p->n, m = p->equations.unknowns, row = p->sequence.cuts * n + k;
+    double *gradient = p->equations.jacobian + (size_t)row * (size_t)m,
+           period = saltus_system_period(p->system);
+    p->equations.residual[row] = strike->equation / scale;
     for (int j = 0; j < m; j++)
         gradient[j] = 0;
     for (int i = 0; i < n; i++)
-        for (int j = 0; j < p->equations; j++)
+        for (int j = 0; j < p->count; j++)
             gradient[j] = fma(strike->equation_gradient[i] / scale, p->answer[i * m + j], gradient[j]);
-    if (p->has_direction)
-        gradient[p->equations] = strike->equation_gradient[n] / scale;
+    for (int d = 0; d < p->family.parameters; d++)
+        gradient[p->count + d] = strike->equation_gradient[n + d] / scale;
     gradient[row] += strike->equation_rate * period / scale;
 }
 
@@ -174,7 +177,7 @@ static saltus_status pass_mark(walk *w, int k, saltus_message *message) {
     end_piece(p);
     double period = saltus_system_period(p->system);
     for (int i = 0; i < p->n; i++)
-        p->answer[i * p->unknowns + own] += strike.shift[i] * period;
+        p->answer[i * p->equations.unknowns + own] += strike.shift[i] * period;
     w->driven = mark->driven;
     return status;
 }
@@ -182,31 +185,61 @@ static saltus_status pass_mark(walk *w, int k, saltus_message *message) {
 /* Continuity: the state at a segment's end is that at the next cut. */
 static void match(walk *w, int cut) {
     saltus_shooting *p = w->p;
-    int n = p->n, m = p->unknowns, next = (cut + 1) % p->sequence.cuts;
+    int n = p->n, m = p->equations.unknowns, next = (cut + 1) % p->sequence.cuts;
     const double *scale = p->scale;
     end_piece(p);
     saltus_flow_state(p->flow, 0, p->end);
     for (int i = 0; i < n; i++) {
-        double *row = p->jacobian + (size_t)(cut * n + i) * (size_t)m;
-        p->residual[cut * n + i] = (p->end[i] - w->u[next * n + i]) / scale[i];
+        double *row = p->equations.jacobian + (size_t)(cut * n + i) * (size_t)m;
+        p->equations.residual[cut * n + i] = (p->end[i] - w->u[next * n + i]) / scale[i];
         for (int j = 0; j < m; j++)
             row[j] = p->answer[i * m + j] / scale[i];
         row[next * n + i] -= 1 / scale[i];
     }
 }
 
-static void finish(saltus_shooting *p) {
-    p->residual_size = 0;
-    for (int i = 0; i < p->equations; i++) {
-        p->residual_size = fmax(p->residual_size, fabs(p->residual[i]));
-        for (int j = 0; j < p->unknowns; j++)
-            p->jacobian[(size_t)i * (size_t)p->unknowns + (size_t)j] *= p->scale[j];
-    }
+/* The unknowns of the states and times are scaled, the parameters by the family's units. */
+static void scale_columns(saltus_shooting *p) {
+    int m = p->equations.unknowns;
+    for (int i = 0; i < p->count; i++)
+        for (int j = 0; j < m; j++)
+            p->equations.jacobian[(size_t)i * (size_t)m + (size_t)j] *=
+                j < p->count ? p->scale[j] : p->family.unit[j - p->count];
 }
 
-saltus_status saltus_shooting_evaluate(saltus_shooting *p, const double *u, saltus_message *message) {
+saltus_spec saltus_family_spec(const saltus_family *family, const double *parameters) {
+    saltus_spec spec = family->spec;
+    for (int d = 0; d < family->parameters; d++)
+        spec = saltus_spec_shifted(&spec, &family->direction[d], family->unit[d] * parameters[d]);
+    return spec;
+}
+
+/* Make the system that of the parameters. */
+static saltus_status tune(saltus_shooting *p, const double *parameters, saltus_message *message) {
+    bool same = true;
+    for (int d = 0; d < p->family.parameters; d++)
+        same = same && parameters[d] == p->at[d];
+    if (same)
+        return SALTUS_OK;
+    saltus_spec spec = saltus_family_spec(&p->family, parameters);
+    saltus_system *system = NULL;
+    saltus_status status = saltus_system_new(&spec, &system, message);
+    if (status == SALTUS_OK)
+        status = saltus_flow_retune(p->flow, 0, system, message);
+    if (status != SALTUS_OK) {
+        saltus_system_free(system);
+        return status;
+    }
+    saltus_system_free(p->system);
+    p->system = system;
+    memcpy(p->at, parameters, (size_t)p->family.parameters * sizeof *parameters);
+    return SALTUS_OK;
+}
+
+saltus_status saltus_shooting_around(void *self, const double *u, saltus_message *message) {
+    saltus_shooting *p = self;
     const saltus_sequence *s = &p->sequence;
-    for (int j = 0; j < p->unknowns; j++)
+    for (int j = 0; j < p->count; j++)
         p->plain[j] = u[j] * p->scale[j];
     walk w = {.p = p, .u = p->plain, .driven = s->driven};
     unsigned contacts = s->contacts;
@@ -214,8 +247,7 @@ saltus_status saltus_shooting_evaluate(saltus_shooting *p, const double *u, salt
     for (int f = 0; f < SALTUS_FACES_MAX; f++)
         w.held_since[f] = s->base;
     p->breach_count = 0;
-    p->residual_size = INFINITY;
-    saltus_status status = saltus_shooting_tune(p, saltus_shooting_value(p, u), message);
+    saltus_status status = tune(p, u + p->count, message);
     for (int cut = 0; cut < s->cuts && status == SALTUS_OK; cut++) {
         double until = cut + 1 < s->cuts ? s->cut[cut + 1] : s->base + s->periods;
         status = open_segment(&w, cut, contacts, message);
@@ -228,6 +260,6 @@ saltus_status saltus_shooting_evaluate(saltus_shooting *p, const double *u, salt
         contacts = saltus_flow_contacts(p->flow, 0);
     }
     if (status == SALTUS_OK)
-        finish(p);
+        scale_columns(p);
     return status;
 }

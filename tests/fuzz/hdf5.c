@@ -10,6 +10,8 @@
 
 #include "io/hdf5.h"
 
+#include <math.h>
+
 enum { sealed_branch, sealed_sweep, sealed_basins, templates };
 
 /* Made once: files to forge from, and a sweep whose results can be unpacked. */
@@ -56,7 +58,10 @@ static void make_branch(bench *b, const char *path) {
                                      .event_count = k % 3 + 1,
                                      .multipliers = multipliers,
                                      .stable = true,
-                                     .admissible = true};
+                                     .admissible = true,
+                                     .grazing_time = k == 2 ? 1.75 : NAN,
+                                     .grazing_stop = k == 2,
+                                     .grazing_side = k == 2};
         check(saltus_branch_output_add(output, &point, &message), &message);
     }
     check(saltus_branch_output_close(output, true, &message), &message);

@@ -1,0 +1,826 @@
+/* Continuation of periodic orbits.
+ *
+ * Pseudo-arclength steps (curve.h) on the equations of a prescribed sequence of events (solution.h). Between
+ * two points the tests are compared; every zero is located and given out in its place (special.h). A breach,
+ * an impact of no speed, a free maximum on a stop, a contact force of zero, ends the sequence: the branch
+ * goes on with another one (change.h). The event-driven flow has the last word on every point.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "branch/change.h"
+#include "branch/locus.h"
+#include "branch/options.h"
+#include "branch/point.h"
+#include "branch/sequence.h"
+#include "branch/special.h"
+#include "orbit/returns.h"
+#include "orbit/sequence.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char range_ends[] = "end of the parameter's range";
+static const char enough_points[] = "as many points as asked for";
+
+/* A change of events this near to the range's end is at it. */
+static const double at_border = 1e-12;
+
+/* What the next step of a run does. */
+typedef enum run_phase {
+    RUN_BEGIN, /* take up the next start */
+    RUN_FOLLOW /* go on along the branch under way */
+} run_phase;
+
+/* The branch under way. */
+typedef struct trace {
+    int number, parent, depth;
+    int regular;             /* points given out but for special ones */
+    int made;                /* points given out */
+    double arclength, shown; /* of `here`; of the last regular point given out */
+    double step;
+    bool fresh; /* no step made since the branch was switched to */
+    double first_value;
+    saltus_lap first; /* section points of the orbit it began with */
+    saltus_solution *here;
+} trace;
+
+/* A special point that has been given out. */
+typedef struct visited {
+    saltus_point_kind kind;
+    int branch, periods;
+    char label[2][SALTUS_LABEL_MAX]; /* at it and beyond it */
+    double value;
+    double *state;
+} visited;
+
+struct saltus_branch {
+    saltus_branch_options options;
+    const volatile sig_atomic_t *stop; /* asked for between steps, never within one */
+    saltus_orbits orbits;
+    double range[2]; /* of the parameter unknown */
+    saltus_starts starts;
+    run_phase phase;
+    trace trace;
+    saltus_solution solutions[5];
+    saltus_solution *next, *trial, *spare, *other; /* beside the trace's `here` */
+    saltus_special specials[SALTUS_BRANCH_VALUES_MAX + 8];
+    double targets[SALTUS_BRANCH_VALUES_MAX + 1];
+    saltus_point_kind target_kinds[SALTUS_BRANCH_VALUES_MAX + 1];
+    visited *visited;
+    int visited_count;
+    saltus_branch_point *queue; /* points made but not yet given out */
+    int queue_count, queue_next, queue_room;
+    saltus_branch_point given;
+    saltus_locus *locus; /* NULL: none is followed yet */
+};
+
+static saltus_status no_memory(saltus_message *message) {
+    return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch");
+}
+
+/* The given state is made an orbit of least period, and its sequence the start of both ways. */
+static saltus_status open_starts(saltus_branch *b, int periods, const double *state,
+                                 saltus_message *message) {
+    saltus_orbits *o = &b->orbits;
+    saltus_orbit orbit = {0};
+    saltus_lap lap = {.keeps_events = true};
+    saltus_orbit_options options = o->options;
+    options.phase = 0;
+    options.flow.stop = b->stop;
+    saltus_branch_start start = {.parent = -1};
+    saltus_status status = saltus_return_polish(o->flow, periods, state, &options, &orbit, &lap, message);
+    start.state = orbit.state;
+    if (status == SALTUS_OK)
+        status = saltus_sequence_make(o->flow, orbit.periods, start.state, &lap, &start.sequence, message);
+    for (int heading = 1; heading >= -1 && status == SALTUS_OK; heading -= 2)
+        if (b->options.direction * heading >= 0) {
+            start.heading = heading;
+            status = saltus_starts_add(&b->starts, o->n, &start, message);
+        }
+    saltus_orbit_clear(&orbit);
+    saltus_lap_close(&lap);
+    return status;
+}
+
+saltus_status saltus_branch_new(const saltus_spec *spec, int periods, const double *state,
+                                const saltus_branch_options *options, saltus_branch **branch,
+                                saltus_message *message) {
+    *branch = NULL;
+    saltus_branch *b = calloc(1, sizeof *b);
+    if (!b)
+        return no_memory(message);
+    saltus_orbits *o = &b->orbits;
+    b->options = *options;
+    b->stop = options->orbit.flow.stop;
+    b->trace.here = &b->solutions[0];
+    b->next = &b->solutions[1];
+    b->trial = &b->solutions[2];
+    b->spare = &b->solutions[3];
+    b->other = &b->solutions[4];
+    o->options = options->orbit;
+    o->options.flow.stop = NULL;
+    o->family = (saltus_family){.spec = *spec, .parameters = 1, .unit = {options->high[0] - options->low[0]}};
+    saltus_status status =
+        saltus_spec_direction(spec, options->key[0], &o->family.direction[0], &o->origin, message);
+    if (status == SALTUS_OK)
+        status = saltus_branch_check(options, spec, message);
+    if (status == SALTUS_OK)
+        status = saltus_orbits_open(o, message);
+    if (status == SALTUS_OK)
+        status = open_starts(b, periods, state, message);
+    if (status != SALTUS_OK) {
+        saltus_branch_free(b);
+        return status;
+    }
+    /* Never beyond the range by a rounding: a parameter's domain may end there. */
+    b->range[0] = saltus_orbits_parameter(o, options->low[0]);
+    while (o->origin + o->family.unit[0] * b->range[0] < options->low[0])
+        b->range[0] = nextafter(b->range[0], INFINITY);
+    b->range[1] = saltus_orbits_parameter(o, options->high[0]);
+    while (o->origin + o->family.unit[0] * b->range[1] > options->high[0])
+        b->range[1] = nextafter(b->range[1], -INFINITY);
+    for (int k = 0; k < options->value_count; k++) {
+        b->targets[k] = options->values[k];
+        b->target_kinds[k] = SALTUS_POINT_UZ;
+    }
+    *branch = b;
+    return status;
+}
+
+static void drop_queue(saltus_branch *b) {
+    for (int k = b->queue_next; k < b->queue_count; k++)
+        saltus_branch_point_clear(&b->queue[k]);
+    b->queue_count = b->queue_next = 0;
+}
+
+void saltus_branch_free(saltus_branch *b) {
+    if (!b)
+        return;
+    saltus_starts_clear(&b->starts);
+    drop_queue(b);
+    saltus_branch_point_clear(&b->given);
+    free(b->queue);
+    for (int k = 0; k < b->visited_count; k++)
+        free(b->visited[k].state);
+    free(b->visited);
+    for (int k = 0; k < 5; k++)
+        saltus_solution_clear(&b->solutions[k]);
+    saltus_locus_free(b->locus);
+    saltus_lap_close(&b->trace.first);
+    saltus_orbits_close(&b->orbits);
+    free(b);
+}
+
+static saltus_branch_point *queue_place(saltus_branch *b, saltus_message *message) {
+    if (b->queue_count == b->queue_room) {
+        int room = b->queue_room ? 2 * b->queue_room : 8;
+        saltus_branch_point *grown = realloc(b->queue, (size_t)room * sizeof *grown);
+        if (!grown) {
+            no_memory(message);
+            return NULL;
+        }
+        b->queue = grown;
+        b->queue_room = room;
+    }
+    return &b->queue[b->queue_count];
+}
+
+/* Whether a point and one visited change between the same motions, in either direction. */
+static bool same_labels(const visited *v, const saltus_branch_point *point) {
+    const char *at = point->label, *after = point->label_after;
+    return (strcmp(v->label[0], at) == 0 && strcmp(v->label[1], after) == 0) ||
+           (strcmp(v->label[0], after) == 0 && strcmp(v->label[1], at) == 0);
+}
+
+/* Whether a special point was given out before: the branch of it, -1 for none. Points of branches that cross
+ * or begin at one another are not alike: they differ in kind or in period. Where impacts die one after the
+ * other points lie close together without being the same; they differ in the number of impacts. */
+static int find_visited(const saltus_branch *b, const saltus_branch_point *point) {
+    for (int k = 0; k < b->visited_count; k++) {
+        const visited *v = &b->visited[k];
+        bool same = same_labels(v, point);
+        double close_value = same ? 1e-7 : 1e-11, close_state = same ? 1e-5 : 1e-7;
+        if (v->kind == point->kind && v->periods == point->periods &&
+            fabs(v->value - point->value[0]) < close_value * b->orbits.family.unit[0] &&
+            saltus_system_distance(b->orbits.system, v->state, point->state) < close_state)
+            return v->branch;
+    }
+    return -1;
+}
+
+static saltus_status remember(saltus_branch *b, const saltus_branch_point *point, saltus_message *message) {
+    size_t n = (size_t)point->dimension;
+    visited *grown = realloc(b->visited, ((size_t)b->visited_count + 1) * sizeof *grown);
+    if (grown)
+        b->visited = grown;
+    double *state = calloc(n, sizeof *state);
+    if (!grown || !state) {
+        free(state);
+        return no_memory(message);
+    }
+    memcpy(state, point->state, n * sizeof *state);
+    grown[b->visited_count++] = (visited){.kind = point->kind,
+                                          .branch = point->branch,
+                                          .periods = point->periods,
+                                          .value = point->value[0],
+                                          .state = state};
+    memcpy(grown[b->visited_count - 1].label[0], point->label, SALTUS_LABEL_MAX);
+    memcpy(grown[b->visited_count - 1].label[1], point->label_after, SALTUS_LABEL_MAX);
+    return SALTUS_OK;
+}
+
+static bool is_kept(saltus_point_kind kind) {
+    return kind == SALTUS_POINT_LP || kind == SALTUS_POINT_PD || kind == SALTUS_POINT_NS ||
+           kind == SALTUS_POINT_GR || kind == SALTUS_POINT_CH || kind == SALTUS_POINT_ST;
+}
+
+/* What is to be said of a point beside what its solution tells. */
+typedef struct notice {
+    saltus_point_kind kind;
+    double ahead, accuracy;
+    const char *reason, *addition; /* two parts; NULL: nothing */
+    const char *after;             /* label beyond; NULL: none */
+    double value;                  /* 0: the solution's */
+    bool change;                   /* of events: label and counts are those of `here` */
+    const saltus_breach *grazing;  /* the touch at grazing; NULL: none is known */
+} notice;
+
+/* A surveyed solution goes into the queue. A branch ends with its point of kind EP; where it has been at a
+ * special point before, and where there are enough points, it ends too. */
+static saltus_status give(saltus_branch *b, const saltus_solution *s, notice what, saltus_message *message) {
+    trace *t = &b->trace;
+    saltus_branch_point *point = queue_place(b, message);
+    if (!point)
+        return SALTUS_NO_MEMORY;
+    saltus_status status = saltus_point_make(&b->orbits, s, what.change, point, message);
+    if (status != SALTUS_OK)
+        return status;
+    const saltus_survey *before = &t->here->survey;
+    if (what.change && before->label[0]) {
+        memcpy(point->label, before->label, sizeof point->label);
+        point->impacts = before->impacts;
+        point->sticking_intervals = before->sticking_intervals;
+    }
+    /* There a multiplier is on the unit circle but for rounding. */
+    if (what.kind == SALTUS_POINT_LP || what.kind == SALTUS_POINT_PD || what.kind == SALTUS_POINT_BP ||
+        what.kind == SALTUS_POINT_NS)
+        point->stable = false;
+    point->kind = what.kind;
+    point->branch = t->number;
+    point->parent = t->parent;
+    point->step = t->regular;
+    point->arclength = t->arclength + what.ahead;
+    point->accuracy = what.accuracy;
+    point->value[0] = what.value != 0 ? what.value : s->value;
+    snprintf(point->label_after, sizeof point->label_after, "%s", what.after ? what.after : "");
+    snprintf(point->reason, sizeof point->reason, "%s%s", what.reason ? what.reason : "",
+             what.addition ? what.addition : "");
+    if (is_kept(point->kind)) {
+        int earlier = find_visited(b, point);
+        if (earlier < 0)
+            status = remember(b, point, message);
+        else
+            snprintf(point->reason, sizeof point->reason,
+                     earlier == t->number ? "the branch is closed: it has come back to this %s"
+                                          : "this %s is on branch %d",
+                     saltus_point_word(point->kind), earlier);
+        if (earlier >= 0)
+            point->kind = SALTUS_POINT_EP;
+    }
+    if (point->kind != SALTUS_POINT_EP && t->made + 1 >= b->options.points) {
+        point->kind = SALTUS_POINT_EP;
+        snprintf(point->reason, sizeof point->reason, "%s", enough_points);
+    }
+    if (point->kind == SALTUS_POINT_GR && what.grazing)
+        saltus_point_mark_grazing(&b->orbits, what.grazing, point);
+    if (point->kind == SALTUS_POINT_EP)
+        b->phase = RUN_BEGIN;
+    b->queue_count++;
+    t->made++;
+    return status;
+}
+
+static saltus_status end(saltus_branch *b, const saltus_solution *s, double ahead, const char *reason,
+                         saltus_message *message) {
+    return give(b, s, (notice){.kind = SALTUS_POINT_EP, .ahead = ahead, .accuracy = NAN, .reason = reason},
+                message);
+}
+
+static void swap(saltus_solution **a, saltus_solution **b) {
+    saltus_solution *kept = *a;
+    *a = *b;
+    *b = kept;
+}
+
+/* `next` becomes `here`, and a regular point where it is far enough from the last, or `must` be one. `bends`:
+ * both have the same sequence. */
+static saltus_status accept(saltus_branch *b, bool bends, bool must, const char *reason,
+                            saltus_message *message) {
+    trace *t = &b->trace;
+    saltus_status status = SALTUS_OK;
+    int order[SALTUS_MARKS_MAX];
+    double apart = t->arclength + b->next->at.ahead - t->shown;
+    if (must || apart >= 0.02 * b->options.step_max || t->regular == 0) {
+        status = give(b, b->next, (notice){.ahead = b->next->at.ahead, .accuracy = NAN, .reason = reason},
+                      message);
+        t->shown = t->arclength + b->next->at.ahead;
+        t->regular++;
+    }
+    t->arclength += b->next->at.ahead;
+    t->fresh = false;
+    swap(&t->here, &b->next);
+    if (bends)
+        saltus_curve_bend(&b->next->at, &t->here->at);
+    if (status == SALTUS_OK && b->phase == RUN_FOLLOW)
+        saltus_solution_reframe(&b->orbits, true, t->here, b->trial, order);
+    return status;
+}
+
+/* A start that a branch has come to from its other end is not begun at: the branch is done. */
+static void drop_starts(saltus_branch *b, const saltus_branch_point *point) {
+    int kept = b->starts.next;
+    for (int k = kept; k < b->starts.count; k++) {
+        saltus_branch_start *start = &b->starts.start[k];
+        double value = b->orbits.origin + b->orbits.family.unit[0] * start->parameter;
+        if (start->origin == point->kind && start->sequence.periods == point->periods &&
+            fabs(value - point->value[0]) < 1e-7 * b->orbits.family.unit[0]) {
+            free(start->state);
+            free(start->tangent);
+        } else {
+            b->starts.start[kept++] = *start;
+        }
+    }
+    b->starts.count = kept;
+}
+
+/* Branches that leave at `at` are kept for later. */
+static saltus_status add_starts(saltus_branch *b, const saltus_solution *at, saltus_point_kind kind,
+                                const saltus_sequence *beyond, saltus_message *message) {
+    saltus_branch_start like = {.parent = b->trace.number, .depth = b->trace.depth + 1};
+    saltus_message why = {""};
+    if (b->trace.depth >= b->options.switches || b->phase != RUN_FOLLOW)
+        return SALTUS_OK;
+    saltus_status status = kind == SALTUS_POINT_GR
+                               ? saltus_starts_graze(&b->orbits, at, beyond, &like, &b->starts, &why)
+                               : saltus_starts_leave(&b->orbits, at, kind, &like, &b->starts, &why);
+    if (status == SALTUS_NO_MEMORY)
+        return no_memory(message);
+    saltus_branch_point *point = &b->queue[b->queue_count - 1];
+    if (status != SALTUS_OK)
+        snprintf(point->reason, sizeof point->reason, "not switched to what leaves here: %.120s", why.text);
+    return SALTUS_OK;
+}
+
+/* A locus begins at `at`: the points on the way to it are not wanted. */
+static saltus_status open_locus(saltus_branch *b, const saltus_solution *at, const saltus_sequence *beyond,
+                                saltus_message *message) {
+    saltus_message why = {""};
+    drop_queue(b);
+    saltus_status status = saltus_locus_new(&b->orbits.family.spec, &b->options, at, beyond, &b->locus, &why);
+    return status == SALTUS_OK
+               ? status
+               : saltus_fail(message, status, "no curve of %s points can be begun at %s = %.12g: %.200s",
+                             saltus_point_word(b->options.locus), b->options.key[0], at->value, why.text);
+}
+
+/* One special point of the step from `here` to `next`. */
+static saltus_status give_special(saltus_branch *b, saltus_special *special, saltus_message *message) {
+    trace *t = &b->trace;
+    bool is_one;
+    saltus_status status =
+        saltus_special_visit(&b->orbits, t->here, b->next->at.ahead, special, b->trial, &is_one, message);
+    if (status != SALTUS_OK || !is_one)
+        return status;
+    if (b->options.locus && b->options.locus == special->kind && !special->end)
+        return open_locus(b, b->trial, NULL, message);
+    notice what = {.kind = special->kind,
+                   .ahead = special->ahead,
+                   .accuracy = special->accuracy,
+                   .reason = special->end,
+                   .value = special->value};
+    if (special->kind == SALTUS_POINT_REGULAR) {
+        if (!saltus_orbit_passes(b->orbits.system, t->first.points, t->first.periods,
+                                 b->trial->survey.lap.points, SALTUS_SAME_POINT))
+            return status;
+        /* The other way from the same start leads around the same branch. */
+        b->starts.next += b->starts.next == 1 && b->starts.count > 1 && b->starts.start[1].heading;
+        what.kind = SALTUS_POINT_EP;
+        what.reason = "the branch is closed: it has come back";
+        return give(b, b->trial, what, message);
+    }
+    status = give(b, b->trial, what, message);
+    if (status == SALTUS_OK && special->end && b->phase == RUN_FOLLOW) {
+        drop_starts(b, &b->queue[b->queue_count - 1]);
+        what.kind = SALTUS_POINT_EP;
+        return give(b, b->trial, what, message);
+    }
+    if (status == SALTUS_OK && (special->kind == SALTUS_POINT_PD || special->kind == SALTUS_POINT_BP))
+        status = add_starts(b, b->trial, special->kind, NULL, message);
+    return status;
+}
+
+/* All special points of the step from `here` to `next`, in order. */
+static saltus_status give_specials(saltus_branch *b, saltus_message *message) {
+    const trace *t = &b->trace;
+    int targets = b->options.value_count;
+    if (t->first.points && t->regular > 10) {
+        b->targets[targets] = t->first_value;
+        b->target_kinds[targets++] = SALTUS_POINT_REGULAR;
+    }
+    int count = saltus_special_find(&b->orbits, t->here, b->next, t->fresh, b->targets, b->target_kinds,
+                                    targets, b->specials, b->trial);
+    saltus_status status = SALTUS_OK;
+    for (int k = 0; k < count && status == SALTUS_OK && b->phase == RUN_FOLLOW && !b->locus; k++)
+        status = give_special(b, &b->specials[k], message);
+    return status;
+}
+
+/* At grazing itself the flow meets the impact or not by chance: the survey is that of an orbit just before.
+ */
+static saltus_status survey_before(saltus_branch *b, saltus_message *message) {
+    const double back = 1e-7;
+    saltus_message ignored;
+    if (b->next->at.ahead <= 10 * back ||
+        saltus_solution_visit(&b->orbits, b->trace.here, b->next->at.ahead - back, b->trial, &ignored) !=
+            SALTUS_OK)
+        return saltus_solution_survey(&b->orbits, b->next, message);
+    saltus_status status = saltus_solution_survey(&b->orbits, b->trial, message);
+    saltus_survey_swap(b->trial, b->next);
+    return status;
+}
+
+/* Over a change of events that only the event-driven flow sees, somewhere before `ahead`. */
+static saltus_status leap(saltus_branch *b, double ahead, bool lost, const char *why,
+                          saltus_message *message) {
+    trace *t = &b->trace;
+    saltus_change change;
+    saltus_status status = saltus_change_leap(&b->orbits, t->here, ahead, lost, why, b->range, b->trial,
+                                              b->spare, b->other, &change, message);
+    if (status != SALTUS_OK)
+        return status;
+    if (isnan(change.accuracy))
+        return end(b, t->here, 0, why, message);
+    notice what = {.kind = change.kind,
+                   .ahead = b->trial->at.ahead,
+                   .accuracy = change.accuracy,
+                   .reason = change.reason,
+                   .after = change.after,
+                   .value = change.value,
+                   .change = true};
+    if (change.kind == SALTUS_POINT_EP)
+        what.addition = "; beyond it no orbit of this period was found";
+    if (change.kind != SALTUS_POINT_REGULAR)
+        status = give(b, b->trial, what, message);
+    if (status != SALTUS_OK || b->phase != RUN_FOLLOW)
+        return status;
+    t->arclength += b->trial->at.ahead + change.distance;
+    b->spare->at.ahead = 0;
+    swap(&t->here, &b->spare);
+    t->step = fmin(t->step, b->options.step);
+    t->shown = t->arclength;
+    status = give(b, t->here, (notice){.accuracy = NAN}, message);
+    t->regular++;
+    return status;
+}
+
+/* Beyond grazing at `next`, to a point a little further on. */
+static saltus_status graze(saltus_branch *b, double accuracy, saltus_message *message) {
+    trace *t = &b->trace;
+    saltus_orbits *o = &b->orbits;
+    saltus_solution *at = b->next;
+    saltus_sequence beyond;
+    saltus_change change;
+    notice what = {.kind = SALTUS_POINT_GR,
+                   .ahead = at->at.ahead,
+                   .accuracy = accuracy,
+                   .change = true,
+                   .grazing = &at->worst};
+    bool joins = saltus_solution_half_distance(o, at, false) < 1e-4;
+    saltus_status status = saltus_change_graze(o, at, &beyond, b->spare, b->trial, &change, message);
+    if (status != SALTUS_OK)
+        return status;
+    if (b->options.locus == SALTUS_POINT_GR && !joins)
+        return open_locus(b, at, &beyond, message);
+    bool goes_on = change.kind == SALTUS_POINT_GR && !joins;
+    what.reason = joins ? NULL : change.reason;
+    what.after = goes_on ? change.after : NULL;
+    what.addition = goes_on && change.turns_back ? "; the branch turns back (non-smooth fold)" : NULL;
+    status = give(b, at, what, message);
+    if (status == SALTUS_OK && !joins)
+        status = add_starts(b, at, SALTUS_POINT_GR, &beyond, message);
+    if (status != SALTUS_OK || b->phase != RUN_FOLLOW)
+        return status;
+    if (joins)
+        drop_starts(b, &b->queue[b->queue_count - 1]);
+    if (!goes_on)
+        return end(b, at, at->at.ahead,
+                   joins ? "joins the orbits of half the period at their grazing"
+                         : "grazing: no orbit of this period goes on with other events",
+                   message);
+    t->arclength += at->at.ahead;
+    swap(&t->here, &b->spare);
+    swap(&b->next, &b->trial);
+    t->step = fmax(b->next->at.ahead, 0.25 * t->step);
+    status = give_specials(b, message);
+    return status == SALTUS_OK && b->phase == RUN_FOLLOW && !b->locus ? accept(b, true, false, NULL, message)
+                                                                      : status;
+}
+
+/* Contacts that begin or end where the sequence is left to the flow are located; of the many impacts in the
+ * tail of a long run, which come and go all the time, only the number is told. */
+static saltus_status settle(saltus_branch *b, saltus_message *message) {
+    const saltus_survey *before = &b->trace.here->survey, *after = &b->next->survey;
+    bool known = before->label[0], same = !known || strcmp(before->label, after->label) == 0;
+    bool chatter = known && (before->impacts < 0) != (after->impacts < 0);
+    saltus_change change = {.kind = SALTUS_POINT_REGULAR};
+    saltus_status status = SALTUS_OK;
+    if ((chatter || (known && before->sticking_intervals != after->sticking_intervals)) &&
+        !saltus_change_within(&b->orbits, b->trace.here, b->next, b->trial, &change))
+        change.kind = SALTUS_POINT_REGULAR;
+    notice what = {.kind = change.kind,
+                   .ahead = b->trial->at.ahead,
+                   .accuracy = change.accuracy,
+                   .reason = change.reason,
+                   .after = change.after,
+                   .value = b->trial->value,
+                   .change = true};
+    bool retraced =
+        chatter && after->impacts < 0 &&
+        saltus_change_retrace(&b->orbits, b->next, b->spare, b->other, &what.value, &what.accuracy);
+    if (retraced) {
+        b->spare->at.ahead = b->next->at.ahead;
+        swap(&b->next, &b->spare);
+    }
+    if (change.kind != SALTUS_POINT_REGULAR)
+        status = give(b, b->trial, what, message);
+    if (status != SALTUS_OK || b->phase != RUN_FOLLOW)
+        return status;
+    return accept(b, !retraced, !same, same ? NULL : "impacts in the tail of a long run come or go", message);
+}
+
+/* Whether the parameter does not change along the branch, but for rounding. */
+static bool is_vertical(const saltus_solution *s) {
+    return fabs(s->at.tangent[s->at.unknowns - 1]) < 1e-10;
+}
+
+/* One step along the branch under way. */
+static saltus_status advance(saltus_branch *b, saltus_message *message) {
+    saltus_orbits *o = &b->orbits;
+    trace *t = &b->trace;
+    const saltus_curve_bound bound = {o->equations->count, b->range[0], b->range[1]};
+    saltus_zero breach = {.accuracy = NAN};
+    saltus_message why = {""};
+    int reached;
+    saltus_status status =
+        saltus_curve_step(o->equations, &t->here->at, &t->step, &bound, 1, &b->next->at, &reached, &why);
+    if (status == SALTUS_OK)
+        status = saltus_solution_see(o, b->next, message);
+    if (status == SALTUS_NO_MEMORY)
+        return no_memory(message);
+    if (status != SALTUS_OK)
+        return leap(b, 2 * t->step, true, why.text, message);
+    bool breached = b->next->worst.value > 0;
+    if (breached) {
+        breach = saltus_solution_zero(o, SALTUS_TEST_BREACH, 0, t->here, b->next, b->trial);
+        if (!breach.found)
+            return leap(b, b->next->at.ahead, false, "events change", message);
+        swap(&b->next, &b->trial);
+        reached = -1;
+        for (int k = 0; k < 2; k++)
+            if (fabs(b->next->parameter[0] - b->range[k]) < at_border) {
+                b->next->parameter[0] = b->range[k];
+                reached = 0;
+            }
+    }
+    status = breached ? survey_before(b, message) : saltus_solution_survey(o, b->next, message);
+    if (status != SALTUS_OK)
+        return status;
+    saltus_breach_kind kind = b->next->worst.kind;
+    if (is_vertical(t->here) && is_vertical(b->next))
+        return end(b, b->next, b->next->at.ahead, "the orbits of one value of the parameter form a family",
+                   message);
+    if (!breached && !b->next->survey.follows)
+        return leap(b, b->next->at.ahead, false, "events change", message);
+    status = give_specials(b, message);
+    if (status != SALTUS_OK || b->phase != RUN_FOLLOW || b->locus)
+        return status;
+    t->step = saltus_curve_next_step(t->step, b->next->at.iterations, b->options.step_max);
+    if (reached >= 0) {
+        bool high = b->next->parameter[0] == b->range[1];
+        b->next->value = high ? b->options.high[0] : b->options.low[0];
+        return end(b, b->next, b->next->at.ahead, range_ends, message);
+    }
+    if (breached && (kind == SALTUS_BREACH_HOLD || kind == SALTUS_BREACH_FORCE))
+        return leap(b, b->next->at.ahead, false, "the contact changes", message);
+    if (breached)
+        return graze(b, breach.accuracy, message);
+    return settle(b, message);
+}
+
+/* Where no branch can be begun at a start that was switched to, one point says why. */
+static saltus_status give_up(saltus_branch *b, const saltus_branch_start *start, const char *why,
+                             saltus_message *message) {
+    if (!start->origin || !b->trace.here->state)
+        return SALTUS_OK;
+    char reason[SALTUS_REASON_MAX];
+    snprintf(reason, sizeof reason, "nothing was found to follow from this %s: %.100s",
+             saltus_point_word(start->origin), why);
+    return end(b, b->trace.here, 0, reason, message);
+}
+
+/* The first point of a branch: regular, with what was asked for at its value. */
+static saltus_status give_first(saltus_branch *b, const saltus_branch_start *start, saltus_message *message) {
+    trace *t = &b->trace;
+    saltus_status status = give(b, t->here, (notice){.accuracy = NAN}, message);
+    t->regular = 1;
+    for (int k = 0; k < b->options.value_count && status == SALTUS_OK && b->phase == RUN_FOLLOW; k++)
+        if (b->options.values[k] == t->here->value)
+            status = give(b, t->here, (notice){.kind = SALTUS_POINT_UZ}, message);
+    double bound = start->heading > 0 ? b->range[1] : b->range[0];
+    if (status == SALTUS_OK && start->heading && t->here->parameter[0] == bound && b->phase == RUN_FOLLOW)
+        status = give(b, t->here, (notice){.kind = SALTUS_POINT_EP, .reason = range_ends}, message);
+    return status;
+}
+
+/* Keep the section points of `here` as those of the branch's first orbit. */
+static saltus_status keep_first(saltus_branch *b, saltus_message *message) {
+    trace *t = &b->trace;
+    saltus_message ignored;
+    saltus_lap_close(&t->first);
+    t->first_value = t->here->value;
+    saltus_status status = saltus_orbits_tune(&b->orbits, t->here->parameter, message);
+    if (status == SALTUS_OK && saltus_lap_around(&t->first, b->orbits.flow, t->here->survey.lap.points,
+                                                 t->here->sequence.periods, &ignored) == SALTUS_NO_MEMORY)
+        status = no_memory(message);
+    return status;
+}
+
+static saltus_status begin(saltus_branch *b, const saltus_branch_start *start, saltus_message *message) {
+    saltus_orbits *o = &b->orbits;
+    trace *t = &b->trace;
+    saltus_message why = {""};
+    int order[SALTUS_MARKS_MAX];
+    *t = (trace){.number = b->starts.next - 1,
+                 .parent = start->parent,
+                 .depth = start->depth,
+                 .step = b->options.step,
+                 .fresh = start->tangent != NULL,
+                 .first = t->first,
+                 .here = t->here};
+    saltus_lap_close(&t->first);
+    b->phase = RUN_FOLLOW;
+    if (start->grazes) {
+        bool found =
+            saltus_change_pass(o, &start->sequence, &start->parameter, start->state, NULL, t->here, b->next);
+        if (found)
+            return accept(b, true, false, NULL, message);
+        b->phase = RUN_BEGIN;
+        return give_up(b, start, "the flow follows no such orbit", message);
+    }
+    saltus_status status = saltus_solution_place(o, &start->sequence, &start->parameter, start->state,
+                                                 !start->tangent, t->here, &why);
+    if (status == SALTUS_OK)
+        status = saltus_solution_survey(o, t->here, message);
+    if (status == SALTUS_NO_MEMORY)
+        return no_memory(message);
+    if (status != SALTUS_OK) {
+        b->phase = RUN_BEGIN;
+        return SALTUS_OK;
+    }
+    if (start->tangent)
+        memcpy(t->here->at.tangent, start->tangent, (size_t)start->unknowns * sizeof *start->tangent);
+    else if (t->here->at.tangent[t->here->at.unknowns - 1] * start->heading < 0)
+        saltus_curve_turn(&t->here->at);
+    status = give_first(b, start, message);
+    if (status == SALTUS_OK)
+        status = keep_first(b, message);
+    if (status == SALTUS_OK && !start->tangent)
+        saltus_solution_reframe(o, true, t->here, b->trial, order);
+    return status;
+}
+
+/* One more point of the locus. */
+static saltus_status advance_locus(saltus_branch *b, saltus_message *message) {
+    bool more;
+    saltus_branch_point *point = queue_place(b, message);
+    if (!point)
+        return SALTUS_NO_MEMORY;
+    saltus_status status = saltus_locus_step(b->locus, point, &more, message);
+    b->queue_count += status == SALTUS_OK && more;
+    return status;
+}
+
+saltus_status saltus_branch_step(saltus_branch *b, const saltus_branch_point **point,
+                                 saltus_message *message) {
+    saltus_status status = SALTUS_OK;
+    *point = NULL;
+    saltus_branch_point_clear(&b->given);
+    while (status == SALTUS_OK && b->queue_next == b->queue_count) {
+        if (b->stop && *b->stop)
+            return saltus_fail(message, SALTUS_INTERRUPTED, "interrupted");
+        b->queue_next = b->queue_count = 0;
+        if (b->locus) {
+            status = advance_locus(b, message);
+            if (status == SALTUS_OK && b->queue_count == 0)
+                return status;
+        } else if (b->phase == RUN_FOLLOW) {
+            status = advance(b, message);
+        } else if (b->starts.next < b->starts.count) {
+            status = begin(b, &b->starts.start[b->starts.next++], message);
+        } else if (b->options.locus) {
+            return saltus_fail(message, SALTUS_NO_CONVERGENCE, "no %s point was found along %s = %g to %g",
+                               saltus_point_word(b->options.locus), b->options.key[0], b->options.low[0],
+                               b->options.high[0]);
+        } else {
+            return SALTUS_OK;
+        }
+        if (b->orbits.starved)
+            return no_memory(message);
+        /* While the first point of a locus is sought, the points on the way are not wanted. */
+        if (b->options.locus && !b->locus)
+            drop_queue(b);
+    }
+    if (status != SALTUS_OK)
+        return status;
+    b->given = b->queue[b->queue_next++];
+    *point = &b->given;
+    return status;
+}
+
+/* Whether points can be of this run, as far as it can be told. */
+static bool are_sound(const saltus_branch *b, const saltus_branch_point *points, int count) {
+    enum { periods_max = 100000 };
+    for (int k = 0; k < count; k++) {
+        const saltus_branch_point *p = &points[k];
+        bool sound = p->dimension == b->orbits.n && p->spec.model == b->orbits.family.spec.model &&
+                     p->state && p->kind >= SALTUS_POINT_REGULAR && p->kind < SALTUS_POINT_KINDS &&
+                     p->branch >= 0 && p->branch < b->starts.count + count && p->step >= 0 &&
+                     p->periods >= 1 && p->periods <= periods_max && isfinite(p->value[0]) &&
+                     isfinite(p->arclength) && isfinite(p->heading);
+        for (int i = 0; i < b->orbits.n && sound; i++)
+            sound = isfinite(p->state[i]);
+        if (!sound)
+            return false;
+    }
+    return count > 0;
+}
+
+/* The orbit of a point becomes `here`, heading as it did. */
+static saltus_status restore(saltus_branch *b, const saltus_branch_point *point, saltus_message *message) {
+    saltus_orbits *o = &b->orbits;
+    trace *t = &b->trace;
+    saltus_sequence sequence;
+    saltus_lap lap = {.keeps_events = true};
+    double parameter = saltus_orbits_parameter(o, point->value[0]);
+    double *state = calloc((size_t)o->n, sizeof *state);
+    saltus_status status = state ? saltus_orbits_tune(o, &parameter, message) : no_memory(message);
+    if (status == SALTUS_OK) {
+        memcpy(state, point->state, (size_t)o->n * sizeof *state);
+        status = saltus_sequence_make(o->flow, point->periods, state, &lap, &sequence, message);
+    }
+    if (status == SALTUS_OK)
+        status = saltus_solution_place(o, &sequence, &parameter, state, true, t->here, message);
+    if (status == SALTUS_OK)
+        status = saltus_solution_survey(o, t->here, message);
+    if (status == SALTUS_OK && t->here->at.tangent[t->here->at.unknowns - 1] * point->heading < 0)
+        saltus_curve_turn(&t->here->at);
+    free(state);
+    saltus_lap_close(&lap);
+    t->number = point->branch;
+    t->parent = point->parent;
+    t->arclength = t->shown = point->arclength;
+    t->regular = point->step + 1;
+    t->step = b->options.step;
+    t->fresh = false;
+    return status;
+}
+
+saltus_status saltus_branch_resume(saltus_branch *b, const saltus_branch_point *points, int count, int *kept,
+                                   saltus_message *message) {
+    static const char foreign[] = "the points to resume from are unsound or belong to another run";
+    int last = count - 1;
+    saltus_status status = SALTUS_OK;
+    *kept = 0;
+    if (!are_sound(b, points, count))
+        return saltus_fail(message, SALTUS_BAD_INPUT, foreign);
+    if (b->options.locus || b->options.switches)
+        return status;
+    while (last >= 0 && points[last].kind != SALTUS_POINT_REGULAR && points[last].kind != SALTUS_POINT_EP)
+        last--;
+    *kept = last + 1;
+    if (last < 0)
+        return status;
+    if (points[last].branch >= b->starts.count)
+        return saltus_fail(message, SALTUS_BAD_INPUT, foreign);
+    b->starts.next = points[last].branch + 1;
+    for (int k = 0; k <= last && status == SALTUS_OK; k++) {
+        if (is_kept(points[k].kind))
+            status = remember(b, &points[k], message);
+        b->trace.made += points[k].branch == points[last].branch;
+    }
+    if (status != SALTUS_OK || points[last].kind == SALTUS_POINT_EP)
+        return status;
+    status = restore(b, &points[last], message);
+    b->phase = status == SALTUS_OK ? RUN_FOLLOW : RUN_BEGIN;
+    return status;
+}

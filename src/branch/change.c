@@ -1,0 +1,277 @@
+/* Changes of the sequence of events along a branch.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "branch/change.h"
+
+#include "branch/sequence.h"
+#include "orbit/sequence.h"
+#include "system/state.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Whether the flow follows the sequence at a point a little way along the tangent, which becomes `next`. */
+static bool leads_on(saltus_orbits *o, const saltus_solution *here, double ahead, saltus_solution *next) {
+    saltus_message ignored;
+    return saltus_solution_visit(o, here, ahead, next, &ignored) == SALTUS_OK && next->worst.value < 0 &&
+           saltus_solution_survey(o, next, &ignored) == SALTUS_OK && next->survey.follows;
+}
+
+bool saltus_change_pass(saltus_orbits *o, const saltus_sequence *beyond, const double *parameters,
+                        const double *state, const double *old, saltus_solution *here,
+                        saltus_solution *next) {
+    static const double ahead[] = {1e-4, 1e-3, 1e-5, 1e-2};
+    saltus_message ignored;
+    if (saltus_solution_place(o, beyond, parameters, state, false, here, &ignored) != SALTUS_OK)
+        return false;
+    double common = 0;
+    for (int j = 0; j < here->at.unknowns && old; j++)
+        common += old[j] * here->at.tangent[j];
+    if (common < 0)
+        saltus_curve_turn(&here->at);
+    for (size_t k = 0; k < sizeof ahead / sizeof ahead[0]; k++)
+        for (int way = 0; way < 2; way++) {
+            if (leads_on(o, here, ahead[k], next))
+                return true;
+            saltus_curve_turn(&here->at);
+        }
+    return false;
+}
+
+saltus_status saltus_change_graze(saltus_orbits *o, const saltus_solution *at, saltus_sequence *beyond,
+                                  saltus_solution *here, saltus_solution *next, saltus_change *change,
+                                  saltus_message *message) {
+    int order[SALTUS_MARKS_MAX], last = at->at.unknowns - 1;
+    *change = (saltus_change){.kind = SALTUS_POINT_GR};
+    change->reason = saltus_sequence_graze(&at->sequence, at->breaches, at->breach_count, beyond, order);
+    double *old = calloc((size_t)(o->n * beyond->cuts + beyond->count + 1), sizeof *old);
+    if (!old)
+        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch");
+    saltus_sequence_carry(&at->sequence, at->at.tangent, beyond, order, o->n, 1, old);
+    if (saltus_change_pass(o, beyond, at->parameter, at->state, old, here, next)) {
+        memcpy(change->after, next->survey.label, sizeof change->after);
+        change->turns_back = at->at.tangent[last] * here->at.tangent[here->at.unknowns - 1] < 0;
+        change->distance = next->at.ahead;
+    } else {
+        change->kind = SALTUS_POINT_EP;
+    }
+    free(old);
+    return SALTUS_OK;
+}
+
+/* Whether two orbits have as much chatter and sticking. */
+static bool same_contacts(const saltus_survey *a, const saltus_survey *b) {
+    return (a->impacts < 0) == (b->impacts < 0) && a->sticking_intervals == b->sticking_intervals;
+}
+
+/* The last point before `ahead` that the flow follows, with the contacts of `like` (may be NULL), as `at`;
+ * the width of the bracket, NAN if there is none. */
+static double bracket(saltus_orbits *o, const saltus_solution *from, double ahead, const saltus_survey *like,
+                      saltus_solution *at) {
+    enum { halvings = 50 };
+    double low = 0, high = ahead;
+    saltus_message ignored;
+    for (int k = 0; k < halvings && fabs(high - low) > 1e-12; k++) {
+        double middle = 0.5 * (low + high);
+        bool sound = saltus_solution_visit(o, from, middle, at, &ignored) == SALTUS_OK &&
+                     !(at->worst.value > 0) && saltus_solution_walk(o, at, &ignored) == SALTUS_OK &&
+                     at->survey.follows && (!like || same_contacts(like, &at->survey));
+        *(sound ? &low : &high) = middle;
+    }
+    if (saltus_solution_visit(o, from, low, at, &ignored) != SALTUS_OK ||
+        saltus_solution_survey(o, at, &ignored) != SALTUS_OK)
+        return NAN;
+    return fabs(high - low);
+}
+
+static double slope(const saltus_orbits *o, const saltus_solution *s) {
+    return fabs(s->at.tangent[s->at.unknowns - 1]) * o->family.unit[0];
+}
+
+/* The sequence that the flow meets on the orbit of a solution. `state` (n) becomes the one at its base. */
+static bool sequence_met(saltus_orbits *o, const saltus_solution *s, double *state, saltus_sequence *met) {
+    saltus_lap lap = {.keeps_events = true};
+    saltus_message ignored;
+    memcpy(state, s->survey.lap.points, (size_t)o->n * sizeof *state);
+    saltus_status status = saltus_orbits_tune(o, s->parameter, &ignored);
+    if (status == SALTUS_OK)
+        status = saltus_sequence_make(o->flow, s->sequence.periods, state, &lap, met, &ignored);
+    saltus_lap_close(&lap);
+    return saltus_orbits_noted(o, status) == SALTUS_OK;
+}
+
+/* Shooting with the flow's own events: whether there is an orbit of the period of `old` near a state at its
+ * base, which becomes `out`, with the sequence that the flow meets on it. `state` (n) is overwritten. */
+static bool shoot_freely(saltus_orbits *o, const saltus_sequence *old, const double *parameters,
+                         double *state, saltus_solution *out) {
+    saltus_sequence met, driven = {.periods = old->periods,
+                                   .base = old->base,
+                                   .contacts = old->contacts,
+                                   .driven = true,
+                                   .cuts = 1,
+                                   .cut = {old->base}};
+    saltus_message ignored;
+    if (saltus_orbits_tune(o, parameters, &ignored) != SALTUS_OK)
+        return false;
+    /* A guess made along the tangent may lie beyond a stop, the more so where a contact becomes permanent. */
+    saltus_state_admit(o->system, state);
+    if (saltus_solution_place(o, &driven, parameters, state, true, out, &ignored) != SALTUS_OK ||
+        saltus_solution_walk(o, out, &ignored) != SALTUS_OK || !out->survey.follows)
+        return false;
+    return sequence_met(o, out, state, &met) &&
+           saltus_solution_place(o, &met, parameters, state, true, out, &ignored) == SALTUS_OK &&
+           saltus_solution_survey(o, out, &ignored) == SALTUS_OK;
+}
+
+/* In contact all the time. */
+static bool is_held(const saltus_survey *survey) {
+    return survey->walked && survey->lap.event_count == 0 && survey->lap.contacts != 0;
+}
+
+/* The speed of the slowest impact, INFINITY without any. */
+static double slowest(const saltus_survey *survey) {
+    double speed = INFINITY;
+    for (int k = 0; k < survey->lap.event_count; k++)
+        if (survey->lap.events[k].kind == SALTUS_IMPACT)
+            speed = fmin(speed, fabs(survey->lap.events[k].velocity_before));
+    return speed;
+}
+
+/* Whether the branch of `here`, at which many impacts have just taken the place of complete chatter, leads on
+ * along its tangent to where the last of them dies, which the parameter's way does not tell as such a branch
+ * folds time and again, or back into chatter. */
+static bool leads_away(saltus_orbits *o, const saltus_solution *here, double distance,
+                       saltus_solution *scratch) {
+    saltus_message ignored;
+    for (int way = 1; way >= -1; way -= 2)
+        if (saltus_solution_visit(o, here, way * 0.01 * distance, scratch, &ignored) == SALTUS_OK &&
+            saltus_solution_walk(o, scratch, &ignored) == SALTUS_OK &&
+            scratch->survey.impacts == here->survey.impacts)
+            return way * (slowest(&scratch->survey) - slowest(&here->survey)) <= 0;
+    return true;
+}
+
+/* The branch of `here` is followed back to where it ends, as `end`: whether that is at the change at `at`,
+ * but for so much of the parameter. */
+static bool begins_at(saltus_orbits *o, const saltus_solution *at, const saltus_solution *here,
+                      double distance, double apart, saltus_solution *end, double *accuracy) {
+    double slope_here = fabs(here->at.tangent[here->at.unknowns - 1]);
+    double back = 2 * distance / fmax(slope_here, 1e-3);
+    double width = bracket(o, here, -back, NULL, end);
+    *accuracy = width * slope(o, end);
+    return width < back && end->at.ahead > -0.99 * back && fabs(end->parameter[0] - at->parameter[0]) < apart;
+}
+
+/* The branch of `here`, beyond the change at `at`, heads away from that. Where it is told better from beyond
+ * goes to the change. */
+static void head_on(saltus_orbits *o, const saltus_solution *at, double heading, bool lost,
+                    saltus_solution *here, saltus_solution *scratch, saltus_change *change) {
+    const saltus_survey *before = &at->survey, *after = &here->survey;
+    if (heading * here->at.tangent[here->at.unknowns - 1] < 0)
+        saltus_curve_turn(&here->at);
+    double accuracy;
+    /* Flights that shrink to nothing end among the flow's tolerances; the force of a contact has a sharp
+     * zero. */
+    if (is_held(after) &&
+        begins_at(o, at, here, change->distance, 0.1 * change->distance, scratch, &accuracy)) {
+        change->value = scratch->value;
+        change->accuracy = accuracy;
+    }
+    if (before->impacts < 0 && after->impacts > 0 && !leads_away(o, here, change->distance, scratch))
+        saltus_curve_turn(&here->at);
+    if (is_held(before) || before->impacts < 0)
+        return;
+    /* From beyond chatter that completes is told sharper. Where the curve was lost, and what was found does
+     * not begin there, an orbit of another branch was hit upon. */
+    double apart = after->impacts < 0 ? 0.01 * change->distance : 1e-7;
+    bool begins = begins_at(o, at, here, change->distance, apart, scratch, &accuracy);
+    if (begins && after->impacts < 0) {
+        change->value = scratch->value;
+        change->accuracy = accuracy;
+    } else if (!begins && lost && change->kind != SALTUS_POINT_REGULAR) {
+        change->kind = SALTUS_POINT_EP;
+        change->after[0] = 0;
+    }
+}
+
+saltus_status saltus_change_leap(saltus_orbits *o, const saltus_solution *from, double ahead, bool lost,
+                                 const char *why, const double range[2], saltus_solution *at,
+                                 saltus_solution *here, saltus_solution *scratch, saltus_change *change,
+                                 saltus_message *message) {
+    static const double reach[] = {1e-6, 1e-5, 1e-4, 1e-3, 3e-3, 1e-2};
+    double width = bracket(o, from, ahead, NULL, at), heading = at->at.tangent[at->at.unknowns - 1];
+    *change = (saltus_change){.kind = SALTUS_POINT_EP, .reason = why, .accuracy = NAN};
+    if (isnan(width))
+        return SALTUS_OK;
+    change->accuracy = width * slope(o, at);
+    double *state = calloc((size_t)o->n, sizeof *state);
+    if (!state)
+        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch");
+    bool found = false;
+    for (size_t k = 0; k < sizeof reach / sizeof reach[0] && !found; k++) {
+        double distance = copysign(reach[k], heading), parameter = at->parameter[0] + distance;
+        if (parameter < range[0] || parameter > range[1])
+            break;
+        /* Along the tangent to that parameter. */
+        for (int i = 0; i < o->n; i++)
+            state[i] = (at->at.u[i] + distance * at->at.tangent[i] / heading) *
+                       saltus_shooting_scale(o->shooting)[i];
+        found = shoot_freely(o, &at->sequence, &parameter, state, here);
+        change->distance = reach[k];
+    }
+    free(state);
+    if (!found)
+        return SALTUS_OK;
+    const saltus_survey *before = &at->survey, *after = &here->survey;
+    memcpy(change->after, after->label, sizeof change->after);
+    if (is_held(before) != is_held(after))
+        change->reason = is_held(after) ? "a contact becomes permanent" : "a contact lets go";
+    change->kind = (before->impacts < 0) != (after->impacts < 0)             ? SALTUS_POINT_CH
+                   : before->sticking_intervals != after->sticking_intervals ? SALTUS_POINT_ST
+                   : before->impacts != after->impacts                       ? SALTUS_POINT_GR
+                                                                             : SALTUS_POINT_REGULAR;
+    head_on(o, at, heading, lost, here, scratch, change);
+    return SALTUS_OK;
+}
+
+bool saltus_change_within(saltus_orbits *o, const saltus_solution *from, const saltus_solution *to,
+                          saltus_solution *at, saltus_change *change) {
+    bool chatter = (from->survey.impacts < 0) != (to->survey.impacts < 0);
+    double width = bracket(o, from, to->at.ahead, &from->survey, at);
+    *change =
+        (saltus_change){.kind = chatter ? SALTUS_POINT_CH : SALTUS_POINT_ST,
+                        .reason = chatter ? "chatter completes or ceases to" : "a contact begins or ends"};
+    memcpy(change->after, to->survey.label, sizeof change->after);
+    if (isnan(width))
+        return false;
+    change->accuracy = width * slope(o, at);
+    return true;
+}
+
+bool saltus_change_retrace(saltus_orbits *o, const saltus_solution *here, saltus_solution *fresh,
+                           saltus_solution *scratch, double *value, double *accuracy) {
+    const double back = 1e-3;
+    saltus_sequence met;
+    saltus_message ignored;
+    double heading = here->at.tangent[here->at.unknowns - 1], *state = calloc((size_t)o->n, sizeof *state);
+    if (!state)
+        saltus_orbits_noted(o, SALTUS_NO_MEMORY);
+    bool found = state && sequence_met(o, here, state, &met) &&
+                 saltus_solution_place(o, &met, here->parameter, state, true, fresh, &ignored) == SALTUS_OK &&
+                 saltus_solution_survey(o, fresh, &ignored) == SALTUS_OK && fresh->survey.follows;
+    free(state);
+    if (!found) {
+        saltus_orbits_noted(o, saltus_shooting_shape(o->shooting, &here->sequence, &ignored));
+        return false;
+    }
+    if (heading * fresh->at.tangent[fresh->at.unknowns - 1] < 0)
+        saltus_curve_turn(&fresh->at);
+    /* On the side where chatter is complete its end is the place where the contact after it vanishes: sharper
+     * than what the flow, with its tolerance, takes for complete. */
+    double width = bracket(o, fresh, -back, NULL, scratch);
+    if (scratch->at.ahead > -0.9 * back && fabs(scratch->value - *value) < 1e-4 * o->family.unit[0]) {
+        *value = scratch->value;
+        *accuracy = width * slope(o, scratch);
+    }
+    return true;
+}

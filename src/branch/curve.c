@@ -1,0 +1,286 @@
+/* Curves of solutions, by pseudo-arclength.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "branch/curve.h"
+
+#include <gsl/gsl_errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double step_min = 1e-7, turn_min = 0.92; /* least cosine between tangents a step apart */
+
+double saltus_scaled_in(saltus_scaled number, double exponent) {
+    return number.mantissa * exp(fmin(number.exponent - exponent, 600));
+}
+
+bool saltus_curve_reserve(saltus_curve_point *point, int unknowns) {
+    point->unknowns = unknowns;
+    point->bent = false;
+    if (unknowns > point->room) {
+        double *u = realloc(point->u, (size_t)unknowns * sizeof *u);
+        if (u)
+            point->u = u;
+        double *tangent = realloc(point->tangent, (size_t)unknowns * sizeof *tangent);
+        if (tangent)
+            point->tangent = tangent;
+        double *bend = realloc(point->bend, 2 * (size_t)unknowns * sizeof *bend);
+        if (bend)
+            point->bend = bend;
+        if (!u || !tangent || !bend)
+            return false;
+        point->room = unknowns;
+    }
+    return true;
+}
+
+void saltus_curve_clear(saltus_curve_point *point) {
+    free(point->u);
+    free(point->tangent);
+    free(point->bend);
+    *point = (saltus_curve_point){0};
+}
+
+void saltus_curve_turn(saltus_curve_point *point) {
+    for (int j = 0; j < point->unknowns; j++)
+        point->tangent[j] = -point->tangent[j];
+    point->crossing.mantissa = -point->crossing.mantissa;
+    point->bent = false;
+}
+
+void saltus_curve_bend(const saltus_curve_point *before, saltus_curve_point *point) {
+    double apart = 0;
+    for (int j = 0; j < point->unknowns; j++)
+        apart = hypot(apart, point->u[j] - before->u[j]);
+    for (int j = 0; j < point->unknowns; j++) {
+        double aside = before->u[j] - point->u[j] + apart * point->tangent[j];
+        double turn = before->tangent[j] - point->tangent[j];
+        double cube = (turn + 2 * aside / apart) / (apart * apart);
+        point->bend[j] = aside / (apart * apart) + cube * apart;
+        point->bend[point->unknowns + j] = cube;
+    }
+    point->bent = apart > 0;
+}
+
+double saltus_curve_interpolate(const double *x, const double *y, int count) {
+    double p[8];
+    memcpy(p, y, (size_t)count * sizeof *p);
+    for (int level = 1; level < count; level++)
+        for (int k = 0; k + level < count; k++)
+            p[k] = (x[k + level] * p[k] - x[k] * p[k + 1]) / (x[k + level] - x[k]);
+    return p[0];
+}
+
+static double product(const double *a, const double *b, int count) {
+    double sum = 0;
+    for (int j = 0; j < count; j++)
+        sum += a[j] * b[j];
+    return sum;
+}
+
+saltus_status saltus_curve_orient(saltus_equations *e, const double *guide, saltus_curve_point *point,
+                                  saltus_message *message) {
+    int sign, m = point->unknowns;
+    double values[2], *plane = guide ? NULL : calloc(2 * (size_t)m, sizeof *plane);
+    saltus_status status = SALTUS_OK;
+    if (!guide)
+        status = plane ? saltus_null_plane(e, plane, values, message)
+                       : saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch");
+    if (status == SALTUS_OK)
+        status = saltus_curve_tangent(e, guide ? guide : plane, point->tangent, &sign,
+                                      &point->crossing.exponent, message);
+    free(plane);
+    point->crossing.mantissa = status == SALTUS_OK ? sign : NAN;
+    point->residual = e->size;
+    return status;
+}
+
+/* The point straight ahead, to->tangent, whose room is free as long as the tangent is not known, and the
+ * prediction that follows the bend, to->u. */
+static void predict(const saltus_curve_point *from, double ahead, saltus_curve_point *to) {
+    int m = from->unknowns;
+    for (int j = 0; j < m; j++) {
+        to->tangent[j] = fma(ahead, from->tangent[j], from->u[j]);
+        to->u[j] = to->tangent[j];
+        if (from->bent)
+            to->u[j] += ahead * ahead * fma(ahead, from->bend[m + j], from->bend[j]);
+    }
+    to->ahead = ahead;
+}
+
+/* From a prediction onto the hyperplane through the point straight ahead. */
+static saltus_status correct(saltus_equations *e, const saltus_curve_point *from, const double *normal,
+                             saltus_curve_point *to, saltus_message *message) {
+    saltus_status status = saltus_newton(e, to->u, normal, to->tangent, false, &to->iterations, message);
+    return status == SALTUS_OK ? saltus_curve_orient(e, from->tangent, to, message) : status;
+}
+
+saltus_status saltus_curve_visit(saltus_equations *e, const saltus_curve_point *from, double ahead,
+                                 saltus_curve_point *to, saltus_message *message) {
+    if (!saltus_curve_reserve(to, from->unknowns))
+        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch");
+    predict(from, ahead, to);
+    return correct(e, from, from->tangent, to, message);
+}
+
+saltus_status saltus_curve_meet(saltus_equations *e, const saltus_curve_point *from, int k, double value,
+                                saltus_curve_point *to, saltus_message *message) {
+    int m = from->unknowns;
+    double ahead = (value - from->u[k]) / from->tangent[k];
+    double *normal = calloc((size_t)m, sizeof *normal);
+    if (!normal || !saltus_curve_reserve(to, m)) {
+        free(normal);
+        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch");
+    }
+    normal[k] = 1;
+    predict(from, ahead, to);
+    /* To the last bit: the equations may not be defined beyond. */
+    to->u[k] = to->tangent[k] = value;
+    saltus_status status = correct(e, from, normal, to, message);
+    free(normal);
+    to->ahead = product(to->u, from->tangent, m) - product(from->u, from->tangent, m);
+    return status;
+}
+
+/* The point at which unknown k has a value, where the equations are singular in the very place: extrapolated
+ * from points before it, and judged by its residual. */
+static saltus_status approach(saltus_equations *e, const saltus_curve_point *from, int k, double value,
+                              saltus_curve_point *to, saltus_message *message) {
+    enum { samples = 6 };
+    int m = from->unknowns;
+    double apart = 1e-2 * (from->u[k] - value), place[samples], *u = calloc((size_t)(m * samples), sizeof *u);
+    saltus_status status = u ? SALTUS_OK : saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch");
+    for (int j = 0; j < samples && status == SALTUS_OK; j++) {
+        place[j] = (samples - j) * apart;
+        status = saltus_curve_meet(e, from, k, value + place[j], to, message);
+        for (int i = 0; i < m; i++)
+            u[i * samples + j] = to->u[i];
+    }
+    /* The tangent stays that of the last of them. */
+    for (int i = 0; i < m && status == SALTUS_OK; i++)
+        to->u[i] = saltus_curve_interpolate(place, u + (ptrdiff_t)i * samples, samples);
+    free(u);
+    if (status != SALTUS_OK)
+        return status;
+    to->u[k] = value;
+    to->ahead = product(to->u, from->tangent, m) - product(from->u, from->tangent, m);
+    to->crossing.mantissa = NAN;
+    status = saltus_equations_evaluate(e, to->u, message);
+    to->residual = e->size;
+    if (status == SALTUS_OK && !(e->size <= e->tolerance))
+        return saltus_fail(message, SALTUS_NO_CONVERGENCE, "the branch does not reach the border");
+    return status;
+}
+
+/* Whether a step has led on along the curve, without much of a turn. */
+static bool goes_on(const saltus_curve_point *from, double step, const saltus_curve_point *to) {
+    return to->ahead > 0 && to->ahead < 2 * step &&
+           product(from->tangent, to->tangent, to->unknowns) > turn_min;
+}
+
+/* Whether a point has come out of a bound, and the border. */
+static bool is_outside(const saltus_curve_bound *bound, double value, double *border) {
+    *border = value < bound->low ? bound->low : bound->high;
+    return value < bound->low || value > bound->high;
+}
+
+/* One attempt: straight ahead, or to the first border on the way. */
+static saltus_status attempt(saltus_equations *e, const saltus_curve_point *from, double step,
+                             const saltus_curve_bound *bounds, int bound_count, saltus_curve_point *to,
+                             int *reached, saltus_message *message) {
+    double first = step, border;
+    *reached = -1;
+    for (int b = 0; b < bound_count; b++) {
+        int k = bounds[b].unknown;
+        if (is_outside(&bounds[b], fma(step, from->tangent[k], from->u[k]), &border) &&
+            (border - from->u[k]) / from->tangent[k] <= first) {
+            first = (border - from->u[k]) / from->tangent[k];
+            *reached = b;
+        }
+    }
+    saltus_status status =
+        *reached < 0 ? saltus_curve_visit(e, from, step, to, message)
+                     : saltus_curve_meet(e, from, bounds[*reached].unknown,
+                                         from->tangent[bounds[*reached].unknown] > 0 ? bounds[*reached].high
+                                                                                     : bounds[*reached].low,
+                                         to, message);
+    /* A curve that bends may leave where its tangent does not, or before. */
+    for (int b = 0; b < bound_count && status == SALTUS_OK; b++)
+        if (b != *reached && is_outside(&bounds[b], to->u[bounds[b].unknown], &border)) {
+            *reached = b;
+            status = saltus_curve_meet(e, from, bounds[b].unknown, border, to, message);
+        }
+    return status;
+}
+
+saltus_status saltus_curve_step(saltus_equations *e, const saltus_curve_point *from, double *step,
+                                const saltus_curve_bound *bounds, int bound_count, saltus_curve_point *to,
+                                int *reached, saltus_message *message) {
+    for (;;) {
+        saltus_status status = attempt(e, from, *step, bounds, bound_count, to, reached, message);
+        if (status == SALTUS_NO_MEMORY || (status == SALTUS_OK && goes_on(from, *step, to)))
+            return status;
+        if (*reached >= 0) {
+            const saltus_curve_bound *bound = &bounds[*reached];
+            int k = bound->unknown;
+            status = approach(e, from, k, from->tangent[k] > 0 ? bound->high : bound->low, to, message);
+            if (status == SALTUS_NO_MEMORY || (status == SALTUS_OK && goes_on(from, *step, to)))
+                return status;
+        }
+        if (*step < step_min)
+            return status == SALTUS_OK
+                       ? saltus_fail(message, SALTUS_NO_CONVERGENCE, "the branch has a corner")
+                       : status;
+        *step *= 0.5;
+    }
+}
+
+double saltus_curve_next_step(double step, int iterations, double largest) {
+    double factor = iterations <= 3 ? 1.5 : iterations > 5 ? 0.6 : 1;
+    return fmin(factor * step, largest);
+}
+
+/* One zero under way. */
+typedef struct search {
+    saltus_curve_function *function;
+    void *context;
+    const double *ends, *values; /* there */
+    double value;                /* the last one */
+    bool failed;
+} search;
+
+static double value_at(double ahead, void *context) {
+    search *s = context;
+    for (int k = 0; k < 2; k++)
+        if (ahead == s->ends[k])
+            return s->values[k];
+    s->failed = s->failed || !s->function(s->context, ahead, &s->value) || !isfinite(s->value);
+    return s->failed ? 0 : s->value;
+}
+
+bool saltus_curve_zero_between(gsl_root_fsolver *solver, saltus_curve_function *function, void *context,
+                               const double ends[2], const double values[2], double *place, double *width) {
+    enum { evaluations_max = 60 };
+    search s = {.function = function, .context = context, .ends = ends, .values = values, .value = values[1]};
+    gsl_function called = {.function = value_at, .params = &s};
+    *width = INFINITY;
+    /* A product might underflow. */
+    if (!((values[0] < 0 && values[1] > 0) || (values[0] > 0 && values[1] < 0)))
+        return false;
+    bool going =
+        gsl_root_fsolver_set(solver, &called, fmin(ends[0], ends[1]), fmax(ends[0], ends[1])) == GSL_SUCCESS;
+    for (int k = 0; k < evaluations_max && going && !s.failed; k++) {
+        going = gsl_root_fsolver_iterate(solver) == GSL_SUCCESS;
+        *place = gsl_root_fsolver_root(solver);
+        *width = gsl_root_fsolver_x_upper(solver) - gsl_root_fsolver_x_lower(solver);
+        going = going && *width > 1e-13 * fmax(1, fabs(*place)) && s.value != 0;
+    }
+    if (s.value == 0)
+        *width = 0;
+    return !s.failed;
+}
+
+bool saltus_curve_zero(gsl_root_fsolver *solver, saltus_curve_function *function, void *context, double near,
+                       double end, double far, double *place, double *width) {
+    const double ends[] = {0, end}, values[] = {near, far};
+    return saltus_curve_zero_between(solver, function, context, ends, values, place, width);
+}

@@ -1,0 +1,248 @@
+/* The equations of an orbit with one more that makes it special.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "branch/extended.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static void reserve(saltus_extended *x, int count) {
+    size_t m = (size_t)count + 2, c = (size_t)count, k = (size_t)x->copies;
+    saltus_equations_reserve(&x->equations, count + 2 + x->extra, &x->arena);
+    x->matrix = saltus_arena_doubles(&x->arena, k * (c + 1) * k * (c + 1));
+    x->right = saltus_arena_doubles(&x->arena, k * (c + 1));
+    x->left = saltus_arena_doubles(&x->arena, k * k * (c + 1));
+    x->b = saltus_arena_doubles(&x->arena, k * c);
+    x->c = saltus_arena_doubles(&x->arena, k * c);
+    x->aside = saltus_arena_doubles(&x->arena, m);
+    x->along = saltus_arena_doubles(&x->arena, k * c * m);
+    x->anchor = saltus_arena_doubles(&x->arena, m);
+}
+
+void saltus_extended_close(saltus_extended *x) {
+    saltus_arena_close(&x->arena);
+    x->arena = (saltus_arena){0};
+    saltus_dense_lu_close(&x->lu);
+    saltus_dense_lu_close(&x->equations.lu);
+}
+
+/* Room for the sequence that the shooting has. */
+saltus_status saltus_extended_shape(saltus_extended *x, saltus_message *message) {
+    int count = x->orbits.equations->count;
+    saltus_extended_close(x);
+    reserve(x, count);
+    if (!saltus_arena_open(&x->arena) || !saltus_dense_lu_open(&x->lu, x->copies * (count + 1)) ||
+        !saltus_dense_lu_open(&x->equations.lu, count + 2 + x->extra))
+        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a locus");
+    reserve(x, count);
+    return SALTUS_OK;
+}
+
+/* What is added to A where the orbit closes: 1 - e^{i theta} times the state at the base. */
+static void turn_of(const saltus_extended *x, double theta, double *re, double *im) {
+    *re = x->kind == SALTUS_POINT_PD ? 2 : x->kind == SALTUS_POINT_NS ? 1 - cos(theta) : 0;
+    *im = x->kind == SALTUS_POINT_NS ? -sin(theta) : 0;
+}
+
+/* A without borders, in real form: rows of `stride` numbers. */
+static void fill_singular(const saltus_extended *x, double theta, double *a, int stride) {
+    const saltus_equations *e = x->orbits.equations;
+    int c = e->count, n = x->orbits.n, row = saltus_shooting_closing_row(x->orbits.shooting);
+    double re, im;
+    turn_of(x, theta, &re, &im);
+    for (int k = 0; k < x->copies; k++) {
+        for (int i = 0; i < c; i++)
+            for (int j = 0; j < x->copies * c; j++)
+                a[(k * c + i) * stride + j] = j / c == k ? e->jacobian[i * e->unknowns + j % c] : 0;
+        for (int i = 0; i < n; i++) {
+            a[(k * c + row + i) * stride + k * c + i] += re;
+            if (x->copies == 2)
+                a[(k * c + row + i) * stride + (1 - k) * c + i] += k ? im : -im;
+        }
+    }
+}
+
+/* Borders from the null vectors of A at the point last evaluated. */
+saltus_status saltus_extended_choose(saltus_extended *x, double theta, saltus_message *message) {
+    int size = x->copies * x->orbits.equations->count;
+    double value, *a = calloc((size_t)(size * size), sizeof *a);
+    if (!a)
+        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a locus");
+    fill_singular(x, theta, a, size);
+    bool found = saltus_dense_null_vectors(a, size, size, 1, x->c, &value);
+    fill_singular(x, theta, a, size);
+    for (int i = 0; i < size; i++)
+        for (int j = 0; j < i; j++) {
+            double swap = a[i * size + j];
+            a[i * size + j] = a[j * size + i];
+            a[j * size + i] = swap;
+        }
+    found = found && saltus_dense_null_vectors(a, size, size, 1, x->b, &value);
+    free(a);
+    return found ? SALTUS_OK
+                 : saltus_fail(message, SALTUS_NO_CONVERGENCE, "no null vectors at the first point");
+}
+
+/* Solve the bordered systems at the point last evaluated: v, g and w. */
+static bool solve_bordered(saltus_extended *x, double theta) {
+    int c = x->orbits.equations->count, k = x->copies, size = k * c, order = size + k;
+    double *m = x->matrix;
+    fill_singular(x, theta, m, order);
+    for (int i = 0; i < size; i++) {
+        m[i * order + size] = x->b[i];
+        m[size * order + i] = x->c[i];
+        if (k == 2) { /* the same times i */
+            m[i * order + size + 1] = i < c ? -x->b[i + c] : x->b[i - c];
+            m[(size + 1) * order + i] = i < c ? -x->c[i + c] : x->c[i - c];
+        }
+    }
+    for (int i = 0; i < k; i++)
+        for (int j = 0; j < k; j++)
+            m[(size + i) * order + size + j] = 0;
+    if (!saltus_dense_factor(&x->lu, m))
+        return false;
+    memset(x->right, 0, (size_t)order * sizeof(double));
+    memset(x->left, 0, (size_t)(k * order) * sizeof(double));
+    x->right[size] = 1;
+    for (int i = 0; i < k; i++)
+        x->left[i * order + size + i] = 1;
+    saltus_dense_resolve(&x->lu, false, 1, x->right);
+    saltus_dense_resolve(&x->lu, true, k, x->left);
+    return true;
+}
+
+/* The derivative of the Jacobian along a vector of `count` unknowns, by central differences: of second order,
+ * or of fourth where it is to be sharp. */
+static saltus_status differentiate(saltus_extended *x, const double *u, const double *v, double *out,
+                                   saltus_message *message) {
+    static const double place[] = {1, -1, 2, -2}, share[] = {8. / 12, -8. / 12, -1. / 12, 1. / 12};
+    const double apart = x->sharp ? 1e-3 : 1e-4;
+    const saltus_equations *e = x->orbits.equations;
+    double length = 0;
+    saltus_status status = SALTUS_OK;
+    for (int j = 0; j < e->count; j++)
+        length = hypot(length, v[j]);
+    memset(out, 0, (size_t)(e->count * e->unknowns) * sizeof *out);
+    for (int k = 0; k < (x->sharp ? 4 : 2) && status == SALTUS_OK; k++) {
+        double factor = (x->sharp ? share[k] : 0.5 * place[k]) * length / apart;
+        memcpy(x->aside, u, (size_t)e->unknowns * sizeof *u);
+        for (int j = 0; j < e->count; j++)
+            x->aside[j] += place[k] * apart * v[j] / length;
+        status = saltus_equations_evaluate(x->orbits.equations, x->aside, message);
+        for (int j = 0; j < e->count * e->unknowns && status == SALTUS_OK; j++)
+            out[j] += factor * e->jacobian[j];
+    }
+    return status;
+}
+
+/* The rows of g: its value and gradient, from v, w and A' v. */
+static void fill_special(saltus_extended *x, const double *u) {
+    const saltus_equations *orbit = x->orbits.equations;
+    int c = orbit->count, m = orbit->unknowns, k = x->copies, order = k * (c + 1),
+        own = x->equations.unknowns;
+    int n = x->orbits.n, row = saltus_shooting_closing_row(x->orbits.shooting);
+    for (int i = 0; i < k; i++) {
+        const double *w = x->left + i * order;
+        double *gradient = x->equations.jacobian + (c + i) * own;
+        x->equations.residual[c + i] = x->right[k * c + i];
+        memset(gradient, 0, (size_t)own * sizeof *gradient);
+        for (int r = 0; r < k * c; r++)
+            for (int j = 0; j < m; j++)
+                gradient[j] -= w[r] * x->along[r * m + j];
+        if (x->kind != SALTUS_POINT_NS)
+            continue;
+        double sine = sin(u[m]), cosine = cos(u[m]);
+        for (int j = 0; j < n; j++) {
+            double re = x->right[j], im = x->right[c + j];
+            gradient[m] -=
+                w[row + j] * (sine * re + cosine * im) + w[c + row + j] * (sine * im - cosine * re);
+        }
+    }
+}
+
+/* v, w and g at grazing: the entry of the Jacobian that is the impact's speed. */
+static void pick_speed(saltus_extended *x) {
+    const saltus_equations *e = x->orbits.equations;
+    int entry = x->orbits.n * saltus_shooting_sequence(x->orbits.shooting)->cuts + x->mark;
+    memset(x->right, 0, (size_t)(e->count + 1) * sizeof(double));
+    memset(x->left, 0, (size_t)(e->count + 1) * sizeof(double));
+    x->right[entry] = 1;
+    x->right[e->count] = e->jacobian[entry * e->unknowns + entry];
+    x->left[entry] = -1;
+}
+
+saltus_status saltus_extended_evaluate(void *self, const double *u, saltus_message *message) {
+    saltus_extended *x = self;
+    saltus_equations *orbit = x->orbits.equations;
+    int c = orbit->count, m = orbit->unknowns, own = x->equations.unknowns;
+    double theta = x->extra ? u[m] : 0;
+    saltus_status status = saltus_equations_evaluate(orbit, u, message);
+    if (status != SALTUS_OK)
+        return status;
+    memset(x->equations.jacobian, 0, (size_t)(x->equations.count * own) * sizeof(double));
+    for (int i = 0; i < c; i++) {
+        x->equations.residual[i] = orbit->residual[i];
+        memcpy(x->equations.jacobian + i * own, orbit->jacobian + i * m, (size_t)m * sizeof(double));
+    }
+    if (x->kind == SALTUS_POINT_GR)
+        pick_speed(x);
+    else if (!solve_bordered(x, theta))
+        return saltus_fail(message, SALTUS_SINGULAR, "the bordered matrix is singular");
+    for (int k = 0; k < x->copies && status == SALTUS_OK; k++)
+        status = differentiate(x, u, x->right + k * c, x->along + k * c * m, message);
+    if (status != SALTUS_OK)
+        return status;
+    fill_special(x, u);
+    if (x->kind == SALTUS_POINT_BP) {
+        double *still = x->equations.jacobian + (c + 1) * own;
+        x->equations.residual[c + 1] = 0;
+        for (int i = 0; i < c; i++) {
+            x->equations.residual[i] += u[m] * x->b[i];
+            x->equations.jacobian[i * own + m] = x->b[i];
+        }
+        /* Half an orbit later the orbits that are their own mirror images are at minus their begin; what
+         * branches off is not. Without that symmetry the orbit stays where it was along c. */
+        for (int i = 0; i < (x->mirrored ? x->orbits.n : c); i++) {
+            double other = x->mirrored ? u[x->orbits.n + i] : -x->anchor[i];
+            x->equations.residual[c + 1] += x->c[i] * (u[i] + other);
+            still[i] = x->c[i];
+            if (x->mirrored)
+                still[x->orbits.n + i] = x->c[i];
+        }
+    }
+    return SALTUS_OK;
+}
+
+/* The borders become the null vectors of the point last evaluated, so that they stay far from orthogonal. */
+void saltus_extended_renew(saltus_extended *x, const double *u) {
+    int c = x->orbits.equations->count, size = x->copies * c;
+    double right = 0, left = 0;
+    if (x->kind == SALTUS_POINT_GR)
+        return;
+    for (int i = 0; i < size; i++) {
+        right = hypot(right, x->right[i]);
+        left = hypot(left, x->left[i]);
+    }
+    for (int i = 0; i < size; i++) {
+        x->c[i] = x->right[i] / right;
+        x->b[i] = x->left[i] / left;
+    }
+    memcpy(x->anchor, u, (size_t)(c + 2) * sizeof *u);
+}
+
+double saltus_extended_double(const saltus_extended *x) {
+    int c = x->orbits.equations->count, row = saltus_shooting_closing_row(x->orbits.shooting);
+    double sum = 0;
+    for (int i = 0; i < x->orbits.n; i++)
+        sum += x->left[row + i] * x->right[i];
+    return x->copies == 1 && c ? sum : NAN;
+}
+
+double saltus_extended_cusp(const saltus_extended *x) {
+    int c = x->orbits.equations->count;
+    const double *gradient = x->equations.jacobian + c * x->equations.unknowns;
+    double sum = 0;
+    for (int i = 0; i < c; i++)
+        sum += gradient[i] * x->right[i];
+    return sum;
+}

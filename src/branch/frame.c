@@ -1,0 +1,85 @@
+/* How an orbit is cut into unknowns.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "branch/sequence.h"
+#include "branch/solution.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+saltus_status saltus_solution_state_at(saltus_orbits *o, const saltus_solution *s, double time, double *state,
+                                       saltus_message *message) {
+    saltus_sequence cut = s->sequence, before = *saltus_shooting_sequence(o->shooting);
+    if (time == cut.base) {
+        memcpy(state, s->state, (size_t)o->n * sizeof *state);
+        return SALTUS_OK;
+    }
+    /* It is the state at a second cut. */
+    cut.cuts = 2;
+    cut.cut[0] = cut.base;
+    cut.cut[1] = time;
+    saltus_status status = saltus_shooting_shape(o->shooting, &cut, message);
+    double *u = calloc((size_t)o->equations->unknowns, sizeof *u);
+    if (status == SALTUS_OK && !u)
+        status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch");
+    if (status == SALTUS_OK)
+        status = saltus_shooting_fill(o->shooting, s->parameter, s->state, u, message);
+    for (int i = 0; i < o->n && status == SALTUS_OK; i++)
+        state[i] = u[o->n + i] * saltus_shooting_scale(o->shooting)[i];
+    free(u);
+    saltus_message ignored;
+    saltus_status back =
+        saltus_shooting_shape(o->shooting, &before, status == SALTUS_OK ? message : &ignored);
+    return saltus_orbits_noted(o, status == SALTUS_OK ? back : status);
+}
+
+/* As many segments as are asked for; if that is left open, twice as many where perturbations grow too much
+ * over one. */
+static int count_cuts(const saltus_orbits *o, const saltus_solution *s) {
+    const double growth_max = 1e4;
+    int asked = o->options.segments, cuts = s->sequence.cuts;
+    if (asked > 0)
+        return asked < SALTUS_CUTS_MAX ? asked : SALTUS_CUTS_MAX;
+    return s->growth > growth_max && 2 * cuts <= SALTUS_CUTS_MAX / 2 ? 2 * cuts : cuts;
+}
+
+static saltus_status place(saltus_orbits *o, const saltus_solution *s, const saltus_sequence *fresh,
+                           const int *order, saltus_solution *out, double *work) {
+    const saltus_sequence *old = &s->sequence;
+    saltus_message ignored;
+    double *state = work, *guide = work + o->n, common = 0;
+    double later = fresh->base < old->base ? fresh->base + old->periods : fresh->base;
+    saltus_status status = saltus_solution_state_at(o, s, later, state, &ignored);
+    if (status == SALTUS_OK)
+        status = saltus_solution_place(o, fresh, s->parameter, state, false, out, &ignored);
+    if (status != SALTUS_OK || o->family.parameters != 1)
+        return status;
+    saltus_sequence_carry(old, s->at.tangent, fresh, order, o->n, 1, guide);
+    for (int j = 0; j < out->at.unknowns; j++)
+        common += guide[j] * out->at.tangent[j];
+    if (common < 0)
+        saltus_curve_turn(&out->at);
+    return status;
+}
+
+bool saltus_solution_reframe(saltus_orbits *o, bool trims, saltus_solution *s, saltus_solution *scratch,
+                             int *order) {
+    saltus_sequence fresh;
+    saltus_message ignored;
+    double speed[SALTUS_MARKS_MAX];
+    saltus_solution_speeds(o, s, speed);
+    if (!saltus_sequence_reframe(&s->sequence, speed, count_cuts(o, s), trims, &fresh, order))
+        return false;
+    size_t room = (size_t)(o->n * (fresh.cuts + 1) + fresh.count + 1);
+    double *work = calloc(room, sizeof *work);
+    saltus_status status = work ? place(o, s, &fresh, order, scratch, work) : SALTUS_NO_MEMORY;
+    free(work);
+    if (saltus_orbits_noted(o, status) != SALTUS_OK) {
+        saltus_orbits_noted(o, saltus_shooting_shape(o->shooting, &s->sequence, &ignored));
+        return false;
+    }
+    saltus_survey_swap(s, scratch);
+    saltus_solution swap = *s;
+    *s = *scratch;
+    *scratch = swap;
+    return true;
+}

@@ -1,0 +1,622 @@
+/* Curves of special points in two parameters.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "branch/locus.h"
+
+#include "branch/corner.h"
+#include "branch/point.h"
+#include "branch/sequence.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Steps are measured in the plane of the parameters, unless the states change so much faster. */
+static const double slowest = 0.1;
+
+struct saltus_locus {
+    saltus_branch_options options;
+    saltus_extended x;
+    double origin;         /* of the second parameter */
+    double *beginning;     /* unknowns of the first point */
+    saltus_sequence first; /* its sequence */
+    int first_mark;
+    saltus_curve_point here, next, trial;
+    saltus_solution orbit, scratch, located; /* of `here`, of `next`, of `trial` */
+    saltus_corner corners[SALTUS_CORNERS_MAX], corners_ahead[SALTUS_CORNERS_MAX]; /* of `here`, of `next` */
+    int corner_count;
+    int heading; /* of the curve under way; 0: none yet */
+    int number, made;
+    double arclength, step, first_plane[2], first_way[2];
+    bool has_left;    /* it has been further from its first point than a few steps */
+    double second[2]; /* the last place where two impacts grazed, */
+    double gap;       /* how far from the one before, */
+    int closer;       /* and how often it has been closer than before */
+    bool strict;      /* a place where events change could not be located: go up to it by shorter steps */
+    bool lost;        /* the orbit could not be cut better */
+    bool ended;       /* this curve */
+    saltus_branch_point points[3 * SALTUS_CORNERS_MAX]; /* made but not yet given out */
+    int made_count, given;
+};
+
+static saltus_status no_memory(saltus_message *message) {
+    return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a locus");
+}
+
+/* The orbit at a point of the locus, surveyed. */
+static saltus_status see_orbit(saltus_locus *l, const saltus_curve_point *point, saltus_solution *out,
+                               saltus_message *message) {
+    saltus_orbits *o = &l->x.orbits;
+    size_t m = (size_t)o->equations->unknowns;
+    if (!saltus_curve_reserve(&out->at, (int)m))
+        return no_memory(message);
+    memcpy(out->at.u, point->u, m * sizeof *point->u);
+    memcpy(out->at.tangent, point->tangent, m * sizeof *point->u);
+    out->at.iterations = point->iterations;
+    saltus_status status = saltus_equations_evaluate(o->equations, out->at.u, message);
+    if (status == SALTUS_OK)
+        status = saltus_solution_see(o, out, message);
+    if (status == SALTUS_OK)
+        status = saltus_solution_survey(o, out, message);
+    return status;
+}
+
+/* The orbit at a point that Newton's method has just found, and the functions whose zeros are corners. */
+static saltus_status see_all(saltus_locus *l, const saltus_curve_point *point, saltus_solution *out,
+                             saltus_corner *corners, saltus_message *message) {
+    saltus_status status = see_orbit(l, point, out, message);
+    if (status != SALTUS_OK)
+        return status;
+    int count = saltus_corner_measure(&l->x, point, out, corners);
+    l->corner_count = count;
+    return count < 0 ? no_memory(message) : SALTUS_OK;
+}
+
+/* Whether the orbit is one, and the special one that is followed. Beyond another impact's birth or death it
+ * is none, but the curve goes on to there, unless that place cannot be located. */
+static bool is_sound(const saltus_locus *l, const saltus_curve_point *point, const saltus_solution *s) {
+    if (l->x.kind == SALTUS_POINT_BP && !(fabs(point->u[s->at.unknowns]) < 1e-8))
+        return false;
+    if (saltus_corner_breach(&l->x, s) > 1e-9)
+        return !l->strict;
+    return l->x.kind == SALTUS_POINT_GR || s->survey.follows;
+}
+
+/* Onto the locus at the second parameter's value as it is; the tangent of either sign goes to `here`. */
+static saltus_status find_first(saltus_locus *l, saltus_message *message) {
+    int c = l->x.orbits.equations->count, m = l->x.equations.unknowns;
+    double *normal = calloc((size_t)m, sizeof *normal), *anchor = calloc((size_t)m, sizeof *anchor);
+    saltus_status status = normal && anchor ? SALTUS_OK : no_memory(message);
+    if (status == SALTUS_OK) {
+        normal[c + 1] = 1;
+        memcpy(anchor, l->here.u, (size_t)m * sizeof *anchor);
+        status =
+            saltus_newton(&l->x.equations, l->here.u, normal, anchor, true, &l->here.iterations, message);
+    }
+    if (status == SALTUS_OK)
+        saltus_extended_renew(&l->x, l->here.u);
+    if (status == SALTUS_OK)
+        status = saltus_equations_evaluate(&l->x.equations, l->here.u, message);
+    if (status == SALTUS_OK)
+        status = saltus_curve_orient(&l->x.equations, NULL, &l->here, message);
+    free(normal);
+    free(anchor);
+    return status;
+}
+
+/* The angle of the pair on the unit circle. */
+static double angle_on_circle(const saltus_survey *survey, int n) {
+    double best = INFINITY, angle = 0;
+    for (int i = 0; i < n; i++)
+        if (survey->multipliers[i].im > 0 && fabs(survey->multipliers[i].log_modulus) < best) {
+            best = fabs(survey->multipliers[i].log_modulus);
+            angle = atan2(survey->multipliers[i].im, survey->multipliers[i].re);
+        }
+    return angle;
+}
+
+/* The first point, from one that a branch has found. */
+static saltus_status open_first(saltus_locus *l, const saltus_solution *at, const saltus_sequence *beyond,
+                                saltus_message *message) {
+    const saltus_sequence *sequence = &at->sequence;
+    if (beyond && beyond->count > sequence->count)
+        sequence = beyond;
+    const saltus_sequence *less = sequence == beyond ? &at->sequence : beyond;
+    double parameters[2] = {at->parameter[0], 0};
+    saltus_sequence halves;
+    if (l->x.mirrored && l->x.kind == SALTUS_POINT_BP) {
+        halves = *sequence;
+        halves.cuts = 2;
+        halves.cut[1] = halves.base + 0.5 * halves.periods;
+        sequence = &halves;
+    }
+    while (beyond && l->x.mark < less->count && sequence->mark[l->x.mark].time == less->mark[l->x.mark].time)
+        l->x.mark++;
+    saltus_status status =
+        saltus_solution_place(&l->x.orbits, sequence, parameters, at->state, false, &l->orbit, message);
+    if (status == SALTUS_OK)
+        status = saltus_extended_shape(&l->x, message);
+    if (status == SALTUS_OK && !saltus_curve_reserve(&l->here, l->x.equations.unknowns))
+        status = no_memory(message);
+    if (status != SALTUS_OK)
+        return status;
+    int m = l->x.orbits.equations->unknowns;
+    memcpy(l->here.u, l->orbit.at.u, (size_t)m * sizeof *l->here.u);
+    memcpy(l->x.anchor, l->here.u, (size_t)m * sizeof *l->here.u);
+    double theta = l->x.kind == SALTUS_POINT_NS ? angle_on_circle(&at->survey, l->x.orbits.n) : 0;
+    if (l->x.extra)
+        l->here.u[m] = theta;
+    if (l->x.kind != SALTUS_POINT_GR)
+        status = saltus_extended_choose(&l->x, theta, message);
+    if (status == SALTUS_OK)
+        status = find_first(l, message);
+    if (status != SALTUS_OK)
+        return status;
+    l->first = l->orbit.sequence;
+    l->first_mark = l->x.mark;
+    l->beginning = calloc((size_t)l->x.equations.unknowns, sizeof *l->beginning);
+    if (!l->beginning)
+        return no_memory(message);
+    memcpy(l->beginning, l->here.u, (size_t)l->x.equations.unknowns * sizeof *l->beginning);
+    return see_all(l, &l->here, &l->orbit, l->corners, message);
+}
+
+saltus_status saltus_locus_new(const saltus_spec *spec, const saltus_branch_options *options,
+                               const saltus_solution *at, const saltus_sequence *beyond, saltus_locus **locus,
+                               saltus_message *message) {
+    const double tolerance =
+        1e-8; /* g is made of the Jacobian's entries, which are less sharp than residuals */
+    saltus_locus *l = calloc(1, sizeof *l);
+    *locus = l;
+    if (!l)
+        return no_memory(message);
+    saltus_orbits *o = &l->x.orbits;
+    l->options = *options;
+    l->x.kind = options->locus;
+    l->x.extra = options->locus == SALTUS_POINT_NS || options->locus == SALTUS_POINT_BP;
+    l->x.copies = options->locus == SALTUS_POINT_NS ? 2 : 1;
+    l->x.equations = (saltus_equations){.self = &l->x,
+                                        .evaluate = saltus_extended_evaluate,
+                                        .tolerance = fmax(tolerance, options->orbit.tolerance),
+                                        .iterations = options->orbit.iterations};
+    o->options = options->orbit;
+    o->options.flow.stop = NULL;
+    o->family = (saltus_family){.spec = *spec, .parameters = 2};
+    saltus_status status = SALTUS_OK;
+    for (int d = 0; d < 2 && status == SALTUS_OK; d++) {
+        o->family.unit[d] = options->high[d] - options->low[d];
+        status = saltus_spec_direction(spec, options->key[d], &o->family.direction[d],
+                                       d ? &l->origin : &o->origin, message);
+    }
+    if (status == SALTUS_OK)
+        status = saltus_orbits_open(o, message);
+    bool shift;
+    l->x.mirrored = status == SALTUS_OK && saltus_system_mirror_symmetric(o->system, &shift) &&
+                    saltus_solution_half_distance(o, at, true) < (l->x.kind == SALTUS_POINT_BP ? 1e-3 : 1e-7);
+    if (l->x.mirrored && l->x.kind == SALTUS_POINT_BP)
+        o->options.segments = 2;
+    return status == SALTUS_OK ? open_first(l, at, beyond, message) : status;
+}
+
+void saltus_locus_free(saltus_locus *l) {
+    if (!l)
+        return;
+    saltus_extended_close(&l->x);
+    saltus_curve_clear(&l->here);
+    saltus_curve_clear(&l->next);
+    saltus_curve_clear(&l->trial);
+    saltus_solution_clear(&l->orbit);
+    saltus_solution_clear(&l->scratch);
+    saltus_solution_clear(&l->located);
+    for (int k = l->given; k < l->made_count; k++)
+        saltus_branch_point_clear(&l->points[k]);
+    saltus_orbits_close(&l->x.orbits);
+    free(l->beginning);
+    free(l);
+}
+
+/* A point of the curve, `ahead` of `here`. */
+static saltus_status give(saltus_locus *l, const saltus_solution *s, const saltus_curve_point *at,
+                          saltus_point_kind kind, double ahead, const char *reason, saltus_message *message) {
+    const saltus_family *family = &l->x.orbits.family;
+    bool grazing = l->x.kind == SALTUS_POINT_GR || fabs(saltus_corner_breach(&l->x, s)) < 1e-8;
+    saltus_branch_point *point = &l->points[l->made_count];
+    saltus_status status = saltus_point_make(&l->x.orbits, s, grazing, point, message);
+    if (status != SALTUS_OK)
+        return status;
+    l->ended = kind == SALTUS_POINT_EP || l->made + 1 >= l->options.points;
+    if (l->ended && kind != SALTUS_POINT_EP)
+        reason = "as many points as asked for";
+    point->kind = l->ended ? SALTUS_POINT_EP : kind;
+    point->branch = l->number;
+    point->parent = -1;
+    point->step = l->made++;
+    point->arclength = l->arclength + ahead;
+    point->accuracy = NAN;
+    point->value[1] = l->origin + family->unit[1] * s->parameter[1];
+    point->heading = at->tangent[l->x.orbits.equations->count] * family->unit[0];
+    if (grazing)
+        point->admissible = saltus_corner_breach(&l->x, s) < 1e-9;
+    if (l->x.kind == SALTUS_POINT_GR) {
+        const saltus_mark *own = &s->sequence.mark[l->x.mark];
+        const saltus_breach touch = {.face = own->face, .time = own->time};
+        saltus_point_mark_grazing(&l->x.orbits, &touch, point);
+    }
+    snprintf(point->reason, sizeof point->reason, "%s", reason ? reason : "");
+    l->made_count++;
+    return status;
+}
+
+/* The first point again, one way or the other. */
+static saltus_status begin(saltus_locus *l, int heading, saltus_message *message) {
+    saltus_status status = SALTUS_OK;
+    if (l->heading != 0) { /* the second way: back from where the first one ended */
+        l->x.mark = l->first_mark;
+        status = saltus_shooting_shape(l->x.orbits.shooting, &l->first, message);
+        if (status == SALTUS_OK)
+            status = saltus_extended_shape(&l->x, message);
+        int m = l->x.orbits.equations->unknowns;
+        if (status == SALTUS_OK && !saltus_curve_reserve(&l->here, l->x.equations.unknowns))
+            status = no_memory(message);
+        if (status != SALTUS_OK)
+            return status;
+        memcpy(l->here.u, l->beginning, (size_t)l->x.equations.unknowns * sizeof *l->beginning);
+        memcpy(l->x.anchor, l->here.u, (size_t)m * sizeof *l->here.u);
+        status = saltus_equations_evaluate(l->x.orbits.equations, l->here.u, message);
+        if (status == SALTUS_OK && l->x.kind != SALTUS_POINT_GR)
+            status = saltus_extended_choose(&l->x, l->x.extra ? l->here.u[m] : 0, message);
+        if (status == SALTUS_OK)
+            status = find_first(l, message);
+        if (status == SALTUS_OK)
+            status = see_all(l, &l->here, &l->orbit, l->corners, message);
+    }
+    if (status != SALTUS_OK)
+        return status;
+    int c = l->x.orbits.equations->count;
+    if (l->here.tangent[c + 1] * heading < 0)
+        saltus_curve_turn(&l->here);
+    l->number += l->heading != 0;
+    l->heading = heading;
+    l->made = 0;
+    l->arclength = 0;
+    l->has_left = l->lost = l->strict = false;
+    l->gap = l->closer = 0;
+    l->step = 0.1 * l->options.step;
+    memcpy(l->first_plane, l->here.u + c, sizeof l->first_plane);
+    memcpy(l->first_way, l->here.tangent + c, sizeof l->first_way);
+    return give(l, &l->orbit, &l->here, l->x.kind, 0, NULL, message);
+}
+
+/* Whether the last step, to `here` from what is now `next`, has led over the first point, the same way. */
+static bool is_closed(saltus_locus *l) {
+    int c = l->x.orbits.equations->count;
+    const double *plane = l->here.u + c, *before = l->next.u + c;
+    double step[2], back[2];
+    for (int k = 0; k < 2; k++) {
+        step[k] = plane[k] - before[k];
+        back[k] = l->first_plane[k] - before[k];
+    }
+    double stride = hypot(step[0], step[1]);
+    double along = (back[0] * step[0] + back[1] * step[1]) / stride;
+    double aside = fabs(back[0] * step[1] - back[1] * step[0]) / stride;
+    double same_way = step[0] * l->first_way[0] + step[1] * l->first_way[1];
+    l->has_left |= hypot(back[0], back[1]) > 3 * stride;
+    return l->has_left && along >= 0 && along <= stride && aside < 0.1 * stride && same_way > 0;
+}
+
+/* `here` becomes the same orbit as `orbit` has it, with a sequence that was made from `old`, at which the
+ * tangent was `tangent`; order: where the marks stood. */
+static saltus_status install(saltus_locus *l, const saltus_sequence *old, const double *tangent, double extra,
+                             const int *order, saltus_message *message) {
+    const saltus_sequence *fresh = &l->orbit.sequence;
+    saltus_equations *orbit = l->x.orbits.equations;
+    int m = orbit->unknowns, old_unknowns = old->cuts * l->x.orbits.n + old->count + 2;
+    double *guide = calloc((size_t)(m + l->x.extra), sizeof *guide);
+    saltus_status status = guide ? saltus_extended_shape(&l->x, message) : no_memory(message);
+    if (status == SALTUS_OK) {
+        saltus_sequence_carry(old, tangent, fresh, order, l->x.orbits.n, 2, guide);
+        if (l->x.extra)
+            guide[m] = tangent[old_unknowns];
+        if (!saltus_curve_reserve(&l->here, m + l->x.extra))
+            status = no_memory(message);
+    }
+    for (int k = 0, mark = l->x.mark; k < fresh->count; k++)
+        if (order[k] == mark)
+            l->x.mark = k;
+    if (status == SALTUS_OK) {
+        memcpy(l->here.u, l->orbit.at.u, (size_t)m * sizeof *l->here.u);
+        memcpy(l->x.anchor, l->here.u, (size_t)m * sizeof *l->here.u);
+        if (l->x.extra)
+            l->here.u[m] = extra;
+        status = saltus_equations_evaluate(orbit, l->here.u, message);
+    }
+    if (status == SALTUS_OK && l->x.kind != SALTUS_POINT_GR)
+        status = saltus_extended_choose(&l->x, extra, message);
+    if (status == SALTUS_OK)
+        status = saltus_equations_evaluate(&l->x.equations, l->here.u, message);
+    if (status == SALTUS_OK)
+        status = saltus_curve_orient(&l->x.equations, guide, &l->here, message);
+    free(guide);
+    /* The determinants are others now. */
+    return status == SALTUS_OK ? see_all(l, &l->here, &l->orbit, l->corners, message) : status;
+}
+
+/* Cut the orbit better, where an event has come near its base or a cut. */
+static saltus_status reframe(saltus_locus *l, saltus_message *message) {
+    int order[SALTUS_MARKS_MAX];
+    saltus_sequence old = l->orbit.sequence;
+    if (!saltus_solution_reframe(&l->x.orbits, l->x.kind != SALTUS_POINT_GR, &l->orbit, &l->scratch, order))
+        return SALTUS_OK;
+    double *tangent = calloc((size_t)l->here.unknowns, sizeof *tangent);
+    if (!tangent)
+        return no_memory(message);
+    memcpy(tangent, l->here.tangent, (size_t)l->here.unknowns * sizeof *tangent);
+    saltus_status status =
+        install(l, &old, tangent, l->x.extra ? l->here.u[l->here.unknowns - 1] : 0, order, message);
+    free(tangent);
+    return status;
+}
+
+/* `next` becomes `here`. */
+static void step_on(saltus_locus *l) {
+    saltus_curve_point point = l->here;
+    saltus_solution orbit = l->orbit;
+    l->here = l->next;
+    l->next = point;
+    l->orbit = l->scratch;
+    l->scratch = orbit;
+    l->arclength += l->here.ahead;
+    saltus_curve_bend(&l->next, &l->here);
+}
+
+/* Beyond a second grazing, `located`, the curve of the first goes on with the second impact born or dead:
+ * `here` becomes an orbit a little beyond with that sequence, where it is admissible; in the very place,
+ * where the second impact has no speed, the signs of the functions mean nothing. *passed: whether there is
+ * such a way. Errors: SALTUS_NO_MEMORY. */
+static saltus_status pass_grazing(saltus_locus *l, bool *passed, saltus_message *message) {
+    const double ahead = 1e-4;
+    int order[SALTUS_MARKS_MAX], worst = -1;
+    saltus_sequence old = l->located.sequence, fresh;
+    saltus_message why = {""};
+    const double value = saltus_corner_breach(&l->x, &l->located);
+    *passed = false;
+    for (int k = 0; k < l->located.breach_count; k++)
+        if (l->located.breaches[k].value == value)
+            worst = k;
+    if (worst < 0)
+        return SALTUS_OK;
+    saltus_breach touch = l->located.breaches[worst];
+    touch.value = 0;
+    saltus_sequence_graze(&old, &touch, 1, &fresh, order);
+    saltus_status status = saltus_solution_place(&l->x.orbits, &fresh, l->located.parameter, l->located.state,
+                                                 false, &l->orbit, &why);
+    if (status == SALTUS_OK)
+        status = install(l, &old, l->trial.tangent, 0, order, &why);
+    for (int way = 0; way < 2 && status == SALTUS_OK && !*passed; way++) {
+        saltus_corner corners[SALTUS_CORNERS_MAX];
+        if (way > 0)
+            saltus_curve_turn(&l->here);
+        saltus_status tried = saltus_curve_visit(&l->x.equations, &l->here, ahead, &l->next, &why);
+        if (tried == SALTUS_OK)
+            tried = see_all(l, &l->next, &l->scratch, corners, &why);
+        *passed = tried == SALTUS_OK && saltus_corner_breach(&l->x, &l->scratch) < 0;
+        if (*passed)
+            memcpy(l->corners, corners, sizeof corners);
+    }
+    if (*passed)
+        step_on(l);
+    return status == SALTUS_NO_MEMORY ? no_memory(message) : SALTUS_OK;
+}
+
+/* A step onto a sound orbit, halved until there is one; false if there is none. */
+static saltus_status take_step(saltus_locus *l, int *reached, bool *found, saltus_message *message) {
+    const double stride_min = 1e-5;
+    int c = l->x.orbits.equations->count;
+    const saltus_curve_bound bounds[2] = {
+        {c, (l->options.low[0] - l->x.orbits.origin) / l->x.orbits.family.unit[0],
+         (l->options.high[0] - l->x.orbits.origin) / l->x.orbits.family.unit[0]},
+        {c + 1, (l->options.low[1] - l->origin) / l->x.orbits.family.unit[1],
+         (l->options.high[1] - l->origin) / l->x.orbits.family.unit[1]}};
+    saltus_message why = {""};
+    for (*found = false; !*found && l->step > stride_min; l->step *= *found ? 1 : 0.5) {
+        saltus_status status =
+            saltus_curve_step(&l->x.equations, &l->here, &l->step, bounds, 2, &l->next, reached, &why);
+        if (status == SALTUS_OK)
+            status = see_all(l, &l->next, &l->scratch, l->corners_ahead, &why);
+        if (status == SALTUS_NO_MEMORY)
+            return no_memory(message);
+        double stride = hypot(l->next.u[c] - l->here.u[c], l->next.u[c + 1] - l->here.u[c + 1]);
+        *found =
+            status == SALTUS_OK && stride <= 1.2 * l->options.step_max && is_sound(l, &l->next, &l->scratch);
+    }
+    if (*found)
+        saltus_extended_renew(&l->x, l->next.u);
+    return SALTUS_OK;
+}
+
+/* One corner under way. */
+typedef struct location {
+    saltus_locus *l;
+    int corner;
+} location;
+
+static bool corner_at(void *context, double ahead, double *value) {
+    location *self = context;
+    saltus_locus *l = self->l;
+    saltus_corner corners[SALTUS_CORNERS_MAX];
+    saltus_message ignored;
+    if (saltus_curve_visit(&l->x.equations, &l->here, ahead, &l->trial, &ignored) != SALTUS_OK ||
+        see_all(l, &l->trial, &l->located, corners, &ignored) != SALTUS_OK)
+        return false;
+    *value = saltus_scaled_in(corners[self->corner].value, l->corners[self->corner].value.exponent);
+    return true;
+}
+
+enum { not_located = -2 };
+
+/* The first corner on the way from `here` to `next`, of those further than *ahead, becomes `trial` and
+ * `located`; -1: none, not_located: the orbit changes its events, but where is not told. Where the curve ends
+ * at another impact's birth or death a multiplier is infinite, and other functions may vanish with it: they
+ * tell nothing. */
+static int find_corner(saltus_locus *l, double *ahead) {
+    const double together = 1e-6, jump = 1e-8;
+    int first = -1;
+    double place = 0, width, value, nearest = INFINITY, from = *ahead;
+    l->x.sharp = true;
+    for (int k = 0; k < l->corner_count; k++) {
+        double near = saltus_scaled_in(l->corners[k].value, l->corners[k].value.exponent);
+        double far = saltus_scaled_in(l->corners_ahead[k].value, l->corners[k].value.exponent);
+        location self = {l, k};
+        bool located = near * far < 0 && saltus_curve_zero(l->x.orbits.solver, corner_at, &self, near,
+                                                           l->next.ahead, far, &place, &width);
+        /* A breach may begin with a jump, where a maximum of the gap appears. */
+        if (k == 0 && far > 1e-9 && !(located && corner_at(&self, place, &value) && fabs(value) < jump))
+            first = not_located;
+        if (first == not_located)
+            break;
+        if (located && place > from && place < nearest) {
+            nearest = k == 0 ? place - together : place;
+            first = k;
+        }
+    }
+    if (first == 0)
+        nearest += together;
+    location self = {l, first};
+    bool found = first >= 0 && corner_at(&self, nearest, &value);
+    l->x.sharp = false;
+    *ahead = nearest;
+    return found ? first : -1;
+}
+
+/* Where the pair of multipliers meets, at theta = 0 or pi, the equations are singular; but the curve is even
+ * in theta there, so `trial` is interpolated in its square from regular points on the way. */
+static bool sharpen_resonance(saltus_locus *l, double theta, saltus_message *message) {
+    enum { samples = 6 };
+    const double apart = 0.02;
+    int m = l->here.unknowns;
+    double square[samples], *u = calloc((size_t)(m * samples), sizeof *u);
+    bool found = u;
+    if (!u)
+        l->x.orbits.starved = true;
+    for (int k = 0; k < samples && found; k++) {
+        double aside = apart * (k + 1), at = theta > 1 ? theta - aside : aside;
+        square[k] = aside * aside;
+        found = saltus_curve_meet(&l->x.equations, &l->here, m - 1, at, &l->trial, message) == SALTUS_OK;
+        for (int j = 0; j < m && found; j++)
+            u[j * samples + k] = l->trial.u[j];
+    }
+    for (int j = 0; j < m && found; j++)
+        l->trial.u[j] = saltus_curve_interpolate(square, u + j * samples, samples);
+    if (found)
+        l->trial.u[m - 1] = theta;
+    free(u);
+    return found && see_orbit(l, &l->trial, &l->located, message) == SALTUS_OK;
+}
+
+static const char *const corner_reasons[] = {
+    [SALTUS_POINT_GR_LP] = "a fold meets grazing",
+    [SALTUS_POINT_GR_PD] = "a flip meets grazing",
+    [SALTUS_POINT_GR_NS] = "a Neimark-Sacker point meets grazing",
+    [SALTUS_POINT_GR_GR] = "two impacts graze",
+    [SALTUS_POINT_GR_BP] = "a branch point meets grazing",
+    [SALTUS_POINT_R1] = "the pair of multipliers meets at 1",
+    [SALTUS_POINT_R2] = "the pair of multipliers meets at -1",
+};
+
+/* Whether the places where two impacts graze, the last of them `trial`, come ever closer to one another. */
+static bool accumulates(saltus_locus *l) {
+    enum { enough = 4 };
+    const double *place = l->trial.u + l->x.orbits.equations->count;
+    double gap = hypot(place[0] - l->second[0], place[1] - l->second[1]);
+    l->closer = gap < 0.9 * l->gap ? l->closer + 1 : 0;
+    l->gap = gap;
+    memcpy(l->second, place, sizeof l->second);
+    return l->closer >= enough;
+}
+
+/* `trial` and `located` are a corner, at which the curve may end, or go on with other events: *moved. */
+static saltus_status give_corner(saltus_locus *l, const saltus_corner *corner, double ahead, bool *moved,
+                                 saltus_message *message) {
+    saltus_point_kind kind = corner->kind;
+    bool ends = corner->ends;
+    saltus_message ignored;
+    if (l->x.kind == SALTUS_POINT_NS && ends && kind != SALTUS_POINT_GR_NS)
+        sharpen_resonance(l, kind == SALTUS_POINT_R2 ? 3.14159265358979323846 : 0, &ignored);
+    saltus_status status = give(l, &l->located, &l->trial, kind, ahead, NULL, message);
+    *moved = false;
+    if (status != SALTUS_OK || l->ended)
+        return status;
+    /* There the curve of tori turns back: theta goes on beyond 0 or pi, and gives the same orbits again. */
+    if (l->x.kind == SALTUS_POINT_NS && ends && kind != SALTUS_POINT_GR_NS)
+        l->points[l->made_count - 1].heading = 0;
+    if (kind == SALTUS_POINT_GR_GR && accumulates(l))
+        return give(l, &l->located, &l->trial, SALTUS_POINT_EP, ahead,
+                    "grazings follow one another ever more closely, towards complete chatter", message);
+    if (kind == SALTUS_POINT_GR_GR)
+        status = pass_grazing(l, moved, message);
+    if (*moved)
+        l->arclength += ahead;
+    if (status == SALTUS_OK && ends && !*moved)
+        status = give(l, &l->located, &l->trial, SALTUS_POINT_EP, ahead, corner_reasons[kind], message);
+    return status;
+}
+
+/* One step along the curve under way, with the corners on it. */
+static saltus_status advance(saltus_locus *l, saltus_message *message) {
+    int reached, k;
+    bool found, moved;
+    double ahead;
+    saltus_status status;
+    do {
+        status = take_step(l, &reached, &found, message);
+        if (status != SALTUS_OK)
+            return status;
+        if (!found || l->lost)
+            return give(l, &l->orbit, &l->here, SALTUS_POINT_EP, 0,
+                        "the curve ends: its orbit changes its events or the curve has a corner", message);
+        ahead = 0;
+        k = find_corner(l, &ahead);
+        l->strict |= k == not_located;
+        l->step = k == not_located ? 0.5 * l->next.ahead : l->step;
+    } while (k == not_located);
+    for (; k >= 0; k = find_corner(l, &ahead)) {
+        status = give_corner(l, &l->corners[k], ahead, &moved, message);
+        if (status != SALTUS_OK || l->ended || moved)
+            return status;
+    }
+    step_on(l);
+    memcpy(l->corners, l->corners_ahead, sizeof l->corners);
+    bool closed = is_closed(l);
+    const double *way = l->here.tangent + l->x.orbits.equations->count;
+    l->step = saltus_curve_next_step(l->step, l->here.iterations,
+                                     l->options.step_max / fmax(hypot(way[0], way[1]), slowest));
+    status = give(l, &l->orbit, &l->here, closed || reached >= 0 ? SALTUS_POINT_EP : l->x.kind, 0,
+                  closed         ? "the curve is closed: it has come back"
+                  : reached >= 0 ? "end of the parameters' range"
+                                 : NULL,
+                  message);
+    if (status != SALTUS_OK || l->ended)
+        return status;
+    status = reframe(l, message);
+    l->lost = status != SALTUS_OK && status != SALTUS_NO_MEMORY;
+    return l->lost ? SALTUS_OK : status;
+}
+
+saltus_status saltus_locus_step(saltus_locus *l, saltus_branch_point *point, bool *more,
+                                saltus_message *message) {
+    int way = l->options.direction;
+    saltus_status status = SALTUS_OK;
+    *more = true;
+    if (l->given == l->made_count) {
+        l->given = l->made_count = 0;
+        *more = !(l->ended && (way != 0 || l->heading < 0));
+        if (*more)
+            status = l->heading == 0 || l->ended ? begin(l, l->ended || way < 0 ? -1 : 1, message)
+                                                 : advance(l, message);
+        if (status == SALTUS_OK && l->x.orbits.starved)
+            status = no_memory(message);
+    }
+    if (status == SALTUS_OK && *more)
+        *point = l->points[l->given++];
+    return status;
+}

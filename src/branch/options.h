@@ -1,0 +1,15 @@
+/* Private: options of a continuation.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef SALTUS_BRANCH_OPTIONS_H
+#define SALTUS_BRANCH_OPTIONS_H
+
+#include "saltus/branch.h"
+
+/* Values of the parameter that may be asked for. */
+enum { SALTUS_BRANCH_VALUES_MAX = 1000 };
+
+/* Whether the options are in range and belong to the specification. Errors: SALTUS_BAD_INPUT. */
+saltus_status saltus_branch_check(const saltus_branch_options *options, const saltus_spec *spec,
+                                  saltus_message *message);
+
+#endif

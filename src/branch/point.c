@@ -1,0 +1,119 @@
+/* Points of a branch as they are given out.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "branch/point.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+const char *saltus_point_word(saltus_point_kind kind) {
+    static const char *const words[] = {"",      "LP",    "PD",    "NS", "BP",    "GR",    "CH",
+                                        "ST",    "UZ",    "EP",    "CP", "GR-LP", "GR-PD", "GR-NS",
+                                        "GR-GR", "GR-BP", "CH-GR", "R1", "R2",    "R3",    "R4"};
+    return kind >= 0 && kind < SALTUS_POINT_KINDS ? words[kind] : "";
+}
+
+void saltus_branch_point_clear(saltus_branch_point *point) {
+    free(point->state);
+    free(point->events);
+    free(point->multipliers);
+    *point = (saltus_branch_point){0};
+}
+
+/* Event times from section phase 0 of the orbit, in order. */
+static void fold_events(saltus_event *events, int count, int periods) {
+    for (int k = 0; k < count; k++)
+        events[k].time.cycle = ((events[k].time.cycle % periods) + periods) % periods;
+    for (int k = 1; k < count; k++)
+        for (int j = k;
+             j > 0 && saltus_time_periods(events[j].time) < saltus_time_periods(events[j - 1].time); j--) {
+            saltus_event swap = events[j];
+            events[j] = events[j - 1];
+            events[j - 1] = swap;
+        }
+}
+
+static void prescribed_events(const saltus_orbits *o, const saltus_solution *s, saltus_branch_point *point) {
+    double speed[SALTUS_MARKS_MAX];
+    saltus_solution_speeds(o, s, speed);
+    point->event_count = s->sequence.count;
+    for (int k = 0; k < s->sequence.count; k++) {
+        const saltus_mark *mark = &s->sequence.mark[k];
+        double whole = floor(mark->time);
+        saltus_face face = saltus_system_face(o->system, mark->face);
+        point->events[k] = (saltus_event){.kind = mark->kind,
+                                          .face = mark->face,
+                                          .time = {(long long)whole, mark->time - whole},
+                                          .velocity_before = face.side * speed[k],
+                                          .displacement = face.side * face.d};
+        if (mark->kind == SALTUS_IMPACT)
+            point->events[k].velocity_after = -face.side * face.r * speed[k];
+        point->impacts += mark->kind != SALTUS_RELEASE;
+        point->sticking_intervals += mark->kind == SALTUS_STICK;
+    }
+    saltus_orbit_label(point->impacts, s->sequence.periods, point->label);
+}
+
+static void found_events(const saltus_survey *survey, saltus_branch_point *point) {
+    point->impacts = survey->impacts;
+    point->sticking_intervals = survey->sticking_intervals;
+    point->event_count = survey->lap.event_count;
+    memcpy(point->label, survey->label, sizeof point->label);
+    memcpy(point->events, survey->lap.events, (size_t)point->event_count * sizeof *point->events);
+}
+
+saltus_status saltus_point_make(saltus_orbits *o, const saltus_solution *s, bool prescribed,
+                                saltus_branch_point *point, saltus_message *message) {
+    const saltus_survey *survey = &s->survey;
+    bool found = survey->follows && !prescribed;
+    size_t n = (size_t)o->n, events = (size_t)(found ? survey->lap.event_count : s->sequence.count);
+    double section = ceil(s->sequence.base / s->sequence.periods) * s->sequence.periods;
+    *point = (saltus_branch_point){.value = {s->value, NAN},
+                                   .heading = s->at.tangent[s->at.unknowns - 1] * o->family.unit[0],
+                                   .spec = saltus_family_spec(&o->family, s->parameter),
+                                   .periods = s->sequence.periods,
+                                   .dimension = o->n,
+                                   .unstable = survey->unstable,
+                                   .stable = saltus_multipliers_stable(survey->multipliers, o->n),
+                                   .admissible = survey->follows,
+                                   .residual = s->at.residual,
+                                   .iterations = s->at.iterations,
+                                   .log_volume = survey->log_volume,
+                                   .sum_rule = survey->sum_rule,
+                                   .grazing_time = NAN,
+                                   .state = calloc(n, sizeof *point->state),
+                                   .events = calloc(events + 1, sizeof *point->events),
+                                   .multipliers = calloc(n, sizeof *point->multipliers)};
+    saltus_status status = point->state && point->events && point->multipliers
+                               ? SALTUS_OK
+                               : saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch");
+    /* Where chatter is left to the flow the prescribed way may not lead there: then as the flow saw it
+     * nearby. */
+    saltus_message ignored;
+    if (status == SALTUS_OK &&
+        (found || saltus_solution_state_at(o, s, section, point->state, &ignored) != SALTUS_OK))
+        memcpy(point->state, survey->lap.points, n * sizeof *point->state);
+    if (status != SALTUS_OK) {
+        saltus_branch_point_clear(point);
+        return status;
+    }
+    memcpy(point->multipliers, survey->multipliers, n * sizeof *point->multipliers);
+    if (found)
+        found_events(survey, point);
+    else
+        prescribed_events(o, s, point);
+    fold_events(point->events, point->event_count, s->sequence.periods);
+    return status;
+}
+
+void saltus_point_mark_grazing(const saltus_orbits *o, const saltus_breach *breach,
+                               saltus_branch_point *point) {
+    saltus_face face = saltus_system_face(o->system, breach->face);
+    double time = fmod(breach->time, point->periods);
+    if (time < 0)
+        time += point->periods;
+    /* A sum just below zero may round to the whole. */
+    point->grazing_time = time < point->periods ? time : 0;
+    point->grazing_stop = face.stop + 1;
+    point->grazing_side = face.side;
+}

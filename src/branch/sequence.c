@@ -1,0 +1,223 @@
+/* Edits of event sequences.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "branch/sequence.h"
+
+#include "orbit/sequence.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Breaches this near to zero change together, as they do on orbits that are their own mirror images. */
+static const double together = 1e-7;
+
+/* A maximum at a mark is that mark's own touch. */
+static bool is_own_touch(const saltus_sequence *s, const saltus_breach *breach) {
+    for (int k = 0; k < s->count; k++)
+        if (s->mark[k].face == breach->face && fabs(s->mark[k].time - breach->time) < 1e-5)
+            return true;
+    return false;
+}
+
+static void insert(saltus_sequence *s, int *order, const saltus_breach *breach) {
+    int k = s->count++;
+    for (; k > 0 && s->mark[k - 1].time > breach->time; k--) {
+        s->mark[k] = s->mark[k - 1];
+        order[k] = order[k - 1];
+    }
+    s->mark[k] = (saltus_mark){SALTUS_IMPACT, breach->face, breach->time, false};
+    order[k] = -1;
+}
+
+const char *saltus_sequence_graze(const saltus_sequence *old, const saltus_breach *breaches, int count,
+                                  saltus_sequence *fresh, int *order) {
+    bool dies[SALTUS_MARKS_MAX] = {false};
+    int born = 0, dead = 0;
+    for (int k = 0; k < count; k++)
+        if (breaches[k].kind == SALTUS_BREACH_SPEED && fabs(breaches[k].value) < together)
+            dies[breaches[k].mark] = true;
+    *fresh = *old;
+    fresh->count = 0;
+    for (int k = 0; k < old->count; k++) {
+        dead += dies[k];
+        if (dies[k])
+            continue;
+        order[fresh->count] = k;
+        fresh->mark[fresh->count++] = old->mark[k];
+    }
+    for (int k = 0; k < count; k++)
+        if (breaches[k].kind == SALTUS_BREACH_GAP && fabs(breaches[k].value) < together &&
+            !is_own_touch(old, &breaches[k]) && fresh->count < SALTUS_MARKS_MAX) {
+            insert(fresh, order, &breaches[k]);
+            born++;
+        }
+    return born && dead ? "impacts are born and die"
+           : born > 1   ? "impacts are born"
+           : born       ? "an impact is born"
+           : dead > 1   ? "impacts die"
+                        : "an impact dies";
+}
+
+bool saltus_sequence_join(const saltus_sequence *first, const saltus_sequence *second,
+                          saltus_sequence *fresh) {
+    if (first->count + second->count > SALTUS_MARKS_MAX)
+        return false;
+    *fresh = *first;
+    fresh->cuts = 1;
+    fresh->periods = first->periods + second->periods;
+    for (int k = 0; k < second->count; k++) {
+        saltus_mark *mark = &fresh->mark[fresh->count++];
+        *mark = second->mark[k];
+        mark->time += first->periods;
+    }
+    return true;
+}
+
+bool saltus_sequence_double(const saltus_sequence *old, saltus_sequence *fresh) {
+    return saltus_sequence_join(old, old, fresh);
+}
+
+/* Whether chatter completes in the piece after a driven mark: the next mark of its face is the release. */
+static bool chatter_completes(const saltus_sequence *s, int k) {
+    for (int j = k + 1; j < s->count; j++)
+        if (s->mark[j].face == s->mark[k].face)
+            return s->mark[j].kind == SALTUS_RELEASE;
+    return false;
+}
+
+/* Whether a face holds, or the flow finds its own events, just after each mark. */
+static void find_bound(const saltus_sequence *s, bool *bound) {
+    unsigned held = s->contacts;
+    for (int k = 0; k < s->count; k++) {
+        const saltus_mark *mark = &s->mark[k];
+        if (mark->kind == SALTUS_RELEASE)
+            held &= ~(1u << mark->face);
+        else if (mark->kind == SALTUS_STICK || (mark->driven && chatter_completes(s, k)))
+            held |= 1u << mark->face;
+        bound[k] = held || mark->driven;
+    }
+}
+
+/* Cuts at about equal distances, in free flight and away from marks. */
+static void cut_evenly(saltus_sequence *s, int cuts) {
+    bool bound[SALTUS_MARKS_MAX];
+    find_bound(s, bound);
+    s->cuts = 1;
+    s->cut[0] = s->base;
+    if (s->driven || s->contacts)
+        return;
+    for (int j = 1; j < cuts; j++) {
+        double at = s->base + (double)j * s->periods / cuts;
+        int k = s->count - 1;
+        while (k >= 0 && s->mark[k].time > at)
+            k--;
+        double from = k < 0 ? s->base : s->mark[k].time;
+        double to = k + 1 < s->count ? s->mark[k + 1].time : s->base + s->periods;
+        at = fmin(fmax(at, from + 0.2 * (to - from)), to - 0.2 * (to - from));
+        if ((k < 0 || !bound[k]) && at > s->cut[s->cuts - 1] + 0.02)
+            s->cut[s->cuts++] = at;
+    }
+}
+
+/* The middle of the longest free flight between two marks that the flow need not find its events in; the
+ * present base if there is none. */
+static double better_base(const saltus_sequence *s) {
+    double best = 0, base = s->base;
+    bool bound[SALTUS_MARKS_MAX];
+    find_bound(s, bound);
+    for (int k = 0; k < s->count; k++) {
+        double next = k + 1 < s->count ? s->mark[k + 1].time : s->mark[0].time + s->periods;
+        if (!bound[k] && next - s->mark[k].time > best) {
+            best = next - s->mark[k].time;
+            base = s->mark[k].time + 0.5 * best;
+        }
+    }
+    return base < s->base + s->periods ? base : base - s->periods;
+}
+
+/* The sequence cut open at a later time, up to one orbit on. */
+static void rotate(const saltus_sequence *old, double base, saltus_sequence *fresh, int *order) {
+    int first = 0;
+    while (first < old->count && old->mark[first].time < base)
+        first++;
+    double back = base >= old->periods ? old->periods : 0;
+    *fresh = *old;
+    fresh->base = fresh->cut[0] = base - back;
+    for (int k = 0; k < old->count; k++) {
+        order[k] = (first + k) % old->count;
+        fresh->mark[k] = old->mark[order[k]];
+        fresh->mark[k].time += (first + k >= old->count ? old->periods : 0) - back;
+    }
+    if (base != old->base) {
+        fresh->contacts = 0;
+        fresh->driven = false;
+    }
+}
+
+/* Leave the tail of a long run of ever slower impacts to the flow. */
+static bool trim_runs(saltus_sequence *s, const double *old_speed, int *order) {
+    double speed[SALTUS_MARKS_MAX];
+    int count = s->count, kept = 0;
+    for (int k = 0; k < count; k++) {
+        double own = old_speed[order[k]];
+        if (kept > 0 && s->mark[k].kind == SALTUS_IMPACT && !s->mark[k].driven &&
+            saltus_sequence_in_tail(s, speed, kept, s->mark[k].face, own)) {
+            s->mark[kept - 1].driven = true;
+            continue;
+        }
+        s->mark[kept] = s->mark[k];
+        speed[kept] = own;
+        order[kept++] = order[k];
+    }
+    s->count = kept;
+    return kept < count;
+}
+
+/* Whether an event comes near a cut, over which it cannot pass. */
+static bool cuts_are_tight(const saltus_sequence *s) {
+    const double share_min = 0.05;
+    for (int j = 1; j < s->cuts; j++) {
+        double before = s->cut[j] - s->base, after = s->base + s->periods - s->cut[j];
+        for (int k = 0; k < s->count; k++) {
+            double since = s->cut[j] - s->mark[k].time;
+            if (since >= 0)
+                before = fmin(before, since);
+            else
+                after = fmin(after, -since);
+        }
+        if (fmin(before, after) < share_min * (before + after))
+            return true;
+    }
+    return false;
+}
+
+bool saltus_sequence_reframe(const saltus_sequence *old, const double *speed, int cuts, bool trims,
+                             saltus_sequence *fresh, int *order) {
+    double base = old->base;
+    if (old->count > 0) {
+        double before = old->mark[0].time - old->base;
+        double after = old->base + old->periods - old->mark[old->count - 1].time;
+        if (fmin(before, after) <= 0.08 * (before + after))
+            base = fmax(base, better_base(old));
+    }
+    rotate(old, base, fresh, order);
+    bool trimmed = trims && trim_runs(fresh, speed, order);
+    cut_evenly(fresh, cuts);
+    return trimmed || base != old->base || fresh->cuts > old->cuts || cuts_are_tight(old);
+}
+
+void saltus_sequence_carry(const saltus_sequence *old, const double *vector, const saltus_sequence *fresh,
+                           const int *order, int n, int parameters, double *out) {
+    const double *old_times = vector + old->cuts * n;
+    double *times = out + fresh->cuts * n;
+    bool same_cuts = old->cuts == fresh->cuts;
+    for (int j = 0; j < fresh->cuts; j++) {
+        same_cuts = same_cuts && (j == 0 || old->cut[j] == fresh->cut[j]);
+        bool same = old->base == fresh->base && (j == 0 || same_cuts);
+        for (int i = 0; i < n; i++)
+            out[j * n + i] = same ? vector[j * n + i] : 0;
+    }
+    for (int k = 0; k < fresh->count; k++)
+        times[k] = order[k] < 0 ? 0 : old_times[order[k]];
+    for (int d = 0; d < parameters; d++)
+        times[fresh->count + d] = old_times[old->count + d];
+}

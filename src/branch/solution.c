@@ -1,0 +1,405 @@
+/* The curve of periodic orbits of one sequence of events.
+ *
+ * Zeros of tests are bracketed in arclength along the step's direction and found by Brent's method, every
+ * evaluation being a point of the curve solved to rounding. The event-driven flow has the last word on a
+ * point: whether it meets the events that are prescribed.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "branch/solution.h"
+
+#include "orbit/multipliers.h"
+#include "orbit/sequence.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static saltus_status no_memory(saltus_message *message) {
+    return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch");
+}
+
+saltus_status saltus_orbits_open(saltus_orbits *o, saltus_message *message) {
+    saltus_status status = saltus_system_new(&o->family.spec, &o->system, message);
+    if (status != SALTUS_OK)
+        return status;
+    o->n = saltus_system_dimension(o->system);
+    o->solver = gsl_root_fsolver_alloc(gsl_root_fsolver_brent);
+    if (!o->solver)
+        return no_memory(message);
+    status = saltus_flow_single(o->system, 0, &o->options.flow, &o->flow, message);
+    if (status == SALTUS_OK)
+        status = saltus_flow_single(o->system, o->n, &o->options.flow, &o->tangent, message);
+    if (status == SALTUS_OK)
+        status = saltus_shooting_new(&o->family, &o->options, &o->shooting, message);
+    if (status == SALTUS_OK)
+        o->equations = saltus_shooting_equations(o->shooting);
+    return status;
+}
+
+void saltus_orbits_close(saltus_orbits *o) {
+    saltus_shooting_free(o->shooting);
+    saltus_flow_free(o->flow);
+    saltus_flow_free(o->tangent);
+    saltus_cocycle_close(&o->cocycle);
+    saltus_system_free(o->system);
+    if (o->solver)
+        gsl_root_fsolver_free(o->solver);
+    *o = (saltus_orbits){.n = 0};
+}
+
+saltus_status saltus_orbits_noted(saltus_orbits *o, saltus_status status) {
+    o->starved |= status == SALTUS_NO_MEMORY;
+    return status;
+}
+
+double saltus_orbits_parameter(const saltus_orbits *o, double value) {
+    double unit = o->family.unit[0], found = (value - o->origin) / unit;
+    /* One rounding at most is between the quotient and the number that gives the value back. */
+    for (int way = -1; way <= 1; way += 2) {
+        double next = nextafter(found, way * INFINITY);
+        if (o->origin + unit * found != value && o->origin + unit * next == value)
+            found = next;
+    }
+    return found;
+}
+
+saltus_status saltus_orbits_tune(saltus_orbits *o, const double *parameters, saltus_message *message) {
+    saltus_spec spec = saltus_family_spec(&o->family, parameters);
+    saltus_system *system = NULL;
+    saltus_status status = saltus_system_new(&spec, &system, message);
+    if (status == SALTUS_OK)
+        status = saltus_flow_retune(o->flow, 0, system, message);
+    if (status == SALTUS_OK)
+        status = saltus_flow_retune(o->tangent, 0, system, message);
+    if (status != SALTUS_OK) {
+        saltus_system_free(system);
+        return saltus_orbits_noted(o, status);
+    }
+    saltus_system_free(o->system);
+    o->system = system;
+    return status;
+}
+
+static void clear_survey(saltus_survey *survey) {
+    free(survey->multipliers);
+    saltus_lap_close(&survey->lap);
+}
+
+void saltus_solution_clear(saltus_solution *s) {
+    saltus_curve_clear(&s->at);
+    free(s->state);
+    free(s->breaches);
+    clear_survey(&s->survey);
+    *s = (saltus_solution){.value = 0};
+}
+
+void saltus_survey_swap(saltus_solution *a, saltus_solution *b) {
+    saltus_survey swap = a->survey;
+    a->survey = b->survey;
+    b->survey = swap;
+}
+
+/* Room for all that a solution of the shooting's sequence may hold. */
+static bool reserve(const saltus_orbits *o, saltus_solution *s) {
+    int count;
+    saltus_shooting_breaches(o->shooting, &count);
+    if (!s->state)
+        s->state = calloc((size_t)o->n, sizeof *s->state);
+    if (!s->survey.multipliers)
+        s->survey.multipliers = calloc((size_t)o->n, sizeof *s->survey.multipliers);
+    if (count > s->breach_room) {
+        free(s->breaches);
+        s->breaches = calloc((size_t)count, sizeof *s->breaches);
+        s->breach_room = s->breaches ? count : 0;
+    }
+    return s->state && s->survey.multipliers && count <= s->breach_room;
+}
+
+saltus_status saltus_solution_see(saltus_orbits *o, saltus_solution *s, saltus_message *message) {
+    if (!reserve(o, s))
+        return saltus_orbits_noted(o, no_memory(message));
+    const double *u = s->at.u, *parameters = u + o->equations->count;
+    const saltus_breach *breaches = saltus_shooting_breaches(o->shooting, &s->breach_count);
+    saltus_shooting_extract(o->shooting, u, &s->sequence, s->state);
+    for (int d = 0; d < o->family.parameters; d++)
+        s->parameter[d] = parameters[d];
+    s->value = o->origin + o->family.unit[0] * parameters[0];
+    s->at.residual = o->equations->size;
+    s->growth = saltus_shooting_growth(o->shooting);
+    s->worst = (saltus_breach){.value = -1};
+    for (int k = 0; k < s->breach_count; k++) {
+        s->breaches[k] = breaches[k];
+        if (breaches[k].value > s->worst.value)
+            s->worst = breaches[k];
+    }
+    if (o->family.parameters == 1) {
+        int sign;
+        saltus_shooting_flip(o->shooting, &sign, &s->flip.exponent);
+        s->flip.mantissa = sign;
+    }
+    s->survey.follows = s->survey.walked = false;
+    s->survey.label[0] = 0;
+    s->survey.pair = NAN;
+    return SALTUS_OK;
+}
+
+saltus_status saltus_solution_place(saltus_orbits *o, const saltus_sequence *sequence,
+                                    const double *parameters, const double *state, bool polish,
+                                    saltus_solution *out, saltus_message *message) {
+    saltus_equations *e = o->equations;
+    int iterations = 0;
+    saltus_status status = saltus_shooting_shape(o->shooting, sequence, message);
+    if (status == SALTUS_OK && !saltus_curve_reserve(&out->at, e->unknowns))
+        status = no_memory(message);
+    if (status == SALTUS_OK)
+        status = saltus_shooting_fill(o->shooting, parameters, state, out->at.u, message);
+    if (status == SALTUS_OK && polish)
+        status = saltus_newton(e, out->at.u, NULL, NULL, true, &iterations, message);
+    else if (status == SALTUS_OK)
+        status = saltus_equations_evaluate(e, out->at.u, message);
+    if (status == SALTUS_OK)
+        status = saltus_solution_see(o, out, message);
+    out->at.ahead = 0;
+    out->at.iterations = iterations;
+    if (status == SALTUS_OK && o->family.parameters == 1)
+        status = saltus_curve_orient(e, NULL, &out->at, message);
+    return saltus_orbits_noted(o, status);
+}
+
+saltus_status saltus_solution_visit(saltus_orbits *o, const saltus_solution *from, double ahead,
+                                    saltus_solution *out, saltus_message *message) {
+    saltus_status status = saltus_curve_visit(o->equations, &from->at, ahead, &out->at, message);
+    if (status == SALTUS_OK)
+        status = saltus_solution_see(o, out, message);
+    return saltus_orbits_noted(o, status);
+}
+
+void saltus_solution_speeds(const saltus_orbits *o, const saltus_solution *s, double *speed) {
+    for (int k = 0; k < s->sequence.count; k++)
+        speed[k] = 0;
+    for (int k = 0; k < s->breach_count; k++)
+        if (s->breaches[k].kind == SALTUS_BREACH_SPEED)
+            speed[s->breaches[k].mark] = -s->breaches[k].value * saltus_shooting_speed_scale(o->shooting);
+}
+
+/* Around the orbit with the flow's own events, `cocycle` (may be NULL) with it. What the flow cannot do is no
+ * error: then the solution does not follow. */
+static saltus_status go_around(saltus_orbits *o, saltus_solution *s, saltus_cocycle *cocycle,
+                               saltus_message *message) {
+    saltus_survey *survey = &s->survey;
+    saltus_message why = {""};
+    survey->follows = survey->walked = false;
+    survey->lap.keeps_events = true;
+    saltus_status status = saltus_orbits_tune(o, s->parameter, message);
+    if (status == SALTUS_OK && cocycle)
+        status = saltus_cocycle_open(cocycle, o->system, s->sequence.periods, message);
+    if (status != SALTUS_OK)
+        return saltus_orbits_noted(o, status);
+    status = saltus_sequence_walk(&s->sequence, cocycle ? o->tangent : o->flow,
+                                  saltus_shooting_states(o->shooting, s->at.u), &survey->lap, cocycle, &why);
+    if (saltus_orbits_noted(o, status) == SALTUS_NO_MEMORY)
+        return no_memory(message);
+    if (status == SALTUS_OK) {
+        survey->walked = true;
+        survey->follows = saltus_sequence_follows(&s->sequence, &survey->lap);
+        survey->impacts = saltus_lap_impacts(&survey->lap);
+        survey->sticking_intervals = saltus_lap_sticking(&survey->lap);
+        saltus_lap_label(&survey->lap, survey->label);
+    }
+    return SALTUS_OK;
+}
+
+saltus_status saltus_solution_walk(saltus_orbits *o, saltus_solution *s, saltus_message *message) {
+    return go_around(o, s, NULL, message);
+}
+
+static double pair_product(const saltus_multiplier *mu, int n) {
+    double re = 1, im = 0;
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < i; j++) {
+            double a = mu[i].re * mu[j].re - mu[i].im * mu[j].im - 1;
+            double c = mu[i].re * mu[j].im + mu[i].im * mu[j].re;
+            double next = re * a - im * c;
+            im = re * c + im * a;
+            re = next;
+        }
+    return re;
+}
+
+saltus_status saltus_solution_survey(saltus_orbits *o, saltus_solution *s, saltus_message *message) {
+    saltus_survey *survey = &s->survey;
+    saltus_cocycle *cocycle = &o->cocycle;
+    saltus_message ignored;
+    saltus_status status = go_around(o, s, cocycle, message);
+    survey->unstable = 0;
+    for (int i = 0; i < o->n; i++)
+        survey->multipliers[i] = (saltus_multiplier){NAN, NAN, NAN};
+    survey->log_volume = survey->sum_rule = survey->pair = NAN;
+    if (status != SALTUS_OK || !survey->walked)
+        return status;
+    status = saltus_cocycle_multipliers(cocycle->segments, o->n, cocycle->count, cocycle->zeros,
+                                        survey->multipliers, &survey->log_volume, &ignored);
+    survey->sum_rule = cocycle->sum_rule;
+    survey->unstable = saltus_multipliers_unstable(survey->multipliers, o->n);
+    survey->pair = pair_product(survey->multipliers, o->n);
+    return saltus_orbits_noted(o, status) == SALTUS_NO_MEMORY ? no_memory(message) : SALTUS_OK;
+}
+
+double saltus_solution_half_distance(saltus_orbits *o, const saltus_solution *s, bool mirrored) {
+    saltus_sequence halves = s->sequence;
+    saltus_shooting *shooting = NULL;
+    saltus_message ignored;
+    double largest = INFINITY;
+    if (halves.periods % 2 && !mirrored)
+        return largest;
+    halves.cuts = 2;
+    halves.cut[1] = halves.base + 0.5 * halves.periods;
+    double *u = calloc((size_t)(2 * o->n + halves.count + 2), sizeof *u);
+    saltus_status status =
+        u ? saltus_shooting_new(&o->family, &o->options, &shooting, &ignored) : SALTUS_NO_MEMORY;
+    if (status == SALTUS_OK)
+        status = saltus_shooting_shape(shooting, &halves, &ignored);
+    if (status == SALTUS_OK)
+        status = saltus_shooting_fill(shooting, s->parameter, s->state, u, &ignored);
+    if (saltus_orbits_noted(o, status) == SALTUS_OK) {
+        largest = 0;
+        for (int i = 0; i < o->n; i++)
+            largest = fmax(largest, fabs(u[o->n + i] + (mirrored ? u[i] : -u[i])));
+    }
+    saltus_shooting_free(shooting);
+    free(u);
+    return largest;
+}
+
+bool saltus_pair_on_circle(const saltus_orbits *o, const saltus_survey *survey) {
+    for (int i = 0; i < o->n; i++)
+        if (fabs(survey->multipliers[i].log_modulus) < 1e-6 && survey->multipliers[i].im != 0)
+            return true;
+    return false;
+}
+
+double saltus_test_value(saltus_test test, double target, const saltus_solution *s,
+                         const saltus_solution *from) {
+    switch (test) {
+    case SALTUS_TEST_FOLD:
+        return s->at.tangent[s->at.unknowns - 1];
+    case SALTUS_TEST_FLIP:
+        return saltus_scaled_in(s->flip, from->flip.exponent);
+    case SALTUS_TEST_CROSSING:
+        return saltus_scaled_in(s->at.crossing, from->at.crossing.exponent);
+    case SALTUS_TEST_PAIR:
+        return s->survey.pair;
+    case SALTUS_TEST_BREACH:
+        /* A step begins on the admissible side, where an impact without speed was just put in or taken out.
+         */
+        return s == from ? fmin(s->worst.value, -1e-300) : s->worst.value;
+    case SALTUS_TEST_VALUE:
+        return s->value - target;
+    }
+    return NAN;
+}
+
+/* One location under way. */
+typedef struct location {
+    saltus_orbits *orbits;
+    saltus_test test;
+    double target, end;
+    const saltus_solution *from;
+    saltus_solution *out;
+} location;
+
+static bool test_at(void *context, double ahead, double *value) {
+    location *l = context;
+    saltus_message ignored;
+    saltus_status status = saltus_solution_visit(l->orbits, l->from, ahead, l->out, &ignored);
+    /* In the very place the equations may be singular. */
+    for (int side = -1; side <= 1 && status != SALTUS_OK; side += 2)
+        status = saltus_solution_visit(l->orbits, l->from, ahead + side * 1e-5 * l->end, l->out, &ignored);
+    if (status == SALTUS_OK && l->test == SALTUS_TEST_PAIR)
+        status = saltus_solution_survey(l->orbits, l->out, &ignored);
+    *value = saltus_test_value(l->test, l->target, l->out, l->from);
+    return status == SALTUS_OK;
+}
+
+saltus_zero saltus_solution_zero_between(saltus_orbits *o, saltus_test test, double target,
+                                         const saltus_solution *from, const double ends[2],
+                                         const double values[2], saltus_solution *out) {
+    location l = {.orbits = o, .test = test, .target = target, .end = ends[1], .from = from, .out = out};
+    saltus_zero zero = {.accuracy = INFINITY};
+    saltus_message ignored;
+    double width;
+    if (!saltus_curve_zero_between(o->solver, test_at, &l, ends, values, &zero.ahead, &width) ||
+        saltus_solution_visit(o, from, zero.ahead, out, &ignored) != SALTUS_OK)
+        return zero;
+    double unit = o->family.unit[0], slope = fabs(out->at.tangent[out->at.unknowns - 1]) * unit;
+    zero.accuracy = slope * width + unit * width * width;
+    zero.found = true;
+    return zero;
+}
+
+saltus_zero saltus_solution_zero(saltus_orbits *o, saltus_test test, double target,
+                                 const saltus_solution *from, const saltus_solution *to,
+                                 saltus_solution *out) {
+    const double ends[] = {0, to->at.ahead};
+    const double values[] = {saltus_test_value(test, target, from, from),
+                             saltus_test_value(test, target, to, from)};
+    return saltus_solution_zero_between(o, test, target, from, ends, values, out);
+}
+
+enum { crossing_samples = 6 };
+
+/* Points on both sides of an expected crossing: tests and unknowns (m x crossing_samples). */
+static bool sample_crossing(saltus_orbits *o, const saltus_solution *from, double middle, double apart,
+                            saltus_solution *out, double *test, double *u) {
+    static const double place[crossing_samples] = {-1, 1, -2, 2, -3, 3};
+    saltus_message ignored;
+    for (int k = 0; k < crossing_samples; k++) {
+        if (saltus_solution_visit(o, from, middle + place[k] * apart, out, &ignored) != SALTUS_OK)
+            return false;
+        test[k] = saltus_test_value(SALTUS_TEST_CROSSING, 0, out, from);
+        for (int j = 0; j < out->at.unknowns; j++)
+            u[j * crossing_samples + k] = out->at.u[j];
+        if (k % 2 && !(test[k] * test[k - 1] < 0))
+            return false;
+    }
+    return true;
+}
+
+saltus_zero saltus_solution_crossing(saltus_orbits *o, const saltus_solution *from, double ahead,
+                                     double reach, saltus_solution *out) {
+    enum { passes = 6 };
+    const double sharp = 1e-11 * o->family.unit[0];
+    int m = from->at.unknowns;
+    double test[crossing_samples], apart = 0.1 * reach, middle = ahead;
+    double *u = calloc((size_t)(m * (crossing_samples + 1)), sizeof *u), *best = u + m * crossing_samples;
+    saltus_message ignored;
+    saltus_zero zero = {.accuracy = INFINITY};
+    if (!u)
+        saltus_orbits_noted(o, SALTUS_NO_MEMORY);
+    /* Ever closer around the place, as long as that is needed, until rounding, which grows towards it,
+     * outweighs the curvature. */
+    for (int pass = 0; pass < passes && u && (pass < 2 || zero.accuracy > sharp) &&
+                       sample_crossing(o, from, middle, apart, out, test, u);
+         pass++) {
+        const double *last = u + (m - 1) * crossing_samples;
+        double at = saltus_curve_interpolate(test, last, crossing_samples);
+        double accuracy =
+            o->family.unit[0] * fabs(at - saltus_curve_interpolate(test, last, crossing_samples - 2));
+        if (pass > 1 && !(accuracy < zero.accuracy))
+            break;
+        zero = (saltus_zero){.found = pass > 0, .accuracy = accuracy};
+        for (int j = 0; j < m; j++) {
+            best[j] = saltus_curve_interpolate(test, u + j * crossing_samples, crossing_samples);
+            zero.ahead += (best[j] - from->at.u[j]) * from->at.tangent[j];
+        }
+        middle = zero.ahead;
+        apart = pass == 0 ? fmin(4e-4, apart) : apart / 4;
+    }
+    if (zero.found) {
+        memcpy(out->at.u, best, (size_t)m * sizeof *best);
+        out->at.ahead = zero.ahead;
+        zero.found = saltus_equations_evaluate(o->equations, out->at.u, &ignored) == SALTUS_OK &&
+                     saltus_solution_see(o, out, &ignored) == SALTUS_OK;
+    }
+    free(u);
+    return zero;
+}

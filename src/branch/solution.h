@@ -1,0 +1,139 @@
+/* Private: the curve of periodic orbits of one sequence of events, and what the event-driven flow makes of
+ * its points.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef SALTUS_BRANCH_SOLUTION_H
+#define SALTUS_BRANCH_SOLUTION_H
+
+#include "branch/curve.h"
+#include "orbit/multipliers.h"
+#include "orbit/shooting.h"
+
+/* What the event-driven flow makes of an orbit of a prescribed sequence. */
+typedef struct saltus_survey {
+    bool follows; /* the flow meets the events that are prescribed, and no others */
+    bool walked;  /* the flow came around; false: nothing but `follows` is known */
+    saltus_lap lap;
+    long long impacts;
+    int sticking_intervals;
+    char label[SALTUS_LABEL_MAX];
+    saltus_multiplier *multipliers; /* NAN where not known */
+    int unstable;                   /* of them */
+    double log_volume, sum_rule;
+    double pair; /* product over all pairs of multipliers of mu_i mu_j - 1: zero where a pair is on the unit
+                    circle */
+} saltus_survey;
+
+/* A point of the curve: an orbit. */
+typedef struct saltus_solution {
+    saltus_curve_point at;
+    saltus_sequence sequence;   /* with the event times of this orbit */
+    double *state;              /* at its base */
+    double parameter[2], value; /* `value` of the first parameter */
+    saltus_scaled flip; /* determinant of the equations with x(pT) + x(0) for x(pT) - x(0): zero where a
+                           multiplier is -1, and smooth through grazing */
+    double growth;      /* of perturbations over a segment, at most */
+    saltus_breach *breaches;
+    int breach_count, breach_room;
+    saltus_breach worst; /* of them; value at least -1 */
+    saltus_survey survey;
+} saltus_solution;
+
+/* The orbits of a family, with all that is needed to compute them. */
+typedef struct saltus_orbits {
+    saltus_family family;
+    double origin; /* of the first parameter */
+    saltus_orbit_options options;
+    saltus_shooting *shooting;
+    saltus_equations *equations; /* the shooting's */
+    saltus_system *system;       /* of the flows */
+    saltus_flow *flow, *tangent; /* event-driven, without and with tangent vectors */
+    saltus_cocycle cocycle;
+    gsl_root_fsolver *solver;
+    int n;
+    bool starved; /* memory was lacking, be it for something that was only tried */
+} saltus_orbits;
+
+/* Close in any case. */
+saltus_status saltus_orbits_open(saltus_orbits *orbits, saltus_message *message);
+void saltus_orbits_close(saltus_orbits *orbits);
+/* Note whether a status tells that memory was lacking, and return it. Where failures of what is only tried
+ * are passed over, that one must not be: the run ends with the step. */
+saltus_status saltus_orbits_noted(saltus_orbits *orbits, saltus_status status);
+
+/* The parameter unknown at which the first parameter has a value, to the last bit. */
+double saltus_orbits_parameter(const saltus_orbits *orbits, double value);
+/* The system of the event-driven flows becomes that of parameters. */
+saltus_status saltus_orbits_tune(saltus_orbits *orbits, const double *parameters, saltus_message *message);
+
+void saltus_solution_clear(saltus_solution *solution);
+/* An orbit of a sequence from a state at its base becomes `out`; polished at these parameters, or only
+ * evaluated. With one parameter it has a tangent, of either sign; it is not surveyed. The shooting takes on
+ * the sequence. */
+saltus_status saltus_solution_place(saltus_orbits *orbits, const saltus_sequence *sequence,
+                                    const double *parameters, const double *state, bool polish,
+                                    saltus_solution *out, saltus_message *message);
+/* Fill in what the shooting has just seen at out->at.u: all but the tangent and the survey. */
+saltus_status saltus_solution_see(saltus_orbits *orbits, saltus_solution *out, saltus_message *message);
+/* The point of the curve at arclength `ahead` from another. Errors: no such point near. */
+saltus_status saltus_solution_visit(saltus_orbits *orbits, const saltus_solution *from, double ahead,
+                                    saltus_solution *out, saltus_message *message);
+/* Let the event-driven flow go around a solution that has the shooting's sequence. */
+saltus_status saltus_solution_walk(saltus_orbits *orbits, saltus_solution *solution, saltus_message *message);
+/* Walk, and multipliers on the way. */
+saltus_status saltus_solution_survey(saltus_orbits *orbits, saltus_solution *solution,
+                                     saltus_message *message);
+/* A survey made of one solution holds for another. */
+void saltus_survey_swap(saltus_solution *a, saltus_solution *b);
+/* The speeds towards the stop of the impacts that the marks are; 0 for releases. */
+void saltus_solution_speeds(const saltus_orbits *orbits, const saltus_solution *solution, double *speed);
+/* The state at a time from the solution's base on, up to one orbit later, through the prescribed events.
+ * Errors: those of the flow, SALTUS_NO_MEMORY. */
+saltus_status saltus_solution_state_at(saltus_orbits *orbits, const saltus_solution *solution, double time,
+                                       double *state, saltus_message *message);
+/* Cut the orbit open elsewhere, into more segments, or with fewer marks, where that is better (sequence.h);
+ * `scratch` is overwritten. order (SALTUS_MARKS_MAX entries): where the marks stood before. False: it is as
+ * it was, and so is the shooting. */
+bool saltus_solution_reframe(saltus_orbits *orbits, bool trims, saltus_solution *solution,
+                             saltus_solution *scratch, int *order);
+
+/* How far an orbit of an even period is from closing after half of it, scaled; INFINITY for an odd one.
+ * `mirrored`: from being its own mirror image. */
+double saltus_solution_half_distance(saltus_orbits *orbits, const saltus_solution *solution, bool mirrored);
+/* Whether a complex pair of multipliers is on the unit circle, not two real ones whose product is 1. */
+bool saltus_pair_on_circle(const saltus_orbits *orbits, const saltus_survey *survey);
+
+/* Functions whose zeros along a branch are special points. */
+typedef enum saltus_test {
+    SALTUS_TEST_FOLD,     /* the parameter's share of the tangent */
+    SALTUS_TEST_FLIP,     /* `flip` */
+    SALTUS_TEST_CROSSING, /* `crossing` */
+    SALTUS_TEST_PAIR,     /* `pair` of the survey */
+    SALTUS_TEST_BREACH,   /* the worst breach */
+    SALTUS_TEST_VALUE     /* parameter minus a target */
+} saltus_test;
+
+/* Where a test function is zero between a solution and one further on, and how sharp that is in the
+ * parameter.
+ */
+typedef struct saltus_zero {
+    bool found;
+    double ahead, accuracy;
+} saltus_zero;
+
+/* The value of a test at a solution, determinants in units of those at another. */
+double saltus_test_value(saltus_test test, double target, const saltus_solution *solution,
+                         const saltus_solution *from);
+/* The zero of a test between `from` and `to`; `out` becomes the point there. */
+saltus_zero saltus_solution_zero(saltus_orbits *orbits, saltus_test test, double target,
+                                 const saltus_solution *from, const saltus_solution *to,
+                                 saltus_solution *out);
+/* The same between two places ahead of `from`, with the values of the test there. */
+saltus_zero saltus_solution_zero_between(saltus_orbits *orbits, saltus_test test, double target,
+                                         const saltus_solution *from, const double ends[2],
+                                         const double values[2], saltus_solution *out);
+/* The point where curves cross near `ahead` from `from`, as `out`: its equations are singular, so it is
+ * interpolated from points around it, not further than a tenth of `reach`. */
+saltus_zero saltus_solution_crossing(saltus_orbits *orbits, const saltus_solution *from, double ahead,
+                                     double reach, saltus_solution *out);
+
+#endif

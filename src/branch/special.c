@@ -1,0 +1,228 @@
+/* Special points on a step: found by the signs of tests, located, and judged.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "branch/special.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* An orbit further than this from its mirror image is not its own. */
+static const double asymmetric = 1e-7;
+
+static bool crosses(double a, double c) {
+    return isfinite(a) && isfinite(c) && a != 0 && a * c <= 0;
+}
+
+static int insert(saltus_special found, saltus_special *specials, int count) {
+    int k = count;
+    for (; k > 0 && specials[k - 1].ahead > found.ahead; k--)
+        specials[k] = specials[k - 1];
+    specials[k] = found;
+    return count + 1;
+}
+
+/* Locate one; insert in order of arclength. */
+static int add(saltus_orbits *o, const saltus_solution *from, const saltus_solution *to,
+               saltus_point_kind kind, saltus_test test, double target, saltus_special *specials, int count,
+               saltus_solution *scratch) {
+    double near = saltus_test_value(test, target, from, from);
+    double far = saltus_test_value(test, target, to, from);
+    saltus_special found = {.kind = kind, .test = test, .target = target, .ahead = to->at.ahead};
+    if (!crosses(near, far))
+        return count;
+    if (far != 0) {
+        saltus_zero zero = saltus_solution_zero(o, test, target, from, to, scratch);
+        found.ahead = zero.ahead;
+        found.accuracy = zero.accuracy;
+        if (!zero.found && kind != SALTUS_POINT_BP)
+            return count;
+        if (!zero.found) /* singular there: interpolated later */
+            found.ahead = to->at.ahead * near / (near - far);
+    }
+    return insert(found, specials, count);
+}
+
+/* Pairs on the unit circle. Where a multiplier crosses it too, another pair, of real ones, may pass the
+ * product 1 in the same step, so that the test has its old sign at the end: it is asked at folds and flips
+ * as well. */
+static int add_pairs(saltus_orbits *o, const saltus_solution *from, const saltus_solution *to,
+                     saltus_special *specials, int count, saltus_solution *scratch) {
+    double place[4] = {0}, value[4] = {from->survey.pair};
+    saltus_message ignored;
+    int places = 1;
+    for (int k = 0; k < count && places < 3; k++)
+        if (specials[k].kind != SALTUS_POINT_BP && specials[k].ahead > 0 &&
+            specials[k].ahead < to->at.ahead &&
+            saltus_solution_visit(o, from, specials[k].ahead, scratch, &ignored) == SALTUS_OK &&
+            saltus_solution_survey(o, scratch, &ignored) == SALTUS_OK) {
+            place[places] = specials[k].ahead;
+            value[places++] = scratch->survey.pair;
+        }
+    place[places] = to->at.ahead;
+    value[places++] = to->survey.pair;
+    for (int k = 0; k + 1 < places; k++) {
+        if (!crosses(value[k], value[k + 1]))
+            continue;
+        saltus_zero zero = {.found = value[k + 1] == 0, .ahead = place[k + 1]};
+        if (!zero.found)
+            zero = saltus_solution_zero_between(o, SALTUS_TEST_PAIR, 0, from, &place[k], &value[k], scratch);
+        if (zero.found)
+            count = insert((saltus_special){.kind = SALTUS_POINT_NS,
+                                            .test = SALTUS_TEST_PAIR,
+                                            .ahead = zero.ahead,
+                                            .accuracy = zero.accuracy},
+                           specials, count);
+    }
+    return count;
+}
+
+int saltus_special_find(saltus_orbits *o, const saltus_solution *from, const saltus_solution *to, bool fresh,
+                        const double *targets, const saltus_point_kind *kinds, int target_count,
+                        saltus_special *specials, saltus_solution *scratch) {
+    static const struct {
+        saltus_point_kind kind;
+        saltus_test test;
+    } tests[] = {{SALTUS_POINT_LP, SALTUS_TEST_FOLD},
+                 {SALTUS_POINT_PD, SALTUS_TEST_FLIP},
+                 {SALTUS_POINT_BP, SALTUS_TEST_CROSSING}};
+    int count = 0;
+    for (size_t k = 0; k < sizeof tests / sizeof tests[0] && !fresh; k++)
+        count = add(o, from, to, tests[k].kind, tests[k].test, 0, specials, count, scratch);
+    if (!fresh)
+        count = add_pairs(o, from, to, specials, count, scratch);
+    for (int k = 0; k < target_count; k++)
+        count = add(o, from, to, kinds[k], SALTUS_TEST_VALUE, targets[k], specials, count, scratch);
+    return count;
+}
+
+/* The determinant, the parameter fixed, of the orbit at a parameter: of the equations, or with a flip. */
+static bool determinant_at(saltus_shooting *shooting, double parameter, bool flip, double *u, double *guide,
+                           double *tangent, saltus_scaled *found) {
+    saltus_equations *e = saltus_shooting_equations(shooting);
+    int sign, iterations;
+    saltus_message ignored;
+    u[e->count] = parameter;
+    guide[e->count] = 1;
+    if (saltus_newton(e, u, NULL, NULL, false, &iterations, &ignored) != SALTUS_OK)
+        return false;
+    if (flip)
+        saltus_shooting_flip(shooting, &sign, &found->exponent);
+    else if (saltus_curve_tangent(e, guide, tangent, &sign, &found->exponent, &ignored) != SALTUS_OK)
+        return false;
+    found->mantissa = sign;
+    return true;
+}
+
+/* The parameter near `*parameter` at which the determinant of an orbit of another branch is zero: where the
+ * equations of the orbit at hand are singular that place is not told well by them. Interpolated from both
+ * sides, as those of the other branch may be singular in the very place too. */
+static bool zero_elsewhere(saltus_orbits *o, const saltus_sequence *sequence, const double *state, bool flip,
+                           double *parameter, double *accuracy) {
+    enum { samples = 6, passes = 2 };
+    static const double place[samples] = {-3, -2, -1, 1, 2, 3};
+    const double apart = 1e-5;
+    size_t m = (size_t)(o->n + sequence->count + 2);
+    double value[samples], test[samples], exponent = 0, *u = calloc(3 * m, sizeof *u);
+    saltus_shooting *shooting = NULL;
+    saltus_message ignored;
+    saltus_status status =
+        u ? saltus_shooting_new(&o->family, &o->options, &shooting, &ignored) : SALTUS_NO_MEMORY;
+    if (status == SALTUS_OK)
+        status = saltus_shooting_shape(shooting, sequence, &ignored);
+    double centre = *parameter;
+    for (int pass = 0; pass < passes && status == SALTUS_OK; pass++) {
+        for (int k = 0; k < samples && status == SALTUS_OK; k++) {
+            saltus_scaled found;
+            value[k] = centre + place[k] * apart;
+            if (k == 0)
+                status = saltus_shooting_fill(shooting, &value[k], state, u, &ignored);
+            if (status == SALTUS_OK && !determinant_at(shooting, value[k], flip, u, u + m, u + 2 * m, &found))
+                status = SALTUS_NO_CONVERGENCE;
+            exponent = k == 0 ? found.exponent : exponent;
+            test[k] = saltus_scaled_in(found, exponent);
+        }
+        if (status == SALTUS_OK) {
+            centre = saltus_curve_interpolate(test, value, samples);
+            *accuracy =
+                o->family.unit[0] * fabs(centre - saltus_curve_interpolate(test + 1, value + 1, samples - 2));
+        }
+    }
+    saltus_shooting_free(shooting);
+    free(u);
+    bool found = saltus_orbits_noted(o, status) == SALTUS_OK && fabs(centre - *parameter) < 1e-3;
+    if (found)
+        *parameter = centre;
+    return found;
+}
+
+/* The flip of the orbit of half the period that `at` lies near. */
+static bool flip_of_half(saltus_orbits *o, const saltus_solution *at, double *parameter, double *accuracy) {
+    saltus_sequence half = at->sequence;
+    if (half.count % 2)
+        return false;
+    half.cuts = 1;
+    half.periods /= 2;
+    half.count /= 2;
+    return zero_elsewhere(o, &half, at->state, true, parameter, accuracy);
+}
+
+/* Whether `at` is where the branch joins that of half the period. So near to it the equations say little
+ * about where; a flip of half the period in this very place tells. */
+static bool joins_half(saltus_orbits *o, const saltus_solution *at, saltus_special *special) {
+    double apart = saltus_solution_half_distance(o, at, false), parameter = at->parameter[0], accuracy;
+    bool sharp = apart < 2e-2 && flip_of_half(o, at, &parameter, &accuracy);
+    if (!(apart < 1e-4 || (sharp && fabs(parameter - at->parameter[0]) < 1e-6)))
+        return false;
+    special->kind = SALTUS_POINT_PD;
+    special->end = "joins the orbits of half the period";
+    if (sharp) {
+        special->value = o->origin + o->family.unit[0] * parameter;
+        special->accuracy = accuracy;
+    }
+    return true;
+}
+
+/* Whether `at`, a fold, is where orbits that are not their own mirror images become so: the branch of
+ * symmetric orbits, whose determinant tells the place better. */
+static bool joins_image(saltus_orbits *o, const saltus_solution *from, const saltus_solution *at,
+                        saltus_special *special) {
+    bool shift;
+    if (!saltus_system_mirror_symmetric(o->system, &shift))
+        return false;
+    double apart = saltus_solution_half_distance(o, at, true), accuracy;
+    double before = saltus_solution_half_distance(o, from, true);
+    if (!(apart < 1e-3 && apart < 0.05 * before && before > asymmetric))
+        return false;
+    saltus_sequence sequence = at->sequence;
+    double parameter = at->parameter[0];
+    special->kind = SALTUS_POINT_BP;
+    special->end = "joins the orbits that are their own mirror images";
+    sequence.cuts = 1;
+    if (zero_elsewhere(o, &sequence, at->state, false, &parameter, &accuracy)) {
+        special->value = o->origin + o->family.unit[0] * parameter;
+        special->accuracy = accuracy;
+    }
+    return true;
+}
+
+saltus_status saltus_special_visit(saltus_orbits *o, const saltus_solution *from, double reach,
+                                   saltus_special *special, saltus_solution *at, bool *is_one,
+                                   saltus_message *message) {
+    saltus_message ignored;
+    saltus_zero crossing = {.found = false};
+    *is_one = false;
+    if (special->kind == SALTUS_POINT_BP)
+        crossing = saltus_solution_crossing(o, from, special->ahead, reach, at);
+    if (crossing.found)
+        special->accuracy = crossing.accuracy;
+    else if (saltus_solution_visit(o, from, special->ahead, at, &ignored) != SALTUS_OK)
+        return SALTUS_OK;
+    saltus_status status = saltus_solution_survey(o, at, message);
+    if (status != SALTUS_OK)
+        return status;
+    special->value = at->value;
+    *is_one = special->kind != SALTUS_POINT_NS || saltus_pair_on_circle(o, &at->survey);
+    if ((special->kind == SALTUS_POINT_LP || special->kind == SALTUS_POINT_BP) && !joins_half(o, at, special))
+        joins_image(o, from, at, special);
+    return status;
+}

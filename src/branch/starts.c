@@ -1,0 +1,125 @@
+/* Where other branches begin.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "branch/sequence.h"
+#include "branch/special.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+saltus_status saltus_starts_add(saltus_starts *starts, int n, const saltus_branch_start *start,
+                                saltus_message *message) {
+    size_t room = ((size_t)starts->count + 1) * sizeof *starts->start;
+    saltus_branch_start *grown = realloc(starts->start, room), own = *start;
+    if (grown)
+        starts->start = grown;
+    own.state = calloc((size_t)n, sizeof *own.state);
+    own.tangent = start->tangent ? calloc((size_t)start->unknowns, sizeof *own.tangent) : NULL;
+    if (!grown || !own.state || (start->tangent && !own.tangent)) {
+        free(own.state);
+        free(own.tangent);
+        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch");
+    }
+    memcpy(own.state, start->state, (size_t)n * sizeof *own.state);
+    if (start->tangent)
+        memcpy(own.tangent, start->tangent, (size_t)start->unknowns * sizeof *own.tangent);
+    starts->start[starts->count++] = own;
+    return SALTUS_OK;
+}
+
+void saltus_starts_clear(saltus_starts *starts) {
+    for (int k = 0; k < starts->count; k++) {
+        free(starts->start[k].state);
+        free(starts->start[k].tangent);
+    }
+    free(starts->start);
+    *starts = (saltus_starts){.count = 0};
+}
+
+/* In the null plane, the unit vector that leaves the old branch: at flips and pitchforks the one along which
+ * the parameter does not change, which is the new branch's tangent; otherwise that across the old tangent. */
+static void leaving(const double *plane, const double *old, int m, bool pitchfork, double *out) {
+    double a = 0, c = 0, size = 0;
+    for (int j = pitchfork ? m - 1 : 0; j < m; j++) {
+        a += plane[j] * (pitchfork ? 1 : old[j]);
+        c += plane[m + j] * (pitchfork ? 1 : old[j]);
+    }
+    for (int j = 0; j < m; j++) {
+        out[j] = c * plane[j] - a * plane[m + j];
+        size = hypot(size, out[j]);
+    }
+    for (int j = 0; j < m; j++)
+        out[j] /= size;
+}
+
+/* The null plane of the equations of a sequence at an orbit; `work` has room for 3 m numbers, the first 2 m
+ * of which become the plane. */
+static saltus_status find_plane(saltus_orbits *o, const saltus_sequence *sequence, const saltus_solution *at,
+                                double *work, saltus_message *message) {
+    saltus_shooting *shooting = NULL;
+    double values[2], *u = work + 2 * (o->n + sequence->count + 1);
+    saltus_status status = saltus_shooting_new(&o->family, &o->options, &shooting, message);
+    if (status == SALTUS_OK)
+        status = saltus_shooting_shape(shooting, sequence, message);
+    if (status == SALTUS_OK)
+        status = saltus_shooting_fill(shooting, at->parameter, at->state, u, message);
+    if (status == SALTUS_OK)
+        status = saltus_equations_evaluate(saltus_shooting_equations(shooting), u, message);
+    if (status == SALTUS_OK)
+        status = saltus_null_plane(saltus_shooting_equations(shooting), work, values, message);
+    saltus_shooting_free(shooting);
+    return status;
+}
+
+saltus_status saltus_starts_leave(saltus_orbits *o, const saltus_solution *at, saltus_point_kind kind,
+                                  const saltus_branch_start *like, saltus_starts *starts,
+                                  saltus_message *message) {
+    bool shift, flips = kind == SALTUS_POINT_PD;
+    bool pitchfork = flips || saltus_system_mirror_symmetric(o->system, &shift);
+    int order[SALTUS_MARKS_MAX];
+    saltus_branch_start start = *like;
+    start.sequence = at->sequence;
+    start.sequence.cuts = 1;
+    if (flips && !saltus_sequence_double(&at->sequence, &start.sequence))
+        return saltus_fail(message, SALTUS_NO_CONVERGENCE, "twice the orbit has more than %d events",
+                           SALTUS_MARKS_MAX);
+    size_t m = (size_t)(o->n + start.sequence.count + 1);
+    double *work = calloc(5 * m, sizeof *work), *old = work + 3 * m;
+    saltus_status status = work ? find_plane(o, &start.sequence, at, work, message)
+                                : saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch");
+    if (status == SALTUS_OK) {
+        for (int k = 0; k < SALTUS_MARKS_MAX; k++)
+            order[k] = k;
+        if (!pitchfork)
+            saltus_sequence_carry(&at->sequence, at->at.tangent, &start.sequence, order, o->n, 1, old);
+        start.parameter = at->parameter[0];
+        start.state = at->state;
+        start.tangent = work + 4 * m;
+        start.unknowns = (int)m;
+        start.origin = kind;
+        leaving(work, old, (int)m, pitchfork, start.tangent);
+        status = saltus_starts_add(starts, o->n, &start, message);
+    }
+    for (size_t j = 0; j < m && work; j++)
+        work[4 * m + j] = -work[4 * m + j];
+    /* At pitchforks and flips the other half of the branch is the image of this one. */
+    if (!pitchfork && status == SALTUS_OK)
+        status = saltus_starts_add(starts, o->n, &start, message);
+    free(work);
+    return status;
+}
+
+saltus_status saltus_starts_graze(saltus_orbits *o, const saltus_solution *at, const saltus_sequence *beyond,
+                                  const saltus_branch_start *like, saltus_starts *starts,
+                                  saltus_message *message) {
+    const saltus_sequence *more = beyond->count > at->sequence.count ? beyond : &at->sequence;
+    const saltus_sequence *less = more == beyond ? &at->sequence : beyond;
+    saltus_branch_start start = *like;
+    start.parameter = at->parameter[0];
+    start.state = at->state;
+    start.grazes = true;
+    start.origin = SALTUS_POINT_GR;
+    if (more->count != less->count + 1 || !saltus_sequence_join(more, less, &start.sequence))
+        return SALTUS_OK;
+    return saltus_starts_add(starts, o->n, &start, message);
+}
