@@ -6,19 +6,7 @@
 
 #include <math.h>
 
-static void write_json(FILE *file, const saltus_scene *scene, const saltus_system *system,
-                       const saltus_attractors *attractors) {
-    fprintf(file, "{\"version\": \"" SALTUS_VERSION "\", \"seeds\": %d, \"attractors\": [",
-            attractors->seeds);
-    for (int k = 0; k < attractors->count; k++) {
-        fprintf(file, "%s{\"share\": %d, \"motion\": ", k ? ", " : "", attractors->shares[k]);
-        saltus_write_motion_json(file, scene, system, &attractors->motions[k]);
-        fputs("}", file);
-    }
-    fputs("]}\n", file);
-}
-
-static void write_line(FILE *file, const saltus_motion *motion, int share, int seeds) {
+static void put_motion(FILE *file, const saltus_motion *motion, int share, int seeds) {
     static const char *const mirror[] = {"", "its own mirror image", "one of a mirror pair"};
     char verdict[64];
     saltus_motion_summary(motion, verdict);
@@ -28,19 +16,26 @@ static void write_line(FILE *file, const saltus_motion *motion, int share, int s
     if (saltus_verdict_settled(motion->verdict))
         fprintf(file, "  displacement %.6g to %.6g  %s", motion->smallest, motion->largest,
                 mirror[motion->mirror]);
-    if (!saltus_verdict_settled(motion->verdict) && !isnan(motion->lyapunov))
+    else if (!isnan(motion->lyapunov))
         fprintf(file, "  largest exponent %.4g +- %.1g", motion->lyapunov, motion->lyapunov_error);
-    fputs("\n", file);
+    fputc('\n', file);
 }
 
 void saltus_write_attractors(FILE *file, const saltus_scene *scene, const saltus_system *system,
                              const saltus_attractors *attractors, bool json) {
-    if (json) {
-        write_json(file, scene, system, attractors);
-        return;
-    }
-    fprintf(file, "%s: %d attractor%s from %d random initial states\n", scene->name, attractors->count,
-            attractors->count == 1 ? "" : "s", attractors->seeds);
+    if (json)
+        fprintf(file, "{\"version\": \"" SALTUS_VERSION "\", \"seeds\": %d, \"attractors\": [",
+                attractors->seeds);
+    else
+        fprintf(file, "%s: %d attractor%s from %d random initial states\n", scene->name, attractors->count,
+                attractors->count == 1 ? "" : "s", attractors->seeds);
     for (int k = 0; k < attractors->count; k++)
-        write_line(file, &attractors->motions[k], attractors->shares[k], attractors->seeds);
+        if (json) {
+            fprintf(file, "%s{\"share\": %d, \"motion\": ", k ? ", " : "", attractors->shares[k]);
+            saltus_write_motion_json(file, scene, system, &attractors->motions[k]);
+            fputc('}', file);
+        } else
+            put_motion(file, &attractors->motions[k], attractors->shares[k], attractors->seeds);
+    if (json)
+        fputs("]}\n", file);
 }

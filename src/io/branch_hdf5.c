@@ -10,12 +10,10 @@
 #include "io/describe.h"
 #include "io/output.h"
 
-#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <time.h>
 
 static const double least_pause = 1;  /* seconds between two exchanges of the file */
 static const double pause_ratio = 20; /* the pause relative to the time an exchange takes */
@@ -37,12 +35,6 @@ struct saltus_branch_output {
     char *path;
     double written, cost; /* when the file was last exchanged, and how long that took; seconds */
 };
-
-static double seconds(void) {
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
 
 /* Room for one row more in every column. */
 static bool grow(table *t, saltus_branch_shape shape) {
@@ -83,8 +75,7 @@ static void put_names(saltus_h5 *w, hid_t group, const saltus_spec *spec) {
     hid_t set = w->sound ? H5Dopen2(group, "parameters", H5P_DEFAULT) : -1;
     if (saltus_h5_note(w, set >= 0))
         saltus_h5_text(w, set, "names", names);
-    if (set >= 0)
-        H5Dclose(set);
+    saltus_h5_close(set);
 }
 
 static void put_table(saltus_h5 *w, hid_t group, const table *t, saltus_branch_shape shape) {
@@ -98,17 +89,9 @@ static void put_table(saltus_h5 *w, hid_t group, const table *t, saltus_branch_s
         const saltus_h5_column column = {c->name, c->units, c->description, stored, memory, t->data[k]};
         if (saltus_h5_note(w, stored >= 0 && memory >= 0))
             saltus_h5_dataset(w, group, &column, t->rows, width);
-        if (stored >= 0)
-            H5Tclose(stored);
-        if (memory >= 0)
-            H5Tclose(memory);
+        saltus_h5_close(stored);
+        saltus_h5_close(memory);
     }
-}
-
-static void put_reals(saltus_h5 *w, hid_t group, const char *name, const char *description,
-                      const double *values, int count) {
-    const saltus_h5_column column = {name, "1", description, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, values};
-    saltus_h5_dataset(w, group, &column, count, (const int[2]){0, 0});
 }
 
 static void put_options(saltus_h5 *w, const saltus_branch_options *options) {
@@ -124,8 +107,8 @@ static void put_options(saltus_h5 *w, const saltus_branch_options *options) {
             saltus_h5_text(w, group, s->name, place);
     }
     saltus_h5_text(w, group, "locus", saltus_point_word(options->locus));
-    put_reals(w, group, "values", "where points were asked for", options->values, options->value_count);
-    saltus_h5_close_group(group);
+    saltus_h5_reals(w, group, "values", "where points were asked for", options->values, options->value_count);
+    saltus_h5_close(group);
 }
 
 static void put_head(saltus_h5 *w, const saltus_branch_output *o, bool complete) {
@@ -143,8 +126,8 @@ static void put_head(saltus_h5 *w, const saltus_branch_output *o, bool complete)
     hid_t group = saltus_h5_open_group(w, "start", "the orbit that the branch was begun with");
     if (w->sound)
         saltus_h5_integer(w, group, "periods", head->periods);
-    put_reals(w, group, "state", "q, q', further states at phase 0", head->state, head->dimension);
-    saltus_h5_close_group(group);
+    saltus_h5_reals(w, group, "state", "q, q', further states at phase 0", head->state, head->dimension);
+    saltus_h5_close(group);
 }
 
 static void put_file(const saltus_branch_output *o, bool complete, FILE *file, saltus_h5 *w) {
@@ -153,10 +136,10 @@ static void put_file(const saltus_branch_output *o, bool complete, FILE *file, s
     hid_t group = saltus_h5_open_group(w, "points", "points of the branches, one row each, as computed");
     put_table(w, group, &o->points, o->shape);
     put_names(w, group, &o->head.spec);
-    saltus_h5_close_group(group);
+    saltus_h5_close(group);
     group = saltus_h5_open_group(w, "events", "contact events of the orbits, see /points/event_first");
     put_table(w, group, &o->events, o->shape);
-    saltus_h5_close_group(group);
+    saltus_h5_close(group);
     saltus_h5_finish(w, file);
 }
 
@@ -165,7 +148,7 @@ static saltus_status exchange(saltus_branch_output *o, bool complete, saltus_mes
     saltus_output output;
     saltus_h5_silence silence;
     saltus_h5 w;
-    double begin = seconds();
+    double begin = saltus_seconds();
     if (!saltus_h5_quiet(&silence))
         return saltus_fail(message, SALTUS_IO, "the HDF5 library could not be opened");
     saltus_status status = saltus_output_open(&output, o->path, message);
@@ -175,7 +158,7 @@ static saltus_status exchange(saltus_branch_output *o, bool complete, saltus_mes
         status = saltus_output_close(&output, status, message);
     }
     saltus_h5_restore(&silence);
-    o->written = seconds();
+    o->written = saltus_seconds();
     o->cost = o->written - begin;
     return status;
 }
@@ -221,16 +204,12 @@ static void release(saltus_branch_output *o) {
 
 /* Whether the file can be written: found out before hours of work. */
 static saltus_status test_path(const char *path, saltus_message *message) {
-    saltus_output output;
     struct stat facts;
     if (!saltus_path_ends(path, ".h5"))
         return saltus_fail(message, SALTUS_BAD_INPUT, "%s: the ending must be .h5", path);
     if (stat(path, &facts) == 0 && !S_ISREG(facts.st_mode) && !S_ISDIR(facts.st_mode))
         return saltus_fail(message, SALTUS_BAD_INPUT, "%s: is not a plain file", path);
-    saltus_status status = saltus_output_open(&output, path, message);
-    if (status == SALTUS_OK)
-        saltus_output_close(&output, SALTUS_BAD_INPUT, NULL);
-    return status;
+    return saltus_output_test(path, message);
 }
 
 saltus_status saltus_branch_output_open(const char *path, const saltus_scene *scene, int periods,
@@ -299,7 +278,7 @@ saltus_status saltus_branch_output_add(saltus_branch_output *o, const saltus_bra
         saltus_stop_values(&point->spec.stops[s], row.stops[s]);
     if (!add_events(o, point) || !append(&o->points, o->shape, &row))
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for another point of the branch");
-    if (o->points.rows > 1 && seconds() - o->written < fmax(least_pause, pause_ratio * o->cost))
+    if (o->points.rows > 1 && saltus_seconds() - o->written < fmax(least_pause, pause_ratio * o->cost))
         return SALTUS_OK;
     return exchange(o, false, message);
 }

@@ -70,14 +70,10 @@ static void add_weights(saltus_line *l, const double weight[2]) {
     }
 }
 
-/* Whether a key of --set, which may end in the number of a stop, is `name` for stop s. */
-static bool means(const char *key, const char *name, int s) {
-    size_t length = strlen(name);
-    return strncmp(key, name, length) == 0 && (!key[length] || atoi(key + length) == s + 1);
-}
-
+/* Whether one of two keys (NULL: none) is the property `name` of stop s. */
 static bool varies(const char *const varied[2], const char *name, int s) {
-    return (varied[0] && means(varied[0], name, s)) || (varied[1] && means(varied[1], name, s));
+    return (varied[0] && saltus_key_means(varied[0], name, s)) ||
+           (varied[1] && saltus_key_means(varied[1], name, s));
 }
 
 static void add_stop(saltus_line *l, const saltus_system *system, int s, const char *const varied[2]) {
@@ -174,45 +170,28 @@ void saltus_put_version(FILE *file) {
           file);
 }
 
-static const char *bracketed(const saltus_system *system, char *text, size_t room) {
+void saltus_observed_name(const saltus_system *system, bool velocity, char *text, size_t room) {
     const saltus_spec *spec = saltus_system_spec(system);
-    double xi = spec->stop_count ? spec->stops[0].xi : 0.5;
-    if (xi == 0.5)
-        snprintf(text, room, "(½, {/:Italic τ})");
-    else
-        snprintf(text, room, "(%.4g, {/:Italic τ})", xi);
-    return text;
-}
-
-/* The observed coordinate of an oscillator; false when it is no single mass. */
-static bool single_mass(const saltus_system *system, int *mass) {
     const double *observer = saltus_system_observer(system);
-    bool two = saltus_system_dof(system) > 1;
-    *mass = observer[0] == 1 ? 1 : 2;
-    return two ? observer[0] + observer[1] == 1 && observer[0] * observer[1] == 0 : observer[0] == 1;
-}
-
-void saltus_displacement_name(const saltus_system *system, char *text, size_t room) {
-    char place[64];
-    int mass;
+    double xi = spec->stop_count ? spec->stops[0].xi : 0.5;
+    bool single_mass = saltus_system_dof(system) > 1
+                           ? observer[0] + observer[1] == 1 && observer[0] * observer[1] == 0
+                           : observer[0] == 1;
+    char place[32] = "½";
+    if (xi != 0.5)
+        snprintf(place, sizeof place, "%.4g", xi);
     if (saltus_is_pipe(system))
-        snprintf(text, room, "displacement {/:Italic η}%s", bracketed(system, place, sizeof place));
-    else if (single_mass(system, &mass))
-        snprintf(text, room, "displacement {/:Italic x}_%d", mass);
+        snprintf(text, room,
+                 velocity ? "velocity ∂{/:Italic η}/∂{/:Italic τ} (%s, {/:Italic τ})"
+                          : "displacement {/:Italic η}(%s, {/:Italic τ})",
+                 place);
+    else if (single_mass)
+        snprintf(text, room,
+                 velocity ? "velocity d{/:Italic x}_%d/d{/:Italic t}" : "displacement {/:Italic x}_%d",
+                 observer[0] == 1 ? 1 : 2);
     else
-        snprintf(text, room, "contact coordinate {/:Italic g}");
-}
-
-void saltus_velocity_name(const saltus_system *system, char *text, size_t room) {
-    char place[64];
-    int mass;
-    if (saltus_is_pipe(system))
-        snprintf(text, room, "velocity ∂{/:Italic η}/∂{/:Italic τ} %s",
-                 bracketed(system, place, sizeof place));
-    else if (single_mass(system, &mass))
-        snprintf(text, room, "velocity d{/:Italic x}_%d/d{/:Italic t}", mass);
-    else
-        snprintf(text, room, "velocity d{/:Italic g}/d{/:Italic t}");
+        snprintf(text, room, "%s",
+                 velocity ? "velocity d{/:Italic g}/d{/:Italic t}" : "contact coordinate {/:Italic g}");
 }
 
 void saltus_line_parameter(saltus_line *line, const saltus_spec *spec, const char *key) {

@@ -26,9 +26,8 @@ void saltus_line_number(saltus_line *l, const char *format, double value);
 void saltus_line_symbol(saltus_line *l, const char *name);
 /* What a parameter means, followed by its symbol; the bare symbol where the meaning is a formula. */
 void saltus_line_parameter(saltus_line *l, const saltus_spec *spec, const char *key);
-/* Names of axes that show the observed coordinate and its rate. */
-void saltus_displacement_name(const saltus_system *system, char *text, size_t room);
-void saltus_velocity_name(const saltus_system *system, char *text, size_t room);
+/* Name of an axis that shows the observed displacement, or its rate. */
+void saltus_observed_name(const saltus_system *system, bool velocity, char *text, size_t room);
 /* Model, parameters and stops, without the keys (NULL: none) that vary in the figure. */
 void saltus_line_parameters(saltus_line *l, const saltus_system *system, const char *const varied[2]);
 /* Write it as one label or more at the left; the height of the next in *height. */

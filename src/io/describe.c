@@ -3,6 +3,7 @@
 #include "io/describe.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 const char *saltus_number(double value, char *text) {
@@ -79,13 +80,29 @@ bool saltus_parameter_shown(const saltus_spec *spec, int k) {
     return !(one_mass || no_element || (spec->parameters[k] == 0 && p[k].fallback == 0));
 }
 
-void saltus_put_parameters(FILE *file, const saltus_spec *spec) {
+void saltus_put_parameters(FILE *file, const saltus_spec *spec, const char *prefix) {
     int count;
     const saltus_parameter *p = saltus_model_parameters(spec->model, &count);
     for (int k = 0; k < count; k++) {
         fprintf(file, "%s%s = ", k ? ", " : "", p[k].name);
         saltus_put_number(file, spec->parameters[k]);
     }
+    for (int s = 0; s < spec->stop_count; s++) {
+        fprintf(file, "\n%sstop %d: ", prefix, s + 1);
+        saltus_put_stop(file, spec, s);
+    }
+}
+
+void saltus_put_table_head(FILE *file, const char *what, const saltus_scene *scene, const char *motion,
+                           const saltus_spec *spec) {
+    fprintf(file, "# Saltus " SALTUS_VERSION " %s\n# scene: %s\n", what, scene->name);
+    if (scene->title[0])
+        fprintf(file, "# title: %s\n", scene->title);
+    if (motion)
+        fprintf(file, "# motion: %s\n", motion);
+    fprintf(file, "# model: %s\n# parameters: ", saltus_model_name(spec->model));
+    saltus_put_parameters(file, spec, "# ");
+    fputc('\n', file);
 }
 
 void saltus_put_stop(FILE *file, const saltus_spec *spec, int stop) {
@@ -103,6 +120,11 @@ bool saltus_multiplier_pair(const saltus_motion *motion, int k) {
     const saltus_multiplier *m = &motion->multipliers[k];
     return k + 1 < motion->multiplier_count && m->im != 0 && fabs(m[1].im + m->im) <= 1e-9 * fabs(m->im) &&
            fabs(m[1].re - m->re) <= 1e-9 * (fabs(m->re) + fabs(m->im));
+}
+
+bool saltus_key_means(const char *key, const char *name, int s) {
+    size_t length = strlen(name);
+    return strncmp(key, name, length) == 0 && (!key[length] || atoi(key + length) == s + 1);
 }
 
 bool saltus_stop_observed(const saltus_system *system, int stop) {

@@ -26,6 +26,30 @@ const char *saltus_gnuplot_terminal(const char *path) {
     return NULL;
 }
 
+saltus_status saltus_gnuplot_open(FILE **script, saltus_message *message) {
+    *script = saltus_nameless_file();
+    return *script ? SALTUS_OK
+                   : saltus_fail(message, SALTUS_IO, "no temporary file can be made: %s", strerror(errno));
+}
+
+void saltus_put_style(FILE *script, const char *grid) {
+    fprintf(script,
+            "set encoding utf8\n"
+            "set border 3 lc rgb '#606060' lw 1\n"
+            "set tics out nomirror scale 0.6 tc rgb '#303030'\n"
+            "set grid lt 1 lc rgb '#%s' lw 1 back\n"
+            "set key off\n"
+            "set minussign\n",
+            grid);
+}
+
+void saltus_put_margins(FILE *script, const double across[2], const double up[2]) {
+    fprintf(script,
+            "set lmargin at screen %g\nset rmargin at screen %g\nset bmargin at screen %g\n"
+            "set tmargin at screen %g\n",
+            across[0], across[1], up[0], up[1]);
+}
+
 enum { exit_absent = 127 };
 
 /* Run gnuplot with these three as its standard streams; its wait status in *outcome. Returns 0 or an errno.
@@ -124,6 +148,7 @@ saltus_status saltus_gnuplot_draw(FILE *script, const char *path, saltus_message
         fclose(complaints);
     if (picture)
         fclose(picture);
+    fclose(script);
     return status;
 }
 

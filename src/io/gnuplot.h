@@ -11,9 +11,15 @@
  * terminal`; NULL for another ending. */
 const char *saltus_gnuplot_terminal(const char *path);
 
-/* Run gnuplot on a script (read from its beginning) that draws to standard output, and write what it draws to
- * `path`, completely or not at all. The user's own start-up files are not read. Errors: SALTUS_IO with
- * gnuplot's complaint. */
+/* An empty script. Errors: SALTUS_IO. */
+saltus_status saltus_gnuplot_open(FILE **script, saltus_message *message);
+/* The look that all figures share: borders, tics, a grid of the colour given as six hexadecimal digits. */
+void saltus_put_style(FILE *script, const char *grid);
+/* Place the panel between these parts of the page's width and height. */
+void saltus_put_margins(FILE *script, const double across[2], const double up[2]);
+/* Run gnuplot on a script (read from its beginning) that draws to standard output, write what it draws to
+ * `path`, completely or not at all, and close the script. The user's own start-up files are not read. Errors:
+ * SALTUS_IO with gnuplot's complaint. */
 saltus_status saltus_gnuplot_draw(FILE *script, const char *path, saltus_message *message);
 
 /* The numbers that an axis goes over. */

@@ -3,6 +3,7 @@
 #include "io/hdf5.h"
 
 #include "io/describe.h"
+#include "io/output.h"
 
 #include <errno.h>
 #include <math.h>
@@ -35,8 +36,7 @@ static void put_attribute(saltus_h5 *w, hid_t owner, const char *name, hid_t typ
     saltus_h5_note(w, attribute >= 0 && H5Awrite(attribute, memory, value) >= 0);
     if (attribute >= 0)
         saltus_h5_note(w, H5Aclose(attribute) >= 0);
-    if (space >= 0)
-        H5Sclose(space);
+    saltus_h5_close(space);
 }
 
 void saltus_h5_text(saltus_h5 *w, hid_t owner, const char *name, const char *text) {
@@ -66,9 +66,9 @@ hid_t saltus_h5_open_group(saltus_h5 *w, const char *name, const char *descripti
     return group;
 }
 
-void saltus_h5_close_group(hid_t group) {
-    if (group >= 0)
-        H5Gclose(group);
+void saltus_h5_close(hid_t object) {
+    if (object >= 0)
+        H5Idec_ref(object);
 }
 
 static void put_filters(saltus_h5 *w, hid_t list) {
@@ -112,10 +112,8 @@ void saltus_h5_dataset(saltus_h5 *w, hid_t group, const saltus_h5_column *c, lon
         saltus_h5_text(w, set, "description", c->description);
         saltus_h5_note(w, H5Dclose(set) >= 0);
     }
-    if (space >= 0)
-        H5Sclose(space);
-    if (list >= 0)
-        H5Pclose(list);
+    saltus_h5_close(space);
+    saltus_h5_close(list);
 }
 
 /* How a dataset is stored that is written in parts. */
@@ -143,12 +141,9 @@ hid_t saltus_h5_open_dataset(saltus_h5 *w, hid_t group, const saltus_h5_column *
         saltus_h5_text(w, set, "units", c->units);
         saltus_h5_text(w, set, "description", c->description);
     }
-    if (access >= 0)
-        H5Pclose(access);
-    if (space >= 0)
-        H5Sclose(space);
-    if (list >= 0)
-        H5Pclose(list);
+    saltus_h5_close(access);
+    saltus_h5_close(space);
+    saltus_h5_close(list);
     return set;
 }
 
@@ -161,8 +156,7 @@ void saltus_h5_write_part(saltus_h5 *w, hid_t set, hid_t memory, const hsize_t *
     saltus_h5_note(w, here >= 0 &&
                           H5Sselect_hyperslab(place, H5S_SELECT_SET, first, NULL, count, NULL) >= 0 &&
                           H5Dwrite(set, memory, here, place, H5P_DEFAULT, data) >= 0);
-    if (here >= 0)
-        H5Sclose(here);
+    saltus_h5_close(here);
     H5Sclose(place);
 }
 
@@ -179,13 +173,19 @@ hid_t saltus_h5_enumeration(saltus_h5 *w, hid_t base, const char *const *words, 
     return type;
 }
 
+void saltus_h5_reals(saltus_h5 *w, hid_t group, const char *name, const char *description,
+                     const double *values, int count) {
+    const saltus_h5_column column = {name, "1", description, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, values};
+    saltus_h5_dataset(w, group, &column, count, (const int[2]){0, 0});
+}
+
 void saltus_h5_parameters(saltus_h5 *w, const saltus_spec *spec) {
     int count;
     const saltus_parameter *p = saltus_model_parameters(spec->model, &count);
     hid_t group = saltus_h5_open_group(w, "parameters", "parameters of the model; one group for each stop");
     for (int k = 0; k < count; k++)
         saltus_h5_double(w, group, p[k].name, spec->parameters[k]);
-    saltus_h5_close_group(group);
+    saltus_h5_close(group);
     for (int s = 0; s < spec->stop_count; s++) {
         char name[32];
         snprintf(name, sizeof name, "parameters/stop_%d", s + 1);
@@ -199,7 +199,7 @@ void saltus_h5_parameters(saltus_h5 *w, const saltus_spec *spec) {
         saltus_h5_double(w, group, "d", spec->stops[s].d);
         saltus_h5_double(w, group, "r", spec->stops[s].r);
         saltus_h5_text(w, group, "sides", saltus_sides_word(spec->stops[s].sides));
-        saltus_h5_close_group(group);
+        saltus_h5_close(group);
     }
 }
 
@@ -223,15 +223,10 @@ bool saltus_h5_seal(int descriptor, long long length, char seal[SALTUS_H5_SEAL +
     uint64_t hash = digest_begin;
     for (long long done = 0; done < length;) {
         size_t wanted = length - done < block ? (size_t)(length - done) : block;
-        ssize_t got = pread(descriptor, bytes, wanted, (off_t)done);
-        if (got < 0 && errno == EINTR)
-            continue;
-        if (got <= 0) {
-            errno = got < 0 ? errno : EIO;
+        if (saltus_read_at(descriptor, bytes, wanted, done) < wanted)
             return false;
-        }
-        hash = digest(hash, bytes, (size_t)got);
-        done += got;
+        hash = digest(hash, bytes, wanted);
+        done += (long long)wanted;
     }
     write_seal(hash, seal);
     return true;
@@ -262,8 +257,7 @@ void saltus_h5_create(saltus_h5 *w) {
     if (access >= 0 && H5Pset_fapl_core(access, increment, 0) >= 0)
         w->file = H5Fcreate("saltus", H5F_ACC_TRUNC, H5P_DEFAULT, access);
     saltus_h5_note(w, w->file >= 0);
-    if (access >= 0)
-        H5Pclose(access);
+    saltus_h5_close(access);
 }
 
 bool saltus_h5_quiet(saltus_h5_silence *silence) {
@@ -319,10 +313,8 @@ static bool get_attribute(hid_t owner, const char *name, H5T_class_t class, hid_
                 H5Sget_simple_extent_npoints(space) == 1 &&
                 (class != H5T_STRING || H5Tis_variable_str(type) == 0);
     fits = fits && H5Aread(attribute, memory, value) >= 0;
-    if (type >= 0)
-        H5Tclose(type);
-    if (space >= 0)
-        H5Sclose(space);
+    saltus_h5_close(type);
+    saltus_h5_close(space);
     H5Aclose(attribute);
     return fits;
 }
@@ -335,39 +327,19 @@ bool saltus_h5_get_integer(hid_t owner, const char *name, long long *value) {
     return get_attribute(owner, name, H5T_INTEGER, H5T_NATIVE_LLONG, value);
 }
 
-saltus_status saltus_h5_get_head(hid_t file, const char *path, const char *what,
-                                 const saltus_h5_head_text *texts, int count, bool *complete,
-                                 saltus_message *message) {
-    long long whole = 0;
-    for (int k = 0; k < count; k++)
-        if (!saltus_h5_get_text(file, texts[k].name, texts[k].text, texts[k].room))
-            return saltus_fail(message, SALTUS_BAD_INPUT,
-                               "%s: is not a sound %s file: its attribute %s must be a text of fixed length "
-                               "with at most %d bytes",
-                               path, what, texts[k].name, (int)texts[k].room - 1);
-    if (!saltus_h5_get_integer(file, "complete", &whole))
-        return saltus_fail(message, SALTUS_BAD_INPUT,
-                           "%s: is not a sound %s file: its attribute complete must be a whole number", path,
-                           what);
-    *complete = whole != 0;
-    return SALTUS_OK;
-}
-
 hid_t saltus_h5_text_memory(size_t room) {
     hid_t type = H5Tcopy(H5T_C_S1);
     if (type >= 0 && H5Tset_size(type, room) >= 0 && H5Tset_cset(type, H5T_CSET_UTF8) >= 0 &&
         H5Tset_strpad(type, H5T_STR_NULLPAD) >= 0)
         return type;
-    if (type >= 0)
-        H5Tclose(type);
+    saltus_h5_close(type);
     return -1;
 }
 
 bool saltus_h5_get_text(hid_t owner, const char *name, char *text, size_t room) {
     hid_t type = saltus_h5_text_memory(room);
     bool fits = type >= 0 && get_attribute(owner, name, H5T_STRING, type, text);
-    if (type >= 0)
-        H5Tclose(type);
+    saltus_h5_close(type);
     if (!fits || text[room - 1])
         text[0] = '\0';
     return fits && !text[room - 1];
@@ -380,8 +352,7 @@ static int open_extent(hid_t file, const char *name, hid_t *set, hsize_t size[SA
     int rank = space >= 0 ? H5Sget_simple_extent_ndims(space) : -1;
     if (rank < 1 || rank > SALTUS_H5_RANK_MAX || H5Sget_simple_extent_dims(space, size, NULL) != rank)
         rank = -1;
-    if (space >= 0)
-        H5Sclose(space);
+    saltus_h5_close(space);
     return rank;
 }
 
@@ -389,8 +360,7 @@ int saltus_h5_extent(hid_t file, const char *name, hsize_t size[SALTUS_H5_RANK_M
     hid_t set;
     int rank = open_extent(file, name, &set, size);
     *stored = rank < 0 ? 0 : H5Dget_storage_size(set);
-    if (set >= 0)
-        H5Dclose(set);
+    saltus_h5_close(set);
     return rank;
 }
 
@@ -417,10 +387,8 @@ bool saltus_h5_get_array(hid_t file, const char *name, hid_t memory, int rank, c
     fits = type >= 0 && H5Tget_class(type) == H5Tget_class(memory) &&
            (H5Tget_class(memory) != H5T_STRING || H5Tis_variable_str(type) == 0);
     fits = fits && (entries == 0 || H5Dread(set, memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) >= 0);
-    if (type >= 0)
-        H5Tclose(type);
-    if (set >= 0)
-        H5Dclose(set);
+    saltus_h5_close(type);
+    saltus_h5_close(set);
     return fits;
 }
 
@@ -428,6 +396,10 @@ bool saltus_h5_get_dataset(hid_t file, const char *name, hid_t memory, long long
                            void *data) {
     const hsize_t size[3] = {(hsize_t)rows, (hsize_t)width[0], (hsize_t)width[1]};
     return saltus_h5_get_array(file, name, memory, 1 + (width[0] > 0) + (width[1] > 0), size, data);
+}
+
+hid_t saltus_h5_find_group(hid_t file, const char *name) {
+    return H5Lexists(file, name, H5P_DEFAULT) > 0 ? H5Gopen2(file, name, H5P_DEFAULT) : -1;
 }
 
 static bool get_stop(hid_t file, const char *name, bool pipe, saltus_stop *stop) {
@@ -451,27 +423,93 @@ static bool get_stop(hid_t file, const char *name, bool pipe, saltus_stop *stop)
            isfinite(stop->weight[1]) && isfinite(stop->d) && isfinite(stop->r);
 }
 
-const char *saltus_h5_get_parameters(hid_t file, const saltus_model *model, saltus_spec *spec) {
+saltus_status saltus_h5_reader_open(saltus_h5_reader *r) {
+    r->file = -1;
+    if (!saltus_h5_quiet(&r->silence))
+        return saltus_fail(r->message, SALTUS_IO, "the HDF5 library could not be opened");
+    r->file = saltus_h5_read_file(r->path, r->message);
+    if (r->file >= 0)
+        return SALTUS_OK;
+    saltus_h5_restore(&r->silence);
+    return SALTUS_BAD_INPUT;
+}
+
+void saltus_h5_reader_close(saltus_h5_reader *r) {
+    if (r->file < 0)
+        return;
+    H5Fclose(r->file);
+    saltus_h5_restore(&r->silence);
+}
+
+saltus_status saltus_h5_refuse(const saltus_h5_reader *r, const char *what) {
+    return saltus_fail(r->message, SALTUS_BAD_INPUT, "%s: is not a sound %s file: %s", r->path, r->kind,
+                       what);
+}
+
+saltus_status saltus_h5_refuse_part(const saltus_h5_reader *r, const char *group, const char *name) {
+    return saltus_fail(r->message, SALTUS_BAD_INPUT,
+                       "%s: is not a sound %s file: %s/%s is missing or not as it should be", r->path,
+                       r->kind, group, name);
+}
+
+saltus_status saltus_h5_no_memory(const saltus_h5_reader *r) {
+    return saltus_fail(r->message, SALTUS_NO_MEMORY, "no memory for reading %s", r->path);
+}
+
+static saltus_status get_parameters(const saltus_h5_reader *r, const saltus_model *model, saltus_spec *spec) {
     int count;
     const saltus_parameter *p = saltus_model_parameters(model, &count);
     const char *lacking = NULL;
     *spec = saltus_spec_defaults(model);
-    hid_t group =
-        H5Lexists(file, "parameters", H5P_DEFAULT) > 0 ? H5Gopen2(file, "parameters", H5P_DEFAULT) : -1;
+    hid_t group = saltus_h5_find_group(r->file, "parameters");
     if (group < 0)
-        return "parameters";
+        return saltus_h5_refuse(r, "the group /parameters is missing");
     for (int k = 0; k < count && !lacking; k++)
         if (!saltus_h5_get_double(group, p[k].name, &spec->parameters[k]) || !isfinite(spec->parameters[k]))
             lacking = p[k].name;
     H5Gclose(group);
-    for (; spec->stop_count < SALTUS_STOPS_MAX && !lacking; spec->stop_count++) {
+    if (lacking)
+        return saltus_h5_refuse_part(r, "parameters", lacking);
+    for (; spec->stop_count < SALTUS_STOPS_MAX; spec->stop_count++) {
         char name[32];
         snprintf(name, sizeof name, "parameters/stop_%d", spec->stop_count + 1);
-        if (H5Lexists(file, name, H5P_DEFAULT) <= 0)
+        if (H5Lexists(r->file, name, H5P_DEFAULT) <= 0)
             break;
-        if (!get_stop(file, name, strcmp(saltus_model_name(model), "pipe") == 0,
+        if (!get_stop(r->file, name, strcmp(saltus_model_name(model), "pipe") == 0,
                       &spec->stops[spec->stop_count]))
-            lacking = "a stop";
+            return saltus_h5_refuse_part(r, name, "d, r, sides");
     }
-    return lacking;
+    return SALTUS_OK;
+}
+
+saltus_status saltus_h5_get_head(const saltus_h5_reader *r, const char *other_kind, const char *called,
+                                 saltus_h5_head *head) {
+    const struct {
+        const char *name;
+        char *text;
+        size_t room;
+    } texts[] = {{"version", head->version, sizeof head->version},
+                 {"scene", head->scene, sizeof head->scene},
+                 {"title", head->title, sizeof head->title},
+                 {"model", head->model, sizeof head->model}};
+    long long complete = 0;
+    if (!saltus_h5_get_text(r->file, "kind", head->kind, sizeof head->kind))
+        return saltus_fail(r->message, SALTUS_BAD_INPUT, "%s: is an HDF5 file, but not one of Saltus",
+                           r->path);
+    if (strcmp(head->kind, r->kind) != 0 && strcmp(head->kind, other_kind) != 0)
+        return saltus_fail(r->message, SALTUS_BAD_INPUT, "%s: holds a %s, not a %s", r->path, head->kind,
+                           called);
+    for (size_t k = 0; k < sizeof texts / sizeof texts[0]; k++)
+        if (!saltus_h5_get_text(r->file, texts[k].name, texts[k].text, texts[k].room))
+            return saltus_fail(r->message, SALTUS_BAD_INPUT,
+                               "%s: is not a sound %s file: its attribute %s must be a text of fixed length "
+                               "with at most %d bytes",
+                               r->path, r->kind, texts[k].name, (int)texts[k].room - 1);
+    if (!saltus_h5_get_integer(r->file, "complete", &complete))
+        return saltus_h5_refuse(r, "its attribute complete must be a whole number");
+    head->complete = complete != 0;
+    if (!saltus_model_find(head->model))
+        return saltus_fail(r->message, SALTUS_BAD_INPUT, "%s: the model %.40s is not known", r->path,
+                           head->model);
+    return get_parameters(r, saltus_model_find(head->model), &head->spec);
 }

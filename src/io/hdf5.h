@@ -44,7 +44,8 @@ void saltus_h5_text(saltus_h5 *w, hid_t owner, const char *name, const char *tex
 void saltus_h5_double(saltus_h5 *w, hid_t owner, const char *name, double value);
 void saltus_h5_integer(saltus_h5 *w, hid_t owner, const char *name, long long value);
 hid_t saltus_h5_open_group(saltus_h5 *w, const char *name, const char *description);
-void saltus_h5_close_group(hid_t group);
+/* Close a group, dataset, type, ...; nothing to do where it is negative, because it could not be opened. */
+void saltus_h5_close(hid_t object);
 /* The groups /parameters and /parameters/stop_1, ... with an attribute for each value. */
 void saltus_h5_parameters(saltus_h5 *w, const saltus_spec *spec);
 
@@ -59,6 +60,9 @@ typedef struct saltus_h5_column {
  * unused widths are 0. Extensible, in chunks, shuffled, deflated and with checksums. */
 void saltus_h5_dataset(saltus_h5 *w, hid_t group, const saltus_h5_column *c, long long rows,
                        const int width[2]);
+/* A dataset of plain real numbers without a unit. */
+void saltus_h5_reals(saltus_h5 *w, hid_t group, const char *name, const char *description,
+                     const double *values, int count);
 enum { SALTUS_H5_RANK_MAX = 4 };
 
 /* Extent of a dataset, and of the parts in which it is stored and written. */
@@ -89,17 +93,6 @@ bool saltus_h5_get_double(hid_t owner, const char *name, double *value);
 bool saltus_h5_get_integer(hid_t owner, const char *name, long long *value);
 bool saltus_h5_get_text(hid_t owner, const char *name, char *text, size_t room);
 
-typedef struct saltus_h5_head_text {
-    const char *name;
-    char *text;
-    size_t room;
-} saltus_h5_head_text;
-
-/* What the head of a file of results says: `count` texts, and whether it is complete. `what` names the kind
- * of file in messages. Errors: SALTUS_BAD_INPUT, with the attribute that is not as it should be. */
-saltus_status saltus_h5_get_head(hid_t file, const char *path, const char *what,
-                                 const saltus_h5_head_text *texts, int count, bool *complete,
-                                 saltus_message *message);
 /* The type of a text in memory that is cut at `room` bytes without a NUL, so that a cut can be seen; to be
  * closed. Negative on failure. */
 hid_t saltus_h5_text_memory(size_t room);
@@ -117,8 +110,37 @@ int saltus_h5_extent(hid_t file, const char *name, hsize_t size[SALTUS_H5_RANK_M
 /* Whether a dataset of `entries` rows of `width` entries may be as large as it says, stored in so many bytes:
  * deflate makes a block shorter by a factor of about a thousand at most. */
 bool saltus_h5_believable(hsize_t entries, hsize_t width, hsize_t stored);
-/* The groups /parameters and /parameters/stop_1, ... as written by saltus_h5_parameters, of a known model.
- * NULL when all is there and finite, otherwise what is not. */
-const char *saltus_h5_get_parameters(hid_t file, const saltus_model *model, saltus_spec *spec);
+/* Open a group for reading; negative when there is none of that name. */
+hid_t saltus_h5_find_group(hid_t file, const char *name);
+
+/* A file of results that is being read. The caller sets path, kind and message. */
+typedef struct saltus_h5_reader {
+    const char *path, *kind; /* "branch" or "sweep", also for messages */
+    saltus_message *message;
+    hid_t file;
+    saltus_h5_silence silence;
+} saltus_h5_reader;
+
+/* Open the file, with HDF5's own messages off until it is closed. Errors: SALTUS_BAD_INPUT, SALTUS_IO. */
+saltus_status saltus_h5_reader_open(saltus_h5_reader *r);
+/* Does nothing when opening failed. */
+void saltus_h5_reader_close(saltus_h5_reader *r);
+/* Fail with a sentence about the file: SALTUS_BAD_INPUT with what is wrong, or with the object that is
+ * missing or wrong; SALTUS_NO_MEMORY. */
+saltus_status saltus_h5_refuse(const saltus_h5_reader *r, const char *what);
+saltus_status saltus_h5_refuse_part(const saltus_h5_reader *r, const char *group, const char *name);
+saltus_status saltus_h5_no_memory(const saltus_h5_reader *r);
+
+/* What every file of results says of its origin. */
+typedef struct saltus_h5_head {
+    char kind[32], version[16], scene[128], title[160], model[64];
+    bool complete;
+    saltus_spec spec;
+} saltus_h5_head;
+
+/* Read the head of a file of the reader's kind or of `other_kind`; `called` names both in the message that
+ * refuses any other. All parameters and stops are there and finite. Errors: SALTUS_BAD_INPUT. */
+saltus_status saltus_h5_get_head(const saltus_h5_reader *r, const char *other_kind, const char *called,
+                                 saltus_h5_head *head);
 
 #endif

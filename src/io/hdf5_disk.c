@@ -2,6 +2,8 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "io/hdf5_disk.h"
 
+#include "io/output.h"
+
 #include <errno.h>
 #include <fcntl.h>
 #include <stdlib.h>
@@ -64,43 +66,22 @@ static haddr_t disk_end(const H5FD_t *base, H5FD_mem_t type) {
 static herr_t disk_read(H5FD_t *base, H5FD_mem_t type, hid_t transfer, haddr_t address, size_t size,
                         void *data) {
     const disk_file *file = (const disk_file *)(void *)base;
-    unsigned char *bytes = data;
     (void)type;
     (void)transfer;
-    while (size) {
-        ssize_t got = pread(file->disk->descriptor, bytes, size, (off_t)address);
-        if (got < 0 && errno == EINTR)
-            continue;
-        if (got <= 0)
-            break;
-        bytes += got;
-        address += (haddr_t)got;
-        size -= (size_t)got;
-    }
-    memset(bytes, 0, size);
+    size_t there = saltus_read_at(file->disk->descriptor, data, size, (long long)address);
+    memset((unsigned char *)data + there, 0, size - there);
     return 0;
 }
 
 static herr_t disk_write(H5FD_t *base, H5FD_mem_t type, hid_t transfer, haddr_t address, size_t size,
                          const void *data) {
     disk_file *file = (disk_file *)(void *)base;
-    const unsigned char *bytes = data;
     (void)type;
     (void)transfer;
     if (address + size > file->end)
         file->end = address + size;
-    while (size && !file->disk->reason) {
-        ssize_t put = pwrite(file->disk->descriptor, bytes, size, (off_t)address);
-        if (put < 0 && errno == EINTR)
-            continue;
-        if (put <= 0) {
-            file->disk->reason = put < 0 ? errno : EIO;
-            break;
-        }
-        bytes += put;
-        address += (haddr_t)put;
-        size -= (size_t)put;
-    }
+    if (!file->disk->reason && !saltus_write_at(file->disk->descriptor, data, size, (long long)address))
+        file->disk->reason = errno;
     return 0;
 }
 
@@ -168,10 +149,7 @@ static bool put_seal(int descriptor) {
     off_t length = lseek(descriptor, 0, SEEK_END);
     if (length < 0 || !saltus_h5_seal(descriptor, length, seal))
         return false;
-    ssize_t put = pwrite(descriptor, seal, SALTUS_H5_SEAL, length);
-    if (put >= 0 && put < SALTUS_H5_SEAL)
-        errno = ENOSPC;
-    return put == SALTUS_H5_SEAL;
+    return saltus_write_at(descriptor, seal, SALTUS_H5_SEAL, length);
 }
 
 void saltus_h5_disk_finish(saltus_h5 *w, saltus_h5_disk *disk, bool durable) {

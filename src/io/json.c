@@ -47,6 +47,11 @@ void saltus_json_vector(FILE *file, const double *vector, int length) {
     fputc(']', file);
 }
 
+void saltus_json_list(FILE *file, const char *key, const double *vector, int length) {
+    saltus_json_key(file, key);
+    saltus_json_vector(file, vector, length);
+}
+
 static void put_states(FILE *file, const saltus_motion *motion) {
     saltus_json_key(file, "state");
     if (motion->state)
@@ -128,9 +133,10 @@ static void put_sum_rule(FILE *file, const saltus_motion *motion) {
     fputc('}', file);
 }
 
-static void put_contact_force(FILE *file, const saltus_system *system, const saltus_motion *motion) {
+void saltus_json_contact_force(FILE *file, const saltus_system *system, const double *force,
+                               const double *gap) {
     saltus_json_key(file, "contact_force");
-    if (motion->verdict != SALTUS_HELD) {
+    if (!force) {
         fputs("null", file);
         return;
     }
@@ -139,7 +145,9 @@ static void put_contact_force(FILE *file, const saltus_system *system, const sal
         saltus_face face = saltus_system_face(system, f);
         fprintf(file, "%s{\"stop\": %d, \"side\": \"%s\"", f ? ", " : "", face.stop + 1,
                 saltus_side_word(face.side));
-        saltus_json_member(file, "force", motion->contact_force[f]);
+        saltus_json_member(file, "force", force[f]);
+        if (gap)
+            saltus_json_member(file, "gap", gap[f]);
         fputc('}', file);
     }
     fputc(']', file);
@@ -190,13 +198,10 @@ static void put_evidence(FILE *file, const saltus_motion *motion) {
         return;
     }
     fprintf(file, "{\"periods\": %lld, \"members\": %d", e->periods, e->members);
-    saltus_json_key(file, "halves");
-    saltus_json_vector(file, e->half, 2);
-    saltus_json_key(file, "half_errors");
-    saltus_json_vector(file, e->half_errors, 2);
+    saltus_json_list(file, "halves", e->half, 2);
+    saltus_json_list(file, "half_errors", e->half_errors, 2);
     saltus_json_member(file, "zero_one_test", e->zero_one);
-    saltus_json_key(file, "zero_one_quartiles");
-    saltus_json_vector(file, e->zero_one_quartiles, 2);
+    saltus_json_list(file, "zero_one_quartiles", e->zero_one_quartiles, 2);
     saltus_json_member(file, "correlation_dimension", e->dimension);
     saltus_json_member(file, "correlation_dimension_error", e->dimension_error);
     saltus_json_member(file, "broadband", e->broadband);
@@ -233,7 +238,8 @@ void saltus_write_motion_json(FILE *file, const saltus_scene *scene, const saltu
     saltus_json_member(file, "lyapunov", motion->lyapunov);
     saltus_json_member(file, "lyapunov_standard_error", motion->lyapunov_error);
     put_evidence(file, motion);
-    put_contact_force(file, system, motion);
+    saltus_json_contact_force(file, system, motion->verdict == SALTUS_HELD ? motion->contact_force : NULL,
+                              NULL);
     saltus_json_member(file, "largest_displacement", motion->largest);
     saltus_json_member(file, "smallest_displacement", motion->smallest);
     fprintf(file, ", \"transient\": %lld", motion->transient);

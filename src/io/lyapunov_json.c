@@ -5,21 +5,6 @@
 
 #include <math.h>
 
-/* Standard errors, with null for the exponents that have none because they are -infinity. */
-static void put_errors(FILE *file, const saltus_lyapunov *l) {
-    fputc('[', file);
-    for (int k = 0; k < l->count; k++) {
-        fputs(k ? ", " : "", file);
-        saltus_json_value(file, isfinite(l->exponents[k]) ? l->standard_errors[k] : NAN);
-    }
-    fputc(']', file);
-}
-
-static void put_vector(FILE *file, const char *key, const double *vector, int length) {
-    saltus_json_key(file, key);
-    saltus_json_vector(file, vector, length);
-}
-
 static void put_truth(FILE *file, const char *key, bool value) {
     saltus_json_key(file, key);
     fputs(value ? "true" : "false", file);
@@ -42,9 +27,14 @@ static void put_exponents(FILE *file, const saltus_lyapunov *l) {
     saltus_json_member(file, "largest", l->exponents[0]);
     saltus_json_member(file, "standard_error", finite ? l->standard_errors[0] : NAN);
     saltus_json_text(file, "sign", saltus_sense_word(saltus_lyapunov_sense(l)));
-    put_vector(file, "exponents", l->exponents, l->count);
+    saltus_json_list(file, "exponents", l->exponents, l->count);
+    /* null for the exponents that have none because they are -infinity */
     saltus_json_key(file, "standard_errors");
-    put_errors(file, l);
+    for (int k = 0; k < l->count; k++) {
+        fputs(k ? ", " : "[", file);
+        saltus_json_value(file, isfinite(l->exponents[k]) ? l->standard_errors[k] : NAN);
+    }
+    fputc(']', file);
     fprintf(file, ", \"dimension\": %d, \"lost\": %d", l->dimension, l->lost);
     saltus_json_member(file, "sum", l->sum);
     saltus_json_member(file, "sum_rule", l->sum_rule);
@@ -61,14 +51,14 @@ void saltus_write_lyapunov_json(FILE *file, const saltus_scene *scene, const sal
     saltus_json_member(file, "period", l->period);
     saltus_json_member(file, "time", l->time);
     fprintf(file, ", \"periods\": %lld, \"transient\": %lld", l->periods, l->transient);
-    put_vector(file, "halves", l->half, 2);
-    put_vector(file, "half_errors", l->half_errors, 2);
+    saltus_json_list(file, "halves", l->half, 2);
+    saltus_json_list(file, "half_errors", l->half_errors, 2);
     saltus_json_member(file, "independent", l->independent);
     fprintf(file, ", \"members\": %d", l->members);
-    put_vector(file, "member_exponents", l->member_exponents, l->members);
+    saltus_json_list(file, "member_exponents", l->member_exponents, l->members);
     put_truth(file, "agree", l->agree);
     put_truth(file, "precise", l->precise);
-    put_vector(file, "state", l->state, l->dimension);
+    saltus_json_list(file, "state", l->state, l->dimension);
     put_options(file, options);
     saltus_json_parameters(file, saltus_system_spec(system));
     saltus_json_text(file, "integrator", saltus_integrator_used(system, options->flow.integrator));

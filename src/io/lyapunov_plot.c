@@ -13,12 +13,8 @@
 #define FINAL "#c44e2a"
 #define ZERO "#707070"
 
-/* Few points are marked, a lone one would not be seen otherwise. */
+/* A course of fewer points than this gets a mark at each: a single point would not be seen as a line. */
 enum { few_points = 30, first_tag = 9000 };
-
-static bool drawable(const saltus_course *c) {
-    return isfinite(c->exponent) && c->count > 0;
-}
 
 saltus_course saltus_lyapunov_course(const saltus_lyapunov *l) {
     return (saltus_course){l->history, l->history_count, l->exponents[0], l->standard_errors[0]};
@@ -50,7 +46,7 @@ static void put_time_tics(FILE *file, saltus_range range) {
     fputs(")\n", file);
 }
 
-/* The range of all estimates, and of their band once the begin, where it may be wide, is over. */
+/* The range of all estimates, and of their error band except at the beginning, where it may be wide. */
 static saltus_range vertical_range(const saltus_course *c, saltus_range time) {
     const double begin = 0.2;
     double from = time.low * pow(time.high / time.low, begin);
@@ -64,15 +60,8 @@ static saltus_range vertical_range(const saltus_course *c, saltus_range time) {
     return (saltus_range){range.low - 0.08 * width, range.high + 0.08 * width};
 }
 
-static void put_axes(FILE *file, const saltus_system *system, saltus_range time) {
-    fprintf(file,
-            "set logscale x\nset xlabel 'time {/:Italic %s} measured, all trajectories together'\n"
-            "set xrange [%.9g:%.9g]\n",
-            saltus_is_pipe(system) ? "τ" : "t", time.low, time.high);
-    put_time_tics(file, time);
-}
-
-/* Differences from the final value are drawn where the tics of the values themselves would all read alike. */
+/* What is subtracted from the values drawn: the final value where they differ so little that all tics would
+ * show the same number, otherwise 0. */
 static double choose_origin(FILE *file, const saltus_course *c, saltus_range *range) {
     const double alike = 0.003;
     double origin = range->high - range->low < alike * fabs(c->exponent) ? c->exponent : 0;
@@ -141,11 +130,8 @@ static void put_curves(FILE *file, const saltus_course *c, double origin, saltus
 
 void saltus_course_panel(FILE *file, const saltus_system *system, const saltus_course *c,
                          const double across[2], const double up[2]) {
-    fprintf(file,
-            "set lmargin at screen %g\nset rmargin at screen %g\nset bmargin at screen %g\nset tmargin at "
-            "screen %g\n",
-            across[0], across[1], up[0], up[1]);
-    if (!drawable(c)) {
+    saltus_put_margins(file, across, up);
+    if (!isfinite(c->exponent) || c->count == 0) {
         put_reason(file, system, c);
         return;
     }
@@ -153,7 +139,11 @@ void saltus_course_panel(FILE *file, const saltus_system *system, const saltus_c
     if (!(time.high > 1.2 * time.low))
         time = (saltus_range){time.low / 2, time.high * 2};
     saltus_range exponent = vertical_range(c, time);
-    put_axes(file, system, time);
+    fprintf(file,
+            "set logscale x\nset xlabel 'time {/:Italic %s} measured, all trajectories together'\n"
+            "set xrange [%.9g:%.9g]\n",
+            saltus_is_pipe(system) ? "τ" : "t", time.low, time.high);
+    put_time_tics(file, time);
     double origin = choose_origin(file, c, &exponent);
     put_levels(file, c->exponent, origin, exponent);
     put_curves(file, c, origin, exponent);

@@ -21,15 +21,4 @@ void saltus_course_data(FILE *file, const saltus_course *course);
 void saltus_course_panel(FILE *file, const saltus_system *system, const saltus_course *course,
                          const double across[2], const double up[2]);
 
-/* What is written to a file, and where it comes from; all the caller's. */
-typedef struct saltus_convergence {
-    const saltus_scene *scene;
-    const saltus_system *system;
-    const saltus_lyapunov_options *options;
-    const saltus_lyapunov *lyapunov;
-} saltus_convergence;
-
-/* The rows, below a header that says what they belong to. */
-void saltus_convergence_csv(const saltus_convergence *convergence, FILE *file);
-
 #endif

@@ -48,16 +48,17 @@ static void put_meaning(FILE *file, const saltus_system *system, const saltus_ly
         fprintf(file, "every direction is %s: nearby trajectories become one\n", saltus_lost_words(system));
     }
     if (!saltus_system_forced(system) && saltus_lyapunov_sense(l) != SALTUS_SENSE_MEET) {
-        put_head(file, "");
-        fputs("not forced: unless the system is at rest, one exponent is that of time itself, zero\n", file);
+        fprintf(
+            file,
+            "  %-14snot forced: unless the system is at rest, one exponent is that of time itself, zero\n",
+            "");
     }
 }
 
 static void put_spectrum(FILE *file, const saltus_system *system, const saltus_lyapunov *l) {
     if (l->count < 2)
         return;
-    put_head(file, "exponents");
-    fputs("  per unit of time  standard error        per period\n", file);
+    fprintf(file, "  %-14s  per unit of time  standard error        per period\n", "exponents");
     for (int k = 0; k < l->count; k++) {
         saltus_uncertain own = saltus_uncertain_text(l->exponents[k], l->standard_errors[k]),
                          period = saltus_uncertain_text(l->exponents[k] * l->period,
@@ -128,13 +129,11 @@ static void put_members(FILE *file, const saltus_lyapunov *l) {
 
 static void put_measured(FILE *file, const saltus_system *system, const saltus_lyapunov_options *o,
                          const saltus_lyapunov *l) {
-    put_head(file, "impacts");
-    fprintf(file, "%.6g per period; sticks: %.6g per period\n", l->impacts_per_period, l->sticks_per_period);
-    put_head(file, "measured");
-    fprintf(file, "%lld periods (%.6g units of time) by all trajectories together (%s)\n", l->periods,
-            l->time, saltus_integrator_used(system, o->flow.integrator));
-    put_head(file, "transient");
-    fprintf(file, "%lld periods", l->transient);
+    fprintf(file, "  %-14s%.6g per period; sticks: %.6g per period\n", "impacts", l->impacts_per_period,
+            l->sticks_per_period);
+    fprintf(file, "  %-14s%lld periods (%.6g units of time) by all trajectories together (%s)\n", "measured",
+            l->periods, l->time, saltus_integrator_used(system, o->flow.integrator));
+    fprintf(file, "  %-14s%lld periods", "transient", l->transient);
     if (l->transient > o->transient)
         fprintf(file, ": %lld as asked for, then until directions and exponent had settled", o->transient);
     fputc('\n', file);

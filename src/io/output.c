@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 
 bool saltus_path_ends(const char *path, const char *ending) {
@@ -111,4 +112,50 @@ saltus_status saltus_output_close(saltus_output *output, saltus_status status, s
                              strerror(reason));
     release(output);
     return status;
+}
+
+saltus_status saltus_output_test(const char *path, saltus_message *message) {
+    saltus_output output;
+    saltus_status status = saltus_output_open(&output, path, message);
+    if (status == SALTUS_OK)
+        saltus_output_close(&output, SALTUS_IO, NULL);
+    return status;
+}
+
+size_t saltus_read_at(int descriptor, void *data, size_t size, long long place) {
+    unsigned char *bytes = data;
+    size_t done = 0;
+    while (done < size) {
+        ssize_t got = pread(descriptor, bytes + done, size - done, (off_t)(place + (long long)done));
+        if (got < 0 && errno == EINTR)
+            continue;
+        if (got == 0)
+            errno = EIO;
+        if (got <= 0)
+            break;
+        done += (size_t)got;
+    }
+    return done;
+}
+
+bool saltus_write_at(int descriptor, const void *data, size_t size, long long place) {
+    const unsigned char *bytes = data;
+    size_t done = 0;
+    while (done < size) {
+        ssize_t put = pwrite(descriptor, bytes + done, size - done, (off_t)(place + (long long)done));
+        if (put < 0 && errno == EINTR)
+            continue;
+        if (put == 0)
+            errno = ENOSPC;
+        if (put <= 0)
+            return false;
+        done += (size_t)put;
+    }
+    return true;
+}
+
+double saltus_seconds(void) {
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }

@@ -21,6 +21,17 @@ saltus_status saltus_output_open(saltus_output *output, const char *path, saltus
  * when something could not be written; nothing is left behind. */
 saltus_status saltus_output_close(saltus_output *output, saltus_status status, saltus_message *message);
 
+/* Whether the file could be written; nothing is left behind. Errors as saltus_output_open. */
+saltus_status saltus_output_test(const char *path, saltus_message *message);
+
+/* Read `size` bytes at a place of an open file; how many there were. When fewer, errno says why: EIO where
+ * the file ends. */
+size_t saltus_read_at(int descriptor, void *data, size_t size, long long place);
+/* False, with errno, when not everything could be written. */
+bool saltus_write_at(int descriptor, const void *data, size_t size, long long place);
+/* A clock that is not set, in seconds. */
+double saltus_seconds(void);
+
 /* Whether a path ends in `ending` (such as ".csv") and has something before it. */
 bool saltus_path_ends(const char *path, const char *ending);
 /* The part of a path after the last '/'. */

@@ -9,30 +9,19 @@
 #include "io/hdf5.h"
 #include "io/output.h"
 
-#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-static void put_style(FILE *file) {
-    fputs("set encoding utf8\n"
-          "set border 3 lc rgb '#606060' lw 1\n"
-          "set tics out nomirror scale 0.6 tc rgb '#303030'\n"
-          "set grid lt 1 lc rgb '#eeeeee' lw 1 back\n"
-          "set minussign\n"
-          "set lmargin at screen 0.09\nset rmargin at screen 0.973\nset bmargin at screen 0.078\n",
-          file);
-}
 
 static void name_measure(const saltus_plot_page *page, saltus_line *line) {
     char name[160];
     switch (page->show) {
     case SALTUS_SHOW_DISPLACEMENT:
-        saltus_displacement_name(page->system, name, sizeof name);
+        saltus_observed_name(page->system, false, name, sizeof name);
         saltus_line_add(line, "%s  at phase 0", name);
         break;
     case SALTUS_SHOW_VELOCITY:
-        saltus_velocity_name(page->system, name, sizeof name);
+        saltus_observed_name(page->system, true, name, sizeof name);
         saltus_line_add(line, "%s  at phase 0", name);
         break;
     case SALTUS_SHOW_PERIOD:
@@ -98,7 +87,9 @@ static void put_caption(const saltus_plot_page *page) {
 
 static void write_script(const saltus_plot_page *page, const char *path) {
     fprintf(page->file, "set terminal %s\n", saltus_gnuplot_terminal(path));
-    put_style(page->file);
+    saltus_put_style(page->file, "eeeeee");
+    fputs("set lmargin at screen 0.09\nset rmargin at screen 0.973\nset bmargin at screen 0.078\n",
+          page->file);
     saltus_plot_data(page);
     put_axes(page);
     put_caption(page);
@@ -109,7 +100,7 @@ static void write_script(const saltus_plot_page *page, const char *path) {
     saltus_plot_legend(page);
 }
 
-/* Without a wish: impact speeds where there are impacts, displacements otherwise. */
+/* Where nothing was asked for: impact speeds where there are impacts, displacements otherwise. */
 static saltus_show choose_measure(const saltus_plot_page *page, saltus_show wanted) {
     if (wanted != SALTUS_SHOW_AUTOMATIC)
         return wanted;
@@ -125,35 +116,28 @@ static bool asked_for(const saltus_plot_page *page, int axis, saltus_range *rang
     const char *key = page->files[0].options.key[axis];
     for (int k = 0; k < page->options->part_count; k++) {
         const saltus_plot_part *part = &page->options->parts[k];
-        if (strcmp(part->key, key) != 0)
-            continue;
-        *range = (saltus_range){part->low, part->high};
-        return true;
+        if (strcmp(part->key, key) == 0) {
+            *range = (saltus_range){part->low, part->high};
+            return true;
+        }
     }
     return false;
 }
 
-/* What is shown up the page of a point. */
-static void add_measures(saltus_plot_page *page, const saltus_branch_point *point, saltus_range *range) {
-    for (int e = 0; page->show == SALTUS_SHOW_IMPACTS && !page->locus && e < point->event_count; e++)
-        saltus_range_add(range, saltus_impact_speed(&point->events[e]));
-    saltus_range_add(range, saltus_plot_y(page, point));
-}
-
-/* The range of an axis, of the points that are within what was asked for of the other. */
-static void find_range(saltus_plot_page *page, int axis, saltus_range *range) {
+/* The range of an axis, from the points that are in the range asked for of the other axis. */
+static saltus_range find_range(const saltus_plot_page *page, int axis) {
     saltus_range found = {INFINITY, -INFINITY};
     for (int i = 0; i < page->count; i++)
         for (int k = 0; k < page->files[i].point_count; k++) {
             const saltus_branch_point *point = &page->files[i].points[k];
             if (!saltus_plot_shown(page, point))
                 continue;
-            if (axis == 0)
-                saltus_range_add(&found, saltus_plot_x(point));
-            else
-                add_measures(page, point, &found);
+            saltus_range_add(&found, axis ? saltus_plot_y(page, point) : saltus_plot_x(point));
+            bool every_impact = axis && page->show == SALTUS_SHOW_IMPACTS && !page->locus;
+            for (int e = 0; e < point->event_count && every_impact; e++)
+                saltus_range_add(&found, saltus_impact_speed(&point->events[e]));
         }
-    *range = found;
+    return found;
 }
 
 static void find_ranges(saltus_plot_page *page) {
@@ -162,12 +146,12 @@ static void find_ranges(saltus_plot_page *page) {
     page->x = page->y = (saltus_range){-INFINITY, INFINITY};
     bool part[2] = {asked_for(page, 0, &page->x), page->locus && asked_for(page, 1, &page->y)};
     if (!part[0]) {
-        find_range(page, 0, &page->x);
+        page->x = find_range(page, 0);
         saltus_range_pad(&page->x, 0.03, 1e-3 * (o->high[0] - o->low[0]));
     }
     if (part[1])
         return;
-    find_range(page, 1, &page->y);
+    page->y = find_range(page, 1);
     if (speeds && page->y.low < 0.4 * page->y.high)
         saltus_range_add(&page->y, 0);
     saltus_range_pad(&page->y, 0.07,
@@ -204,13 +188,11 @@ static saltus_status draw(const saltus_branch_file *files, int count, const salt
     page.show = choose_measure(&page, options->show);
     find_ranges(&page);
     status = check_points(&page, message);
-    page.file = status == SALTUS_OK ? saltus_nameless_file() : NULL;
-    if (status == SALTUS_OK && !page.file)
-        status = saltus_fail(message, SALTUS_IO, "no temporary file can be made: %s", strerror(errno));
+    if (status == SALTUS_OK)
+        status = saltus_gnuplot_open(&page.file, message);
     if (status == SALTUS_OK) {
         write_script(&page, figure);
         status = saltus_gnuplot_draw(page.file, figure, message);
-        fclose(page.file);
     }
     saltus_system_free(system);
     return status;
@@ -286,15 +268,11 @@ static saltus_status check_options(const saltus_branch_file *file, const saltus_
 
 /* Whether a file is of a sweep; what else is wrong with it is left to its reader. */
 static bool is_sweep(const char *path) {
-    saltus_h5_silence silence;
+    saltus_h5_reader reader = {.path = path};
     char kind[32] = "";
-    if (!saltus_h5_quiet(&silence))
-        return false;
-    hid_t file = saltus_h5_read_file(path, NULL);
-    bool known = file >= 0 && saltus_h5_get_text(file, "kind", kind, sizeof kind);
-    if (file >= 0)
-        H5Fclose(file);
-    saltus_h5_restore(&silence);
+    bool known = saltus_h5_reader_open(&reader) == SALTUS_OK &&
+                 saltus_h5_get_text(reader.file, "kind", kind, sizeof kind);
+    saltus_h5_reader_close(&reader);
     return known && (strcmp(kind, "sweep") == 0 || strcmp(kind, "basins") == 0);
 }
 

@@ -5,6 +5,7 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "io/raster.h"
 
+#include <gsl/gsl_sort_float.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -46,11 +47,6 @@ static double density_at(const saltus_tally *tally, size_t k) {
     return tally->weight[k] / fmin(tally->cover[k], 1);
 }
 
-static int by_size(const void *a, const void *b) {
-    const float *p = a, *q = b;
-    return (*p > *q) - (*p < *q);
-}
-
 /* Logarithms of the densities between which opacity grows. */
 static void find_tones(const saltus_tally *tally, double *low, double *high) {
     enum { sample = 20000 };
@@ -64,7 +60,7 @@ static void find_tones(const saltus_tally *tally, double *low, double *high) {
             densities[count++] = (float)density_at(tally, k);
     *low = *high = 0;
     if (count) {
-        qsort(densities, count, sizeof *densities, by_size);
+        gsl_sort_float(densities, 1, count);
         *low = log(densities[(size_t)(rare * (double)(count - 1))]);
         *high = log(densities[(size_t)(common * (double)(count - 1))]);
     }

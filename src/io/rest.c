@@ -8,20 +8,6 @@ static const char *label_of(const saltus_equilibrium *e) {
     return e->contacts ? "held" : "equilibrium";
 }
 
-static void put_faces_json(FILE *file, const saltus_system *system, const saltus_equilibrium *e) {
-    saltus_json_key(file, "contact_force");
-    fputc('[', file);
-    for (int f = 0; f < saltus_system_face_count(system); f++) {
-        saltus_face face = saltus_system_face(system, f);
-        fprintf(file, "%s{\"stop\": %d, \"side\": \"%s\"", f ? ", " : "", face.stop + 1,
-                saltus_side_word(face.side));
-        saltus_json_member(file, "force", e->contact_force[f]);
-        saltus_json_member(file, "gap", e->gap[f]);
-        fputc('}', file);
-    }
-    fputc(']', file);
-}
-
 void saltus_write_equilibrium_json(FILE *file, const saltus_scene *scene, const saltus_system *system,
                                    const saltus_equilibrium *e) {
     fputs("{\"version\": \"" SALTUS_VERSION "\"", file);
@@ -29,8 +15,7 @@ void saltus_write_equilibrium_json(FILE *file, const saltus_scene *scene, const 
     saltus_json_text(file, "label", label_of(e));
     saltus_json_text(file, "kind", label_of(e));
     fputs(", \"impacts\": 0, \"periods\": 0, \"sticking_intervals\": 0", file);
-    saltus_json_key(file, "state");
-    saltus_json_vector(file, e->state, e->dimension);
+    saltus_json_list(file, "state", e->state, e->dimension);
     saltus_json_events(file, system, NULL, 0);
     saltus_json_multipliers(file, NULL, 0);
     saltus_json_key(file, "eigenvalues");
@@ -41,7 +26,7 @@ void saltus_write_equilibrium_json(FILE *file, const saltus_scene *scene, const 
     }
     fprintf(file, "%s, \"stable\": %s, \"instability\": %d", e->eigenvalue_count ? "]" : "[]",
             e->stable ? "true" : "false", e->instability);
-    put_faces_json(file, system, e);
+    saltus_json_contact_force(file, system, e->contact_force, e->gap);
     saltus_json_member(file, "residual", e->residual);
     fprintf(file, ", \"iterations\": %d", e->iterations);
     saltus_json_parameters(file, saltus_system_spec(system));

@@ -10,7 +10,6 @@
 #include "io/output.h"
 #include "io/spectrum.h"
 
-#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -34,13 +33,8 @@ typedef void panel(const saltus_sheet *sheet, const place *at);
 enum { panels_most = 6 };
 
 static void put_style(FILE *file) {
-    fputs("set encoding utf8\n"
-          "set border 3 lc rgb '#606060' lw 1\n"
-          "set tics out nomirror scale 0.6 tc rgb '#303030'\n"
-          "set grid lt 1 lc rgb '#eeeeee' lw 1 back\n"
-          "set key off\n"
-          "set minussign\n"
-          "set style fill solid 1 noborder\n"
+    saltus_put_style(file, "eeeeee");
+    fputs("set style fill solid 1 noborder\n"
           "set palette defined (0 '#3b2a6b', 0.25 '#33628d', 0.5 '#21908d', 0.75 '#5cb85c', 1 '#d4b020')\n"
           "unset colorbox\n",
           file);
@@ -48,10 +42,7 @@ static void put_style(FILE *file) {
 
 /* Begin a panel: its place and heading. */
 static void open_panel(FILE *file, const place *at, const char *heading) {
-    fprintf(file,
-            "set lmargin at screen %g\nset rmargin at screen %g\nset bmargin at screen %g\nset tmargin at "
-            "screen %g\n",
-            at->across[0], at->across[1], at->up[0], at->up[1]);
+    saltus_put_margins(file, at->across, at->up);
     fprintf(
         file,
         "set label 99 '{/:Bold (%c)}  %s' at screen %g, screen %g offset 0,1.1 left front tc rgb '#202020'\n",
@@ -110,8 +101,8 @@ static void put_stops(const saltus_sheet *sheet, bool vertical) {
 static void put_portrait(const saltus_sheet *sheet, const place *at) {
     bool settled = saltus_verdict_settled(sheet->motion->verdict);
     char x[160], y[160];
-    saltus_displacement_name(sheet->system, x, sizeof x);
-    saltus_velocity_name(sheet->system, y, sizeof y);
+    saltus_observed_name(sheet->system, false, x, sizeof x);
+    saltus_observed_name(sheet->system, true, y, sizeof y);
     open_panel(sheet->file, at, "phase portrait, dots at {/:Italic τ} = 0 (mod {/:Italic T})");
     put_axes(sheet->file, at, x, sheet->displacement, y, sheet->velocity);
     put_stops(sheet, true);
@@ -132,7 +123,7 @@ static void put_history(const saltus_sheet *sheet, const place *at) {
     const saltus_record *r = sheet->record;
     saltus_range time = {r->time[0], r->time[sheet->history_rows - 1]};
     char name[160];
-    saltus_displacement_name(sheet->system, name, sizeof name);
+    saltus_observed_name(sheet->system, false, name, sizeof name);
     open_panel(sheet->file, at, saltus_sheet_history_heading(sheet));
     put_axes(sheet->file, at, "time {/:Italic τ}/{/:Italic T}", time, name, sheet->displacement);
     put_stops(sheet, false);
@@ -161,8 +152,8 @@ static void put_section(const saltus_sheet *sheet, const place *at) {
     saltus_range_pad(&x, 0.06, scale[0]);
     saltus_range_pad(&v, 0.06, scale[saltus_system_dof(sheet->system)]);
     snprintf(heading, sizeof heading, "stroboscopic section, %lld points", count);
-    saltus_displacement_name(sheet->system, across, sizeof across);
-    saltus_velocity_name(sheet->system, up, sizeof up);
+    saltus_observed_name(sheet->system, false, across, sizeof across);
+    saltus_observed_name(sheet->system, true, up, sizeof up);
     open_panel(sheet->file, at, heading);
     put_axes(sheet->file, at, across, x, up, v);
     fputs("plot $section using 1:2 with points pt 7 ps 0.25 lc rgb '" STROBE "'\n", sheet->file);
@@ -457,11 +448,9 @@ saltus_status saltus_write_sheet(const saltus_scene *scene, const saltus_system 
     saltus_status status = data ? keep_data(&sheet, options, path, data, message) : SALTUS_OK;
     if (status != SALTUS_OK)
         return status;
-    sheet.file = saltus_nameless_file();
-    if (!sheet.file)
-        return saltus_fail(message, SALTUS_IO, "no temporary file can be made: %s", strerror(errno));
+    status = saltus_gnuplot_open(&sheet.file, message);
+    if (status != SALTUS_OK)
+        return status;
     write_script(&sheet, path, false);
-    status = saltus_gnuplot_draw(sheet.file, path, message);
-    fclose(sheet.file);
-    return status;
+    return saltus_gnuplot_draw(sheet.file, path, message);
 }

@@ -228,7 +228,7 @@ static bool shows_forcing(const saltus_spectrum *s) {
 void saltus_sheet_spectrum_heading(const saltus_sheet *sheet, char *text, size_t room) {
     const saltus_spectrum *s = sheet->spectrum;
     char name[160];
-    saltus_displacement_name(sheet->system, name, sizeof name);
+    saltus_observed_name(sheet->system, false, name, sizeof name);
     if (s->kind == SALTUS_SPECTRUM_WELCH)
         snprintf(text, room, "%s; %g %% band%s", name, 100 * s->confidence,
                  s->line_count > 0 ? "; ▾ lines" : "");

@@ -6,9 +6,7 @@
 #include "io/gnuplot.h"
 #include "io/output.h"
 
-#include <errno.h>
 #include <math.h>
-#include <string.h>
 
 static void put_quantity(FILE *file, const saltus_spectrum *s, const char *name) {
     char a[SALTUS_NUMBER_MAX], b[SALTUS_NUMBER_MAX], c[SALTUS_NUMBER_MAX], d[SALTUS_NUMBER_MAX];
@@ -34,20 +32,11 @@ static void put_quantity(FILE *file, const saltus_spectrum *s, const char *name)
 }
 
 static void put_header(const saltus_spectra_source *source, FILE *file) {
-    const saltus_spec *spec = saltus_system_spec(source->system);
     char a[SALTUS_NUMBER_MAX], b[SALTUS_NUMBER_MAX], method[256], name[16];
     saltus_spectra_method(source->spectra, method, sizeof method);
-    fprintf(file, "# Saltus " SALTUS_VERSION " spectrum\n# scene: %s\n", source->scene->name);
-    if (source->scene->title[0])
-        fprintf(file, "# title: %s\n", source->scene->title);
-    fprintf(file, "# motion: %s\n# model: %s\n# parameters: ", source->motion->label,
-            saltus_model_name(spec->model));
-    saltus_put_parameters(file, spec);
-    for (int s = 0; s < spec->stop_count; s++) {
-        fprintf(file, "\n# stop %d: ", s + 1);
-        saltus_put_stop(file, spec, s);
-    }
-    fprintf(file, "\n# options: rtol = %s, atol = %s, integrator = %s (%s)\n# analysed: %s\n",
+    saltus_put_table_head(file, "spectrum", source->scene, source->motion->label,
+                          saltus_system_spec(source->system));
+    fprintf(file, "# options: rtol = %s, atol = %s, integrator = %s (%s)\n# analysed: %s\n",
             saltus_number(source->flow->rtol, a), saltus_number(source->flow->atol, b),
             saltus_integrator_word(source->flow->integrator),
             saltus_integrator_used(source->system, source->flow->integrator), method);
@@ -125,34 +114,27 @@ static void put_table(const saltus_spectra_source *source, FILE *file) {
     }
 }
 
-static saltus_status write_table(const saltus_spectra_source *source, const char *path,
-                                 saltus_message *message) {
-    saltus_output output;
-    saltus_status status = saltus_output_open(&output, path, message);
-    if (status != SALTUS_OK)
-        return status;
-    put_table(source, output.file);
-    return saltus_output_close(&output, SALTUS_OK, message);
-}
-
-static saltus_status draw(const saltus_spectra_source *source, const char *path, saltus_message *message) {
-    FILE *script = saltus_nameless_file();
-    if (!script)
-        return saltus_fail(message, SALTUS_IO, "no temporary file can be made: %s", strerror(errno));
-    saltus_spectra_script(source, path, script);
-    saltus_status status = saltus_gnuplot_draw(script, path, message);
-    fclose(script);
-    return status;
-}
-
 saltus_status saltus_spectra_write(const saltus_scene *scene, const saltus_system *system,
                                    const saltus_motion *motion, const saltus_spectra *spectra,
                                    const saltus_flow_options *flow, const char *path,
                                    saltus_message *message) {
     const saltus_spectra_source source = {scene, system, motion, spectra, flow};
-    if (saltus_path_ends(path, ".csv"))
-        return write_table(&source, path, message);
-    if (saltus_gnuplot_terminal(path))
-        return draw(&source, path, message);
-    return saltus_fail(message, SALTUS_BAD_INPUT, "%s: the ending must be .png, .pdf, .svg or .csv", path);
+    saltus_output output;
+    FILE *script;
+    saltus_status status;
+    if (saltus_path_ends(path, ".csv")) {
+        status = saltus_output_open(&output, path, message);
+        if (status != SALTUS_OK)
+            return status;
+        put_table(&source, output.file);
+        return saltus_output_close(&output, SALTUS_OK, message);
+    }
+    if (!saltus_gnuplot_terminal(path))
+        return saltus_fail(message, SALTUS_BAD_INPUT, "%s: the ending must be .png, .pdf, .svg or .csv",
+                           path);
+    status = saltus_gnuplot_open(&script, message);
+    if (status != SALTUS_OK)
+        return status;
+    saltus_spectra_script(&source, path, script);
+    return saltus_gnuplot_draw(script, path, message);
 }

@@ -31,23 +31,11 @@ typedef struct row {
     double begin, end; /* of the logarithmic axis */
 } row;
 
-static void put_style(FILE *file) {
-    fputs("set encoding utf8\n"
-          "set border 3 lc rgb '#606060' lw 1\n"
-          "set tics out nomirror scale 0.6 tc rgb '#303030'\n"
-          "set grid lt 1 lc rgb '#e4e4e4' lw 1 back\n"
-          "set key off\n"
-          "set minussign\n"
-          "set style fill solid 1 noborder\n",
-          file);
-}
-
 static void add_name(const row *r, saltus_line *line) {
     char name[160];
     int k = r->quantity.coordinate;
     if (k == 0) {
-        (r->quantity.velocity ? saltus_velocity_name : saltus_displacement_name)(r->source->system, name,
-                                                                                 sizeof name);
+        saltus_observed_name(r->source->system, r->quantity.velocity, name, sizeof name);
         saltus_line_add(line, "%s", name);
     } else if (saltus_is_pipe(r->source->system))
         saltus_line_add(line, "mode %d, {/:Italic q}%s_{%d}", k, r->quantity.velocity ? "′" : "", k);
@@ -67,63 +55,50 @@ static void put_line(const row *r, const saltus_spectral_line *line) {
     fprintf(r->file, "%.9g %.6g %d\n", line->frequency, fmax(line->decibels, deep - 20), forced);
 }
 
-static void put_low_lines(const row *r) {
-    const saltus_spectral_line *line = r->s->lines, *end = line + r->s->line_count;
-    fprintf(r->file, "$low%d << EOD\n", r->number);
-    for (; line < end && line->frequency <= r->low_end; line++)
-        put_line(r, line);
-    fputs("EOD\n", r->file);
-}
-
-/* All lines; where they stand closer than the page shows, the highest of each cell. */
-static void put_whole_lines(const row *r) {
-    const saltus_spectral_line *line = r->s->lines, *end = line + r->s->line_count;
-    fprintf(r->file, "$whole%d << EOD\n", r->number);
-    while (line < end) {
-        const saltus_spectral_line *highest = line;
-        double cell = floor(cells_per_octave * log2(line->frequency));
-        for (; line < end && floor(cells_per_octave * log2(line->frequency)) == cell; line++)
-            if (line->amplitude > highest->amplitude)
-                highest = line;
-        put_line(r, highest);
-    }
-    fputs("EOD\n", r->file);
-}
-
 static void put_bin(const row *r, double frequency, double density) {
     const saltus_spectrum *s = r->s;
     fprintf(r->file, "%.9g %.6g %.6g %.6g\n", frequency, decibels(density / r->peak, 10),
             decibels(s->low * density / r->peak, 10), decibels(s->high * density / r->peak, 10));
 }
 
-static void put_low_density(const row *r) {
+static void put_low_data(const row *r) {
     const saltus_spectrum *s = r->s;
     fprintf(r->file, "$low%d << EOD\n", r->number);
-    for (long long k = 0; k < s->bins && (double)k * s->resolution <= r->low_end; k++)
-        put_bin(r, (double)k * s->resolution, s->density[k]);
+    if (s->kind == SALTUS_SPECTRUM_LINES)
+        for (long long k = 0; k < s->line_count && s->lines[k].frequency <= r->low_end; k++)
+            put_line(r, &s->lines[k]);
+    else
+        for (long long k = 0; k < s->bins && (double)k * s->resolution <= r->low_end; k++)
+            put_bin(r, (double)k * s->resolution, s->density[k]);
     fputs("EOD\n", r->file);
 }
 
-/* All bins; where they stand closer than the page shows, the mean of each cell. */
-static void put_whole_density(const row *r) {
+/* Which cell of the logarithmic axis a frequency lies in; the page does not show more than one mark for each.
+ */
+static double cell_of(double frequency) {
+    return floor(cells_per_octave * log2(frequency));
+}
+
+/* The highest line or the mean density of each cell. */
+static void put_whole_data(const row *r) {
     const saltus_spectrum *s = r->s;
     fprintf(r->file, "$whole%d << EOD\n", r->number);
-    for (long long k = 1; k < s->bins;) {
-        double sum = 0, cell = floor(cells_per_octave * log2((double)k * s->resolution));
+    for (long long k = 0; k < s->line_count && s->kind == SALTUS_SPECTRUM_LINES;) {
+        const saltus_spectral_line *highest = &s->lines[k];
+        double cell = cell_of(highest->frequency);
+        for (; k < s->line_count && cell_of(s->lines[k].frequency) == cell; k++)
+            if (s->lines[k].amplitude > highest->amplitude)
+                highest = &s->lines[k];
+        put_line(r, highest);
+    }
+    for (long long k = 1; k < s->bins && s->kind == SALTUS_SPECTRUM_WELCH;) {
+        double sum = 0, cell = cell_of((double)k * s->resolution);
         long long first = k;
-        for (; k < s->bins && floor(cells_per_octave * log2((double)k * s->resolution)) == cell; k++)
+        for (; k < s->bins && cell_of((double)k * s->resolution) == cell; k++)
             sum += s->density[k];
         put_bin(r, 0.5 * s->resolution * (double)(first + k - 1), sum / (double)(k - first));
     }
     fputs("EOD\n", r->file);
-}
-
-static void put_low_data(const row *r) {
-    (r->s->kind == SALTUS_SPECTRUM_LINES ? put_low_lines : put_low_density)(r);
-}
-
-static void put_whole_data(const row *r) {
-    (r->s->kind == SALTUS_SPECTRUM_LINES ? put_whole_lines : put_whole_density)(r);
 }
 
 /* Ranges */
@@ -172,12 +147,11 @@ static row make_row(const saltus_spectra_source *source, int k, FILE *file) {
 
 static void open_panel(const row *r, const double across[2], const double up[2], int letter,
                        const saltus_line *heading) {
+    saltus_put_margins(r->file, across, up);
     fprintf(r->file,
-            "set lmargin at screen %g\nset rmargin at screen %g\nset bmargin at screen %g\nset tmargin at "
-            "screen %g\n"
             "set label 99 '{/:Bold (%c)}  %s' at graph 0, graph 1 offset 0,1.1 left front tc rgb '#202020'\n"
             "set xlabel 'frequency / {/:Italic ω}'\nset ylabel '%s' offset -0.4,0\n",
-            across[0], across[1], up[0], up[1], 'a' + letter, heading->text,
+            'a' + letter, heading->text,
             r->s->kind == SALTUS_SPECTRUM_LINES ? "amplitude, dB of the highest"
                                                 : "power density, dB of its peak");
 }
@@ -389,8 +363,8 @@ void saltus_spectra_script(const saltus_spectra_source *source, const char *path
         put_low_data(&rows[k]);
         put_whole_data(&rows[k]);
     }
-    put_style(file);
-    fputs("set multiplot\n", file);
+    saltus_put_style(file, "e4e4e4");
+    fputs("set style fill solid 1 noborder\nset multiplot\n", file);
     double top = put_caption(source, file);
     for (int k = 0; k < count; k++)
         put_row(&rows[k], count, top);

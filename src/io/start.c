@@ -10,6 +10,7 @@
 
 #include <errno.h>
 #include <math.h>
+#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -95,7 +96,13 @@ static saltus_status read_point(const source *s, saltus_start *start, saltus_mes
     return status;
 }
 
-static saltus_status refuse(const source *s, const char *what, saltus_message *message) {
+__attribute__((format(printf, 3, 4))) static saltus_status refuse(const source *s, saltus_message *message,
+                                                                  const char *format, ...) {
+    char what[200];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(what, sizeof what, format, arguments);
+    va_end(arguments);
     return saltus_fail(message, SALTUS_BAD_INPUT, "%.300s%s%s: %s", s->path, s->part[0] ? ":" : "", s->part,
                        what);
 }
@@ -111,7 +118,7 @@ static saltus_status read_text(const source *s, char **text, size_t *length, sal
     bool plain = fstat(fileno(file), &facts) == 0 && S_ISREG(facts.st_mode);
     saltus_status status = SALTUS_OK;
     if (!plain || facts.st_size > largest_file)
-        status = refuse(s, plain ? "is too large for an orbit" : "is not a plain file", message);
+        status = refuse(s, message, plain ? "is too large for an orbit" : "is not a plain file");
     else if (!(*text = malloc((size_t)facts.st_size + 1)))
         status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for reading %.300s", s->path);
     else
@@ -140,32 +147,31 @@ static saltus_status find_object(const source *s, const char *text, size_t lengt
     long number = part_number(s->part);
     saltus_json list, entry;
     if (s->part[0] && !number)
-        return refuse(s, "in a JSON file orbits are named by their number, from 1", message);
+        return refuse(s, message, "in a JSON file orbits are named by their number, from 1");
     bool good = saltus_json_parse(text, length, object, &rest);
     if (good && rest == end && saltus_json_member_of(*object, "attractors", &list)) {
         if (!number)
-            return refuse(s, "holds a list of attractors; name one, as in FILE:1", message);
+            return refuse(s, message, "holds a list of attractors; name one, as in FILE:1");
         if (!saltus_json_element(list, (int)number - 1, &entry) ||
             !saltus_json_member_of(entry, "motion", object))
-            return refuse(s, "there is no such attractor in the file", message);
+            return refuse(s, message, "there is no such attractor in the file");
         return SALTUS_OK;
     }
     if (good && rest < end && *rest == '{' && !number)
-        return refuse(s, "holds several orbits; name one by its line, as in FILE:1", message);
+        return refuse(s, message, "holds several orbits; name one by its line, as in FILE:1");
     if (number > 1 || (number && rest < end)) {
         if (!find_line(&text, &length, number))
-            return refuse(s, "there is no such line in the file", message);
+            return refuse(s, message, "there is no such line in the file");
         end = text + length;
         good = saltus_json_parse(text, length, object, &rest);
     }
     if (good && rest == end && *object->at == '{')
         return SALTUS_OK;
     bool begun = object->at < end && *object->at == '{';
-    return refuse(s,
+    return refuse(s, message,
                   !begun               ? "is no orbit: neither a JSON object nor an HDF5 file"
                   : object->end >= end ? "is cut off: the JSON object does not end"
-                                       : "is no sound JSON",
-                  message);
+                                       : "is no sound JSON");
 }
 
 /* The object's member `parameters` as the text of a scene, to be freed; NULL when there is no memory. */
@@ -194,20 +200,17 @@ static char *scene_text(saltus_json parameters, const saltus_model *model) {
 static saltus_status read_parameters(const source *s, saltus_json object, saltus_start *start,
                                      saltus_message *message) {
     saltus_json parameters, value;
-    char word[word_size], complaint[160];
+    char word[word_size];
     int count;
     if (!saltus_json_member_of(object, "parameters", &parameters) ||
         !saltus_json_member_of(parameters, "model", &value) || !saltus_json_word(value, word, sizeof word) ||
         !saltus_model_find(word))
-        return refuse(s, "parameters: must be an object that names a known model", message);
+        return refuse(s, message, "parameters: must be an object that names a known model");
     const saltus_model *model = saltus_model_find(word);
     const saltus_parameter *p = saltus_model_parameters(model, &count);
     for (int k = 0; k <= count; k++)
-        if (!saltus_json_member_of(parameters, k < count ? p[k].name : "stops", &value)) {
-            snprintf(complaint, sizeof complaint, "parameters: %s is missing",
-                     k < count ? p[k].name : "stops");
-            return refuse(s, complaint, message);
-        }
+        if (!saltus_json_member_of(parameters, k < count ? p[k].name : "stops", &value))
+            return refuse(s, message, "parameters: %s is missing", k < count ? p[k].name : "stops");
     char *text = scene_text(parameters, model);
     if (!text)
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for reading %.300s", s->path);
@@ -225,48 +228,41 @@ static saltus_status read_state(const source *s, saltus_json object, saltus_star
                                 saltus_message *message) {
     saltus_json state, entry;
     saltus_system *system = NULL;
-    char complaint[160];
     saltus_status status = saltus_system_new(&start->spec, &system, message);
     if (status != SALTUS_OK)
         return status;
     start->dimension = saltus_system_dimension(system);
     saltus_system_free(system);
     if (!saltus_json_member_of(object, "state", &state) || *state.at != '[')
-        return refuse(s, "state: must be a list of numbers", message);
+        return refuse(s, message, "state: must be a list of numbers");
     int count = saltus_json_count(state);
-    if (count != start->dimension || count > SALTUS_SCENE_STATE_MAX) {
-        snprintf(complaint, sizeof complaint, "state: has %d entries, its parameters make it %d", count,
-                 start->dimension);
-        return refuse(s, complaint, message);
-    }
+    if (count != start->dimension || count > SALTUS_SCENE_STATE_MAX)
+        return refuse(s, message, "state: has %d entries, its parameters make it %d", count,
+                      start->dimension);
     for (int i = 0; i < count; i++)
-        if (!saltus_json_element(state, i, &entry) || !saltus_json_number(entry, &start->state[i])) {
-            snprintf(complaint, sizeof complaint, "state: entry %d must be a finite number", i + 1);
-            return refuse(s, complaint, message);
-        }
+        if (!saltus_json_element(state, i, &entry) || !saltus_json_number(entry, &start->state[i]))
+            return refuse(s, message, "state: entry %d must be a finite number", i + 1);
     return SALTUS_OK;
 }
 
 static saltus_status read_object(const source *s, saltus_json object, saltus_start *start,
                                  saltus_message *message) {
     saltus_json value;
-    char word[word_size] = "", complaint[200];
+    char word[word_size] = "";
     double periods = 0;
     if (!saltus_json_member_of(object, "version", &value) || !saltus_json_word(value, word, sizeof word))
-        return refuse(s, "is not an orbit of classify, orbit or continue --json: it has no key version",
-                      message);
+        return refuse(s, message,
+                      "is not an orbit of classify, orbit or continue --json: it has no key version");
     /* A point of a branch keeps its n/p under `motion`, and its own label under `label`. */
     if ((saltus_json_member_of(object, "motion", &value) || saltus_json_member_of(object, "label", &value)) &&
         saltus_json_word(value, word, sizeof word))
         snprintf(start->label, sizeof start->label, "%.31s", word);
     if (!saltus_json_member_of(object, "periods", &value) || !saltus_json_number(value, &periods) ||
         periods != floor(periods) || periods < 0 || periods > 1e6)
-        return refuse(s, "periods: must be a whole number from 1 to 1000000", message);
-    if (periods == 0) {
-        snprintf(complaint, sizeof complaint, "holds no periodic orbit (the motion is %.31s, periods is 0)",
-                 start->label);
-        return refuse(s, complaint, message);
-    }
+        return refuse(s, message, "periods: must be a whole number from 1 to 1000000");
+    if (periods == 0)
+        return refuse(s, message, "holds no periodic orbit (the motion is %.31s, periods is 0)",
+                      start->label);
     start->periods = (int)periods;
     saltus_status status = read_parameters(s, object, start, message);
     return status == SALTUS_OK ? read_state(s, object, start, message) : status;
@@ -278,7 +274,7 @@ static saltus_status read_json(const source *s, saltus_start *start, saltus_mess
     saltus_json object;
     saltus_status status = read_text(s, &text, &length, message);
     if (status == SALTUS_OK && length == 0)
-        status = refuse(s, "is empty", message);
+        status = refuse(s, message, "is empty");
     if (status == SALTUS_OK)
         status = find_object(s, text, length, &object, message);
     if (status == SALTUS_OK)

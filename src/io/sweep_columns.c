@@ -99,15 +99,11 @@ hid_t saltus_entry_type(saltus_h5 *w, saltus_sweep_entry entry, bool stored) {
     return -1;
 }
 
-static const char *const keep_words[] = {"turning", "impacts", "stroboscopic", "lyapunov", NULL};
-static const char *const pass_words[] = {"reset", "up", "down", NULL};
-static const char *const spacing_words[] = {"linear", "logarithmic", "list", NULL};
+const char *const saltus_keep_words[] = {"turning", "impacts", "stroboscopic", "lyapunov", NULL};
+const char *const saltus_pass_words[] = {"reset", "up", "down", NULL};
+const char *const saltus_spacing_words[] = {"linear", "logarithmic", "list", NULL};
 
-const char *saltus_spacing_word(saltus_spacing spacing) {
-    return spacing_words[spacing];
-}
-
-static const char *join(const char *const *words, unsigned bits, char *text) {
+const char *saltus_words_join(const char *const *words, unsigned bits, char *text) {
     size_t used = 0;
     text[0] = '\0';
     for (int k = 0; words[k]; k++)
@@ -116,7 +112,7 @@ static const char *join(const char *const *words, unsigned bits, char *text) {
     return text;
 }
 
-static bool split(const char *text, const char *const *words, unsigned *bits) {
+bool saltus_words_split(const char *text, const char *const *words, unsigned *bits) {
     *bits = 0;
     while (*text) {
         size_t length = strcspn(text, ",");
@@ -129,28 +125,4 @@ static bool split(const char *text, const char *const *words, unsigned *bits) {
         text += length + (text[length] == ',');
     }
     return true;
-}
-
-const char *saltus_keep_words(unsigned keep, char *text) {
-    return join(keep_words, keep, text);
-}
-
-const char *saltus_pass_words(unsigned passes, char *text) {
-    return join(pass_words, passes, text);
-}
-
-bool saltus_keep_read(const char *text, unsigned *keep) {
-    return split(text, keep_words, keep);
-}
-
-bool saltus_passes_read(const char *text, unsigned *passes) {
-    return split(text, pass_words, passes) && *passes;
-}
-
-bool saltus_spacing_read(const char *text, saltus_spacing *spacing) {
-    int k = 0;
-    while (spacing_words[k] && strcmp(spacing_words[k], text) != 0)
-        k++;
-    *spacing = (saltus_spacing)k;
-    return spacing_words[k] != NULL;
 }

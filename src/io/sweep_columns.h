@@ -45,14 +45,13 @@ size_t saltus_entry_bytes(saltus_sweep_entry entry);
 /* Type of an entry in memory and, when `stored`, in the file; to be closed. */
 hid_t saltus_entry_type(saltus_h5 *w, saltus_sweep_entry entry, bool stored);
 
-const char *saltus_spacing_word(saltus_spacing spacing); /* "linear", "logarithmic", "list" */
-/* What is kept, "turning,impacts", and the passes, "reset,up"; `text` holds SALTUS_WORDS_MAX bytes. */
+/* The words for what is kept, for passes and for spacings, each list in the order of its bits or values and
+ * ended by NULL. */
+extern const char *const saltus_keep_words[], *const saltus_pass_words[], *const saltus_spacing_words[];
+/* The words of the bits that are set, "turning,impacts"; `text` holds SALTUS_WORDS_MAX bytes. */
 enum { SALTUS_WORDS_MAX = 64 };
-const char *saltus_keep_words(unsigned keep, char *text);
-const char *saltus_pass_words(unsigned passes, char *text);
+const char *saltus_words_join(const char *const *words, unsigned bits, char *text);
 /* The reverse; false when there is another word. */
-bool saltus_keep_read(const char *text, unsigned *keep);
-bool saltus_passes_read(const char *text, unsigned *passes);
-bool saltus_spacing_read(const char *text, saltus_spacing *spacing);
+bool saltus_words_split(const char *text, const char *const *words, unsigned *bits);
 
 #endif

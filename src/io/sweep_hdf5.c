@@ -74,8 +74,7 @@ static void open_series(maker *m, series *s, const saltus_sweep_column *column, 
     const saltus_h5_column c = {column->name, column->units, column->description, stored, s->memory, fill};
     if (saltus_h5_note(&m->w, stored >= 0 && s->memory >= 0))
         s->set = saltus_h5_open_dataset(&m->w, group, &c, shape);
-    if (stored >= 0)
-        H5Tclose(stored);
+    saltus_h5_close(stored);
     s->buffer = malloc(room * s->bytes);
     m->memory = m->memory && s->buffer;
 }
@@ -83,8 +82,7 @@ static void open_series(maker *m, series *s, const saltus_sweep_column *column, 
 static void close_series(maker *m, series *s) {
     if (s->set >= 0)
         saltus_h5_note(&m->w, H5Dclose(s->set) >= 0);
-    if (s->memory >= 0)
-        H5Tclose(s->memory);
+    saltus_h5_close(s->memory);
     free(s->buffer);
 }
 
@@ -143,7 +141,7 @@ static void close_cloud(maker *m, cloud *c) {
     close_series(m, &c->count);
     for (int k = 0; k < c->kind->count; k++)
         close_series(m, &c->values[k]);
-    saltus_h5_close_group(c->group);
+    saltus_h5_close(c->group);
 }
 
 /* Nothing is open yet. */
@@ -177,7 +175,7 @@ static void close_all(maker *m) {
     for (int k = 0; k < SALTUS_SWEEP_COLUMNS; k++)
         close_series(m, &m->columns[k]);
     close_series(m, &m->distinct);
-    saltus_h5_close_group(m->rows);
+    saltus_h5_close(m->rows);
     for (int c = 0; c < SALTUS_CLOUDS; c++)
         close_cloud(m, &m->clouds[c]);
 }

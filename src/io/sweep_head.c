@@ -7,12 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static void put_reals(saltus_h5 *w, hid_t group, const char *name, const char *description,
-                      const double *values, int count) {
-    const saltus_h5_column column = {name, "1", description, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, values};
-    saltus_h5_dataset(w, group, &column, count, (const int[2]){0, 0});
-}
-
 /* False, as below, when there is no memory. */
 static bool put_axis(saltus_h5 *w, hid_t group, const saltus_axis *axis, int k) {
     char name[32], description[64];
@@ -22,7 +16,7 @@ static bool put_axis(saltus_h5 *w, hid_t group, const saltus_axis *axis, int k) 
     snprintf(name, sizeof name, "axis%d", k + 1);
     snprintf(description, sizeof description, "values of %s", axis->key);
     if (values)
-        put_reals(w, group, name, description, values, axis->count);
+        saltus_h5_reals(w, group, name, description, values, axis->count);
     free(values);
     return values != NULL;
 }
@@ -32,8 +26,8 @@ static void put_options(saltus_h5 *w, const saltus_sweep *sweep) {
     const saltus_scene *scene = saltus_sweep_scene(sweep);
     char words[SALTUS_WORDS_MAX], name[32];
     hid_t group = saltus_h5_open_group(w, "sweep", "options of the run");
-    saltus_h5_text(w, group, "keep", saltus_keep_words(o->keep, words));
-    saltus_h5_text(w, group, "passes", saltus_pass_words(o->passes, words));
+    saltus_h5_text(w, group, "keep", saltus_words_join(saltus_keep_words, o->keep, words));
+    saltus_h5_text(w, group, "passes", saltus_words_join(saltus_pass_words, o->passes, words));
     saltus_h5_integer(w, group, "seeds", o->seeds);
     saltus_h5_integer(w, group, "seed", (long long)o->seed);
     saltus_h5_integer(w, group, "adaptive", o->adaptive);
@@ -51,11 +45,11 @@ static void put_options(saltus_h5 *w, const saltus_sweep *sweep) {
         snprintf(name, sizeof name, "key%d", k + 1);
         saltus_h5_text(w, group, name, saltus_sweep_axis(sweep, k)->key);
         snprintf(name, sizeof name, "spacing%d", k + 1);
-        saltus_h5_text(w, group, name, saltus_spacing_word(saltus_sweep_axis(sweep, k)->spacing));
+        saltus_h5_text(w, group, name, saltus_spacing_words[saltus_sweep_axis(sweep, k)->spacing]);
     }
-    put_reals(w, group, "initial", "the scene's initial state; empty: the system's default", scene->initial,
-              scene->initial_count);
-    saltus_h5_close_group(group);
+    saltus_h5_reals(w, group, "initial", "the scene's initial state; empty: the system's default",
+                    scene->initial, scene->initial_count);
+    saltus_h5_close(group);
 }
 
 bool saltus_sweep_put_head(saltus_h5 *w, const saltus_sweep_stream *stream) {
@@ -74,7 +68,7 @@ bool saltus_sweep_put_head(saltus_h5 *w, const saltus_sweep_stream *stream) {
     hid_t group = saltus_h5_open_group(w, "axes", "what was varied");
     for (int k = 0; k < saltus_sweep_axis_count(stream->sweep) && w->sound; k++)
         memory = put_axis(w, group, saltus_sweep_axis(stream->sweep, k), k) && memory;
-    saltus_h5_close_group(group);
+    saltus_h5_close(group);
     return memory;
 }
 
@@ -93,8 +87,7 @@ static bool put_labels(saltus_h5 *w, const saltus_basins *basins, hid_t group, i
     const saltus_h5_column column = {"label", "1", "name of the motion, n/p", type, type, labels};
     if (labels)
         saltus_h5_dataset(w, group, &column, count, (const int[2]){0, 0});
-    if (type >= 0)
-        H5Tclose(type);
+    saltus_h5_close(type);
     free(labels);
     return labels != NULL;
 }
@@ -151,6 +144,6 @@ bool saltus_sweep_put_attractors(saltus_h5 *w, const saltus_sweep_stream *stream
     if (states)
         saltus_h5_dataset(w, group, &column, points, (const int[2]){n, 0});
     free(states);
-    saltus_h5_close_group(group);
+    saltus_h5_close(group);
     return memory && states;
 }

@@ -62,7 +62,7 @@ static void put_axis(const writer *w, const saltus_axis *axis, int k) {
     snprintf(name, sizeof name, "%s values", axis->key);
     put_whole(w, name, axis->count);
     snprintf(name, sizeof name, "%s spacing", axis->key);
-    put_word(w, name, saltus_spacing_word(axis->spacing));
+    put_word(w, name, saltus_spacing_words[axis->spacing]);
     for (int i = 0; i < axis->count;
          i += axis->spacing == SALTUS_LIST || axis->count == 1 ? 1 : axis->count - 1) {
         snprintf(name, sizeof name, "%s value %d", axis->key, i + 1);
@@ -72,10 +72,10 @@ static void put_axis(const writer *w, const saltus_axis *axis, int k) {
 
 static void put_options(const writer *w, const saltus_sweep_options *o) {
     char text[SALTUS_WORDS_MAX];
-    put_word(w, "passes", saltus_pass_words(o->passes, text));
+    put_word(w, "passes", saltus_words_join(saltus_pass_words, o->passes, text));
     put_whole(w, "seeds", o->seeds);
     fprintf(w->file, "%sseed = %lu\n", w->prefix, o->seed);
-    put_word(w, "keep", o->keep ? saltus_keep_words(o->keep, text) : "rows");
+    put_word(w, "keep", o->keep ? saltus_words_join(saltus_keep_words, o->keep, text) : "rows");
     put_word(w, "adaptive", o->adaptive ? "yes" : "no");
     put_whole(w, "transient", o->transient);
     put_whole(w, "record", o->record);

@@ -13,6 +13,7 @@
  * Two runs that write to one journal would destroy it: the file is locked while it is open. Without resuming,
  * a journal that is there is replaced, as is the file that is made from it.
  * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "io/output.h"
 #include "io/sweep_output.h"
 
 #include <errno.h>
@@ -52,10 +53,6 @@ static uint64_t checksum(const unsigned char *bytes, size_t length) {
     return hash;
 }
 
-static saltus_status unreadable(const saltus_journal *j, saltus_message *message) {
-    return saltus_fail(message, SALTUS_IO, "%s: cannot be read back: %s", j->path, strerror(errno));
-}
-
 static saltus_status no_memory(const saltus_journal *j, saltus_message *message) {
     return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the results in %s", j->path);
 }
@@ -77,18 +74,9 @@ static saltus_status fill_window(saltus_journal *j, long long from, long long to
     j->window_begin = j->window_end = from;
     if (!make_room(&j->window, &j->window_room, (size_t)(to - from)))
         return no_memory(j, message);
-    while (j->window_end < to) {
-        ssize_t got = pread(j->file, j->window + (j->window_end - from), (size_t)(to - j->window_end),
-                            (off_t)j->window_end);
-        if (got < 0 && errno == EINTR)
-            continue;
-        if (got <= 0) {
-            errno = got < 0 ? errno : EIO;
-            j->window_end = j->window_begin;
-            return unreadable(j, message);
-        }
-        j->window_end += got;
-    }
+    if (saltus_read_at(j->file, j->window, (size_t)(to - from), from) < (size_t)(to - from))
+        return saltus_fail(message, SALTUS_IO, "%s: cannot be read back: %s", j->path, strerror(errno));
+    j->window_end = to;
     return SALTUS_OK;
 }
 
@@ -169,22 +157,6 @@ static saltus_status scan(saltus_journal *j, long long begin, saltus_message *me
     j->end = begin;
     j->window_end = j->window_begin;
     return SALTUS_OK;
-}
-
-static bool put_all(int file, const unsigned char *bytes, size_t length, long long place) {
-    while (length) {
-        ssize_t put = pwrite(file, bytes, length, (off_t)place);
-        if (put < 0 && errno == EINTR)
-            continue;
-        if (put <= 0) {
-            errno = put < 0 ? errno : ENOSPC;
-            return false;
-        }
-        bytes += put;
-        place += put;
-        length -= (size_t)put;
-    }
-    return true;
 }
 
 /* Compare the sweep and find the results; *there is false when not even the head was written completely. A
@@ -274,7 +246,7 @@ saltus_status saltus_journal_begin(saltus_journal *journal, const char *identity
     head h = {.mark = mark, .length = length, .check = checksum(bytes + sizeof h, length)};
     memcpy(h.magic, magic, sizeof magic);
     memcpy(bytes, &h, sizeof h);
-    bool sound = ftruncate(journal->file, 0) == 0 && put_all(journal->file, bytes, whole, 0);
+    bool sound = ftruncate(journal->file, 0) == 0 && saltus_write_at(journal->file, bytes, whole, 0);
     int reason = errno;
     free(bytes);
     journal->end = (long long)whole;
@@ -299,7 +271,7 @@ saltus_status saltus_journal_add(saltus_journal *journal, const saltus_sweep_res
                            result->place);
     p.check = checksum(bytes, p.length);
     memcpy(journal->record, &p, sizeof p);
-    if (put_all(journal->file, journal->record, whole, journal->end)) {
+    if (saltus_write_at(journal->file, journal->record, whole, journal->end)) {
         enter(journal, result, journal->end);
         journal->end += (long long)whole;
         return SALTUS_OK;

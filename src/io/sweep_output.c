@@ -13,7 +13,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <time.h>
 #include <unistd.h>
 
 static const double least_pause = 3;  /* seconds between two exchanges of the file */
@@ -28,12 +27,6 @@ struct saltus_sweep_output {
     bool finished;        /* a complete file of this sweep was there: nothing is to be done */
     double written, cost; /* when the file was last exchanged, and how long that took; seconds */
 };
-
-static double seconds(void) {
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
 
 /* Write what is there into a file under way. */
 static saltus_status put_file(saltus_sweep_output *o, bool last, saltus_output *output,
@@ -59,7 +52,7 @@ static saltus_status put_file(saltus_sweep_output *o, bool last, saltus_output *
 static saltus_status exchange(saltus_sweep_output *o, bool last, saltus_message *message) {
     saltus_output output;
     saltus_h5_silence silence;
-    double begin = seconds();
+    double begin = saltus_seconds();
     if (!saltus_h5_quiet(&silence))
         return saltus_fail(message, SALTUS_IO, "the HDF5 library could not be opened");
     saltus_status status = saltus_output_open(&output, o->path, message);
@@ -70,7 +63,7 @@ static saltus_status exchange(saltus_sweep_output *o, bool last, saltus_message 
         status = saltus_output_close(&output, status, message);
     }
     saltus_h5_restore(&silence);
-    o->written = seconds();
+    o->written = saltus_seconds();
     o->cost = o->written - begin;
     return status;
 }
@@ -79,7 +72,6 @@ static saltus_status exchange(saltus_sweep_output *o, bool last, saltus_message 
 static saltus_status test_target(const char *path, const saltus_sweep *sweep, bool *exists,
                                  saltus_message *message) {
     static const unsigned clouds = SALTUS_KEEP_TURNING | SALTUS_KEEP_IMPACTS | SALTUS_KEEP_STROBOSCOPIC;
-    saltus_output output;
     struct stat facts;
     bool table = saltus_path_ends(path, ".csv");
     if (!table && !saltus_path_ends(path, ".h5"))
@@ -91,10 +83,7 @@ static saltus_status test_target(const char *path, const saltus_sweep *sweep, bo
     *exists = stat(path, &facts) == 0;
     if (*exists && !S_ISREG(facts.st_mode) && !S_ISDIR(facts.st_mode))
         return saltus_fail(message, SALTUS_BAD_INPUT, "%s: is not a plain file", path);
-    saltus_status status = saltus_output_open(&output, path, message);
-    if (status == SALTUS_OK)
-        saltus_output_close(&output, SALTUS_BAD_INPUT, NULL);
-    return status;
+    return saltus_output_test(path, message);
 }
 
 /* Resuming without a journal: a finished file of the same sweep is all there is to be done. */
@@ -182,7 +171,7 @@ saltus_status saltus_sweep_output_take(saltus_sweep_output *output, const saltus
         return SALTUS_OK;
     saltus_status status = saltus_journal_add(&output->journal, result, message);
     if (status != SALTUS_OK || output->table ||
-        seconds() - output->written < fmax(least_pause, pause_ratio * output->cost))
+        saltus_seconds() - output->written < fmax(least_pause, pause_ratio * output->cost))
         return status;
     return exchange(output, false, message);
 }

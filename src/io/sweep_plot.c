@@ -4,9 +4,7 @@
 
 #include "io/describe.h"
 #include "io/gnuplot.h"
-#include "io/output.h"
 
-#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -145,28 +143,18 @@ static saltus_status open_observers(saltus_sweep_page *page, saltus_message *mes
     return status;
 }
 
-static void put_style(const saltus_sweep_page *page) {
-    fprintf(page->file, "set terminal %s\n", saltus_gnuplot_terminal(page->figure));
-    fputs("set encoding utf8\n"
-          "set border 3 lc rgb '#606060' lw 1\n"
-          "set tics out nomirror scale 0.6 tc rgb '#303030'\n"
-          "set grid lt 1 lc rgb '#eeeeee' lw 1 back\n"
-          "set minussign\n"
-          "set key off\n"
-          "set style textbox opaque noborder fillcolor '#ffffff' margins 0.4,0.2\n",
-          page->file);
-}
-
 /* Write the script and have it drawn. */
 static saltus_status draw_page(saltus_sweep_page *page, saltus_message *message) {
-    page->file = saltus_nameless_file();
-    if (!page->file)
-        return saltus_fail(message, SALTUS_IO, "no temporary file can be made: %s", strerror(errno));
-    put_style(page);
-    saltus_status status = page->sweep->axis_count > 1 ? saltus_sweep_put_map(page, message)
-                                                       : saltus_sweep_put_diagram(page, message);
+    saltus_status status = saltus_gnuplot_open(&page->file, message);
+    if (status != SALTUS_OK)
+        return status;
+    fprintf(page->file, "set terminal %s\n", saltus_gnuplot_terminal(page->figure));
+    saltus_put_style(page->file, "eeeeee");
+    fputs("set style textbox opaque noborder fillcolor '#ffffff' margins 0.4,0.2\n", page->file);
+    status = page->sweep->axis_count > 1 ? saltus_sweep_put_map(page, message)
+                                         : saltus_sweep_put_diagram(page, message);
     if (status == SALTUS_OK)
-        status = saltus_gnuplot_draw(page->file, page->figure, message);
+        return saltus_gnuplot_draw(page->file, page->figure, message);
     fclose(page->file);
     return status;
 }
@@ -195,12 +183,6 @@ static bool same(double a, double b) {
     return fabs(a - b) <= 1e-9 * fmax(fabs(a), fabs(b));
 }
 
-/* Whether a key of --set, which may end in the number of a stop, is `name` of stop s. */
-static bool means(const char *key, const char *name, int s) {
-    size_t length = strlen(name);
-    return strncmp(key, name, length) == 0 && (!key[length] || atoi(key + length) == s + 1);
-}
-
 /* The first parameter other than the key in which two systems of one structure differ; NULL: none. */
 static const char *difference(const saltus_spec *a, const saltus_spec *b, const char *key) {
     int count;
@@ -210,11 +192,11 @@ static const char *difference(const saltus_spec *a, const saltus_spec *b, const 
             return p[k].name;
     for (int s = 0; s < a->stop_count; s++) {
         const saltus_stop *stop = &a->stops[s], *other = &b->stops[s];
-        if (!means(key, "d", s) && !same(stop->d, other->d))
+        if (!saltus_key_means(key, "d", s) && !same(stop->d, other->d))
             return "d";
-        if (!means(key, "r", s) && !same(stop->r, other->r))
+        if (!saltus_key_means(key, "r", s) && !same(stop->r, other->r))
             return "r";
-        if (!means(key, "xi", s) && !same(stop->xi, other->xi))
+        if (!saltus_key_means(key, "xi", s) && !same(stop->xi, other->xi))
             return "xi";
         if (stop->sides != other->sides)
             return "sides";

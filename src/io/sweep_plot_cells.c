@@ -145,8 +145,7 @@ static int unify(uint64_t *keys, long long count) {
 }
 
 static int index_of(const uint64_t *keys, int count, uint64_t key) {
-    const uint64_t *found = bsearch(&key, keys, (size_t)count, sizeof key, by_key);
-    return (int)(found - keys);
+    return (int)((const uint64_t *)bsearch(&key, keys, (size_t)count, sizeof key, by_key) - keys);
 }
 
 /* Whether a class comes before another of the same period in the order of shades: fewer impacts. */
@@ -269,12 +268,10 @@ void saltus_classes_close(saltus_classes *classes) {
     *classes = (saltus_classes){0};
 }
 
-enum { views = SALTUS_VIEW_SETTLED + 1 };
-
 const char *saltus_view_word(saltus_view view) {
-    static const char *const words[views] = {"automatic", "turning",    "impacts",  "stroboscopic",
-                                             "class",     "attractors", "largest",  "speed",
-                                             "rate",      "contact",    "lyapunov", "settled"};
+    static const char *const words[] = {"automatic", "turning",    "impacts",  "stroboscopic",
+                                        "class",     "attractors", "largest",  "speed",
+                                        "rate",      "contact",    "lyapunov", "settled"};
     return words[view];
 }
 
@@ -314,17 +311,13 @@ long long saltus_sweep_visit(const saltus_sweep_file *sweep, long long point, in
     return ((k / seeds) * sweep->points + point) * seeds + k % seeds;
 }
 
-static bool is_pending(const saltus_sweep_page *page, long long point, int k) {
-    return page->sweep->rows[saltus_sweep_visit(page->sweep, point, k)].verdict == SALTUS_PENDING;
-}
-
 int saltus_sweep_class_at(const saltus_sweep_page *page, long long point, bool *several) {
     int visits = saltus_sweep_visits(page->sweep), most = 0, winner = -1, first = -1;
     *several = false;
     for (int k = 0; k < visits; k++) {
         long long row = saltus_sweep_visit(page->sweep, point, k);
         int own = page->classes.of_row[row], same = 0;
-        if (is_pending(page, point, k))
+        if (page->sweep->rows[row].verdict == SALTUS_PENDING)
             continue;
         first = first < 0 ? own : first;
         for (int j = 0; j < visits; j++)

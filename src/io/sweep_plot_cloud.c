@@ -72,14 +72,9 @@ static double observed(const saltus_sweep_page *page, long long row, long long k
     return sum;
 }
 
-/* An exponent of -infinity has no place in a diagram. */
-static double shown(double number) {
-    return isinf(number) ? NAN : number;
-}
-
 static double cloud_value(const saltus_sweep_page *page, long long row, long long k) {
     const saltus_sweep_file *sweep = page->sweep;
-    double speed;
+    double speed, number;
     switch (page->view) {
     case SALTUS_VIEW_TURNING:
         return sweep->turning[sweep->turning_first[row] + k];
@@ -91,7 +86,8 @@ static double cloud_value(const saltus_sweep_page *page, long long row, long lon
     case SALTUS_VIEW_ATTRACTORS:
         return attractors_of(sweep, row);
     default:
-        return shown(saltus_sweep_measure(page->view, &sweep->rows[row]));
+        number = saltus_sweep_measure(page->view, &sweep->rows[row]);
+        return isinf(number) ? NAN : number; /* an exponent of -infinity has no place in a diagram */
     }
 }
 
@@ -106,8 +102,7 @@ static double middle_of(const saltus_sweep_page *page, int k) {
 }
 
 static bool in_range(const saltus_sweep_page *page, int k) {
-    double part = middle_of(page, k);
-    return part >= 0 && part <= 1;
+    return middle_of(page, k) >= 0 && middle_of(page, k) <= 1;
 }
 
 /* Whether impacts come with both signs. */
@@ -125,9 +120,7 @@ static bool two_sided(const saltus_sweep_page *page) {
 
 /* Clearance of a face where the axis has that value, with the face's sign. */
 static double clearance(const saltus_sweep_page *page, saltus_face face, double value) {
-    const char *key = page->x.key;
-    bool axis = key[0] == 'd' && (!key[1] || atoi(key + 1) == face.stop + 1);
-    return face.side * (axis ? value : face.d);
+    return face.side * (saltus_key_means(page->x.key, "d", face.stop) ? value : face.d);
 }
 
 static bool shows_displacement(const saltus_sweep_page *page) {
@@ -389,26 +382,10 @@ static saltus_frame place_frames(saltus_sweep_page *page) {
     return (saltus_frame){left, right, bottom, strip};
 }
 
-static void put_up_axis(const saltus_sweep_page *page) {
-    saltus_line name = {.length = 0};
-    saltus_sweep_name_measure(page, &name);
-    fprintf(page->file, "set ylabel '%s' offset -0.6,0\nset yrange [%.9g:%.9g]\n", name.text, page->up.low,
-            page->up.high);
-}
-
-/* Branches as their own figure has them, in this one's ranges. */
-static void put_branches(saltus_sweep_page *page, saltus_plot_page *curves) {
-    *curves = *page->branches;
-    curves->file = page->file;
-    curves->x = page->x.range;
-    curves->y = page->up;
-    page->branches = curves;
-    saltus_plot_data(curves);
-}
-
 saltus_status saltus_sweep_put_diagram(saltus_sweep_page *page, saltus_message *message) {
     saltus_raster rasters[SALTUS_PASSES] = {{0}};
     saltus_plot_page curves;
+    saltus_line name = {.length = 0};
     FILE *file = page->file;
     saltus_status status = find_range(page, message);
     if (status != SALTUS_OK)
@@ -419,8 +396,14 @@ saltus_status saltus_sweep_put_diagram(saltus_sweep_page *page, saltus_message *
         put_points(page);
     if (linked(page, dense))
         put_links(page);
-    if (page->branches)
-        put_branches(page, &curves);
+    if (page->branches) {
+        curves = *page->branches;
+        curves.file = file;
+        curves.x = page->x.range;
+        curves.y = page->up;
+        page->branches = &curves;
+        saltus_plot_data(&curves);
+    }
     fputs("set multiplot\n", file);
     saltus_sweep_caption(page);
     saltus_frame strip = place_frames(page);
@@ -431,8 +414,10 @@ saltus_status saltus_sweep_put_diagram(saltus_sweep_page *page, saltus_message *
     if (sound) {
         saltus_sweep_put_frame(file, page->frame);
         saltus_sweep_put_axis(page, 'x', &page->x);
-        put_up_axis(page);
-        fputs("unset xlabel\nset format x ''\n", file);
+        saltus_sweep_name_measure(page, &name);
+        fprintf(file,
+                "set ylabel '%s' offset -0.6,0\nset yrange [%.9g:%.9g]\nunset xlabel\nset format x ''\n",
+                name.text, page->up.low, page->up.high);
         if (page->branches && !page->x.logarithmic)
             saltus_plot_labels(page->branches);
         put_plot(page, rasters, dense);

@@ -6,7 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Kinds beyond those of the figure, in this order. */
+/* What a point of a figure of basins is that belongs to no attractor; these kinds follow those of the
+ * attractors. */
 typedef enum plain_kind { plain_undecided, plain_failed, plain_pending, plain_kinds } plain_kind;
 
 static bool open_kinds(saltus_map *map, int count) {
@@ -19,12 +20,6 @@ static bool open_kinds(saltus_map *map, int count) {
 static void name_kind(saltus_map_kind *kind, const char *label, uint32_t colour) {
     snprintf(kind->label, sizeof kind->label, "%s", label);
     kind->colour = colour;
-}
-
-static void name_plain(saltus_map_kind *kinds, const char *failed) {
-    name_kind(&kinds[plain_undecided], "undecided", 0xc6c6c6);
-    name_kind(&kinds[plain_failed], failed, 0xffffff);
-    name_kind(&kinds[plain_pending], "not computed yet", 0xffffff);
 }
 
 /* Count the points of each kind and put the shares into the legend. */
@@ -181,7 +176,9 @@ bool saltus_map_basins(saltus_map *map) {
             snprintf(map->kinds[k].figures, sizeof map->kinds[k].figures, "|{/:Italic μ}| = %.3g",
                      sweep->attractor_multiplier[k]);
     }
-    name_plain(map->kinds + n, "beyond a stop, or failed");
+    name_kind(&map->kinds[n + plain_undecided], "undecided", 0xc6c6c6);
+    name_kind(&map->kinds[n + plain_failed], "beyond a stop, or failed", 0xffffff);
+    name_kind(&map->kinds[n + plain_pending], "not computed yet", 0xffffff);
     for (long long p = 0; p < sweep->points; p++) {
         const saltus_sweep_row *row = &sweep->rows[saltus_sweep_visit(sweep, p, 0)];
         map->kind[p] = row->attractor >= 0              ? row->attractor

@@ -4,6 +4,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* Point of the grid at a cell of each axis. */
 static long long point_of(const saltus_map *map, int column, int row) {
@@ -96,12 +97,6 @@ static void paint_number(saltus_map *map, int x, int y) {
                           isnan(number) ? without_number(map, point) : saltus_map_colour(map, number), 1);
 }
 
-static void fill_spans(const saltus_cells *cells, int pixels, saltus_span *spans) {
-    for (int k = 0; k < pixels; k++)
-        if (!saltus_cells_at(cells, pixels, k, &spans[k].first, &spans[k].last))
-            spans[k].first = -1;
-}
-
 static bool paint(saltus_map *map) {
     const saltus_sweep_page *page = map->page;
     int fineness = saltus_sweep_fineness(page), width = fineness * (page->frame.right - page->frame.left),
@@ -110,8 +105,12 @@ static bool paint(saltus_map *map) {
     map->rows = calloc((size_t)height, sizeof *map->rows);
     if (!map->columns || !map->rows || !saltus_raster_open(&map->raster, width, height))
         return false;
-    fill_spans(&page->x, width, map->columns);
-    fill_spans(&page->y, height, map->rows);
+    for (int x = 0; x < width; x++)
+        if (!saltus_cells_at(&page->x, width, x, &map->columns[x].first, &map->columns[x].last))
+            map->columns[x].first = -1;
+    for (int y = 0; y < height; y++)
+        if (!saltus_cells_at(&page->y, height, y, &map->rows[y].first, &map->rows[y].last))
+            map->rows[y].first = -1;
     for (int y = 0; y < height; y++)
         for (int x = 0; x < width; x++) {
             if (map->kind)
@@ -141,10 +140,7 @@ static bool put_names(const saltus_map *map) {
 
 /* Whether any point shown has more than one attractor. */
 static bool any_several(const saltus_map *map) {
-    bool any = false;
-    for (long long k = 0; k < map->page->sweep->points && map->several; k++)
-        any = any || map->several[k];
-    return any;
+    return map->several && memchr(map->several, 1, (size_t)map->page->sweep->points);
 }
 
 /* How many kinds come before one in the legend: those of more points. */

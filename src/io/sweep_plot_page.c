@@ -10,73 +10,50 @@
 
 /* What the figure is, in a few words. */
 static const char *subject(const saltus_sweep_page *page) {
-    switch (page->view) {
-    case SALTUS_VIEW_TURNING:
-        return "displacement diagram";
-    case SALTUS_VIEW_IMPACTS:
-        return "velocity diagram";
-    case SALTUS_VIEW_STROBOSCOPIC:
-        return "stroboscopic diagram";
-    case SALTUS_VIEW_CLASS:
-        return page->sweep->axis_count > 1 ? "{/:Italic n}/{/:Italic p} motions" : "period";
-    case SALTUS_VIEW_ATTRACTORS:
-        return page->sweep->basins ? "basins of attraction" : "number of attractors";
-    case SALTUS_VIEW_LARGEST:
-        return "largest displacement";
-    case SALTUS_VIEW_SPEED:
-        return "largest impact speed";
-    case SALTUS_VIEW_RATE:
-        return "impacts per period";
-    case SALTUS_VIEW_CONTACT:
-        return "time in contact";
-    case SALTUS_VIEW_LYAPUNOV:
-        return "largest Lyapunov exponent";
-    default:
-        return "periods until settled";
-    }
+    static const char *const subjects[] = {[SALTUS_VIEW_TURNING] = "displacement diagram",
+                                           [SALTUS_VIEW_IMPACTS] = "velocity diagram",
+                                           [SALTUS_VIEW_STROBOSCOPIC] = "stroboscopic diagram",
+                                           [SALTUS_VIEW_CLASS] = "{/:Italic n}/{/:Italic p} motions",
+                                           [SALTUS_VIEW_ATTRACTORS] = "number of attractors",
+                                           [SALTUS_VIEW_LARGEST] = "largest displacement",
+                                           [SALTUS_VIEW_SPEED] = "largest impact speed",
+                                           [SALTUS_VIEW_RATE] = "impacts per period",
+                                           [SALTUS_VIEW_CONTACT] = "time in contact",
+                                           [SALTUS_VIEW_LYAPUNOV] = "largest Lyapunov exponent",
+                                           [SALTUS_VIEW_SETTLED] = "periods until settled"};
+    if (page->view == SALTUS_VIEW_CLASS && page->sweep->axis_count == 1)
+        return "period";
+    if (page->view == SALTUS_VIEW_ATTRACTORS && page->sweep->basins)
+        return "basins of attraction";
+    return subjects[page->view];
 }
 
 void saltus_sweep_name_measure(const saltus_sweep_page *page, saltus_line *line) {
-    char name[160];
-    if (strncmp(page->x.key, "xi", 2) == 0)
-        snprintf(name, sizeof name, "displacement {/:Italic η}({/:Italic ξ}, {/:Italic τ})");
-    else
-        saltus_displacement_name(page->system, name, sizeof name);
-    switch (page->view) {
-    case SALTUS_VIEW_TURNING:
-        saltus_line_add(line, "%s  where it turns", name);
-        break;
-    case SALTUS_VIEW_STROBOSCOPIC:
-        saltus_line_add(line, "%s  at phase 0", name);
-        break;
-    case SALTUS_VIEW_IMPACTS:
-        saltus_line_add(line, page->sides ? "velocity at impact  {/:Bold n·q′}"
-                                          : "speed of every impact  |{/:Bold n·q′}|");
-        break;
-    case SALTUS_VIEW_LARGEST:
-        saltus_line_add(line, "largest %s", name);
-        break;
-    case SALTUS_VIEW_SPEED:
-        saltus_line_add(line, "largest impact speed  |{/:Bold n·q′}|");
-        break;
-    case SALTUS_VIEW_RATE:
-        saltus_line_add(line, "impacts per forcing period");
-        break;
-    case SALTUS_VIEW_CONTACT:
-        saltus_line_add(line, "part of the time in contact");
-        break;
-    case SALTUS_VIEW_LYAPUNOV:
-        saltus_line_add(line, "largest Lyapunov exponent  per unit of time");
-        break;
-    case SALTUS_VIEW_CLASS:
-        saltus_line_add(line, "period in {/:Italic T}");
-        break;
-    case SALTUS_VIEW_ATTRACTORS:
-        saltus_line_add(line, "number of attractors");
-        break;
-    default:
-        saltus_line_add(line, "periods until settled");
+    /* `before` and `after` go around the name of the displacement where that is what is shown. */
+    static const struct {
+        const char *before, *after;
+        bool displacement;
+    } words[] = {[SALTUS_VIEW_TURNING] = {"", "  where it turns", true},
+                 [SALTUS_VIEW_STROBOSCOPIC] = {"", "  at phase 0", true},
+                 [SALTUS_VIEW_IMPACTS] = {"speed of every impact  |{/:Bold n·q′}|", "", false},
+                 [SALTUS_VIEW_LARGEST] = {"largest ", "", true},
+                 [SALTUS_VIEW_SPEED] = {"largest impact speed  |{/:Bold n·q′}|", "", false},
+                 [SALTUS_VIEW_RATE] = {"impacts per forcing period", "", false},
+                 [SALTUS_VIEW_CONTACT] = {"part of the time in contact", "", false},
+                 [SALTUS_VIEW_LYAPUNOV] = {"largest Lyapunov exponent  per unit of time", "", false},
+                 [SALTUS_VIEW_CLASS] = {"period in {/:Italic T}", "", false},
+                 [SALTUS_VIEW_ATTRACTORS] = {"number of attractors", "", false},
+                 [SALTUS_VIEW_SETTLED] = {"periods until settled", "", false}};
+    char name[160] = "";
+    if (page->view == SALTUS_VIEW_IMPACTS && page->sides) {
+        saltus_line_add(line, "velocity at impact  {/:Bold n·q′}");
+        return;
     }
+    if (words[page->view].displacement && strncmp(page->x.key, "xi", 2) == 0)
+        snprintf(name, sizeof name, "displacement {/:Italic η}({/:Italic ξ}, {/:Italic τ})");
+    else if (words[page->view].displacement)
+        saltus_observed_name(page->system, false, name, sizeof name);
+    saltus_line_add(line, "%s%s%s", words[page->view].before, name, words[page->view].after);
 }
 
 /* Whether a key is an entry of the initial state: q1, v1, z1, ... */
@@ -84,9 +61,12 @@ static bool is_initial(const char *key) {
     return (key[0] == 'q' || key[0] == 'v' || key[0] == 'z') && key[1] >= '1' && key[1] <= '9';
 }
 
-static void add_initial(const char *key, saltus_line *line) {
-    saltus_line_add(line, "{/:Italic %c}%s_{%s}", key[0] == 'z' ? 'z' : 'q', key[0] == 'v' ? "′" : "",
-                    key + 1);
+static void add_symbol(const char *key, saltus_line *line) {
+    if (is_initial(key))
+        saltus_line_add(line, "{/:Italic %c}%s_{%s}", key[0] == 'z' ? 'z' : 'q', key[0] == 'v' ? "′" : "",
+                        key + 1);
+    else
+        saltus_line_symbol(line, key);
 }
 
 static void name_axis(const saltus_sweep_page *page, const char *key, saltus_line *line) {
@@ -95,23 +75,9 @@ static void name_axis(const saltus_sweep_page *page, const char *key, saltus_lin
                         key[0] == 'q'   ? "displacement"
                         : key[0] == 'v' ? "velocity"
                                         : "force");
-        add_initial(key, line);
+        add_symbol(key, line);
     } else
         saltus_line_parameter(line, &page->sweep->spec, key);
-}
-
-static void add_symbol(const char *key, saltus_line *line) {
-    if (is_initial(key))
-        add_initial(key, line);
-    else
-        saltus_line_symbol(line, key);
-}
-
-static double done_part(const saltus_sweep_file *sweep) {
-    long long done = 0;
-    for (long long k = 0; k < sweep->row_count; k++)
-        done += sweep->rows[k].verdict != SALTUS_PENDING;
-    return (double)done / (double)sweep->row_count;
 }
 
 static void add_head(const saltus_sweep_page *page, saltus_line *line) {
@@ -127,9 +93,13 @@ static void add_head(const saltus_sweep_page *page, saltus_line *line) {
             add_symbol(sweep->axes[1].key, line);
         }
     }
-    if (!sweep->complete)
-        saltus_line_add(line, "  (interrupted: %.*f %% done)", done_part(sweep) > 0.99 ? 1 : 0,
-                        floor(1000 * done_part(sweep)) / 10);
+    if (sweep->complete)
+        return;
+    long long done = 0;
+    for (long long k = 0; k < sweep->row_count; k++)
+        done += sweep->rows[k].verdict != SALTUS_PENDING;
+    double part = (double)done / (double)sweep->row_count;
+    saltus_line_add(line, "  (interrupted: %.*f %% done)", part > 0.99 ? 1 : 0, floor(1000 * part) / 10);
 }
 
 /* How exponents were measured, where they are shown. */
@@ -145,7 +115,7 @@ static void add_exponents(const saltus_sweep_page *page, saltus_line *line) {
         saltus_line_add(line, ";  %s: all directions lost", page->sweep->axis_count > 1 ? "black" : "▼");
 }
 
-/* How many values, how they were started, and how long they were waited for. */
+/* How many values there are, how each began, and how long it was given to settle. */
 static void add_method(const saltus_sweep_page *page, saltus_line *line) {
     const saltus_sweep_file *sweep = page->sweep;
     const saltus_sweep_options *o = &sweep->options;

@@ -2,16 +2,12 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "io/sweep_plot_map.h"
 
+#include <gsl/gsl_sort_float.h>
 #include <math.h>
 #include <stdlib.h>
 
-static int by_size(const void *a, const void *b) {
-    const float *p = a, *q = b;
-    return (*p > *q) - (*p < *q);
-}
-
-/* The part of the range shown that is made of single values far outside is not given colours: where it is
- * large the range ends at these quantiles. */
+/* The range that gets colours: all values, but where few of them lie far outside of the others it ends at the
+ * quantiles `rare` and 1 - `rare`. */
 static void choose_range(saltus_map *map, const float *sorted, long long count) {
     const double rare = 0.005, far = 0.5, decades = 20;
     double low = sorted[0], high = sorted[count - 1];
@@ -46,7 +42,7 @@ bool saltus_map_numbers(saltus_map *map) {
     bool sound = sorted && map->number;
     map->range = (saltus_range){0, 1};
     if (sound && count) {
-        qsort(sorted, (size_t)count, sizeof *sorted, by_size);
+        gsl_sort_float(sorted, 1, (size_t)count);
         choose_range(map, sorted, count);
     }
     if (page->asked) {

@@ -83,18 +83,10 @@ static bool paint(const saltus_sweep_page *page, saltus_raster *raster) {
     return sound;
 }
 
-static void put_pass_names(const saltus_sweep_page *page) {
-    int passes = page->sweep->pass_count;
-    for (int pass = 0; pass < passes; pass++)
-        fprintf(page->file, "set label '%s' at graph -0.008,%.6f right front font ',10.5' tc rgb '#404040'\n",
-                passes > 1 ? saltus_pass_word(page->sweep->passes[pass]) : "{/:Italic n}/{/:Italic p}",
-                (passes - 1 - pass + 0.5) / passes);
-}
-
 bool saltus_sweep_put_strip(const saltus_sweep_page *page, saltus_frame frame) {
     FILE *file = page->file;
     saltus_raster raster;
-    int fineness = saltus_sweep_fineness(page);
+    int fineness = saltus_sweep_fineness(page), passes = page->sweep->pass_count;
     if (!saltus_raster_open(&raster, fineness * (frame.right - frame.left),
                             fineness * (frame.top - frame.bottom)))
         return false;
@@ -103,7 +95,10 @@ bool saltus_sweep_put_strip(const saltus_sweep_page *page, saltus_frame frame) {
     saltus_sweep_put_raster_ranges(file, raster.width, raster.height);
     fputs("set format x '% h'\nunset ylabel\nset yrange [0:1]\nunset ytics\nunset grid\n", file);
     bool sound = paint(page, &raster);
-    put_pass_names(page);
+    for (int pass = 0; pass < passes; pass++)
+        fprintf(file, "set label '%s' at graph -0.008,%.6f right front font ',10.5' tc rgb '#404040'\n",
+                passes > 1 ? saltus_pass_word(page->sweep->passes[pass]) : "{/:Italic n}/{/:Italic p}",
+                (passes - 1 - pass + 0.5) / passes);
     fputs("set border 1\nplot ", file);
     saltus_raster_element(file, &raster, "x2y2");
     fputs(", NaN notitle\n", file);

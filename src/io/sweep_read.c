@@ -13,51 +13,28 @@ static const long long most_rows = 1000000000;
 
 /* A file being read. */
 typedef struct reader {
-    hid_t file;
-    const char *path;
-    saltus_message *message;
+    saltus_h5_reader h5;
     saltus_sweep_file *made;
-    bool without_error; /* of before exponents had one: there is no entry `measure`, and no such column */
+    bool without_error; /* an old file: exponents have no standard errors, and the option `measure` is missing
+                         */
     int initial_count;
     double *initial;
     hsize_t size[SALTUS_H5_RANK_MAX]; /* of the rows' datasets */
 } reader;
 
-static saltus_status refuse(const reader *r, const char *what) {
-    return saltus_fail(r->message, SALTUS_BAD_INPUT, "%s: is not a sound sweep file: %s", r->path, what);
-}
-
-static saltus_status refuse_part(const reader *r, const char *group, const char *name) {
-    return saltus_fail(r->message, SALTUS_BAD_INPUT,
-                       "%s: is not a sound sweep file: %s/%s is missing or not as it should be", r->path,
-                       group, name);
-}
-
-static saltus_status no_memory(const reader *r) {
-    return saltus_fail(r->message, SALTUS_NO_MEMORY, "no memory for reading %s", r->path);
-}
-
 static saltus_status read_head(reader *r) {
     saltus_sweep_file *made = r->made;
-    char kind[32] = "", model[64] = "";
-    if (!saltus_h5_get_text(r->file, "kind", kind, sizeof kind))
-        return saltus_fail(r->message, SALTUS_BAD_INPUT, "%s: is an HDF5 file, but not one of Saltus",
-                           r->path);
-    made->basins = strcmp(kind, "basins") == 0;
-    if (!made->basins && strcmp(kind, "sweep") != 0)
-        return saltus_fail(r->message, SALTUS_BAD_INPUT, "%s: holds a %s, not a sweep", r->path, kind);
-    const saltus_h5_head_text texts[] = {{"version", made->version, sizeof made->version},
-                                         {"scene", made->scene, sizeof made->scene},
-                                         {"title", made->title, sizeof made->title},
-                                         {"model", model, sizeof model}};
-    saltus_status status =
-        saltus_h5_get_head(r->file, r->path, "sweep", texts, 4, &made->complete, r->message);
+    saltus_h5_head head;
+    saltus_status status = saltus_h5_get_head(&r->h5, "basins", "sweep", &head);
     if (status != SALTUS_OK)
         return status;
-    if (!saltus_model_find(model))
-        return saltus_fail(r->message, SALTUS_BAD_INPUT, "%s: the model %.40s is not known", r->path, model);
-    const char *lacking = saltus_h5_get_parameters(r->file, saltus_model_find(model), &made->spec);
-    return lacking ? refuse_part(r, "parameters", lacking) : SALTUS_OK;
+    memcpy(made->version, head.version, sizeof made->version);
+    memcpy(made->scene, head.scene, sizeof made->scene);
+    memcpy(made->title, head.title, sizeof made->title);
+    made->basins = strcmp(head.kind, "basins") == 0;
+    made->complete = head.complete;
+    made->spec = head.spec;
+    return SALTUS_OK;
 }
 
 /* A whole number among the options, from `low` to `high`. */
@@ -72,9 +49,11 @@ static const char *get_options(reader *r, hid_t group) {
     char words[SALTUS_WORDS_MAX], integrator[16];
     long long seeds, seed, adaptive, longest, order, dimension, axes;
     int k = SALTUS_AUTOMATIC;
-    if (!saltus_h5_get_text(group, "keep", words, sizeof words) || !saltus_keep_read(words, &o->keep))
+    if (!saltus_h5_get_text(group, "keep", words, sizeof words) ||
+        !saltus_words_split(words, saltus_keep_words, &o->keep))
         return "keep";
-    if (!saltus_h5_get_text(group, "passes", words, sizeof words) || !saltus_passes_read(words, &o->passes))
+    if (!saltus_h5_get_text(group, "passes", words, sizeof words) ||
+        !saltus_words_split(words, saltus_pass_words, &o->passes) || !o->passes)
         return "passes";
     if (!get_whole(group, "seeds", 1, INT_MAX, &seeds) || !saltus_h5_get_integer(group, "seed", &seed))
         return "seeds";
@@ -113,45 +92,50 @@ static const char *get_options(reader *r, hid_t group) {
 static saltus_status read_options(reader *r) {
     saltus_sweep_file *made = r->made;
     made->options = saltus_sweep_defaults();
-    hid_t group = H5Lexists(r->file, "sweep", H5P_DEFAULT) > 0 ? H5Gopen2(r->file, "sweep", H5P_DEFAULT) : -1;
+    hid_t group = saltus_h5_find_group(r->h5.file, "sweep");
     if (group < 0)
-        return refuse(r, "the group /sweep is missing");
+        return saltus_h5_refuse(&r->h5, "the group /sweep is missing");
     const char *lacking = get_options(r, group);
     char name[32];
     for (int k = 0; k < made->axis_count && !lacking; k++) {
-        char word[16];
+        char word[16] = "";
         snprintf(name, sizeof name, "key%d", k + 1);
         if (!saltus_h5_get_text(group, name, made->axes[k].key, sizeof made->axes[k].key)) {
             lacking = name;
             break;
         }
         snprintf(name, sizeof name, "spacing%d", k + 1);
-        if (!saltus_h5_get_text(group, name, word, sizeof word) ||
-            !saltus_spacing_read(word, &made->axes[k].spacing))
+        int spacing = 0;
+        bool there = saltus_h5_get_text(group, name, word, sizeof word);
+        while (saltus_spacing_words[spacing] && strcmp(word, saltus_spacing_words[spacing]) != 0)
+            spacing++;
+        if (!there || !saltus_spacing_words[spacing])
             lacking = name;
+        else
+            made->axes[k].spacing = (saltus_spacing)spacing;
     }
     H5Gclose(group);
     for (int k = 0; k < SALTUS_PASSES; k++)
         if (made->options.passes >> k & 1)
             made->passes[made->pass_count++] = (saltus_pass)k;
-    return lacking ? refuse_part(r, "sweep", lacking) : SALTUS_OK;
+    return lacking ? saltus_h5_refuse_part(&r->h5, "sweep", lacking) : SALTUS_OK;
 }
 
 /* Read a dataset of finite numbers that tells its own length. */
 static saltus_status read_reals(reader *r, const char *name, long long most, int *count, double **values) {
     hsize_t size[SALTUS_H5_RANK_MAX] = {0}, stored;
-    if (saltus_h5_extent(r->file, name, size, &stored) != 1 || !saltus_h5_believable(size[0], 1, stored) ||
+    if (saltus_h5_extent(r->h5.file, name, size, &stored) != 1 || !saltus_h5_believable(size[0], 1, stored) ||
         size[0] > (hsize_t)most)
-        return refuse_part(r, "", name);
+        return saltus_h5_refuse_part(&r->h5, "", name);
     *count = (int)size[0];
     *values = malloc(((size_t)size[0] + 1) * sizeof **values);
     if (!*values)
-        return no_memory(r);
-    if (!saltus_h5_get_array(r->file, name, H5T_NATIVE_DOUBLE, 1, size, *values))
-        return refuse_part(r, "", name);
+        return saltus_h5_no_memory(&r->h5);
+    if (!saltus_h5_get_array(r->h5.file, name, H5T_NATIVE_DOUBLE, 1, size, *values))
+        return saltus_h5_refuse_part(&r->h5, "", name);
     for (int i = 0; i < *count; i++)
         if (!isfinite((*values)[i]))
-            return refuse_part(r, "", name);
+            return saltus_h5_refuse_part(&r->h5, "", name);
     return SALTUS_OK;
 }
 
@@ -168,7 +152,7 @@ static saltus_status read_axes(reader *r) {
         status = read_reals(r, name, INT_MAX - 1, &axis->count, &values);
         axis->list = values;
         if (status == SALTUS_OK && (axis->count < 1 || axis->count > most_rows / made->points))
-            status = refuse_part(r, "", name);
+            status = saltus_h5_refuse_part(&r->h5, "", name);
         if (status != SALTUS_OK)
             break;
         axis->low = values[0];
@@ -178,7 +162,7 @@ static saltus_status read_axes(reader *r) {
     if (status != SALTUS_OK)
         return status;
     if (made->points > most_rows / made->pass_count / made->options.seeds)
-        return refuse(r, "there are more rows than there can be");
+        return saltus_h5_refuse(&r->h5, "there are more rows than there can be");
     made->row_count = made->pass_count * made->points * made->options.seeds;
     const hsize_t size[] = {(hsize_t)made->pass_count,
                             made->axis_count > 1 ? (hsize_t)made->axes[1].count : 1,
@@ -189,13 +173,12 @@ static saltus_status read_axes(reader *r) {
 
 /* Read a dataset with one entry per row. */
 static bool get_rows(const reader *r, const char *group, const saltus_sweep_column *column, void *data) {
-    saltus_h5 w = {.file = r->file, .sound = true};
+    saltus_h5 w = {.file = r->h5.file, .sound = true};
     char name[64];
     snprintf(name, sizeof name, "%s/%s", group, column->name);
     hid_t memory = saltus_entry_type(&w, column->entry, false);
-    bool found = memory >= 0 && saltus_h5_get_array(r->file, name, memory, 4, r->size, data);
-    if (memory >= 0)
-        H5Tclose(memory);
+    bool found = memory >= 0 && saltus_h5_get_array(r->h5.file, name, memory, 4, r->size, data);
+    saltus_h5_close(memory);
     return found;
 }
 
@@ -209,38 +192,33 @@ static bool row_sound(const saltus_sweep_file *made, const saltus_sweep_row *row
            !(made->complete && row->verdict == SALTUS_PENDING);
 }
 
-/* Standard errors of exponents that were measured without. */
-static void fill_errors(saltus_sweep_file *made) {
-    for (long long k = 0; k < made->row_count; k++)
-        made->rows[k].lyapunov_error = NAN;
-}
-
 static saltus_status read_rows(reader *r) {
     saltus_sweep_file *made = r->made;
     size_t rows = (size_t)made->row_count;
     hsize_t size[SALTUS_H5_RANK_MAX] = {0}, stored;
-    if (saltus_h5_extent(r->file, "rows/verdict", size, &stored) != 4 ||
+    if (saltus_h5_extent(r->h5.file, "rows/verdict", size, &stored) != 4 ||
         memcmp(size, r->size, sizeof size) != 0 || (made->complete && !saltus_h5_believable(rows, 1, stored)))
-        return refuse_part(r, "rows", "verdict");
+        return saltus_h5_refuse_part(&r->h5, "rows", "verdict");
     unsigned char *data = malloc(rows * sizeof(double));
     made->rows = calloc(rows, sizeof *made->rows);
-    saltus_status status = data && made->rows ? SALTUS_OK : no_memory(r);
+    saltus_status status = data && made->rows ? SALTUS_OK : saltus_h5_no_memory(&r->h5);
     for (int k = 0; k < SALTUS_SWEEP_COLUMNS && status == SALTUS_OK; k++) {
         const saltus_sweep_column *column = &saltus_sweep_columns[k];
         size_t bytes = saltus_entry_bytes(column->entry);
         if (r->without_error && column->offset == offsetof(saltus_sweep_row, lyapunov_error)) {
-            fill_errors(made);
+            for (size_t i = 0; i < rows; i++)
+                made->rows[i].lyapunov_error = NAN;
             continue;
         }
         if (!get_rows(r, "rows", column, data))
-            status = refuse_part(r, "rows", column->name);
+            status = saltus_h5_refuse_part(&r->h5, "rows", column->name);
         for (size_t i = 0; i < rows && status == SALTUS_OK; i++)
             memcpy((unsigned char *)&made->rows[i] + column->offset, data + i * bytes, bytes);
     }
     free(data);
     for (size_t i = 0; i < rows && status == SALTUS_OK; i++)
         if (!row_sound(made, &made->rows[i]))
-            status = refuse(r, "a row is not one of a sweep");
+            status = saltus_h5_refuse(&r->h5, "a row is not one of a sweep");
     return status;
 }
 
@@ -259,18 +237,18 @@ static saltus_status read_counts(reader *r, const saltus_sweep_cloud *cloud, int
     size_t rows = (size_t)r->made->row_count;
     char name[64];
     snprintf(name, sizeof name, "%s/%s", cloud->group, cloud->columns[0].name);
-    if (saltus_h5_extent(r->file, name, size, &stored) != (width ? 2 : 1) ||
+    if (saltus_h5_extent(r->h5.file, name, size, &stored) != (width ? 2 : 1) ||
         !saltus_h5_believable(size[0], (hsize_t)width, stored))
-        return refuse_part(r, cloud->group, cloud->columns[0].name);
+        return saltus_h5_refuse_part(&r->h5, cloud->group, cloud->columns[0].name);
     *total = (long long)size[0];
     *first = malloc(rows * sizeof **first);
     *count = malloc(rows * sizeof **count);
     if (!*first || !*count)
-        return no_memory(r);
+        return saltus_h5_no_memory(&r->h5);
     if (!get_rows(r, cloud->group, &saltus_sweep_first, *first) ||
         !get_rows(r, cloud->group, &saltus_sweep_count, *count) ||
         !counts_sound(*first, *count, rows, *total))
-        return refuse_part(r, cloud->group, "first, count");
+        return saltus_h5_refuse_part(&r->h5, cloud->group, "first, count");
     return SALTUS_OK;
 }
 
@@ -279,23 +257,22 @@ static saltus_status read_entries(reader *r, const saltus_sweep_cloud *cloud, in
                                   int width, unsigned char *records) {
     const saltus_sweep_column *c = &cloud->columns[column];
     const hsize_t size[2] = {(hsize_t)total, (hsize_t)width};
-    saltus_h5 w = {.file = r->file, .sound = true};
+    saltus_h5 w = {.file = r->h5.file, .sound = true};
     size_t bytes = saltus_entry_bytes(c->entry);
     bool direct = cloud->count == 1;
     unsigned char *data = direct ? records : malloc((size_t)total * bytes + 1);
     char name[64];
     if (!data)
-        return no_memory(r);
+        return saltus_h5_no_memory(&r->h5);
     snprintf(name, sizeof name, "%s/%s", cloud->group, c->name);
     hid_t memory = saltus_entry_type(&w, c->entry, false);
-    bool found = memory >= 0 && saltus_h5_get_array(r->file, name, memory, width ? 2 : 1, size, data);
-    if (memory >= 0)
-        H5Tclose(memory);
+    bool found = memory >= 0 && saltus_h5_get_array(r->h5.file, name, memory, width ? 2 : 1, size, data);
+    saltus_h5_close(memory);
     for (long long i = 0; i < total && found && !direct; i++)
         memcpy(records + (size_t)i * cloud->stride + c->offset, data + (size_t)i * bytes, bytes);
     if (!direct)
         free(data);
-    return found ? SALTUS_OK : refuse_part(r, cloud->group, c->name);
+    return found ? SALTUS_OK : saltus_h5_refuse_part(&r->h5, cloud->group, c->name);
 }
 
 static saltus_status read_cloud(reader *r, int which, long long **first, long long **count, void **entries,
@@ -311,7 +288,7 @@ static saltus_status read_cloud(reader *r, int which, long long **first, long lo
         return status;
     *entries = calloc((size_t)*total + 1, stride);
     if (!*entries)
-        return no_memory(r);
+        return saltus_h5_no_memory(&r->h5);
     for (int k = 0; k < cloud->count && status == SALTUS_OK; k++)
         status = read_entries(r, cloud, k, *total, width, *entries);
     return status;
@@ -328,7 +305,7 @@ static saltus_status read_clouds(reader *r) {
     made->impacts = impacts;
     for (long long i = 0; i < total && status == SALTUS_OK; i++)
         if (made->impacts[i].face < 0 || made->impacts[i].face >= SALTUS_FACES_MAX)
-            status = refuse_part(r, "impacts", "face");
+            status = saltus_h5_refuse_part(&r->h5, "impacts", "face");
     if (status == SALTUS_OK)
         status = read_cloud(r, 2, &made->strobe_first, &made->strobe_count, &strobes, &total);
     made->strobes = strobes;
@@ -340,15 +317,14 @@ static saltus_status read_labels(reader *r, int count) {
     enum { room = sizeof *((saltus_sweep_file *)0)->attractor_label };
     r->made->attractor_label = calloc((size_t)count + 1, room);
     if (!r->made->attractor_label)
-        return no_memory(r);
+        return saltus_h5_no_memory(&r->h5);
     hid_t type = saltus_h5_text_memory(room);
-    bool sound = type >= 0 && saltus_h5_get_dataset(r->file, "attractors/label", type, count, scalar,
+    bool sound = type >= 0 && saltus_h5_get_dataset(r->h5.file, "attractors/label", type, count, scalar,
                                                     r->made->attractor_label);
-    if (type >= 0)
-        H5Tclose(type);
+    saltus_h5_close(type);
     for (int k = 0; k < count && sound; k++)
         sound = memchr(r->made->attractor_label[k], 0, room) != NULL;
-    return sound ? SALTUS_OK : refuse_part(r, "attractors", "label");
+    return sound ? SALTUS_OK : saltus_h5_refuse_part(&r->h5, "attractors", "label");
 }
 
 /* Names, multipliers and points of the attractors; only a complete file has them. */
@@ -358,16 +334,16 @@ static saltus_status read_attractors(reader *r) {
     hsize_t size[SALTUS_H5_RANK_MAX] = {0}, stored;
     if (!made->basins || !made->complete)
         return SALTUS_OK;
-    if (saltus_h5_extent(r->file, "attractors/label", size, &stored) != 1 ||
+    if (saltus_h5_extent(r->h5.file, "attractors/label", size, &stored) != 1 ||
         !saltus_h5_believable(size[0], 1, stored) || size[0] > INT_MAX / 64)
-        return refuse_part(r, "attractors", "label");
+        return saltus_h5_refuse_part(&r->h5, "attractors", "label");
     int count = (int)size[0];
     saltus_status status = read_labels(r, count);
     if (status != SALTUS_OK)
         return status;
-    if (saltus_h5_extent(r->file, "attractors/state", size, &stored) != 2 ||
+    if (saltus_h5_extent(r->h5.file, "attractors/state", size, &stored) != 2 ||
         size[1] != (hsize_t)made->dimension || !saltus_h5_believable(size[0], size[1], stored))
-        return refuse_part(r, "attractors", "state");
+        return saltus_h5_refuse_part(&r->h5, "attractors", "state");
     long long points = (long long)size[0];
     made->attractor_multiplier = malloc(((size_t)count + 1) * sizeof *made->attractor_multiplier);
     made->attractor_first = malloc(((size_t)count + 1) * sizeof *made->attractor_first);
@@ -375,45 +351,35 @@ static saltus_status read_attractors(reader *r) {
     made->attractor_states = malloc(((size_t)points + 1) * (size_t)size[1] * sizeof *made->attractor_states);
     if (!made->attractor_multiplier || !made->attractor_first || !made->attractor_points ||
         !made->attractor_states)
-        return no_memory(r);
-    if (!saltus_h5_get_dataset(r->file, "attractors/largest_multiplier", H5T_NATIVE_DOUBLE, count, scalar,
+        return saltus_h5_no_memory(&r->h5);
+    if (!saltus_h5_get_dataset(r->h5.file, "attractors/largest_multiplier", H5T_NATIVE_DOUBLE, count, scalar,
                                made->attractor_multiplier) ||
-        !saltus_h5_get_dataset(r->file, "attractors/first", H5T_NATIVE_LLONG, count, scalar,
+        !saltus_h5_get_dataset(r->h5.file, "attractors/first", H5T_NATIVE_LLONG, count, scalar,
                                made->attractor_first) ||
-        !saltus_h5_get_dataset(r->file, "attractors/count", H5T_NATIVE_LLONG, count, scalar,
+        !saltus_h5_get_dataset(r->h5.file, "attractors/count", H5T_NATIVE_LLONG, count, scalar,
                                made->attractor_points) ||
         !counts_sound(made->attractor_first, made->attractor_points, (size_t)count, points))
-        return refuse_part(r, "attractors", "largest_multiplier, first, count");
+        return saltus_h5_refuse_part(&r->h5, "attractors", "largest_multiplier, first, count");
     made->attractor_count = count;
-    return saltus_h5_get_array(r->file, "attractors/state", H5T_NATIVE_DOUBLE, 2, size,
+    return saltus_h5_get_array(r->h5.file, "attractors/state", H5T_NATIVE_DOUBLE, 2, size,
                                made->attractor_states)
                ? SALTUS_OK
-               : refuse_part(r, "attractors", "state");
+               : saltus_h5_refuse_part(&r->h5, "attractors", "state");
 }
 
 /* Open the file and read what was run. */
 static saltus_status open_file(reader *r) {
     *r->made = (saltus_sweep_file){.complete = false};
-    r->file = saltus_h5_read_file(r->path, r->message);
-    saltus_status status = r->file < 0 ? SALTUS_BAD_INPUT : read_head(r);
+    saltus_status status = saltus_h5_reader_open(&r->h5);
+    if (status == SALTUS_OK)
+        status = read_head(r);
     if (status == SALTUS_OK)
         status = read_options(r);
-    if (status == SALTUS_OK)
-        status = read_axes(r);
-    return status;
-}
-
-static void close_file(reader *r) {
-    if (r->file >= 0)
-        H5Fclose(r->file);
-    free(r->initial);
+    return status == SALTUS_OK ? read_axes(r) : status;
 }
 
 saltus_status saltus_sweep_file_read(const char *path, saltus_sweep_file *file, saltus_message *message) {
-    saltus_h5_silence silence;
-    reader r = {.path = path, .message = message, .made = file, .file = -1};
-    if (!saltus_h5_quiet(&silence))
-        return saltus_fail(message, SALTUS_IO, "the HDF5 library could not be opened");
+    reader r = {.h5 = {.path = path, .kind = "sweep", .message = message}, .made = file};
     saltus_status status = open_file(&r);
     if (status == SALTUS_OK)
         status = read_attractors(&r);
@@ -421,8 +387,8 @@ saltus_status saltus_sweep_file_read(const char *path, saltus_sweep_file *file, 
         status = read_rows(&r);
     if (status == SALTUS_OK)
         status = read_clouds(&r);
-    close_file(&r);
-    saltus_h5_restore(&silence);
+    saltus_h5_reader_close(&r.h5);
+    free(r.initial);
     if (status != SALTUS_OK)
         saltus_sweep_file_clear(file);
     return status;
@@ -430,12 +396,9 @@ saltus_status saltus_sweep_file_read(const char *path, saltus_sweep_file *file, 
 
 saltus_status saltus_sweep_identity_hdf5(const char *path, char **identity, bool *complete,
                                          saltus_message *message) {
-    saltus_h5_silence silence;
     saltus_sweep_file file;
-    reader r = {.path = path, .message = message, .made = &file, .file = -1};
+    reader r = {.h5 = {.path = path, .kind = "sweep", .message = message}, .made = &file};
     *identity = NULL;
-    if (!saltus_h5_quiet(&silence))
-        return saltus_fail(message, SALTUS_IO, "the HDF5 library could not be opened");
     saltus_status status = open_file(&r);
     if (status == SALTUS_OK) {
         const saltus_sweep_identity there = {.version = file.version,
@@ -449,10 +412,10 @@ saltus_status saltus_sweep_identity_hdf5(const char *path, char **identity, bool
         *identity = saltus_sweep_identity_text(&there);
         *complete = file.complete;
         if (!*identity)
-            status = no_memory(&r);
+            status = saltus_h5_no_memory(&r.h5);
     }
-    close_file(&r);
-    saltus_h5_restore(&silence);
+    saltus_h5_reader_close(&r.h5);
+    free(r.initial);
     saltus_sweep_file_clear(&file);
     return status;
 }

@@ -172,23 +172,21 @@ static void put_evidence(FILE *file, const saltus_motion *motion) {
                 motion->lyapunov, motion->lyapunov_error, e->half[0], e->half_errors[0], e->half[1],
                 e->half_errors[1]);
     if (!isnan(e->zero_one)) {
-        put_head(file, "opinions");
-        fprintf(file,
-                "0-1 test %.3f (quartiles %.3f, %.3f), %.2g of the section points' variance outside lines",
-                e->zero_one, e->zero_one_quartiles[0], e->zero_one_quartiles[1], e->broadband);
+        fprintf(
+            file,
+            "  %-14s0-1 test %.3f (quartiles %.3f, %.3f), %.2g of the section points' variance outside lines",
+            "opinions", e->zero_one, e->zero_one_quartiles[0], e->zero_one_quartiles[1], e->broadband);
         if (!isnan(e->dimension))
             fprintf(file, ", correlation dimension %.2f +- %.2f", e->dimension, e->dimension_error);
         fputc('\n', file);
     }
-    put_head(file, "impacts");
-    fprintf(file, "%.4g per forcing period\n", e->impacts_per_period);
+    fprintf(file, "  %-14s%.4g per forcing period\n", "impacts", e->impacts_per_period);
 }
 
 static void put_exponent(FILE *file, const saltus_motion *motion) {
     if (!saltus_verdict_settled(motion->verdict) || isnan(motion->lyapunov))
         return;
-    put_head(file, "exponent");
-    fprintf(file, "%.10g per unit of time, the largest\n", motion->lyapunov);
+    fprintf(file, "  %-14s%.10g per unit of time, the largest\n", "exponent", motion->lyapunov);
 }
 
 void saltus_write_motion_text(FILE *file, const saltus_scene *scene, const saltus_system *system,
@@ -206,13 +204,11 @@ void saltus_write_motion_text(FILE *file, const saltus_scene *scene, const saltu
     put_multipliers(file, motion);
     put_exponent(file, motion);
     put_evidence(file, motion);
-    put_head(file, "mirror");
-    fprintf(file, "%s\n", mirror[motion->mirror]);
-    put_head(file, "displacement");
-    fprintf(file, "%.7g to %.7g\n", motion->smallest, motion->largest);
+    fprintf(file, "  %-14s%s\n", "mirror", mirror[motion->mirror]);
+    fprintf(file, "  %-14s%.7g to %.7g\n", "displacement", motion->smallest, motion->largest);
     if (motion->transient) {
-        put_head(file, "settled");
-        fprintf(file, "%lld period%s simulated", motion->transient, plural(motion->transient));
+        fprintf(file, "  %-14s%lld period%s simulated", "settled", motion->transient,
+                plural(motion->transient));
     } else
         put_head(file, "orbit");
     if (motion->verdict == SALTUS_PERIODIC || !motion->transient)
