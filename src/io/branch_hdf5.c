@@ -36,26 +36,20 @@ struct saltus_branch_output {
     double written, cost; /* when the file was last exchanged, and how long that took; seconds */
 };
 
-/* Room for one row more in every column. */
-static bool grow(table *t, saltus_branch_shape shape) {
-    enum { first_room = 64 };
-    if (t->rows < t->room)
-        return true;
-    long long room = t->room ? 2 * t->room : first_room;
-    for (int k = 0; k < t->count; k++) {
-        size_t bytes = saltus_column_bytes(&t->columns[k], shape);
-        unsigned char *grown = realloc(t->data[k], (size_t)room * bytes + 1);
-        if (!grown)
-            return false;
-        t->data[k] = grown;
-    }
-    t->room = room;
-    return true;
-}
-
+/* False when there is no memory. */
 static bool append(table *t, saltus_branch_shape shape, void *row) {
-    if (!grow(t, shape))
-        return false;
+    enum { first_room = 64 };
+    if (t->rows == t->room) {
+        long long room = t->room ? 2 * t->room : first_room;
+        for (int k = 0; k < t->count; k++) {
+            size_t bytes = saltus_column_bytes(&t->columns[k], shape);
+            unsigned char *grown = realloc(t->data[k], (size_t)room * bytes + 1);
+            if (!grown)
+                return false;
+            t->data[k] = grown;
+        }
+        t->room = room;
+    }
     for (int k = 0; k < t->count; k++) {
         size_t bytes = saltus_column_bytes(&t->columns[k], shape);
         memcpy(t->data[k] + (size_t)t->rows * bytes, saltus_column_values(&t->columns[k], row), bytes);
@@ -234,7 +228,7 @@ saltus_status saltus_branch_output_open(const char *path, const saltus_scene *sc
     return status;
 }
 
-/* The events of a point as rows. */
+/* Append the events of a point; false when there is no memory. */
 static bool add_events(saltus_branch_output *o, const saltus_branch_point *point) {
     for (int k = 0; k < point->event_count; k++) {
         const saltus_event *event = &point->events[k];
@@ -253,7 +247,7 @@ static bool add_events(saltus_branch_output *o, const saltus_branch_point *point
     return true;
 }
 
-/* Equal points give equal files: nothing is kept of what stands behind a text. */
+/* Fill with zeros what lies behind the end of a text, so that equal points give equal files. */
 static void trim(char *text, size_t room) {
     size_t length = strnlen(text, room - 1);
     memset(text + length, 0, room - length);

@@ -86,6 +86,13 @@ static saltus_status read_options(reader *r) {
                : saltus_h5_refuse_part(&r->h5, "continuation", "values");
 }
 
+static bool all_finite(const double *values, int count) {
+    for (int i = 0; i < count; i++)
+        if (!isfinite(values[i]))
+            return false;
+    return true;
+}
+
 static saltus_status read_start(reader *r) {
     static const int scalar[2] = {0, 0};
     saltus_branch_file *made = r->made;
@@ -102,14 +109,12 @@ static saltus_status read_start(reader *r) {
         return saltus_h5_no_memory(&r->h5);
     if (!saltus_h5_get_dataset(r->h5.file, "start/state", H5T_NATIVE_DOUBLE, n, scalar, made->state))
         return saltus_h5_refuse_part(&r->h5, "start", "state");
-    for (int i = 0; i < n; i++)
-        if (!isfinite(made->state[i]))
-            return saltus_h5_refuse(&r->h5, "the start's state is not finite");
-    return SALTUS_OK;
+    return all_finite(made->state, n) ? SALTUS_OK
+                                      : saltus_h5_refuse(&r->h5, "the start's state is not finite");
 }
 
-/* Whether memory for so many rows should be asked for. A column of the stops of a scene without any is not
- * there. */
+/* Whether a column can have so many rows, before memory for them is asked for. Without stops there is no
+ * column of stops. */
 static bool is_believable(const reader *r, const char *name, long long rows, const int width[2]) {
     hsize_t size[SALTUS_H5_RANK_MAX] = {0}, stored,
             per_row = (hsize_t)(width[0] ? width[0] : 1) * (hsize_t)(width[1] ? width[1] : 1);
@@ -150,7 +155,7 @@ static int face_of(const saltus_system *system, int stop, int side) {
     return -1;
 }
 
-/* An event from its row; false when there can be none like it. */
+/* An event from its row; false when there is no such kind, face or time. */
 static bool make_event(const saltus_system *system, const saltus_event_row *row, saltus_event *event) {
     bool kind = row->kind == SALTUS_IMPACT || row->kind == SALTUS_STICK || row->kind == SALTUS_RELEASE;
     int face = face_of(system, row->stop, row->side);
@@ -192,13 +197,6 @@ static saltus_status read_events(reader *r, long long *count) {
     return status;
 }
 
-static bool finite_row(const double *values, int count) {
-    for (int i = 0; i < count; i++)
-        if (!isfinite(values[i]))
-            return false;
-    return true;
-}
-
 /* Whether a touch is at a face there is, at a time of the orbit. */
 static bool is_touch(const saltus_system *system, const saltus_branch_point *point) {
     if (point->grazing_stop == 0)
@@ -207,7 +205,7 @@ static bool is_touch(const saltus_system *system, const saltus_branch_point *poi
            point->grazing_time < point->periods;
 }
 
-/* Complete a point from the parts of its row that are kept in another form. */
+/* Check a row, and make a point of it. */
 static bool make_point(reader *r, saltus_point_row *row, long long k, long long events) {
     saltus_branch_point *point = &row->point;
     int n = r->shape.dimension;
@@ -217,8 +215,8 @@ static bool make_point(reader *r, saltus_point_row *row, long long k, long long 
     bool counted =
         point->event_count >= 0 && row->event_first >= 0 && row->event_first + point->event_count <= events;
     if (!texts || !counted || (int)point->kind < 0 || point->kind >= SALTUS_POINT_KINDS ||
-        point->periods < 1 || !finite_row(point->state, n) ||
-        !finite_row(point->spec.parameters, r->shape.parameters) || !isfinite(point->value[0]) ||
+        point->periods < 1 || !all_finite(point->state, n) ||
+        !all_finite(point->spec.parameters, r->shape.parameters) || !isfinite(point->value[0]) ||
         !is_touch(r->system, point))
         return false;
     for (int s = 0; s < r->shape.stops; s++)

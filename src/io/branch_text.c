@@ -19,13 +19,12 @@ static bool is_locus(const saltus_branch_file *file) {
     return file->options.locus != SALTUS_POINT_REGULAR;
 }
 
-/* On a curve of special points those that make it need no line. */
+/* All special points; on a curve of special points only those of another kind than the curve's. */
 static bool is_listed(const saltus_branch_file *file, const saltus_branch_point *point) {
     return point->kind != SALTUS_POINT_REGULAR && point->kind != file->options.locus;
 }
 
-/* The leading multiplier, and others that are not well inside the unit circle; a complex pair is named once.
- */
+/* The largest multiplier, and the others with a modulus above 1/2; of a complex pair only one. */
 static void name_multipliers(const saltus_branch_point *point, char *text, size_t room) {
     static const char more[] = ", ...";
     const double well_inside = log(0.5);
@@ -53,7 +52,7 @@ static const char *stability(const saltus_branch_point *point) {
     return point->stable ? "stable" : "unstable";
 }
 
-/* Stability beyond a special point: that of the next point, where that is no place of change. */
+/* Stability beyond a special point: that of the next point, unless it changes there again. */
 static const char *stability_beyond(const saltus_branch_file *file, int row) {
     const saltus_branch_point *here = &file->points[row], *next = here + 1;
     bool known = row + 1 < file->point_count && next->branch == here->branch &&

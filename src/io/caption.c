@@ -19,7 +19,6 @@ void saltus_line_add(saltus_line *l, const char *format, ...) {
             (size_t)length < sizeof l->text - l->length ? (size_t)length : sizeof l->text - l->length - 1;
 }
 
-/* Text that is not ours, with nothing that enhanced text or a quoted string takes for a command. */
 void saltus_line_plain(saltus_line *l, const char *text) {
     for (const char *c = text; *c; c++) {
         if (strchr("_^{}@&~\\", *c))
@@ -31,14 +30,12 @@ void saltus_line_plain(saltus_line *l, const char *text) {
     }
 }
 
-/* Numbers with a true minus sign. */
 void saltus_line_number(saltus_line *l, const char *format, double value) {
     char text[64];
     snprintf(text, sizeof text, format, fabs(value));
     saltus_line_add(l, "%s%s", value < 0 ? "−" : "", text);
 }
 
-/* The symbol of a parameter: a Greek letter or an italic Latin one, digits as subscripts. */
 void saltus_line_symbol(saltus_line *l, const char *name) {
     static const char *const greek[][2] = {{"alpha", "α"}, {"beta", "β"},  {"kappa", "κ"},
                                            {"sigma", "σ"}, {"omega", "ω"}, {"xi", "ξ"}};
@@ -126,8 +123,8 @@ void saltus_line_parameters(saltus_line *l, const saltus_system *system, const c
         saltus_line_add(l, ";  no stop");
 }
 
-/* Length of the piece of enhanced text that fits into one saltus_line of the sheet, broken at a blank outside
- * braces. */
+/* How many bytes of enhanced text fit into one line of the page: up to a blank outside braces, after a comma
+ * or semicolon where there is one in the second half of the line. */
 static size_t piece(const char *text) {
     enum { widest = 150 };
     size_t fits = 0, word = 0;
@@ -151,7 +148,6 @@ static size_t piece(const char *text) {
     return strlen(text);
 }
 
-/* One saltus_line or more of the header; the height of the next in *height. */
 void saltus_line_put(FILE *file, const saltus_line *l, const char *colour, double *height) {
     const char *text = l->text;
     while (*text) {

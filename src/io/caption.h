@@ -18,7 +18,8 @@ void saltus_line_add(saltus_line *l, const char *format, ...)
     __attribute__((format(printf, 2, 3)))
 #endif
     ;
-/* Text that is not ours, with nothing that enhanced text or a quoted string takes for a command. */
+/* Text from a user's file: everything that enhanced text or a quoted string would take for a command is
+ * escaped. */
 void saltus_line_plain(saltus_line *l, const char *text);
 /* A number, formatted by one conversion, with a true minus sign. */
 void saltus_line_number(saltus_line *l, const char *format, double value);

@@ -20,7 +20,7 @@ const char *saltus_event_word(saltus_event_kind kind); /* "impact", "stick", "re
 const char *saltus_side_word(int side);                /* +1 upper, -1 lower */
 const char *saltus_sides_word(saltus_sides sides);     /* "upper", "lower", "both" */
 const char *saltus_integrator_word(saltus_integrator integrator);
-/* The one that runs where this one is asked for. */
+/* The integrator that is used for a system when `asked` is chosen: what automatic stands for. */
 const char *saltus_integrator_used(const saltus_system *system, saltus_integrator asked);
 /* Velocity after an event: none once a contact holds. */
 double saltus_event_after(const saltus_event *event);

@@ -1,5 +1,5 @@
-/* Running gnuplot: script, picture and complaints pass through nameless files, so nothing can be left behind
- * and no pipe can fill up.
+/* Running gnuplot. Script, picture and error messages pass through temporary files without a name: nothing
+ * can be left behind, and no pipe can fill up and block.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "io/gnuplot.h"
 
@@ -73,7 +73,7 @@ static int run(FILE *script, FILE *picture, FILE *complaints, int *outcome) {
     while (waitpid(child, outcome, 0) < 0)
         if (errno != EINTR)
             return errno;
-    /* Where spawning cannot tell that there is no such program, its child exits so (POSIX). */
+    /* POSIX: where posix_spawnp cannot report that there is no such program, the child exits with 127. */
     return WIFEXITED(*outcome) && WEXITSTATUS(*outcome) == exit_absent ? ENOENT : 0;
 }
 

@@ -116,7 +116,7 @@ void saltus_h5_dataset(saltus_h5 *w, hid_t group, const saltus_h5_column *c, lon
     saltus_h5_close(list);
 }
 
-/* How a dataset is stored that is written in parts. */
+/* Storage of a dataset that is written in parts: one chunk for each part. */
 static hid_t part_layout(saltus_h5 *w, const saltus_h5_column *c, const saltus_h5_shape *shape) {
     hid_t list = H5Pcreate(H5P_DATASET_CREATE);
     if (!saltus_h5_note(w, list >= 0))
@@ -133,7 +133,7 @@ hid_t saltus_h5_open_dataset(saltus_h5 *w, hid_t group, const saltus_h5_column *
     if (!w->sound)
         return -1;
     hid_t list = part_layout(w, c, shape), space = H5Screate_simple(shape->rank, shape->size, NULL);
-    /* A part is written once and as a whole: there is nothing to be kept for later. */
+    /* Each part is written once and whole, so HDF5 need not keep any chunk in memory. */
     hid_t access = H5Pcreate(H5P_DATASET_ACCESS), set = -1;
     if (saltus_h5_note(w, space >= 0 && access >= 0 && H5Pset_chunk_cache(access, 1, 0, 1) >= 0))
         set = H5Dcreate2(group, c->name, c->type, space, H5P_DEFAULT, list, access);
@@ -205,14 +205,15 @@ void saltus_h5_parameters(saltus_h5 *w, const saltus_spec *spec) {
 
 static const uint64_t digest_begin = 0xcbf29ce484222325u;
 
-/* FNV-1a, which any damage to the bytes changes; `hash` is that of what stands before them. */
+/* The checksum FNV-1a, continued over more bytes from `hash`, that of the bytes before them. */
 static uint64_t digest(uint64_t hash, const unsigned char *bytes, size_t length) {
     for (size_t k = 0; k < length; k++)
         hash = (hash ^ bytes[k]) * 0x100000001b3u;
     return hash;
 }
 
-/* The seal stands behind the end that HDF5 knows of: programs that change the file drop it. */
+/* The seal stands after the end of the file that HDF5 knows: another program that changes the file cuts it
+ * off. */
 static void write_seal(uint64_t hash, char seal[SALTUS_H5_SEAL + 1]) {
     snprintf(seal, SALTUS_H5_SEAL + 1, "saltus:%016llx\n", (unsigned long long)hash);
 }

@@ -12,7 +12,7 @@
 #include <hdf5.h>
 #include <stdio.h>
 
-/* HDF5's own way of printing errors, silenced between quiet and restore. */
+/* How HDF5 itself prints errors, which is switched off between saltus_h5_quiet and saltus_h5_restore. */
 typedef struct saltus_h5_silence {
     H5E_auto2_t print;
     void *context;
@@ -22,22 +22,23 @@ typedef struct saltus_h5_silence {
 bool saltus_h5_quiet(saltus_h5_silence *silence);
 void saltus_h5_restore(const saltus_h5_silence *silence);
 
-/* A file under way. After the first failure nothing more is tried. */
+/* A file being made. After the first failure `sound` is false, and the functions below do nothing more. */
 typedef struct saltus_h5 {
     hid_t file;
     bool sound;
     bool starved; /* it is memory that was lacking */
 } saltus_h5;
 
+/* Note whether a step was successful; whether all were so far. */
 bool saltus_h5_note(saltus_h5 *w, bool good);
 /* The same for an allocation. */
 bool saltus_h5_note_memory(saltus_h5 *w, bool there);
-/* SALTUS_OK, or what the finished file is not: SALTUS_IO, SALTUS_NO_MEMORY. */
+/* SALTUS_OK, or why the file could not be made: SALTUS_IO, SALTUS_NO_MEMORY. */
 saltus_status saltus_h5_status(const saltus_h5 *w, saltus_message *message);
 /* A new file in memory. */
 void saltus_h5_create(saltus_h5 *w);
-/* Write the finished file, followed by a seal by which damage is noticed, and let go of it. Failures to write
- * are left in the stream's error flag. */
+/* Write the finished file, followed by a checksum (the seal), and close it. Failures to write are left in the
+ * stream's error flag. */
 void saltus_h5_finish(saltus_h5 *w, FILE *file);
 
 void saltus_h5_text(saltus_h5 *w, hid_t owner, const char *name, const char *text);
@@ -71,8 +72,8 @@ typedef struct saltus_h5_shape {
     hsize_t size[SALTUS_H5_RANK_MAX], part[SALTUS_H5_RANK_MAX];
 } saltus_h5_shape;
 
-/* A dataset to be written part by part, each of them once; where nothing is written stands c->data, one
- * entry. To be closed; negative on failure. */
+/* A dataset to be written part by part, each part once. c->data is one entry, the value of parts that are
+ * never written. To be closed; negative on failure. */
 hid_t saltus_h5_open_dataset(saltus_h5 *w, hid_t group, const saltus_h5_column *c,
                              const saltus_h5_shape *shape);
 /* Write the entries from `first` on, `count` of them along each dimension. */

@@ -1,4 +1,5 @@
-/* HDF5 files made on disk: a driver for HDF5's file layer to which a write never fails.
+/* HDF5 files made on disk, with a driver for HDF5's file layer that notes failed writes instead of reporting
+ * them.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "io/hdf5_disk.h"
 
@@ -14,7 +15,7 @@
 #include <H5FDdevelop.h>
 #endif
 
-/* An open file as the layer sees it. */
+/* An open file, as HDF5 hands it to the driver. */
 typedef struct disk_file {
     H5FD_t base; /* must be the first member */
     saltus_h5_disk *disk;

@@ -17,7 +17,7 @@ typedef struct saltus_h5_disk {
 
 /* A new file in place of the contents of the one at `path`, which must exist. */
 void saltus_h5_disk_create(saltus_h5 *w, saltus_h5_disk *disk, const char *path);
-/* Complete the file, add the seal and let go of it; with `durable` wait until it is on the disk. w->sound and
+/* Complete the file, add the seal and close it; with `durable` wait until it is on the disk. w->sound and
  * disk->reason tell whether it is as it should be. */
 void saltus_h5_disk_finish(saltus_h5 *w, saltus_h5_disk *disk, bool durable);
 

@@ -65,7 +65,8 @@ static bool skip_string(cursor *c) {
     return take(c, '"');
 }
 
-/* A word that is cut off ends where the text does. */
+/* Where the text ends within the word, the cursor is left at its end, so that the text is known to be cut
+ * off. */
 static bool skip_word(cursor *c, const char *word) {
     size_t length = strlen(word), left = (size_t)(c->end - c->at), there = left < length ? left : length;
     if (memcmp(c->at, word, there) != 0)

@@ -15,16 +15,6 @@ static void put_number(FILE *file, double value, double error) {
     fprintf(file, "%s +- %s", number.value, number.error);
 }
 
-static void put_largest(FILE *file, const saltus_lyapunov *l) {
-    if (saltus_lyapunov_sense(l) == SALTUS_SENSE_MEET)
-        return;
-    put_head(file, "exponent");
-    put_number(file, l->exponents[0], l->standard_errors[0]);
-    fputs(" per unit of time, ", file);
-    put_number(file, l->exponents[0] * l->period, l->standard_errors[0] * l->period);
-    fprintf(file, " per period (T = %.10g)\n", l->period);
-}
-
 static void put_meaning(FILE *file, const saltus_system *system, const saltus_lyapunov *l) {
     double fold = 1 / fabs(l->exponents[0] * l->period);
     put_head(file, "meaning");
@@ -166,7 +156,13 @@ void saltus_write_lyapunov_text(FILE *file, const saltus_scene *scene, const sal
         fputs("-infinity", file);
     fputc('\n', file);
     saltus_put_scene(file, scene, system);
-    put_largest(file, l);
+    if (finite) {
+        put_head(file, "exponent");
+        put_number(file, l->exponents[0], l->standard_errors[0]);
+        fputs(" per unit of time, ", file);
+        put_number(file, l->exponents[0] * l->period, l->standard_errors[0] * l->period);
+        fprintf(file, " per period (T = %.10g)\n", l->period);
+    }
     put_meaning(file, system, l);
     put_spectrum(file, system, l);
     put_sums(file, system, l);

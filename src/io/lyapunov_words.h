@@ -26,7 +26,8 @@ typedef enum saltus_sense {
 
 saltus_sense saltus_lyapunov_sense(const saltus_lyapunov *lyapunov);
 const char *saltus_sense_word(saltus_sense sense); /* "positive", "negative", "zero", "unresolved", "lost" */
-/* How directions were lost, as far as the system lets it be in one way only. */
+/* How directions in state space can be lost in a system: in lasting contacts, or in impacts with r = 0 too.
+ */
 const char *saltus_lost_words(const saltus_system *system);
 
 #endif

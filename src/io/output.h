@@ -8,7 +8,7 @@
 #include <stdbool.h>
 #include <stdio.h>
 
-/* A file under way: written beside its target under a temporary name, renamed when complete. A target that is
+/* A file being written: beside its target under a temporary name, renamed when complete. A target that is
  * no regular file (a device, a pipe) is written directly. */
 typedef struct saltus_output {
     FILE *file;

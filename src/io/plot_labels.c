@@ -1,5 +1,5 @@
-/* Words on a bifurcation diagram: n/p along each stretch of a branch and the names of special points, where
- * they do not lie on each other.
+/* Words on a bifurcation diagram, where they do not cover each other: n/p along each stretch of a branch and
+ * the names of special points.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "io/caption.h"
 #include "io/plot.h"
@@ -25,6 +25,12 @@ static place place_of(const saltus_plot_page *page, const saltus_branch_point *p
     return (place){page_width * (saltus_plot_x(point) - page->x.low) / (page->x.high - page->x.low),
                    page_height * (saltus_plot_y(page, point) - page->y.low) / (page->y.high - page->y.low),
                    0.5 * letter_width * (double)letters + 0.5};
+}
+
+/* The way on the page from row k - 1 to row k of a file. */
+static double way_to(const saltus_plot_page *page, const saltus_branch_file *f, int k) {
+    place a = place_of(page, &f->points[k - 1], 0), b = place_of(page, &f->points[k], 0);
+    return hypot(b.x - a.x, b.y - a.y);
 }
 
 static bool is_free(const places *all, place wanted) {
@@ -126,8 +132,7 @@ static stretch find_stretch(const saltus_plot_page *page, const saltus_branch_fi
          saltus_plot_shown(page, &f->points[k]) == saltus_plot_shown(page, &f->points[first]) &&
          strcmp(f->points[k].label, f->points[first].label) == 0;
          k++) {
-        place a = place_of(page, &f->points[k - 1], 0), b = place_of(page, &f->points[k], 0);
-        s.length += hypot(b.x - a.x, b.y - a.y);
+        s.length += way_to(page, f, k);
         s.last = k;
     }
     return s;
@@ -137,8 +142,7 @@ static stretch find_stretch(const saltus_plot_page *page, const saltus_branch_fi
 static int row_at(const saltus_plot_page *page, const saltus_branch_file *f, stretch s, double part) {
     double passed = 0;
     for (int k = s.first + 1; k <= s.last; k++) {
-        place a = place_of(page, &f->points[k - 1], 0), b = place_of(page, &f->points[k], 0);
-        passed += hypot(b.x - a.x, b.y - a.y);
+        passed += way_to(page, f, k);
         if (passed >= part * s.length)
             return k;
     }
@@ -214,10 +218,6 @@ static void name_regions(const saltus_plot_page *page, places *all) {
     }
 }
 
-static double stop_value(const saltus_stop *stop, int which) {
-    return which == 0 ? stop->xi : which == 1 ? stop->d : stop->r;
-}
-
 /* Values of the k-th parameter or key of a stop, and its key; false beyond the last. */
 static bool value_of(const saltus_spec *spec, int k, char key[SALTUS_KEY_MAX], double *value) {
     int count, keys;
@@ -231,7 +231,8 @@ static bool value_of(const saltus_spec *spec, int k, char key[SALTUS_KEY_MAX], d
         snprintf(key, SALTUS_KEY_MAX, "%s", s[(k - count) % keys].name);
         if (spec->stop_count > 1)
             snprintf(key, SALTUS_KEY_MAX, "%s%d", s[(k - count) % keys].name, stop + 1);
-        *value = stop_value(&spec->stops[stop], (k - count) % keys);
+        const double values[] = {spec->stops[stop].xi, spec->stops[stop].d, spec->stops[stop].r};
+        *value = values[(k - count) % keys];
     }
     return k < count || stop < spec->stop_count;
 }

@@ -34,7 +34,7 @@ uint32_t saltus_colour_sides(double part);
 /* Whether black letters are easier to read on it than white ones. */
 bool saltus_colour_light(uint32_t colour);
 
-/* Points counted per pixel, each with the part that it has of the points of its trajectory. */
+/* Points counted per pixel; each counts as its share of the points of its trajectory. */
 typedef struct saltus_tally {
     int width, height;
     float *cover;  /* how much of the pixel is covered by points */

@@ -306,34 +306,30 @@ static void put_masses(const saltus_sheet *sheet, const place *at) {
 static void put_spectrum(const saltus_sheet *sheet, const place *at) {
     const saltus_spectra_source source = {.system = sheet->system, .spectra = sheet->spectra};
     saltus_line heading = {.length = 0};
-    char words[256];
-    saltus_sheet_spectrum_heading(sheet, words, sizeof words);
-    saltus_line_add(&heading, "%s", words);
+    saltus_sheet_spectrum_heading(sheet, &heading);
     saltus_spectrum_low_panel(&source, sheet->file, at->across, at->up, at->letter - 'a', &heading);
 }
 
-/* The key takes up to three lines between the heading and the panel. The numbers of very small exponents are
- * long. */
+/* The panel is lower, to leave room for the key below the heading, and narrower where exponents are so small
+ * that their numbers are long. */
 static void put_convergence(const saltus_sheet *sheet, const place *at) {
-    const saltus_course course = {sheet->course, sheet->course_count, sheet->motion->lyapunov,
-                                  sheet->motion->lyapunov_error};
     place lower = {{at->across[0], at->across[1]}, {at->up[0], at->up[1] - 0.052}, at->letter};
     double size = 0;
-    for (int k = 0; k < sheet->course_count; k++)
-        size = fmax(size, fabs(sheet->course[k].exponent) + sheet->course[k].standard_error);
+    for (int k = 0; k < sheet->course.count; k++)
+        size = fmax(size, fabs(sheet->course.history[k].exponent) + sheet->course.history[k].standard_error);
     if (size < 1e-3)
         lower.across[0] += 0.025;
     open_panel(sheet->file, at, "convergence of the largest exponent");
-    saltus_course_panel(sheet->file, sheet->system, &course, lower.across, lower.up);
+    saltus_course_panel(sheet->file, sheet->system, &sheet->course, lower.across, lower.up);
     close_panel(sheet->file);
 }
 
-/* Which panels a motion gets: what it has, and nothing twice. The structure's shapes, of a motion without a
- * period, where there is room for them; an orbit always leaves that room. */
+/* Which panels a motion gets: a panel for everything that is known of it. The structure's shapes come only
+ * where that leaves room for them, which it always does for an orbit. */
 static int choose_panels(const saltus_sheet *sheet, panel *chosen[panels_most]) {
     bool pipe = saltus_is_pipe(sheet->system), settled = saltus_verdict_settled(sheet->motion->verdict);
     bool multipliers = settled && sheet->motion->multiplier_count > 0;
-    int count = 0, last = (sheet->spectrum != NULL) + (sheet->course_count > 0);
+    int count = 0, last = (sheet->spectrum != NULL) + (sheet->course.count > 0);
     chosen[count++] = put_portrait;
     chosen[count++] = put_history;
     if (!settled)
@@ -344,7 +340,7 @@ static int choose_panels(const saltus_sheet *sheet, panel *chosen[panels_most]) 
         chosen[count++] = pipe ? put_shapes : put_masses;
     if (sheet->spectrum)
         chosen[count++] = put_spectrum;
-    if (sheet->course_count > 0)
+    if (sheet->course.count > 0)
         chosen[count++] = put_convergence;
     if (multipliers)
         chosen[count++] = put_multipliers;
@@ -421,18 +417,6 @@ static saltus_status keep_data(saltus_sheet *sheet, const saltus_flow_options *o
     return status;
 }
 
-static saltus_sheet make_sheet(const saltus_scene *scene, const saltus_system *system,
-                               const saltus_diagnosis *d) {
-    saltus_sheet sheet = {.scene = scene, .system = system, .motion = d->motion, .record = d->record};
-    bool settled = saltus_verdict_settled(d->motion->verdict);
-    sheet.section = d->section && !settled ? d->section : d->record;
-    sheet.spectra = d->spectra;
-    if (d->spectra && d->spectra->count > 0 && d->spectra->spectra[0].kind != SALTUS_SPECTRUM_CONSTANT)
-        sheet.spectrum = &d->spectra->spectra[0];
-    saltus_sheet_choose(&sheet);
-    return sheet;
-}
-
 saltus_status saltus_write_sheet(const saltus_scene *scene, const saltus_system *system,
                                  const saltus_diagnosis *diagnosis, const saltus_flow_options *options,
                                  const char *path, const char *data, saltus_message *message) {
@@ -444,7 +428,17 @@ saltus_status saltus_write_sheet(const saltus_scene *scene, const saltus_system 
         return saltus_fail(message, SALTUS_BAD_INPUT, "%s: the ending must be .h5", data);
     if (record->samples < 2 || record->dimension != n || (section && section->dimension != n))
         return saltus_fail(message, SALTUS_BAD_INPUT, "the record does not belong to the system");
-    saltus_sheet sheet = make_sheet(scene, system, diagnosis);
+    bool settled = saltus_verdict_settled(diagnosis->motion->verdict);
+    const saltus_spectra *spectra = diagnosis->spectra;
+    saltus_sheet sheet = {.scene = scene,
+                          .system = system,
+                          .motion = diagnosis->motion,
+                          .record = record,
+                          .section = section && !settled ? section : record,
+                          .spectra = spectra};
+    if (spectra && spectra->count > 0 && spectra->spectra[0].kind != SALTUS_SPECTRUM_CONSTANT)
+        sheet.spectrum = &spectra->spectra[0];
+    saltus_sheet_choose(&sheet);
     saltus_status status = data ? keep_data(&sheet, options, path, data, message) : SALTUS_OK;
     if (status != SALTUS_OK)
         return status;

@@ -3,7 +3,9 @@
 #ifndef SALTUS_IO_SHEET_H
 #define SALTUS_IO_SHEET_H
 
+#include "io/caption.h"
 #include "io/gnuplot.h"
+#include "io/lyapunov_plot.h"
 #include "saltus/io.h"
 
 #include <stddef.h>
@@ -14,24 +16,23 @@ typedef struct saltus_sheet {
     const saltus_system *system;
     const saltus_motion *motion;
     const saltus_record *record;
-    const saltus_record *section;           /* for section points and impact map */
-    const saltus_spectrum *spectrum;        /* of the first quantity; NULL: none, or nothing moves */
-    const saltus_spectra *spectra;          /* where it comes from */
-    const saltus_lyapunov_progress *course; /* of the largest exponent, finite numbers */
-    int course_count;                       /* 0: was not measured */
-    bool orbit;                             /* one closed orbit is shown; otherwise a stretch of trajectory */
-    long long rows;                         /* rows of the record that are shown, ... */
-    long long events;                       /* ... events among them, ... */
-    long long history_rows;                 /* ... rows of the time history, from the first one on, ... */
-    long long history_events;               /* ... and its events */
-    long long mapped;                       /* events of `section` in the impact map */
-    long long contacts;                     /* intervals of lasting contact in the time history */
+    const saltus_record *section;    /* for section points and impact map */
+    const saltus_spectrum *spectrum; /* of the first quantity; NULL: none, or nothing moves */
+    const saltus_spectra *spectra;   /* where it comes from */
+    saltus_course course;            /* of the largest exponent, finite numbers only; count 0: not measured */
+    bool orbit;                      /* one closed orbit is shown; otherwise a stretch of trajectory */
+    long long rows;                  /* rows of the record that are shown, ... */
+    long long events;                /* ... events among them, ... */
+    long long history_rows;          /* ... rows of the time history, from the first one on, ... */
+    long long history_events;        /* ... and its events */
+    long long mapped;                /* events of `section` in the impact map */
+    long long contacts;              /* intervals of lasting contact in the time history */
     saltus_range displacement, velocity;
 } saltus_sheet;
 
-/* sheet_data.c: what is shown, ... */
+/* sheet_data.c: choose what is shown. */
 void saltus_sheet_choose(saltus_sheet *sheet);
-/* ... and it as datablocks of the script; counts the contacts. */
+/* Write it as datablocks of the script; counts the contacts. */
 void saltus_sheet_data(saltus_sheet *sheet);
 /* Impacts among the first events of a record. */
 long long saltus_sheet_impacts(const saltus_record *record, long long events);
@@ -47,7 +48,7 @@ double saltus_sheet_shape_time(const saltus_sheet *sheet);
 double saltus_sheet_caption(const saltus_sheet *sheet);
 const char *saltus_sheet_history_heading(const saltus_sheet *sheet);
 void saltus_sheet_impacts_heading(const saltus_sheet *sheet, char *text, size_t room);
-void saltus_sheet_spectrum_heading(const saltus_sheet *sheet, char *text, size_t room);
+void saltus_sheet_spectrum_heading(const saltus_sheet *sheet, saltus_line *line);
 
 enum { SALTUS_SHEET_SHAPES = 16, SALTUS_SHEET_POINTS = 96 };
 

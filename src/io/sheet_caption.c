@@ -225,17 +225,17 @@ static bool shows_forcing(const saltus_spectrum *s) {
     return false;
 }
 
-void saltus_sheet_spectrum_heading(const saltus_sheet *sheet, char *text, size_t room) {
+void saltus_sheet_spectrum_heading(const saltus_sheet *sheet, saltus_line *line) {
     const saltus_spectrum *s = sheet->spectrum;
     char name[160];
     saltus_observed_name(sheet->system, false, name, sizeof name);
+    saltus_line_add(line, "%s", name);
     if (s->kind == SALTUS_SPECTRUM_WELCH)
-        snprintf(text, room, "%s; %g %% band%s", name, 100 * s->confidence,
-                 s->line_count > 0 ? "; ▾ lines" : "");
+        saltus_line_add(line, "; %g %% band%s", 100 * s->confidence, s->line_count > 0 ? "; ▾ lines" : "");
     else if (s->periods == 1)
-        snprintf(text, room, "%s: multiples of {/:Italic ω}", name);
+        saltus_line_add(line, ": multiples of {/:Italic ω}");
     else if (shows_forcing(s))
-        snprintf(text, room, "%s; red: multiples of {/:Italic ω}", name);
+        saltus_line_add(line, "; red: multiples of {/:Italic ω}");
     else
-        snprintf(text, room, "%s: multiples of {/:Italic ω}/%d", name, s->periods);
+        saltus_line_add(line, ": multiples of {/:Italic ω}/%d", s->periods);
 }

@@ -1,4 +1,4 @@
-/* The numbers of a sheet: what is shown, and it as datablocks inside gnuplot's script.
+/* The numbers of a sheet: which are shown, and their datablocks in gnuplot's script.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "io/describe.h"
 #include "io/lyapunov_plot.h"
@@ -76,8 +76,8 @@ static void choose_course(saltus_sheet *sheet) {
     while (first > 0 && isfinite(e->history[first - 1].exponent) &&
            isfinite(e->history[first - 1].standard_error))
         first--;
-    sheet->course = e->history + first;
-    sheet->course_count = e->history_count - first;
+    sheet->course = (saltus_course){e->history + first, e->history_count - first, sheet->motion->lyapunov,
+                                    sheet->motion->lyapunov_error};
 }
 
 /* One closed orbit where the motion has one and the record covers it; otherwise as many whole periods as a
@@ -302,9 +302,6 @@ void saltus_sheet_data(saltus_sheet *sheet) {
         const saltus_spectra_source source = {.system = sheet->system, .spectra = sheet->spectra};
         saltus_spectrum_low_data(&source, sheet->file);
     }
-    if (sheet->course_count > 0) {
-        const saltus_course course = {sheet->course, sheet->course_count, sheet->motion->lyapunov,
-                                      sheet->motion->lyapunov_error};
-        saltus_course_data(sheet->file, &course);
-    }
+    if (sheet->course.count > 0)
+        saltus_course_data(sheet->file, &sheet->course);
 }

@@ -128,12 +128,13 @@ static double find_floor(const row *r) {
     return fmax(s->kind == SALTUS_SPECTRUM_LINES ? deep : deep_density, 20 * floor((lowest - 10) / 20));
 }
 
-static row make_row(const saltus_spectra_source *source, int k, FILE *file) {
+static row make_row(const saltus_spectra_source *source, int k, int number, FILE *file) {
     const saltus_spectrum *s = &source->spectra->spectra[k];
     row r = {.source = source,
              .s = s,
              .quantity = source->spectra->quantities[k],
              .file = file,
+             .number = number,
              .end = s->per_period / 2.0};
     for (long long b = 0; b < s->bins; b++)
         r.peak = fmax(r.peak, s->density[b]);
@@ -342,21 +343,14 @@ static void put_row(const row *r, int rows, double top) {
     }
 }
 
-/* The quantities that move; how many. */
-static int make_rows(const saltus_spectra_source *source, FILE *file, row rows[SALTUS_QUANTITIES_MAX]) {
+void saltus_spectra_script(const saltus_spectra_source *source, const char *path, FILE *file) {
+    row rows[SALTUS_QUANTITIES_MAX];
     int count = 0;
     for (int k = 0; k < source->spectra->count; k++)
         if (source->spectra->spectra[k].kind != SALTUS_SPECTRUM_CONSTANT) {
-            rows[count] = make_row(source, k, file);
-            rows[count].number = count + 1;
+            rows[count] = make_row(source, k, count + 1, file);
             count++;
         }
-    return count;
-}
-
-void saltus_spectra_script(const saltus_spectra_source *source, const char *path, FILE *file) {
-    row rows[SALTUS_QUANTITIES_MAX];
-    int count = make_rows(source, file, rows);
     fprintf(file, "# Saltus " SALTUS_VERSION ": spectra of a motion\nset terminal %s\n",
             saltus_gnuplot_terminal(path));
     for (int k = 0; k < count; k++) {
@@ -376,20 +370,13 @@ void saltus_spectra_script(const saltus_spectra_source *source, const char *path
     fputs("unset multiplot\n", file);
 }
 
-/* A row for a figure that shows one spectrum. */
-static row lone_row(const saltus_spectra_source *source, FILE *file) {
-    row r = make_row(source, 0, file);
-    r.number = 1;
-    return r;
-}
-
 void saltus_spectrum_low_data(const saltus_spectra_source *source, FILE *file) {
-    row r = lone_row(source, file);
+    row r = make_row(source, 0, 1, file);
     put_low_data(&r);
 }
 
 void saltus_spectrum_low_panel(const saltus_spectra_source *source, FILE *file, const double across[2],
                                const double up[2], int letter, const saltus_line *heading) {
-    row r = lone_row(source, file);
+    row r = make_row(source, 0, 1, file);
     draw_low(&r, across, up, letter, heading);
 }

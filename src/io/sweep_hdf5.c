@@ -15,7 +15,7 @@
 
 enum { tile_rows = 16384, chunk_bytes = 131072 };
 
-/* A dataset under way. */
+/* A dataset being written. */
 typedef struct series {
     const saltus_sweep_column *column;
     hid_t set, memory;
@@ -23,7 +23,8 @@ typedef struct series {
     unsigned char *buffer; /* a tile, or a chunk of a cloud */
 } series;
 
-/* A cloud under way: the rows' first and count, and the datasets that they point into. */
+/* A cloud being written: the datasets `first` and `count` of the rows, and those whose entries they select.
+ */
 typedef struct cloud {
     const saltus_sweep_cloud *kind;
     hid_t group;
@@ -86,6 +87,10 @@ static void close_series(maker *m, series *s) {
     free(s->buffer);
 }
 
+static void write_series(maker *m, const series *s, const hsize_t *first, const hsize_t *count) {
+    saltus_h5_write_part(&m->w, s->set, s->memory, first, count, s->buffer);
+}
+
 /* A dataset with one entry for each row, or with rank 3 for each place. */
 static void open_rows(maker *m, series *s, const saltus_sweep_column *column, hid_t group, int rank,
                       const void *fill) {
@@ -136,15 +141,7 @@ static void open_cloud(maker *m, cloud *c) {
     }
 }
 
-static void close_cloud(maker *m, cloud *c) {
-    close_series(m, &c->first);
-    close_series(m, &c->count);
-    for (int k = 0; k < c->kind->count; k++)
-        close_series(m, &c->values[k]);
-    saltus_h5_close(c->group);
-}
-
-/* Nothing is open yet. */
+/* Mark everything as not open yet, so that it can be closed after any failure. */
 static void prepare(maker *m) {
     for (int k = 0; k < SALTUS_SWEEP_COLUMNS; k++)
         m->columns[k].set = m->columns[k].memory = -1;
@@ -164,27 +161,26 @@ static bool kept(const maker *m, const cloud *c) {
     return (saltus_sweep_choices(m->sweep)->keep & c->kind->keep) != 0;
 }
 
-static void open_all(maker *m) {
-    open_columns(m);
-    for (int c = 0; c < SALTUS_CLOUDS; c++)
-        if (kept(m, &m->clouds[c]))
-            open_cloud(m, &m->clouds[c]);
-}
-
 static void close_all(maker *m) {
     for (int k = 0; k < SALTUS_SWEEP_COLUMNS; k++)
         close_series(m, &m->columns[k]);
     close_series(m, &m->distinct);
     saltus_h5_close(m->rows);
-    for (int c = 0; c < SALTUS_CLOUDS; c++)
-        close_cloud(m, &m->clouds[c]);
+    for (int which = 0; which < SALTUS_CLOUDS; which++) {
+        cloud *c = &m->clouds[which];
+        close_series(m, &c->first);
+        close_series(m, &c->count);
+        for (int k = 0; k < c->kind->count; k++)
+            close_series(m, &c->values[k]);
+        saltus_h5_close(c->group);
+    }
 }
 
 /* Write what has gathered of a cloud. */
 static void flush(maker *m, cloud *c) {
     const hsize_t first[] = {(hsize_t)c->written, 0}, count[] = {(hsize_t)c->filled, (hsize_t)c->width};
     for (int k = 0; k < c->kind->count && c->filled; k++)
-        saltus_h5_write_part(&m->w, c->values[k].set, c->values[k].memory, first, count, c->values[k].buffer);
+        write_series(m, &c->values[k], first, count);
     c->written += c->filled;
     c->filled = 0;
 }
@@ -237,15 +233,14 @@ static void put_place(maker *m, size_t place) {
 
 static void write_tile(maker *m, const hsize_t *first, const hsize_t *count) {
     for (int k = 0; k < SALTUS_SWEEP_COLUMNS; k++)
-        saltus_h5_write_part(&m->w, m->columns[k].set, m->columns[k].memory, first, count,
-                             m->columns[k].buffer);
-    saltus_h5_write_part(&m->w, m->distinct.set, m->distinct.memory, first, count, m->distinct.buffer);
+        write_series(m, &m->columns[k], first, count);
+    write_series(m, &m->distinct, first, count);
     for (int c = 0; c < SALTUS_CLOUDS; c++) {
         const cloud *one = &m->clouds[c];
         if (!kept(m, one))
             continue;
-        saltus_h5_write_part(&m->w, one->first.set, one->first.memory, first, count, one->first.buffer);
-        saltus_h5_write_part(&m->w, one->count.set, one->count.memory, first, count, one->count.buffer);
+        write_series(m, &one->first, first, count);
+        write_series(m, &one->count, first, count);
     }
 }
 
@@ -292,7 +287,10 @@ saltus_status saltus_sweep_put_hdf5(saltus_sweep_stream *stream, const char *tem
     choose_tile(&m);
     prepare(&m);
     m.memory = saltus_sweep_put_head(&m.w, stream);
-    open_all(&m);
+    open_columns(&m);
+    for (int c = 0; c < SALTUS_CLOUDS; c++)
+        if (kept(&m, &m.clouds[c]))
+            open_cloud(&m, &m.clouds[c]);
     if (m.w.sound && m.memory)
         status = put_tiles(&m);
     close_all(&m);

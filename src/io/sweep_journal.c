@@ -4,11 +4,11 @@
  *              text of everything that the results depend on (sweep_identity.c), padded to 8 bytes
  *     records  length, checksum, a result as packed by saltus_sweep_pack, padded to 8 bytes; to the end
  *
- * A record is handed to the system in one piece as soon as the result is there, so a run that is killed loses
- * nothing of what it had taken. When a journal is taken up again, everything from the first record on that is
- * not whole is cut off: after a kill or a full disk that is at most the last one. A result that is there
- * twice counts once, the first time. Where a record begins is kept in memory, 8 bytes for each place, and
- * nothing else; results are read back through a window of the file.
+ * A record is written in one call as soon as its result is there, so a run that is killed loses no result
+ * that was computed. When a journal is taken up again, everything from the first record on that is not whole
+ * is cut off: after a kill or a full disk that is at most the last one. A result that is there twice counts
+ * once, the first time. Where a record begins is kept in memory, 8 bytes for each place, and nothing else;
+ * results are read back through a window of the file.
  *
  * Two runs that write to one journal would destroy it: the file is locked while it is open. Without resuming,
  * a journal that is there is replaced, as is the file that is made from it.
@@ -159,8 +159,9 @@ static saltus_status scan(saltus_journal *j, long long begin, saltus_message *me
     return SALTUS_OK;
 }
 
-/* Compare the sweep and find the results; *there is false when not even the head was written completely. A
- * head that is shorter than that of this sweep is either such a one or another sweep's without any result. */
+/* Check that the journal is of this sweep, and find its results. *there stays false when the file is shorter
+ * than the head of this sweep: then its own head was cut off, or it is another sweep's and holds no result.
+ */
 static saltus_status take_up(saltus_journal *j, const char *identity, bool *there, saltus_message *message) {
     const unsigned char *bytes = NULL;
     head h = {.length = 0};

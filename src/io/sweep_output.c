@@ -1,4 +1,4 @@
-/* A sweep on its way into a file.
+/* Writing the results of a sweep while it runs.
  *
  * Every result goes to the journal at once. The file is made anew from it and put in place of the old one: at
  * the start, then every few seconds, and at the end. The pause between two exchanges grows with their cost,
@@ -86,7 +86,8 @@ static saltus_status test_target(const char *path, const saltus_sweep *sweep, bo
     return saltus_output_test(path, message);
 }
 
-/* Resuming without a journal: a finished file of the same sweep is all there is to be done. */
+/* Resuming without a journal: accept the file if it is a finished one of the same sweep; nothing is left to
+ * do. */
 static saltus_status accept_finished(saltus_sweep_output *o, const char *identity, saltus_message *message) {
     char *there = NULL;
     saltus_status status = o->table ? saltus_sweep_identity_csv(o->path, &there, &o->finished, message)

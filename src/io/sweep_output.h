@@ -6,7 +6,7 @@
 #include "io/sweep_columns.h"
 #include "saltus/io.h"
 
-/* sweep_identity.c: everything that the results of a sweep depend on. Lanes and threads are not of it. */
+/* sweep_identity.c: everything that the results of a sweep depend on, which lanes and threads are not. */
 typedef struct saltus_sweep_identity {
     const char *version;
     bool basins;

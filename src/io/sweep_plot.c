@@ -159,7 +159,7 @@ static saltus_status draw_page(saltus_sweep_page *page, saltus_message *message)
     return status;
 }
 
-/* What the curves of branch files show where the sweep's cloud shows that. */
+/* What the curves of branches show so that they fit the view of the sweep. */
 static saltus_status find_measure(const saltus_sweep_page *page, saltus_show *show, saltus_message *message) {
     if (page->sweep->axis_count > 1)
         return saltus_fail(message, SALTUS_BAD_INPUT,

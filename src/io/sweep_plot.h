@@ -1,4 +1,4 @@
-/* Private: figures of sweeps under way.
+/* Private: a figure of a sweep while it is being drawn.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_IO_SWEEP_PLOT_H
 #define SALTUS_IO_SWEEP_PLOT_H
@@ -36,7 +36,7 @@ double saltus_cells_edge(const saltus_cells *cells, int k);
  * False when there is none. */
 bool saltus_cells_at(const saltus_cells *cells, int pixels, int pixel, int *first, int *last);
 
-/* What a row counts as: n/p, held, ... */
+/* A class of rows with the same motion: n/p, held, ... */
 typedef struct saltus_sweep_class {
     char label[32];
     int verdict, impacts, periods;
@@ -69,7 +69,7 @@ typedef struct saltus_sweep_page {
     const saltus_system *system;
     saltus_cells x, y; /* of the first axis and, on maps, of the second */
     saltus_range up;   /* of the numbers shown: up the page, or as colours */
-    bool asked;        /* `up` was asked for */
+    bool asked;        /* `up` is the range that was asked for */
     bool sides;        /* impact speeds are signed */
     double *observers; /* rows that give the observed displacement: one, or one for each value of the axis */
     int observer_count;

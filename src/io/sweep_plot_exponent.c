@@ -9,12 +9,8 @@ static const uint32_t error_colour = 0xc0392b;
 static const double overlap = 0.5;  /* pixels */
 static const double raised = 0.012; /* of the page: where what is lost is marked */
 
-/* Each value of the axis has one exponent, and hence a column. */
-static bool single(const saltus_sweep_page *page) {
-    return saltus_sweep_visits(page->sweep) == 1;
-}
-
-/* An edge of a cell, moved by so many pixels: columns overlap a little, lest seams be seen between them. */
+/* An edge of a cell, moved by so many pixels: columns overlap a little, or thin gaps would be seen between
+ * them. */
 static double edge_of(const saltus_sweep_page *page, int edge, double pixels) {
     double moved = pixels / (page->frame.right - page->frame.left);
     return saltus_cells_value(&page->x, fmin(fmax(saltus_cells_edge(&page->x, edge) + moved, 0), 1));
@@ -71,7 +67,8 @@ void saltus_sweep_put_exponent_elements(const saltus_sweep_page *page) {
         uint32_t colour;
     } sides[] = {{">", 0xf3cfc4}, {"<", 0xdfe9f3}};
     double zero = within(&page->up, 0);
-    for (int k = 0; k < 2 && single(page); k++)
+    /* Columns only where each value of the axis has one exponent. */
+    for (int k = 0; k < 2 && saltus_sweep_visits(page->sweep) == 1; k++)
         fprintf(
             page->file,
             "     $exponents using 1:($4%s0?$4:NaN):2:3:(%.9g):4 with boxxyerror fs solid noborder fc rgb "

@@ -11,7 +11,7 @@ static long long point_of(const saltus_map *map, int column, int row) {
     return map->page->x.order[column] + (long long)map->page->y.order[row] * map->page->x.count;
 }
 
-/* Cells looked at of a pixel along one axis: so many that none prevails by chance. */
+/* Step between the cells that are looked at for a pixel along one axis: about `looks` of them. */
 static int stride(saltus_span span) {
     enum { looks = 6 };
     return 1 + (span.last - span.first) / looks;

@@ -5,7 +5,7 @@
 
 #include "io/sweep_plot.h"
 
-/* The cells that a pixel shows; first is -1 where there is none. */
+/* The cells of one axis that a pixel shows; first is -1 where there is none. */
 typedef struct saltus_span {
     int first, last;
 } saltus_span;

@@ -29,8 +29,8 @@ static void find_room(const int *kind, int columns, int rows, float *room) {
         }
 }
 
-/* Mark the places of one kind that hang together with `start`, which are left in `queue`. Of those with
- * about the most room the one nearest to their middle. */
+/* Mark the connected region of one kind around `start`, and leave its places in `queue`. Returned is, of the
+ * places with about the most room, the one nearest to the middle of the region. */
 static int fill_region(const int *kind, int columns, int rows, const float *room, unsigned char *seen,
                        int *queue, int start) {
     int count = 0, best = start;

@@ -69,17 +69,6 @@ static void add_symbol(const char *key, saltus_line *line) {
         saltus_line_symbol(line, key);
 }
 
-static void name_axis(const saltus_sweep_page *page, const char *key, saltus_line *line) {
-    if (is_initial(key)) {
-        saltus_line_add(line, "initial %s  ",
-                        key[0] == 'q'   ? "displacement"
-                        : key[0] == 'v' ? "velocity"
-                                        : "force");
-        add_symbol(key, line);
-    } else
-        saltus_line_parameter(line, &page->sweep->spec, key);
-}
-
 static void add_head(const saltus_sweep_page *page, saltus_line *line) {
     const saltus_sweep_file *sweep = page->sweep;
     if (page->wish->title)
@@ -199,7 +188,15 @@ static void put_tics(FILE *file, char axis, saltus_range range) {
 
 void saltus_sweep_put_axis(const saltus_sweep_page *page, char axis, const saltus_cells *cells) {
     saltus_line name = {.length = 0};
-    name_axis(page, cells->key, &name);
+    const char *key = cells->key;
+    if (is_initial(key)) {
+        saltus_line_add(&name, "initial %s  ",
+                        key[0] == 'q'   ? "displacement"
+                        : key[0] == 'v' ? "velocity"
+                                        : "force");
+        add_symbol(key, &name);
+    } else
+        saltus_line_parameter(&name, &page->sweep->spec, key);
     if (cells->logarithmic) {
         fprintf(page->file, "set logscale %c\n", axis);
         put_tics(page->file, axis, cells->range);

@@ -16,7 +16,7 @@ void saltus_sweep_stream_close(saltus_sweep_stream *stream) {
     stream->rows = NULL;
 }
 
-/* Every NaN is the same one: equal results give equal files. */
+/* Give every NaN the same bits, so that equal results give equal files. */
 static void clean(saltus_sweep_row *row) {
     double *measure[] = {&row->largest,          &row->smallest, &row->impact_rate,   &row->largest_speed,
                          &row->contact_fraction, &row->lyapunov, &row->lyapunov_error};
@@ -25,19 +25,15 @@ static void clean(saltus_sweep_row *row) {
             *measure[k] = NAN;
 }
 
-static void read_nothing(saltus_sweep_stream *stream, int seeds) {
-    stream->result = (saltus_sweep_result){.rows = NULL};
-    for (int s = 0; s < seeds; s++)
-        stream->rows[s] = saltus_sweep_row_of(SALTUS_PENDING);
-}
-
 saltus_status saltus_sweep_stream_read(saltus_sweep_stream *stream, long long place,
                                        saltus_message *message) {
     int seeds = saltus_sweep_choices(stream->sweep)->seeds;
     int dimension = saltus_sweep_dimension(stream->sweep);
     stream->distinct = 0;
     if (!stream->journal->offset[place]) {
-        read_nothing(stream, seeds);
+        stream->result = (saltus_sweep_result){.rows = NULL};
+        for (int s = 0; s < seeds; s++)
+            stream->rows[s] = saltus_sweep_row_of(SALTUS_PENDING);
         return SALTUS_OK;
     }
     saltus_status status = saltus_journal_get(stream->journal, place, &stream->result, message);

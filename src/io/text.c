@@ -9,6 +9,7 @@
 
 enum { event_lines = 12, leading = 4 };
 
+/* The word that begins a line, as wide as all others. */
 static void put_head(FILE *file, const char *word) {
     fprintf(file, "  %-14s", word);
 }
@@ -183,12 +184,6 @@ static void put_evidence(FILE *file, const saltus_motion *motion) {
     fprintf(file, "  %-14s%.4g per forcing period\n", "impacts", e->impacts_per_period);
 }
 
-static void put_exponent(FILE *file, const saltus_motion *motion) {
-    if (!saltus_verdict_settled(motion->verdict) || isnan(motion->lyapunov))
-        return;
-    fprintf(file, "  %-14s%.10g per unit of time, the largest\n", "exponent", motion->lyapunov);
-}
-
 void saltus_write_motion_text(FILE *file, const saltus_scene *scene, const saltus_system *system,
                               const saltus_motion *motion) {
     static const char *const mirror[] = {"the scene has no mirror symmetry",
@@ -202,7 +197,8 @@ void saltus_write_motion_text(FILE *file, const saltus_scene *scene, const saltu
     put_faces(file, system, motion);
     put_events(file, system, motion);
     put_multipliers(file, motion);
-    put_exponent(file, motion);
+    if (saltus_verdict_settled(motion->verdict) && !isnan(motion->lyapunov))
+        fprintf(file, "  %-14s%.10g per unit of time, the largest\n", "exponent", motion->lyapunov);
     put_evidence(file, motion);
     fprintf(file, "  %-14s%s\n", "mirror", mirror[motion->mirror]);
     fprintf(file, "  %-14s%.7g to %.7g\n", "displacement", motion->smallest, motion->largest);
