@@ -59,7 +59,8 @@ static void found_events(const saltus_survey *survey, saltus_branch_point *point
     point->sticking_intervals = survey->sticking_intervals;
     point->event_count = survey->lap.event_count;
     memcpy(point->label, survey->label, sizeof point->label);
-    memcpy(point->events, survey->lap.events, (size_t)point->event_count * sizeof *point->events);
+    if (point->event_count) /* a lap without events has no memory for any */
+        memcpy(point->events, survey->lap.events, (size_t)point->event_count * sizeof *point->events);
 }
 
 saltus_status saltus_point_make(saltus_orbits *o, const saltus_solution *s, bool prescribed,

@@ -287,7 +287,8 @@ static bool undamaged(FILE *file) {
            (saltus_h5_seal(descriptor, length, seal) && memcmp(there, seal, sizeof there) == 0);
 }
 
-hid_t saltus_h5_read_file(const char *path, saltus_message *message) {
+/* Open a file for reading; negative after a sentence in the message. */
+static hid_t read_file(const char *path, saltus_message *message) {
     FILE *plain = fopen(path, "rb");
     int reason = errno;
     if (!plain) {
@@ -428,7 +429,7 @@ saltus_status saltus_h5_reader_open(saltus_h5_reader *r) {
     r->file = -1;
     if (!saltus_h5_quiet(&r->silence))
         return saltus_fail(r->message, SALTUS_IO, "the HDF5 library could not be opened");
-    r->file = saltus_h5_read_file(r->path, r->message);
+    r->file = read_file(r->path, r->message);
     if (r->file >= 0)
         return SALTUS_OK;
     saltus_h5_restore(&r->silence);

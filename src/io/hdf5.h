@@ -87,8 +87,6 @@ enum { SALTUS_H5_SEAL = 24 };
  * when they cannot be read. */
 bool saltus_h5_seal(int descriptor, long long length, char seal[SALTUS_H5_SEAL + 1]);
 
-/* Open a file for reading; negative after a sentence in the message. */
-hid_t saltus_h5_read_file(const char *path, saltus_message *message);
 /* Attributes; false when one is absent, of another type or, as a text, of more than room - 1 bytes. */
 bool saltus_h5_get_double(hid_t owner, const char *name, double *value);
 bool saltus_h5_get_integer(hid_t owner, const char *name, long long *value);

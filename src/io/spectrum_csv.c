@@ -53,13 +53,6 @@ static void put_header(const saltus_spectra_source *source, FILE *file) {
         file);
 }
 
-static double peak_density(const saltus_spectrum *s) {
-    double peak = 0;
-    for (long long k = 0; k < s->bins; k++)
-        peak = fmax(peak, s->density[k]);
-    return peak;
-}
-
 static void put_value(FILE *file, double value) {
     fputc(',', file);
     saltus_put_number(file, value);
@@ -85,7 +78,8 @@ static void put_table(const saltus_spectra_source *source, FILE *file) {
     double peak[SALTUS_QUANTITIES_MAX] = {0};
     const saltus_spectrum *first = NULL;
     for (int k = spectra->count - 1; k >= 0; k--) {
-        peak[k] = peak_density(&spectra->spectra[k]);
+        for (long long b = 0; b < spectra->spectra[k].bins; b++)
+            peak[k] = fmax(peak[k], spectra->spectra[k].density[b]);
         if (spectra->spectra[k].kind != SALTUS_SPECTRUM_CONSTANT)
             first = &spectra->spectra[k];
     }

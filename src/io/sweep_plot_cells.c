@@ -130,12 +130,7 @@ static int by_share(const void *a, const void *b) {
     return p->periods != q->periods ? p->periods - q->periods : p->impacts - q->impacts;
 }
 
-static uint64_t key_of_class(const saltus_sweep_class *c) {
-    saltus_sweep_row row = {.verdict = c->verdict, .impacts = c->impacts, .periods = c->periods};
-    return key_of(&row);
-}
-
-/* The distinct keys, in place; their number. */
+/* Keep one of each of the sorted keys, in place; their number. */
 static int unify(uint64_t *keys, long long count) {
     int distinct = 0;
     for (long long k = 0; k < count; k++)
@@ -218,7 +213,7 @@ static void set_colours(saltus_classes *classes) {
             classes->list[k].colour = shade(classes, &classes->list[k]);
 }
 
-/* Classes and their shares; rows refer to them by the keys' order, then by the order of the list. */
+/* Fill the list of classes, the most frequent first, and note the class of each row. */
 static bool fill(saltus_classes *classes, const saltus_sweep_file *sweep, const uint64_t *keys) {
     int n = classes->count, *moved = calloc((size_t)n, sizeof *moved);
     for (long long row = 0; row < sweep->row_count && moved; row++) {
@@ -235,8 +230,12 @@ static bool fill(saltus_classes *classes, const saltus_sweep_file *sweep, const 
     }
     if (moved) {
         qsort(classes->list, (size_t)n, sizeof *classes->list, by_share);
-        for (int k = 0; k < n; k++)
-            moved[index_of(keys, n, key_of_class(&classes->list[k]))] = k;
+        for (int k = 0; k < n; k++) {
+            const saltus_sweep_class *c = &classes->list[k];
+            const saltus_sweep_row row = {
+                .verdict = c->verdict, .impacts = c->impacts, .periods = c->periods};
+            moved[index_of(keys, n, key_of(&row))] = k;
+        }
         for (long long row = 0; row < sweep->row_count; row++)
             classes->of_row[row] = moved[classes->of_row[row]];
         set_colours(classes);
