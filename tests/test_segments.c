@@ -102,7 +102,8 @@ static void folds_and_grazing(void **unused) {
     check_example(closed_two_periods, 0.85L, 0.79, 0.9, -1, 0, "LP GR ");
 }
 
-/* The orbits of twice the period lead from the one flip to the other, by two grazings, and are followed once. */
+/* The orbits of twice the period lead from the one flip to the other, by two grazings, and are followed once.
+ */
 static void flips_and_doubled_orbits(void **unused) {
     (void)unused;
     check_example(closed_two_periods, 0.85L, 0.8, 0.98, 1, 1, "PD PD GR GR PD ");

@@ -22,7 +22,8 @@ enum { vary_cosine, model_vary_drives }; /* of cos(omega t + phase) */
 static void model_load(saltus_work *w, int lane, const saltus_system *system) {
     double coefficient = 1;
     for (int k = 0; k < w->order_span; k++) {
-        w->loaded.table[(size_t)k * (size_t)w->lanes + (size_t)lane] = (k + 1) & 2 ? -coefficient : coefficient;
+        w->loaded.table[(size_t)k * (size_t)w->lanes + (size_t)lane] =
+            (k + 1) & 2 ? -coefficient : coefficient;
         coefficient *= system->omega / (k + 1);
     }
 }
