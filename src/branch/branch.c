@@ -560,7 +560,7 @@ static saltus_status settle(saltus_branch *b, saltus_message *message) {
 
 /* Whether the parameter does not change along the branch, but for rounding. */
 static bool is_vertical(const saltus_solution *s) {
-    return fabs(s->at.tangent[s->at.unknowns - 1]) < 1e-10;
+    return fabs(saltus_solution_heading(s)) < 1e-10;
 }
 
 /* One step along the branch under way. */
@@ -689,8 +689,8 @@ static saltus_status begin(saltus_branch *b, const saltus_branch_start *start, s
     }
     if (start->tangent)
         memcpy(t->here->at.tangent, start->tangent, (size_t)start->unknowns * sizeof *start->tangent);
-    else if (t->here->at.tangent[t->here->at.unknowns - 1] * start->heading < 0)
-        saltus_curve_turn(&t->here->at);
+    else
+        saltus_solution_head(t->here, start->heading);
     status = give_first(b, start, message);
     if (status == SALTUS_OK)
         status = keep_first(b, message);
@@ -782,8 +782,8 @@ static saltus_status restore(saltus_branch *b, const saltus_branch_point *point,
         status = saltus_solution_place(o, &sequence, &parameter, state, true, t->here, message);
     if (status == SALTUS_OK)
         status = saltus_solution_survey(o, t->here, message);
-    if (status == SALTUS_OK && t->here->at.tangent[t->here->at.unknowns - 1] * point->heading < 0)
-        saltus_curve_turn(&t->here->at);
+    if (status == SALTUS_OK)
+        saltus_solution_head(t->here, point->heading);
     free(state);
     saltus_lap_close(&lap);
     t->number = point->branch;

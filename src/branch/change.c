@@ -24,11 +24,8 @@ bool saltus_change_pass(saltus_orbits *o, const saltus_sequence *beyond, const d
     saltus_message ignored;
     if (saltus_solution_place(o, beyond, parameters, state, false, here, &ignored) != SALTUS_OK)
         return false;
-    double common = 0;
-    for (int j = 0; j < here->at.unknowns && old; j++)
-        common += old[j] * here->at.tangent[j];
-    if (common < 0)
-        saltus_curve_turn(&here->at);
+    if (old)
+        saltus_curve_align(&here->at, old);
     for (size_t k = 0; k < sizeof ahead / sizeof ahead[0]; k++)
         for (int way = 0; way < 2; way++) {
             if (leads_on(o, here, ahead[k], next))
@@ -41,7 +38,7 @@ bool saltus_change_pass(saltus_orbits *o, const saltus_sequence *beyond, const d
 saltus_status saltus_change_graze(saltus_orbits *o, const saltus_solution *at, saltus_sequence *beyond,
                                   saltus_solution *here, saltus_solution *next, saltus_change *change,
                                   saltus_message *message) {
-    int order[SALTUS_MARKS_MAX], last = at->at.unknowns - 1;
+    int order[SALTUS_MARKS_MAX];
     *change = (saltus_change){.kind = SALTUS_POINT_GR};
     change->reason = saltus_sequence_graze(&at->sequence, at->breaches, at->breach_count, beyond, order);
     double *old = calloc((size_t)(o->n * beyond->cuts + beyond->count + 1), sizeof *old);
@@ -50,7 +47,7 @@ saltus_status saltus_change_graze(saltus_orbits *o, const saltus_solution *at, s
     saltus_sequence_carry(&at->sequence, at->at.tangent, beyond, order, o->n, 1, old);
     if (saltus_change_pass(o, beyond, at->parameter, at->state, old, here, next)) {
         memcpy(change->after, next->survey.label, sizeof change->after);
-        change->turns_back = at->at.tangent[last] * here->at.tangent[here->at.unknowns - 1] < 0;
+        change->turns_back = saltus_solution_heading(at) * saltus_solution_heading(here) < 0;
         change->distance = next->at.ahead;
     } else {
         change->kind = SALTUS_POINT_EP;
@@ -85,7 +82,7 @@ static double bracket(saltus_orbits *o, const saltus_solution *from, double ahea
 }
 
 static double slope(const saltus_orbits *o, const saltus_solution *s) {
-    return fabs(s->at.tangent[s->at.unknowns - 1]) * o->family.unit[0];
+    return fabs(saltus_solution_heading(s)) * o->family.unit[0];
 }
 
 /* The sequence that the flow meets on the orbit of a solution. `state` (n) becomes the one at its base. */
@@ -125,7 +122,7 @@ static bool shoot_freely(saltus_orbits *o, const saltus_sequence *old, const dou
 
 /* In contact all the time. */
 static bool is_held(const saltus_survey *survey) {
-    return survey->walked && survey->lap.event_count == 0 && survey->lap.contacts != 0;
+    return survey->walked && saltus_lap_held(&survey->lap);
 }
 
 /* The speed of the slowest impact, INFINITY without any. */
@@ -155,7 +152,7 @@ static bool leads_away(saltus_orbits *o, const saltus_solution *here, double dis
  * but for so much of the parameter. */
 static bool begins_at(saltus_orbits *o, const saltus_solution *at, const saltus_solution *here,
                       double distance, double apart, saltus_solution *end, double *accuracy) {
-    double slope_here = fabs(here->at.tangent[here->at.unknowns - 1]);
+    double slope_here = fabs(saltus_solution_heading(here));
     double back = 2 * distance / fmax(slope_here, 1e-3);
     double width = bracket(o, here, -back, NULL, end);
     *accuracy = width * slope(o, end);
@@ -167,8 +164,7 @@ static bool begins_at(saltus_orbits *o, const saltus_solution *at, const saltus_
 static void head_on(saltus_orbits *o, const saltus_solution *at, double heading, bool lost,
                     saltus_solution *here, saltus_solution *scratch, saltus_change *change) {
     const saltus_survey *before = &at->survey, *after = &here->survey;
-    if (heading * here->at.tangent[here->at.unknowns - 1] < 0)
-        saltus_curve_turn(&here->at);
+    saltus_solution_head(here, heading);
     double accuracy;
     /* Flights that shrink to nothing end among the flow's tolerances; the force of a contact has a sharp
      * zero. */
@@ -199,7 +195,7 @@ saltus_status saltus_change_leap(saltus_orbits *o, const saltus_solution *from, 
                                  saltus_solution *here, saltus_solution *scratch, saltus_change *change,
                                  saltus_message *message) {
     static const double reach[] = {1e-6, 1e-5, 1e-4, 1e-3, 3e-3, 1e-2};
-    double width = bracket(o, from, ahead, NULL, at), heading = at->at.tangent[at->at.unknowns - 1];
+    double width = bracket(o, from, ahead, NULL, at), heading = saltus_solution_heading(at);
     *change = (saltus_change){.kind = SALTUS_POINT_EP, .reason = why, .accuracy = NAN};
     if (isnan(width))
         return SALTUS_OK;
@@ -253,7 +249,7 @@ bool saltus_change_retrace(saltus_orbits *o, const saltus_solution *here, saltus
     const double back = 1e-3;
     saltus_sequence met;
     saltus_message ignored;
-    double heading = here->at.tangent[here->at.unknowns - 1], *state = calloc((size_t)o->n, sizeof *state);
+    double *state = calloc((size_t)o->n, sizeof *state);
     if (!state)
         saltus_orbits_noted(o, SALTUS_NO_MEMORY);
     bool found = state && sequence_met(o, here, state, &met) &&
@@ -264,8 +260,7 @@ bool saltus_change_retrace(saltus_orbits *o, const saltus_solution *here, saltus
         saltus_orbits_noted(o, saltus_shooting_shape(o->shooting, &here->sequence, &ignored));
         return false;
     }
-    if (heading * fresh->at.tangent[fresh->at.unknowns - 1] < 0)
-        saltus_curve_turn(&fresh->at);
+    saltus_solution_head(fresh, saltus_solution_heading(here));
     /* On the side where chatter is complete its end is the place where the contact after it vanishes: sharper
      * than what the flow, with its tolerance, takes for complete. */
     double width = bracket(o, fresh, -back, NULL, scratch);

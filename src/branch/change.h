@@ -35,9 +35,9 @@ saltus_status saltus_change_graze(saltus_orbits *orbits, const saltus_solution *
                                   saltus_solution *here, saltus_solution *next, saltus_change *change,
                                   saltus_message *message);
 /* The flow's events cease to be those of `from` before `ahead`, or, `lost`, the equations have no solution
- * from somewhere on: `at` becomes the last orbit at which they
- * are, `here` one beyond, at a parameter in [low, high]. If there is none kind is EP; if there is no such
- * last orbit either, `at` is not set and accuracy is NAN. `scratch` is overwritten. */
+ * from somewhere on: `at` becomes the last orbit at which they are, `here` one beyond, at a parameter in
+ * [low, high]. If there is none kind is EP; if there is no such last orbit either, `at` is not set and
+ * accuracy is NAN. `scratch` is overwritten. */
 saltus_status saltus_change_leap(saltus_orbits *orbits, const saltus_solution *from, double ahead, bool lost,
                                  const char *why, const double range[2], saltus_solution *at,
                                  saltus_solution *here, saltus_solution *scratch, saltus_change *change,

@@ -14,8 +14,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double pi = 3.14159265358979323846;
-
 static saltus_scaled plain(double value) {
     return (saltus_scaled){value, 0};
 }
@@ -108,13 +106,9 @@ static bool without_impact(const saltus_extended *x, const saltus_solution *s, s
     *excess = NAN;
     saltus_sequence_graze(&s->sequence, s->breaches, s->breach_count, &less, order);
     less.cuts = 1;
-    double *u = calloc((size_t)(less.cuts * x->orbits.n + less.count + 2), sizeof *u);
-    saltus_status status = u ? saltus_shooting_new(&x->orbits.family, &x->orbits.options, &shooting, &ignored)
-                             : SALTUS_NO_MEMORY;
-    if (status == SALTUS_OK)
-        status = saltus_shooting_shape(shooting, &less, &ignored);
-    if (status == SALTUS_OK)
-        status = saltus_shooting_fill(shooting, s->parameter, s->state, u, &ignored);
+    double *u;
+    saltus_status status =
+        saltus_orbits_shoot(&x->orbits, &less, s->parameter, s->state, &shooting, &u, &ignored);
     if (status == SALTUS_OK)
         status = saltus_equations_evaluate(saltus_shooting_equations(shooting), u, &ignored);
     bool room = status != SALTUS_NO_MEMORY;
@@ -146,9 +140,9 @@ int saltus_corner_measure(const saltus_extended *x, const saltus_curve_point *po
         break;
     case SALTUS_POINT_NS:
         corners[count++] = (saltus_corner){SALTUS_POINT_R1, plain(theta), true};
-        corners[count++] = (saltus_corner){SALTUS_POINT_R2, plain(theta - pi), true};
-        corners[count++] = (saltus_corner){SALTUS_POINT_R3, plain(theta - 2 * pi / 3), false};
-        corners[count++] = (saltus_corner){SALTUS_POINT_R4, plain(theta - pi / 2), false};
+        corners[count++] = (saltus_corner){SALTUS_POINT_R2, plain(theta - M_PI), true};
+        corners[count++] = (saltus_corner){SALTUS_POINT_R3, plain(theta - 2 * M_PI / 3), false};
+        corners[count++] = (saltus_corner){SALTUS_POINT_R4, plain(theta - M_PI / 2), false};
         break;
     case SALTUS_POINT_GR:
         if (!determinants(x->orbits.shooting, x->orbits.n, &fold, &flip) ||

@@ -77,6 +77,11 @@ static double product(const double *a, const double *b, int count) {
     return sum;
 }
 
+void saltus_curve_align(saltus_curve_point *point, const double *guide) {
+    if (product(guide, point->tangent, point->unknowns) < 0)
+        saltus_curve_turn(point);
+}
+
 saltus_status saltus_curve_orient(saltus_equations *e, const double *guide, saltus_curve_point *point,
                                   saltus_message *message) {
     int sign, m = point->unknowns;

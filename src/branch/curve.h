@@ -40,6 +40,8 @@ void saltus_curve_clear(saltus_curve_point *point);
 void saltus_curve_bend(const saltus_curve_point *before, saltus_curve_point *point);
 /* Turn the tangent round. */
 void saltus_curve_turn(saltus_curve_point *point);
+/* The same if it leads against a direction. */
+void saltus_curve_align(saltus_curve_point *point, const double *guide);
 /* Tangent, residual and crossing of a point that the equations have just been evaluated at. `guide`: a
  * direction that the tangent shall have in common with; NULL: its own, of either sign. Errors:
  * SALTUS_SINGULAR, SALTUS_NO_MEMORY. */

@@ -8,7 +8,9 @@
 
 saltus_status saltus_solution_state_at(saltus_orbits *o, const saltus_solution *s, double time, double *state,
                                        saltus_message *message) {
-    saltus_sequence cut = s->sequence, before = *saltus_shooting_sequence(o->shooting);
+    saltus_sequence cut = s->sequence;
+    saltus_shooting *shooting = NULL;
+    double *u = NULL;
     if (time == cut.base) {
         memcpy(state, s->state, (size_t)o->n * sizeof *state);
         return SALTUS_OK;
@@ -17,19 +19,12 @@ saltus_status saltus_solution_state_at(saltus_orbits *o, const saltus_solution *
     cut.cuts = 2;
     cut.cut[0] = cut.base;
     cut.cut[1] = time;
-    saltus_status status = saltus_shooting_shape(o->shooting, &cut, message);
-    double *u = calloc((size_t)o->equations->unknowns, sizeof *u);
-    if (status == SALTUS_OK && !u)
-        status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch");
-    if (status == SALTUS_OK)
-        status = saltus_shooting_fill(o->shooting, s->parameter, s->state, u, message);
+    saltus_status status = saltus_orbits_shoot(o, &cut, s->parameter, s->state, &shooting, &u, message);
     for (int i = 0; i < o->n && status == SALTUS_OK; i++)
-        state[i] = u[o->n + i] * saltus_shooting_scale(o->shooting)[i];
+        state[i] = u[o->n + i] * saltus_shooting_scale(shooting)[i];
+    saltus_shooting_free(shooting);
     free(u);
-    saltus_message ignored;
-    saltus_status back =
-        saltus_shooting_shape(o->shooting, &before, status == SALTUS_OK ? message : &ignored);
-    return saltus_orbits_noted(o, status == SALTUS_OK ? back : status);
+    return saltus_orbits_noted(o, status);
 }
 
 /* As many segments as are asked for; if that is left open, twice as many where perturbations grow too much
@@ -46,7 +41,7 @@ static saltus_status place(saltus_orbits *o, const saltus_solution *s, const sal
                            const int *order, saltus_solution *out, double *work) {
     const saltus_sequence *old = &s->sequence;
     saltus_message ignored;
-    double *state = work, *guide = work + o->n, common = 0;
+    double *state = work, *guide = work + o->n;
     double later = fresh->base < old->base ? fresh->base + old->periods : fresh->base;
     saltus_status status = saltus_solution_state_at(o, s, later, state, &ignored);
     if (status == SALTUS_OK)
@@ -54,10 +49,7 @@ static saltus_status place(saltus_orbits *o, const saltus_solution *s, const sal
     if (status != SALTUS_OK || o->family.parameters != 1)
         return status;
     saltus_sequence_carry(old, s->at.tangent, fresh, order, o->n, 1, guide);
-    for (int j = 0; j < out->at.unknowns; j++)
-        common += guide[j] * out->at.tangent[j];
-    if (common < 0)
-        saltus_curve_turn(&out->at);
+    saltus_curve_align(&out->at, guide);
     return status;
 }
 

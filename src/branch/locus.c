@@ -82,6 +82,26 @@ static bool is_sound(const saltus_locus *l, const saltus_curve_point *point, con
     return l->x.kind == SALTUS_POINT_GR || s->survey.follows;
 }
 
+/* `here` becomes the point with these unknowns of the sequence that the shooting has, `extra` the one beside
+ * the orbit's, before it is known to lie on the locus. Errors: SALTUS_NO_MEMORY, SALTUS_NO_CONVERGENCE, the
+ * flow's. */
+static saltus_status take_up(saltus_locus *l, const double *u, double extra, saltus_message *message) {
+    saltus_equations *orbit = l->x.orbits.equations;
+    size_t bytes = (size_t)orbit->unknowns * sizeof *u;
+    saltus_status status = saltus_extended_shape(&l->x, message);
+    if (status == SALTUS_OK && !saltus_curve_reserve(&l->here, l->x.equations.unknowns))
+        status = no_memory(message);
+    if (status != SALTUS_OK)
+        return status;
+    memcpy(l->here.u, u, bytes);
+    memcpy(l->x.anchor, u, bytes);
+    if (l->x.extra)
+        l->here.u[orbit->unknowns] = extra;
+    status = saltus_equations_evaluate(orbit, l->here.u, message);
+    return status == SALTUS_OK && l->x.kind != SALTUS_POINT_GR ? saltus_extended_choose(&l->x, extra, message)
+                                                               : status;
+}
+
 /* Onto the locus at the second parameter's value as it is; the tangent of either sign goes to `here`. */
 static saltus_status find_first(saltus_locus *l, saltus_message *message) {
     int c = l->x.orbits.equations->count, m = l->x.equations.unknowns;
@@ -134,20 +154,9 @@ static saltus_status open_first(saltus_locus *l, const saltus_solution *at, cons
         l->x.mark++;
     saltus_status status =
         saltus_solution_place(&l->x.orbits, sequence, parameters, at->state, false, &l->orbit, message);
-    if (status == SALTUS_OK)
-        status = saltus_extended_shape(&l->x, message);
-    if (status == SALTUS_OK && !saltus_curve_reserve(&l->here, l->x.equations.unknowns))
-        status = no_memory(message);
-    if (status != SALTUS_OK)
-        return status;
-    int m = l->x.orbits.equations->unknowns;
-    memcpy(l->here.u, l->orbit.at.u, (size_t)m * sizeof *l->here.u);
-    memcpy(l->x.anchor, l->here.u, (size_t)m * sizeof *l->here.u);
     double theta = l->x.kind == SALTUS_POINT_NS ? angle_on_circle(&at->survey, l->x.orbits.n) : 0;
-    if (l->x.extra)
-        l->here.u[m] = theta;
-    if (l->x.kind != SALTUS_POINT_GR)
-        status = saltus_extended_choose(&l->x, theta, message);
+    if (status == SALTUS_OK)
+        status = take_up(l, l->orbit.at.u, theta, message);
     if (status == SALTUS_OK)
         status = find_first(l, message);
     if (status != SALTUS_OK)
@@ -254,17 +263,8 @@ static saltus_status begin(saltus_locus *l, int heading, saltus_message *message
         l->x.mark = l->first_mark;
         status = saltus_shooting_shape(l->x.orbits.shooting, &l->first, message);
         if (status == SALTUS_OK)
-            status = saltus_extended_shape(&l->x, message);
-        int m = l->x.orbits.equations->unknowns;
-        if (status == SALTUS_OK && !saltus_curve_reserve(&l->here, l->x.equations.unknowns))
-            status = no_memory(message);
-        if (status != SALTUS_OK)
-            return status;
-        memcpy(l->here.u, l->beginning, (size_t)l->x.equations.unknowns * sizeof *l->beginning);
-        memcpy(l->x.anchor, l->here.u, (size_t)m * sizeof *l->here.u);
-        status = saltus_equations_evaluate(l->x.orbits.equations, l->here.u, message);
-        if (status == SALTUS_OK && l->x.kind != SALTUS_POINT_GR)
-            status = saltus_extended_choose(&l->x, l->x.extra ? l->here.u[m] : 0, message);
+            status = take_up(l, l->beginning, l->beginning[l->x.orbits.equations->unknowns + l->x.extra - 1],
+                             message);
         if (status == SALTUS_OK)
             status = find_first(l, message);
         if (status == SALTUS_OK)
@@ -309,29 +309,18 @@ static bool is_closed(saltus_locus *l) {
 static saltus_status install(saltus_locus *l, const saltus_sequence *old, const double *tangent, double extra,
                              const int *order, saltus_message *message) {
     const saltus_sequence *fresh = &l->orbit.sequence;
-    saltus_equations *orbit = l->x.orbits.equations;
-    int m = orbit->unknowns, old_unknowns = old->cuts * l->x.orbits.n + old->count + 2;
+    int m = l->x.orbits.equations->unknowns, old_unknowns = old->cuts * l->x.orbits.n + old->count + 2;
     double *guide = calloc((size_t)(m + l->x.extra), sizeof *guide);
-    saltus_status status = guide ? saltus_extended_shape(&l->x, message) : no_memory(message);
+    saltus_status status = guide ? SALTUS_OK : no_memory(message);
     if (status == SALTUS_OK) {
         saltus_sequence_carry(old, tangent, fresh, order, l->x.orbits.n, 2, guide);
         if (l->x.extra)
             guide[m] = tangent[old_unknowns];
-        if (!saltus_curve_reserve(&l->here, m + l->x.extra))
-            status = no_memory(message);
+        for (int k = 0, mark = l->x.mark; k < fresh->count; k++)
+            if (order[k] == mark)
+                l->x.mark = k;
+        status = take_up(l, l->orbit.at.u, extra, message);
     }
-    for (int k = 0, mark = l->x.mark; k < fresh->count; k++)
-        if (order[k] == mark)
-            l->x.mark = k;
-    if (status == SALTUS_OK) {
-        memcpy(l->here.u, l->orbit.at.u, (size_t)m * sizeof *l->here.u);
-        memcpy(l->x.anchor, l->here.u, (size_t)m * sizeof *l->here.u);
-        if (l->x.extra)
-            l->here.u[m] = extra;
-        status = saltus_equations_evaluate(orbit, l->here.u, message);
-    }
-    if (status == SALTUS_OK && l->x.kind != SALTUS_POINT_GR)
-        status = saltus_extended_choose(&l->x, extra, message);
     if (status == SALTUS_OK)
         status = saltus_equations_evaluate(&l->x.equations, l->here.u, message);
     if (status == SALTUS_OK)
@@ -452,65 +441,70 @@ static bool corner_at(void *context, double ahead, double *value) {
     return true;
 }
 
-enum { not_located = -2 };
+/* Corners on a step, in their order. */
+typedef struct crossings {
+    int count;
+    int corner[SALTUS_CORNERS_MAX];
+    double place[SALTUS_CORNERS_MAX]; /* ahead of `here` */
+} crossings;
 
-/* The first corner on the way from `here` to `next`, of those further than *ahead, becomes `trial` and
- * `located`; -1: none, not_located: the orbit changes its events, but where is not told. Where the curve ends
- * at another impact's birth or death a multiplier is infinite, and other functions may vanish with it: they
- * tell nothing. */
-static int find_corner(saltus_locus *l, double *ahead) {
+/* All corners on the way from `here` to `next`. Where the curve ends at another impact's birth or death a
+ * multiplier is infinite, and other functions may vanish with it: they tell nothing. False: the orbit changes
+ * its events, but where cannot be located. */
+static bool find_corners(saltus_locus *l, crossings *found) {
     const double together = 1e-6, jump = 1e-8;
-    int first = -1;
-    double place = 0, width, value, nearest = INFINITY, from = *ahead;
-    l->x.sharp = true;
+    double ends = INFINITY;
+    found->count = 0;
     for (int k = 0; k < l->corner_count; k++) {
         double near = saltus_scaled_in(l->corners[k].value, l->corners[k].value.exponent);
         double far = saltus_scaled_in(l->corners_ahead[k].value, l->corners[k].value.exponent);
+        double place = 0, width, value;
         location self = {l, k};
         bool located = near * far < 0 && saltus_curve_zero(l->x.orbits.solver, corner_at, &self, near,
                                                            l->next.ahead, far, &place, &width);
-        /* A breach may begin with a jump, where a maximum of the gap appears. */
+        /* The first function is the breach, which may begin with a jump, where a maximum of the gap appears.
+         */
         if (k == 0 && far > 1e-9 && !(located && corner_at(&self, place, &value) && fabs(value) < jump))
-            first = not_located;
-        if (first == not_located)
-            break;
-        if (located && place > from && place < nearest) {
-            nearest = k == 0 ? place - together : place;
-            first = k;
+            return false;
+        if (!located || place >= ends - together)
+            continue;
+        if (k == 0)
+            ends = place;
+        int at = found->count++;
+        for (; at > 0 && found->place[at - 1] > place; at--) {
+            found->place[at] = found->place[at - 1];
+            found->corner[at] = found->corner[at - 1];
         }
+        found->place[at] = place;
+        found->corner[at] = k;
     }
-    if (first == 0)
-        nearest += together;
-    location self = {l, first};
-    bool found = first >= 0 && corner_at(&self, nearest, &value);
-    l->x.sharp = false;
-    *ahead = nearest;
-    return found ? first : -1;
+    return true;
 }
 
 /* Where the pair of multipliers meets, at theta = 0 or pi, the equations are singular; but the curve is even
- * in theta there, so `trial` is interpolated in its square from regular points on the way. */
-static bool sharpen_resonance(saltus_locus *l, double theta, saltus_message *message) {
+ * in theta there, so `trial` is interpolated in its square from regular points on the way. Where these cannot
+ * be had it stays as it was located. */
+static void sharpen_resonance(saltus_locus *l, double theta) {
     enum { samples = 6 };
     const double apart = 0.02;
     int m = l->here.unknowns;
     double square[samples], *u = calloc((size_t)(m * samples), sizeof *u);
+    saltus_message ignored;
     bool found = u;
     if (!u)
         l->x.orbits.starved = true;
     for (int k = 0; k < samples && found; k++) {
         double aside = apart * (k + 1), at = theta > 1 ? theta - aside : aside;
         square[k] = aside * aside;
-        found = saltus_curve_meet(&l->x.equations, &l->here, m - 1, at, &l->trial, message) == SALTUS_OK;
+        found = saltus_curve_meet(&l->x.equations, &l->here, m - 1, at, &l->next, &ignored) == SALTUS_OK;
         for (int j = 0; j < m && found; j++)
-            u[j * samples + k] = l->trial.u[j];
+            u[j * samples + k] = l->next.u[j];
     }
     for (int j = 0; j < m && found; j++)
-        l->trial.u[j] = saltus_curve_interpolate(square, u + j * samples, samples);
-    if (found)
-        l->trial.u[m - 1] = theta;
+        l->trial.u[j] = j < m - 1 ? saltus_curve_interpolate(square, u + j * samples, samples) : theta;
     free(u);
-    return found && see_orbit(l, &l->trial, &l->located, message) == SALTUS_OK;
+    if (found)
+        see_orbit(l, &l->trial, &l->located, &ignored);
 }
 
 static const char *const corner_reasons[] = {
@@ -538,17 +532,18 @@ static bool accumulates(saltus_locus *l) {
 static saltus_status give_corner(saltus_locus *l, const saltus_corner *corner, double ahead, bool *moved,
                                  saltus_message *message) {
     saltus_point_kind kind = corner->kind;
-    bool ends = corner->ends;
-    saltus_message ignored;
-    if (l->x.kind == SALTUS_POINT_NS && ends && kind != SALTUS_POINT_GR_NS)
-        sharpen_resonance(l, kind == SALTUS_POINT_R2 ? 3.14159265358979323846 : 0, &ignored);
+    bool ends = corner->ends, resonance = l->x.kind == SALTUS_POINT_NS && ends && kind != SALTUS_POINT_GR_NS;
+    if (resonance) {
+        sharpen_resonance(l, kind == SALTUS_POINT_R2 ? M_PI : 0);
+        /* There the curve of tori turns back: theta goes on beyond 0 or pi, and gives the same orbits again.
+         */
+        for (int d = 0; d < 2; d++)
+            l->trial.tangent[l->x.orbits.equations->count + d] = 0;
+    }
     saltus_status status = give(l, &l->located, &l->trial, kind, ahead, NULL, message);
     *moved = false;
     if (status != SALTUS_OK || l->ended)
         return status;
-    /* There the curve of tori turns back: theta goes on beyond 0 or pi, and gives the same orbits again. */
-    if (l->x.kind == SALTUS_POINT_NS && ends && kind != SALTUS_POINT_GR_NS)
-        l->points[l->made_count - 1].heading = 0;
     if (kind == SALTUS_POINT_GR_GR && accumulates(l))
         return give(l, &l->located, &l->trial, SALTUS_POINT_EP, ahead,
                     "grazings follow one another ever more closely, towards complete chatter", message);
@@ -563,24 +558,34 @@ static saltus_status give_corner(saltus_locus *l, const saltus_corner *corner, d
 
 /* One step along the curve under way, with the corners on it. */
 static saltus_status advance(saltus_locus *l, saltus_message *message) {
-    int reached, k;
-    bool found, moved;
-    double ahead;
+    int reached;
+    bool found, moved = false;
+    crossings crossed;
     saltus_status status;
-    do {
+    for (;;) {
         status = take_step(l, &reached, &found, message);
         if (status != SALTUS_OK)
             return status;
         if (!found || l->lost)
             return give(l, &l->orbit, &l->here, SALTUS_POINT_EP, 0,
                         "the curve ends: its orbit changes its events or the curve has a corner", message);
-        ahead = 0;
-        k = find_corner(l, &ahead);
-        l->strict |= k == not_located;
-        l->step = k == not_located ? 0.5 * l->next.ahead : l->step;
-    } while (k == not_located);
-    for (; k >= 0; k = find_corner(l, &ahead)) {
-        status = give_corner(l, &l->corners[k], ahead, &moved, message);
+        l->x.sharp = true;
+        bool located = find_corners(l, &crossed);
+        l->x.sharp = false;
+        if (located)
+            break;
+        l->strict = true;
+        l->step = 0.5 * l->next.ahead;
+    }
+    for (int k = 0; k < crossed.count; k++) {
+        location self = {l, crossed.corner[k]};
+        double value;
+        l->x.sharp = true;
+        found = corner_at(&self, crossed.place[k], &value);
+        l->x.sharp = false;
+        if (!found)
+            continue;
+        status = give_corner(l, &l->corners[self.corner], crossed.place[k], &moved, message);
         if (status != SALTUS_OK || l->ended || moved)
             return status;
     }

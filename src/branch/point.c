@@ -70,7 +70,7 @@ saltus_status saltus_point_make(saltus_orbits *o, const saltus_solution *s, bool
     size_t n = (size_t)o->n, events = (size_t)(found ? survey->lap.event_count : s->sequence.count);
     double section = ceil(s->sequence.base / s->sequence.periods) * s->sequence.periods;
     *point = (saltus_branch_point){.value = {s->value, NAN},
-                                   .heading = s->at.tangent[s->at.unknowns - 1] * o->family.unit[0],
+                                   .heading = saltus_solution_heading(s) * o->family.unit[0],
                                    .spec = saltus_family_spec(&o->family, s->parameter),
                                    .periods = s->sequence.periods,
                                    .dimension = o->n,

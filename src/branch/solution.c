@@ -79,17 +79,22 @@ saltus_status saltus_orbits_tune(saltus_orbits *o, const double *parameters, sal
     return status;
 }
 
-static void clear_survey(saltus_survey *survey) {
-    free(survey->multipliers);
-    saltus_lap_close(&survey->lap);
-}
-
 void saltus_solution_clear(saltus_solution *s) {
     saltus_curve_clear(&s->at);
     free(s->state);
     free(s->breaches);
-    clear_survey(&s->survey);
+    free(s->survey.multipliers);
+    saltus_lap_close(&s->survey.lap);
     *s = (saltus_solution){.value = 0};
+}
+
+double saltus_solution_heading(const saltus_solution *s) {
+    return s->at.tangent[s->at.unknowns - 1];
+}
+
+void saltus_solution_head(saltus_solution *s, double heading) {
+    if (saltus_solution_heading(s) * heading < 0)
+        saltus_curve_turn(&s->at);
 }
 
 void saltus_survey_swap(saltus_solution *a, saltus_solution *b) {
@@ -244,22 +249,29 @@ saltus_status saltus_solution_survey(saltus_orbits *o, saltus_solution *s, saltu
     return saltus_orbits_noted(o, status) == SALTUS_NO_MEMORY ? no_memory(message) : SALTUS_OK;
 }
 
+saltus_status saltus_orbits_shoot(const saltus_orbits *o, const saltus_sequence *sequence,
+                                  const double *parameters, const double *state, saltus_shooting **shooting,
+                                  double **u, saltus_message *message) {
+    *u = NULL;
+    saltus_status status = saltus_shooting_new(&o->family, &o->options, shooting, message);
+    if (status == SALTUS_OK)
+        status = saltus_shooting_shape(*shooting, sequence, message);
+    if (status != SALTUS_OK)
+        return status;
+    *u = calloc((size_t)saltus_shooting_equations(*shooting)->unknowns, sizeof **u);
+    return *u ? saltus_shooting_fill(*shooting, parameters, state, *u, message) : no_memory(message);
+}
+
 double saltus_solution_half_distance(saltus_orbits *o, const saltus_solution *s, bool mirrored) {
     saltus_sequence halves = s->sequence;
     saltus_shooting *shooting = NULL;
     saltus_message ignored;
-    double largest = INFINITY;
+    double largest = INFINITY, *u = NULL;
     if (halves.periods % 2 && !mirrored)
         return largest;
     halves.cuts = 2;
     halves.cut[1] = halves.base + 0.5 * halves.periods;
-    double *u = calloc((size_t)(2 * o->n + halves.count + 2), sizeof *u);
-    saltus_status status =
-        u ? saltus_shooting_new(&o->family, &o->options, &shooting, &ignored) : SALTUS_NO_MEMORY;
-    if (status == SALTUS_OK)
-        status = saltus_shooting_shape(shooting, &halves, &ignored);
-    if (status == SALTUS_OK)
-        status = saltus_shooting_fill(shooting, s->parameter, s->state, u, &ignored);
+    saltus_status status = saltus_orbits_shoot(o, &halves, s->parameter, s->state, &shooting, &u, &ignored);
     if (saltus_orbits_noted(o, status) == SALTUS_OK) {
         largest = 0;
         for (int i = 0; i < o->n; i++)
@@ -281,7 +293,7 @@ double saltus_test_value(saltus_test test, double target, const saltus_solution 
                          const saltus_solution *from) {
     switch (test) {
     case SALTUS_TEST_FOLD:
-        return s->at.tangent[s->at.unknowns - 1];
+        return saltus_solution_heading(s);
     case SALTUS_TEST_FLIP:
         return saltus_scaled_in(s->flip, from->flip.exponent);
     case SALTUS_TEST_CROSSING:
@@ -330,7 +342,7 @@ saltus_zero saltus_solution_zero_between(saltus_orbits *o, saltus_test test, dou
     if (!saltus_curve_zero_between(o->solver, test_at, &l, ends, values, &zero.ahead, &width) ||
         saltus_solution_visit(o, from, zero.ahead, out, &ignored) != SALTUS_OK)
         return zero;
-    double unit = o->family.unit[0], slope = fabs(out->at.tangent[out->at.unknowns - 1]) * unit;
+    double unit = o->family.unit[0], slope = fabs(saltus_solution_heading(out)) * unit;
     zero.accuracy = slope * width + unit * width * width;
     zero.found = true;
     return zero;

@@ -66,6 +66,10 @@ double saltus_orbits_parameter(const saltus_orbits *orbits, double value);
 saltus_status saltus_orbits_tune(saltus_orbits *orbits, const double *parameters, saltus_message *message);
 
 void saltus_solution_clear(saltus_solution *solution);
+/* The parameter's share of the tangent. */
+double saltus_solution_heading(const saltus_solution *solution);
+/* Turn the tangent round if the parameter does not go the way that `heading` has the sign of. */
+void saltus_solution_head(saltus_solution *solution, double heading);
 /* An orbit of a sequence from a state at its base becomes `out`; polished at these parameters, or only
  * evaluated. With one parameter it has a tangent, of either sign; it is not surveyed. The shooting takes on
  * the sequence. */
@@ -96,6 +100,11 @@ saltus_status saltus_solution_state_at(saltus_orbits *orbits, const saltus_solut
 bool saltus_solution_reframe(saltus_orbits *orbits, bool trims, saltus_solution *solution,
                              saltus_solution *scratch, int *order);
 
+/* A shooting of its own for a sequence, and its unknowns at a state at the base: the solution's shooting
+ * stays as it is. The caller's, to be freed in any case. Errors: those of the flow, SALTUS_NO_MEMORY. */
+saltus_status saltus_orbits_shoot(const saltus_orbits *orbits, const saltus_sequence *sequence,
+                                  const double *parameters, const double *state, saltus_shooting **shooting,
+                                  double **u, saltus_message *message);
 /* How far an orbit of an even period is from closing after half of it, scaled; INFINITY for an odd one.
  * `mirrored`: from being its own mirror image. */
 double saltus_solution_half_distance(saltus_orbits *orbits, const saltus_solution *solution, bool mirrored);

@@ -121,22 +121,20 @@ static bool zero_elsewhere(saltus_orbits *o, const saltus_sequence *sequence, co
     enum { samples = 6, passes = 2 };
     static const double place[samples] = {-3, -2, -1, 1, 2, 3};
     const double apart = 1e-5;
+    double value[samples], test[samples], exponent = 0, start = *parameter + place[0] * apart, *u;
     size_t m = (size_t)(o->n + sequence->count + 2);
-    double value[samples], test[samples], exponent = 0, *u = calloc(3 * m, sizeof *u);
+    double *work = calloc(2 * m, sizeof *work);
     saltus_shooting *shooting = NULL;
     saltus_message ignored;
-    saltus_status status =
-        u ? saltus_shooting_new(&o->family, &o->options, &shooting, &ignored) : SALTUS_NO_MEMORY;
-    if (status == SALTUS_OK)
-        status = saltus_shooting_shape(shooting, sequence, &ignored);
+    saltus_status status = saltus_orbits_shoot(o, sequence, &start, state, &shooting, &u, &ignored);
+    if (!work)
+        status = SALTUS_NO_MEMORY;
     double centre = *parameter;
     for (int pass = 0; pass < passes && status == SALTUS_OK; pass++) {
         for (int k = 0; k < samples && status == SALTUS_OK; k++) {
             saltus_scaled found;
             value[k] = centre + place[k] * apart;
-            if (k == 0)
-                status = saltus_shooting_fill(shooting, &value[k], state, u, &ignored);
-            if (status == SALTUS_OK && !determinant_at(shooting, value[k], flip, u, u + m, u + 2 * m, &found))
+            if (!determinant_at(shooting, value[k], flip, u, work, work + m, &found))
                 status = SALTUS_NO_CONVERGENCE;
             exponent = k == 0 ? found.exponent : exponent;
             test[k] = saltus_scaled_in(found, exponent);
@@ -149,6 +147,7 @@ static bool zero_elsewhere(saltus_orbits *o, const saltus_sequence *sequence, co
     }
     saltus_shooting_free(shooting);
     free(u);
+    free(work);
     bool found = saltus_orbits_noted(o, status) == SALTUS_OK && fabs(centre - *parameter) < 1e-3;
     if (found)
         *parameter = centre;

@@ -52,22 +52,18 @@ static void leaving(const double *plane, const double *old, int m, bool pitchfor
         out[j] /= size;
 }
 
-/* The null plane of the equations of a sequence at an orbit; `work` has room for 3 m numbers, the first 2 m
- * of which become the plane. */
+/* The null plane (2 m) of the equations of a sequence at an orbit. */
 static saltus_status find_plane(saltus_orbits *o, const saltus_sequence *sequence, const saltus_solution *at,
-                                double *work, saltus_message *message) {
+                                double *plane, saltus_message *message) {
     saltus_shooting *shooting = NULL;
-    double values[2], *u = work + 2 * (o->n + sequence->count + 1);
-    saltus_status status = saltus_shooting_new(&o->family, &o->options, &shooting, message);
-    if (status == SALTUS_OK)
-        status = saltus_shooting_shape(shooting, sequence, message);
-    if (status == SALTUS_OK)
-        status = saltus_shooting_fill(shooting, at->parameter, at->state, u, message);
+    double values[2], *u;
+    saltus_status status = saltus_orbits_shoot(o, sequence, at->parameter, at->state, &shooting, &u, message);
     if (status == SALTUS_OK)
         status = saltus_equations_evaluate(saltus_shooting_equations(shooting), u, message);
     if (status == SALTUS_OK)
-        status = saltus_null_plane(saltus_shooting_equations(shooting), work, values, message);
+        status = saltus_null_plane(saltus_shooting_equations(shooting), plane, values, message);
     saltus_shooting_free(shooting);
+    free(u);
     return status;
 }
 
@@ -84,7 +80,7 @@ saltus_status saltus_starts_leave(saltus_orbits *o, const saltus_solution *at, s
         return saltus_fail(message, SALTUS_NO_CONVERGENCE, "twice the orbit has more than %d events",
                            SALTUS_MARKS_MAX);
     size_t m = (size_t)(o->n + start.sequence.count + 1);
-    double *work = calloc(5 * m, sizeof *work), *old = work + 3 * m;
+    double *work = calloc(4 * m, sizeof *work), *old = work + 2 * m;
     saltus_status status = work ? find_plane(o, &start.sequence, at, work, message)
                                 : saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch");
     if (status == SALTUS_OK) {
@@ -94,14 +90,14 @@ saltus_status saltus_starts_leave(saltus_orbits *o, const saltus_solution *at, s
             saltus_sequence_carry(&at->sequence, at->at.tangent, &start.sequence, order, o->n, 1, old);
         start.parameter = at->parameter[0];
         start.state = at->state;
-        start.tangent = work + 4 * m;
+        start.tangent = work + 3 * m;
         start.unknowns = (int)m;
         start.origin = kind;
         leaving(work, old, (int)m, pitchfork, start.tangent);
         status = saltus_starts_add(starts, o->n, &start, message);
     }
     for (size_t j = 0; j < m && work; j++)
-        work[4 * m + j] = -work[4 * m + j];
+        work[3 * m + j] = -work[3 * m + j];
     /* At pitchforks and flips the other half of the branch is the image of this one. */
     if (!pitchfork && status == SALTUS_OK)
         status = saltus_starts_add(starts, o->n, &start, message);

@@ -51,7 +51,7 @@ static saltus_status open_parts(saltus_shooting *p, saltus_message *message) {
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for shooting");
     reserve(p);
     const double *scale = saltus_system_scale(system);
-    double frequency = 2 * 3.14159265358979323846 / saltus_system_period(system);
+    double frequency = 2 * M_PI / saltus_system_period(system);
     /* The metric stays that of the first system, however the parameters change. */
     memcpy(p->state_scale, scale, (size_t)p->n * sizeof *scale);
     p->length = scale[0];
