@@ -149,7 +149,7 @@ static saltus_status read_column(const reader *r, const char *group, const saltu
 static int face_of(const saltus_system *system, int stop, int side) {
     for (int f = 0; f < saltus_system_face_count(system); f++) {
         saltus_face face = saltus_system_face(system, f);
-        if (face.stop == stop - 1 && face.side == side)
+        if (face.stop + 1 == stop && face.side == side)
             return f;
     }
     return -1;
