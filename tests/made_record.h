@@ -11,7 +11,7 @@ static const double digits = 1e-8; /* numbers are written with nine digits */
 
 /* A record that depends on a few numbers alone. */
 typedef struct made_up {
-    saltus_record record;
+    saltus_trajectory record;
     double time[rows_most], states[rows_most * states_most], displacement[rows_most], velocity[rows_most];
     double strobes[32 * states_most];
     saltus_event events[events_most];
@@ -34,7 +34,7 @@ static inline double observed(const saltus_system *system, const double *part) {
 
 static inline double *add_row(made_up *m, const saltus_system *system, double time) {
     int n = saltus_system_dof(system), dimension = saltus_system_dimension(system);
-    saltus_record *r = &m->record;
+    saltus_trajectory *r = &m->record;
     double *x = m->states + r->samples * dimension;
     assert_true(r->samples < rows_most && dimension <= states_most);
     for (int i = 0; i < n; i++) {
@@ -50,7 +50,7 @@ static inline double *add_row(made_up *m, const saltus_system *system, double ti
 
 static inline void add_event(made_up *m, const saltus_system *system, const happening *h) {
     saltus_face face = saltus_system_face(system, h->face);
-    saltus_record *r = &m->record;
+    saltus_trajectory *r = &m->record;
     long long row = r->samples;
     double speed = face.side * (0.4 + 0.03 * (double)r->event_count);
     add_row(m, system, h->time);

@@ -501,7 +501,7 @@ static saltus_status read_axis(trial *t) {
 static saltus_status record(trial *t, const char *ending) {
     saltus_scene scene;
     saltus_system *system = NULL;
-    saltus_record made = {0};
+    saltus_trajectory made = {0};
     double state[SALTUS_SCENE_STATE_MAX];
     const saltus_flow_options how = saltus_flow_defaults();
     char path[160];
@@ -509,12 +509,12 @@ static saltus_status record(trial *t, const char *ending) {
     load("impact-oscillator", &scene);
     saltus_status status = open_system(&scene, &system, state, t);
     if (status == SALTUS_OK)
-        status = saltus_record_run(system, state, &how, 2, 40, 4, &made, &t->message);
+        status = saltus_trajectory_record(system, state, &how, 2, 40, 4, &made, &t->message);
     if (status == SALTUS_OK)
-        status = saltus_record_write(&made, &scene, system, &how, path, &t->message);
+        status = saltus_write_trajectory(&made, &scene, system, &how, path, &t->message);
     if (status == SALTUS_OK)
         note_file(t, path);
-    saltus_record_clear(&made);
+    saltus_trajectory_clear(&made);
     saltus_system_free(system);
     return status;
 }
@@ -598,7 +598,7 @@ static saltus_status draw_sheet(trial *t) {
     saltus_scene scene;
     saltus_system *system = NULL;
     saltus_motion motion = {0};
-    saltus_record made = {0};
+    saltus_trajectory made = {0};
     saltus_spectra spectra = {0};
     double state[SALTUS_SCENE_STATE_MAX];
     saltus_classify_options how = saltus_classify_defaults();
@@ -614,14 +614,14 @@ static saltus_status draw_sheet(trial *t) {
     if (status == SALTUS_OK)
         status = saltus_classify(system, state, &how, &motion, &t->message);
     if (status == SALTUS_OK)
-        status = saltus_record_run(system, motion.state, &how.flow, 0, 1, 60, &made, &t->message);
+        status = saltus_trajectory_record(system, motion.state, &how.flow, 0, 1, 60, &made, &t->message);
     if (status == SALTUS_OK)
         status = saltus_motion_spectra(system, &motion, &lines, &spectra, &t->message);
     const saltus_diagnosis diagnosis = {&motion, &made, NULL, &spectra};
     if (status == SALTUS_OK)
         status = saltus_write_sheet(&scene, system, &diagnosis, &how.flow, figure, NULL, &t->message);
     saltus_spectra_clear(&spectra);
-    saltus_record_clear(&made);
+    saltus_trajectory_clear(&made);
     saltus_motion_clear(&motion);
     saltus_system_free(system);
     return status;

@@ -382,7 +382,7 @@ static void foreign_files_are_named(void **state) {
     const fixture *f = *state;
     saltus_message message = {""};
     saltus_flow_options options = saltus_flow_defaults();
-    saltus_record record;
+    saltus_trajectory record;
     char path[160];
     refuse_file(path_in(f, "none.h5", path), "No such file");
     write_all(path, "omega: 42\n", 10);
@@ -390,11 +390,12 @@ static void foreign_files_are_named(void **state) {
     hid_t file = H5Fcreate(path, H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
     H5Fclose(file);
     refuse_file(path, "not one of Saltus");
-    check_ok(saltus_record_run(f->system, f->reference.states[0], &options, 0, 2, 20, &record, &message),
-             &message);
-    check_ok(saltus_record_write(&record, &f->scene, f->system, &options, path, &message), &message);
+    check_ok(
+        saltus_trajectory_record(f->system, f->reference.states[0], &options, 0, 2, 20, &record, &message),
+        &message);
+    check_ok(saltus_write_trajectory(&record, &f->scene, f->system, &options, path, &message), &message);
     refuse_file(path, "trajectory");
-    saltus_record_clear(&record);
+    saltus_trajectory_clear(&record);
     folder_files(f->folder, true);
 }
 

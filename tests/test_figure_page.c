@@ -243,9 +243,9 @@ static void the_history_says_what_it_shows(void **state) {
 enum { many = 20050 };
 
 /* A trajectory without rows of interest and a section with many events. */
-static saltus_record record_of_events(made_up *m, saltus_event *events, long long *rows, double *time,
-                                      long long count) {
-    saltus_record r = m->record;
+static saltus_trajectory record_of_events(made_up *m, saltus_event *events, long long *rows, double *time,
+                                          long long count) {
+    saltus_trajectory r = m->record;
     for (long long k = 0; k < count; k++) {
         double own = (double)k / 64;
         events[k] = (saltus_event){.kind = SALTUS_IMPACT,
@@ -282,7 +282,7 @@ static void marks_get_smaller_as_they_become_more(void **state) {
     saltus_motion motion = irregular();
     make_record(&m, system, 1, NULL, 0);
     for (int k = 0; k < 6; k++) {
-        saltus_record lasting = record_of_events(&m, events, rows, time, cases[k].count);
+        saltus_trajectory lasting = record_of_events(&m, events, rows, time, cases[k].count);
         const saltus_diagnosis diagnosis = {.motion = &motion, .record = &m.record, .section = &lasting};
         figure f = draw(system, &diagnosis);
         const figure_panel *panel = figure_panel_of(&f, cases[k].heading);
@@ -600,7 +600,7 @@ static void what_is_no_page_is_refused(void **state) {
     make_record(&one, system, 2, NULL, 0);
     one.record.samples = 1;
     const struct {
-        const saltus_record *record, *section;
+        const saltus_trajectory *record, *section;
         const char *picture, *data, *words;
     } cases[] = {{&m.record, &m.record, "s.svg", "d.h5", NULL},
                  {&m.record, NULL, "s.jpg", NULL, "s.jpg: the ending must be .png, .pdf or .svg"},

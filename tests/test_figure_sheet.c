@@ -3,7 +3,7 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "made_record.h"
 
-static bool is_struck(const saltus_record *r, long long row) {
+static bool is_struck(const saltus_trajectory *r, long long row) {
     for (long long e = 0; e < r->event_count; e++)
         if (r->event_rows[e] == row && r->events[e].kind != SALTUS_RELEASE)
             return true;
@@ -11,7 +11,7 @@ static bool is_struck(const saltus_record *r, long long row) {
 }
 
 /* The line of an element is displacement against velocity of the first rows, in pieces between impacts. */
-static void check_trajectory(const figure_element *e, const saltus_record *r, long long rows) {
+static void check_trajectory(const figure_element *e, const saltus_trajectory *r, long long rows) {
     assert_non_null(e);
     assert_int_equal(e->values.count, rows);
     for (long long row = 0; row < rows; row++) {
@@ -21,7 +21,7 @@ static void check_trajectory(const figure_element *e, const saltus_record *r, lo
     }
 }
 
-static void check_jumps(const figure_element *e, const saltus_record *r, long long rows) {
+static void check_jumps(const figure_element *e, const saltus_trajectory *r, long long rows) {
     int at = 0;
     for (long long row = 0; row + 1 < rows; row++)
         for (int side = 0; side < 2 && is_struck(r, row); side++, at++) {
@@ -123,7 +123,7 @@ static void stops_are_shown_where_they_are_near(void **state) {
 }
 
 /* Impacts and contacts of a record against time. */
-static void check_history(const figure_panel *panel, const saltus_record *r, double end,
+static void check_history(const figure_panel *panel, const saltus_trajectory *r, double end,
                           const double (*contacts)[3], int count) {
     const figure_element *line = figure_element_of(panel, "$history", 0),
                          *dots = figure_element_of(panel, "$impacts", 0),
@@ -242,7 +242,7 @@ static void a_contact_for_good_is_drawn_throughout(void **state) {
 }
 
 /* The impacts that one face's marks show: triangles up for upper sides, in the order of the events. */
-static void check_face(const figure_panel *panel, const saltus_system *system, const saltus_record *r,
+static void check_face(const figure_panel *panel, const saltus_system *system, const saltus_trajectory *r,
                        long long events, int face, bool size_alone) {
     saltus_face own = saltus_system_face(system, face);
     const figure_element *e = &panel->element[face];
@@ -606,13 +606,13 @@ static void long_records_are_cut_at_whole_periods(void **state) {
     saltus_motion motion = irregular();
     double *time = calloc(samples, sizeof *time), *states = calloc(2 * samples, sizeof *states);
     double strobes[2 * (samples / a_period + 1)];
-    saltus_record record = {.dimension = 2,
-                            .samples = samples,
-                            .time = time,
-                            .states = states,
-                            .displacement = states,
-                            .velocity = states + samples,
-                            .strobe_states = strobes};
+    saltus_trajectory record = {.dimension = 2,
+                                .samples = samples,
+                                .time = time,
+                                .states = states,
+                                .displacement = states,
+                                .velocity = states + samples,
+                                .strobe_states = strobes};
     assert_true(time && states);
     for (int k = 0; k < samples; k++)
         time[k] = (k + 130.0) / a_period - 130.0 / a_period;

@@ -7,7 +7,7 @@
 #include <hdf5.h>
 #include <unistd.h>
 
-#include "io/hdf5.h"
+#include "record/hdf5.h"
 
 /* A folder and the trajectory of two masses that hit each other. */
 typedef struct fixture {
@@ -15,7 +15,7 @@ typedef struct fixture {
     saltus_scene scene;
     saltus_system *system;
     saltus_flow_options options;
-    saltus_record record;
+    saltus_trajectory record;
 } fixture;
 
 static const char *path_in(const fixture *f, const char *name, char path[128]) {
@@ -34,7 +34,8 @@ static int open_fixture(void **state) {
     f->options = saltus_flow_defaults();
     f->options.rtol = 1e-9;
     f->options.atol = 3e-11;
-    check_ok(saltus_record_run(f->system, start, &f->options, 0, 6, 24, &f->record, &message), &message);
+    check_ok(saltus_trajectory_record(f->system, start, &f->options, 0, 6, 24, &f->record, &message),
+             &message);
     assert_true(f->record.event_count > 2);
     H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
     *state = f;
@@ -45,7 +46,7 @@ static int close_fixture(void **state) {
     fixture *f = *state;
     folder_files(f->folder, true);
     rmdir(f->folder);
-    saltus_record_clear(&f->record);
+    saltus_trajectory_clear(&f->record);
     saltus_system_free(f->system);
     free(f);
     return 0;
@@ -341,16 +342,18 @@ static double *reals_of(hid_t file, const char *name, long long count) {
  */
 static void a_trajectory_is_the_same_in_every_format(void **state) {
     const fixture *f = *state;
-    const saltus_record *r = &f->record;
+    const saltus_trajectory *r = &f->record;
     saltus_message message = {""};
     char path[128];
     size_t length;
     int n = r->dimension;
-    check_ok(saltus_record_write(r, &f->scene, f->system, &f->options, path_in(f, "run.csv", path), &message),
-             &message);
+    check_ok(
+        saltus_write_trajectory(r, &f->scene, f->system, &f->options, path_in(f, "run.csv", path), &message),
+        &message);
     char *text = read_all(path, &length), *rest = text;
-    check_ok(saltus_record_write(r, &f->scene, f->system, &f->options, path_in(f, "run.h5", path), &message),
-             &message);
+    check_ok(
+        saltus_write_trajectory(r, &f->scene, f->system, &f->options, path_in(f, "run.h5", path), &message),
+        &message);
     hid_t file = H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT);
     assert_true(file >= 0);
     double *time = reals_of(file, "trajectory/time", r->samples);
@@ -539,7 +542,7 @@ static void the_longest_words_come_back_whole(void **state) {
             assert_non_null(strstr(text, line));
             free(text);
             path_in(f, "r.csv", path);
-            check_ok(saltus_record_write(&f->record, &scene, f->system, &f->options, path, &message),
+            check_ok(saltus_write_trajectory(&f->record, &scene, f->system, &f->options, path, &message),
                      &message);
         }
         folder_files(f->folder, true);

@@ -17,7 +17,7 @@ typedef struct fixture {
     saltus_scene scene;
     saltus_system *system;
     saltus_motion motion;
-    saltus_record record;
+    saltus_trajectory record;
     saltus_flow_options options;
     reference reference;
 } fixture;
@@ -35,8 +35,8 @@ static int open_fixture(void **state) {
     f->options = saltus_flow_defaults();
     saltus_classify_options how = saltus_classify_defaults();
     check_ok(saltus_classify(f->system, f->reference.states[0], &how, &f->motion, &message), &message);
-    check_ok(saltus_record_run(f->system, f->motion.state, &f->options, 0, f->motion.periods, per_period,
-                               &f->record, &message),
+    check_ok(saltus_trajectory_record(f->system, f->motion.state, &f->options, 0, f->motion.periods,
+                                      per_period, &f->record, &message),
              &message);
     *state = f;
     return 0;
@@ -46,7 +46,7 @@ static int close_fixture(void **state) {
     fixture *f = *state;
     folder_files(f->folder, true);
     rmdir(f->folder);
-    saltus_record_clear(&f->record);
+    saltus_trajectory_clear(&f->record);
     saltus_motion_clear(&f->motion);
     saltus_system_free(f->system);
     free(f->reference.text);
@@ -60,7 +60,7 @@ static const char *path_in(const fixture *f, const char *name, char path[128]) {
 }
 
 static saltus_status write_record(const fixture *f, const char *path, saltus_message *message) {
-    return saltus_record_write(&f->record, &f->scene, f->system, &f->options, path, message);
+    return saltus_write_trajectory(&f->record, &f->scene, f->system, &f->options, path, message);
 }
 
 static saltus_status write_sheet(const fixture *f, const char *path, const char *data,
@@ -152,7 +152,7 @@ static void text_gives_the_verdict_first(void **state) {
 /* A direct flow that lands on each sample's phase gives the same states. */
 static void samples_lie_at_exact_phases(void **state) {
     fixture *f = *state;
-    const saltus_record *r = &f->record;
+    const saltus_trajectory *r = &f->record;
     saltus_flow *flow = open_flow(f->system, &f->options, 0, f->motion.state);
     double x[16];
     long long row = 0, strobes = 0;
@@ -178,7 +178,7 @@ static void samples_lie_at_exact_phases(void **state) {
 
 static void impacts_have_two_sides(void **state) {
     fixture *f = *state;
-    const saltus_record *r = &f->record;
+    const saltus_trajectory *r = &f->record;
     assert_int_equal(r->event_count, 4);
     for (long long k = 0; k < r->event_count; k++) {
         long long row = r->event_rows[k];
@@ -197,9 +197,9 @@ static void contacts_are_recorded(void **state) {
     reference c = read_reference("chatter25");
     saltus_system *system = build(&c.spec);
     saltus_flow_options options = saltus_flow_defaults();
-    saltus_record r;
+    saltus_trajectory r;
     int sticks = 0, releases = 0;
-    check_ok(saltus_record_run(system, c.states[0], &options, 2, 2, 100, &r, &message), &message);
+    check_ok(saltus_trajectory_record(system, c.states[0], &options, 2, 2, 100, &r, &message), &message);
     for (long long row = 1; row < r.samples; row++)
         assert_true(r.time[row] >= r.time[row - 1]);
     for (long long k = 0; k < r.event_count; k++) {
@@ -213,7 +213,7 @@ static void contacts_are_recorded(void **state) {
     assert_int_equal(sticks, 1);
     assert_int_equal(releases, 1);
     assert_int_equal(r.strobes, 2);
-    saltus_record_clear(&r);
+    saltus_trajectory_clear(&r);
     saltus_system_free(system);
     free(c.text);
 }
@@ -235,9 +235,10 @@ static void records_have_their_limits(void **state) {
                  {0, 1, 1000001, "samples per period = 1000001: must be from 1 to 1000000"}};
     for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
         saltus_message message = {""};
-        saltus_record r, none = {0};
-        saltus_status status = saltus_record_run(f->system, f->motion.state, &f->options, cases[k].transient,
-                                                 cases[k].periods, cases[k].samples, &r, &message);
+        saltus_trajectory r, none = {0};
+        saltus_status status =
+            saltus_trajectory_record(f->system, f->motion.state, &f->options, cases[k].transient,
+                                     cases[k].periods, cases[k].samples, &r, &message);
         assert_int_equal(status, cases[k].words ? SALTUS_BAD_INPUT : SALTUS_OK);
         if (cases[k].words) {
             assert_non_null(strstr(message.text, cases[k].words));
@@ -246,14 +247,14 @@ static void records_have_their_limits(void **state) {
             assert_int_equal(r.strobes, cases[k].periods);
             assert_true(r.time[0] == 0 && r.time[r.samples - 1] == (double)cases[k].periods);
         }
-        saltus_record_clear(&r);
+        saltus_trajectory_clear(&r);
         assert_memory_equal(&r, &none, sizeof r);
     }
     /* A start behind the stop is an error of the flow, which leaves nothing either. */
     saltus_message message = {""};
-    saltus_record r, none = {0};
+    saltus_trajectory r, none = {0};
     double beyond[16] = {10};
-    assert_true(saltus_record_run(f->system, beyond, &f->options, 0, 1, 4, &r, &message) != SALTUS_OK);
+    assert_true(saltus_trajectory_record(f->system, beyond, &f->options, 0, 1, 4, &r, &message) != SALTUS_OK);
     assert_memory_equal(&r, &none, sizeof r);
 }
 
@@ -270,7 +271,7 @@ static void an_interrupted_record_is_a_begin(void **state) {
     enum { periods = 400000, samples = 2 };
     saltus_message message = {""};
     saltus_scene scene;
-    saltus_record part, whole;
+    saltus_trajectory part, whole;
     check_ok(saltus_scene_load("impact-oscillator", &scene, &message), &message);
     saltus_system *system = build(&scene.spec);
     saltus_flow_options options = saltus_flow_defaults();
@@ -281,12 +282,12 @@ static void an_interrupted_record_is_a_begin(void **state) {
     struct sigaction action = {.sa_handler = note_the_alarm}, old;
     assert_int_equal(sigaction(SIGALRM, &action, &old), 0);
     assert_int_equal(setitimer(ITIMER_REAL, &soon, NULL), 0);
-    assert_int_equal(saltus_record_run(system, start, &options, 0, periods, samples, &part, &message),
+    assert_int_equal(saltus_trajectory_record(system, start, &options, 0, periods, samples, &part, &message),
                      SALTUS_INTERRUPTED);
     sigaction(SIGALRM, &old, NULL);
     time_is_up = 0;
     assert_true(part.samples > 2 && part.strobes > 1 && part.strobes < periods);
-    check_ok(saltus_record_run(system, start, &options, 0, part.strobes, samples, &whole, &message),
+    check_ok(saltus_trajectory_record(system, start, &options, 0, part.strobes, samples, &whole, &message),
              &message);
     const size_t n = 2;
     assert_true(part.dimension == 2 && whole.samples >= part.samples && whole.strobes == part.strobes);
@@ -298,8 +299,8 @@ static void an_interrupted_record_is_a_begin(void **state) {
     assert_true(part.event_count > 0 && part.event_count <= whole.event_count);
     assert_memory_equal(part.event_rows, whole.event_rows,
                         (size_t)part.event_count * sizeof *part.event_rows);
-    saltus_record_clear(&part);
-    saltus_record_clear(&whole);
+    saltus_trajectory_clear(&part);
+    saltus_trajectory_clear(&whole);
     saltus_system_free(system);
 }
 
@@ -337,7 +338,7 @@ static void read_dataset(hid_t file, const char *name, hid_t type, hsize_t count
 
 static void hdf5_reads_back(void **state) {
     fixture *f = *state;
-    const saltus_record *r = &f->record;
+    const saltus_trajectory *r = &f->record;
     saltus_message message = {""};
     char path[128];
     double omega = 0, speeds[4], *states = malloc((size_t)(r->samples * r->dimension) * sizeof *states);
@@ -631,13 +632,13 @@ static void sheets_of_rest_are_short(void **state) {
     saltus_system *mass = build(&spec);
     saltus_classify_options how = saltus_classify_defaults();
     saltus_motion motion = {0};
-    saltus_record record = {0};
+    saltus_trajectory record = {0};
     saltus_spectra spectra = {0};
     saltus_spectrum_options options = saltus_spectrum_defaults();
     const double start[] = {0.1, 0};
     check_ok(saltus_classify(mass, start, &how, &motion, &message), &message);
     assert_int_equal(motion.verdict, SALTUS_EQUILIBRIUM);
-    check_ok(saltus_record_run(mass, motion.state, &f->options, 0, 4, per_period, &record, &message),
+    check_ok(saltus_trajectory_record(mass, motion.state, &f->options, 0, 4, per_period, &record, &message),
              &message);
     check_ok(saltus_motion_spectra(mass, &motion, &options, &spectra, &message), &message);
     const saltus_diagnosis diagnosis = {.motion = &motion, .record = &record, .spectra = &spectra};
@@ -648,7 +649,7 @@ static void sheets_of_rest_are_short(void **state) {
         check_script(script, (const char *const[]){"phase portrait", "time history", NULL});
     free(script);
     saltus_spectra_clear(&spectra);
-    saltus_record_clear(&record);
+    saltus_trajectory_clear(&record);
     saltus_motion_clear(&motion);
     saltus_system_free(mass);
 }

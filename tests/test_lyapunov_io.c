@@ -4,9 +4,10 @@
 #include "folder.h"
 #include "reference.h"
 
-#include "io/gnuplot.h"
-#include "io/lyapunov_plot.h"
-#include "io/lyapunov_words.h"
+#include "figure/convergence.h"
+#include "figure/gnuplot.h"
+#include "figure/caption.h"
+#include "record/lyapunov_words.h"
 
 #include <sys/stat.h>
 #include <unistd.h>

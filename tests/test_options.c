@@ -1205,7 +1205,7 @@ static void paper_is_quick_and_resumes(void **state) {
 static void settle(const saltus_scene *scene, const char *setting, double *state) {
     saltus_message message = {""};
     saltus_scene changed = *scene;
-    saltus_record record;
+    saltus_trajectory record;
     saltus_flow_options options = saltus_flow_defaults();
     double start[SALTUS_SCENE_STATE_MAX] = {0};
     if (setting)
@@ -1215,10 +1215,10 @@ static void settle(const saltus_scene *scene, const char *setting, double *state
     start[n / 2] = -1;
     if (changed.initial_count == n)
         memcpy(start, changed.initial, (size_t)n * sizeof *start);
-    check_ok(saltus_record_run(system, start, &options, 0, 3, 16, &record, &message), &message);
+    check_ok(saltus_trajectory_record(system, start, &options, 0, 3, 16, &record, &message), &message);
     memset(state, 0, SALTUS_SCENE_STATE_MAX * sizeof *state);
     memcpy(state, record.states + (record.samples - 1) * n, (size_t)n * sizeof *state);
-    saltus_record_clear(&record);
+    saltus_trajectory_clear(&record);
     saltus_system_free(system);
 }
 

@@ -11,7 +11,7 @@ static const cli_option *const options[] = {&cli_set,        &cli_output,  &cli_
 /* A motion and what its page shows. */
 typedef struct page {
     saltus_motion motion;
-    saltus_record record, section;
+    saltus_trajectory record, section;
     saltus_spectra spectra;
     bool sectioned, analysed;
 } page;
@@ -31,10 +31,11 @@ static saltus_status record_motion(const saltus_system *system, const saltus_flo
     long long periods = motion->periods ? motion->periods : settled ? resting_periods : unsettled_periods;
     int per_period = periods * samples < orbit_samples ? orbit_samples / (int)periods : samples;
     saltus_status status =
-        saltus_record_run(system, motion->state, flow, 0, periods, per_period, &p->record, message);
+        saltus_trajectory_record(system, motion->state, flow, 0, periods, per_period, &p->record, message);
     p->sectioned = !settled;
     if (status == SALTUS_OK && p->sectioned)
-        status = saltus_record_run(system, motion->state, flow, 0, section_points, 1, &p->section, message);
+        status =
+            saltus_trajectory_record(system, motion->state, flow, 0, section_points, 1, &p->section, message);
     return status;
 }
 
@@ -78,8 +79,8 @@ static saltus_status diagnose(const cli_request *request, const cli_setup *setup
     if (status == SALTUS_OK)
         printf("figure: %s\n", request->output);
     saltus_spectra_clear(&p.spectra);
-    saltus_record_clear(&p.section);
-    saltus_record_clear(&p.record);
+    saltus_trajectory_clear(&p.section);
+    saltus_trajectory_clear(&p.record);
     saltus_motion_clear(&p.motion);
     return status;
 }

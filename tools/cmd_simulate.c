@@ -11,7 +11,7 @@ static const cli_option *const options[] = {&cli_set,     &cli_periods,    &cli_
 static int run(const cli_request *request) {
     cli_setup setup;
     saltus_message message = {""};
-    saltus_record record = {0};
+    saltus_trajectory record = {0};
     if (!request->output || !request->periods) {
         fprintf(stderr, "saltus: simulate: needs --periods n and -o file.h5 or file.csv\n");
         return CLI_BAD_INPUT;
@@ -20,15 +20,17 @@ static int run(const cli_request *request) {
     if (code != CLI_DONE)
         return code;
     saltus_flow_options flow = cli_flow_options(request);
-    saltus_status status = saltus_record_run(setup.system, setup.start.state, &flow, request->transient,
-                                             request->periods, (int)request->samples, &record, &message);
+    saltus_status status =
+        saltus_trajectory_record(setup.system, setup.start.state, &flow, request->transient, request->periods,
+                                 (int)request->samples, &record, &message);
     bool cut = status == SALTUS_INTERRUPTED && record.samples > 0;
     if (status == SALTUS_OK || cut)
-        status = saltus_record_write(&record, &setup.scene, setup.system, &flow, request->output, &message);
+        status =
+            saltus_write_trajectory(&record, &setup.scene, setup.system, &flow, request->output, &message);
     if (status == SALTUS_OK)
         printf("%s: %lld samples, %lld events over %.9g periods\n", request->output, record.samples,
                record.event_count, record.time[record.samples - 1]);
-    saltus_record_clear(&record);
+    saltus_trajectory_clear(&record);
     saltus_system_free(setup.system);
     if (status == SALTUS_OK && cut)
         return interrupt_report("the file holds what was simulated so far");

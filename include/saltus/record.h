@@ -1,37 +1,230 @@
-/* Recorded trajectories: samples, events and stroboscopic points.
+/* Results as text, JSON, CSV and HDF5.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_RECORD_H
 #define SALTUS_RECORD_H
 
-#include "saltus/flow.h"
+#include "saltus/branch.h"
+#include "saltus/equilibrium.h"
+#include "saltus/harvest.h"
+#include "saltus/lyapunov.h"
+#include "saltus/motion.h"
+#include "saltus/scene.h"
+#include "saltus/spectrum.h"
+#include "saltus/sweep.h"
+#include "saltus/trajectory.h"
+
+#include <stdio.h>
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
-/* A sampled trajectory with its events and stroboscopic points. Arrays are owned by the record. */
-typedef struct saltus_record {
-    int dimension;
-    long long samples;    /* rows of `time` and `states` */
-    double *time;         /* in forcing periods from the start of the recording; never decreasing */
-    double *states;       /* samples x dimension */
-    double *displacement; /* observed displacement and velocity, per sample */
-    double *velocity;
-    saltus_event *events;  /* impacts, sticks and releases; times as above */
-    long long *event_rows; /* the row just before each event; after an impact or a stick the next row is just
-                              after */
-    long long event_count;
-    long long strobes;     /* stroboscopic points at phase 0, one per recorded period, at its begin */
-    double *strobe_states; /* strobes x dimension */
-} saltus_record;
+/* A motion as one JSON object and a newline; keys as in the README. Numbers round-trip. */
+void saltus_write_motion_json(FILE *file, const saltus_scene *scene, const saltus_system *system,
+                              const saltus_motion *motion);
+/* The same for people: a few lines. */
+void saltus_write_motion_text(FILE *file, const saltus_scene *scene, const saltus_system *system,
+                              const saltus_motion *motion);
 
-/* Run `transient` periods from a state, then record `periods` periods with `per_period` samples each, the end
- * included, and one at each side of an impact. Errors: those of the flow, SALTUS_BAD_INPUT, SALTUS_NO_MEMORY;
- * the record is then empty. SALTUS_INTERRUPTED: it holds what there is so far. */
-saltus_status saltus_record_run(const saltus_system *system, const double *state,
-                                const saltus_flow_options *options, long long transient, long long periods,
-                                int per_period, saltus_record *record, saltus_message *message);
-void saltus_record_clear(saltus_record *record);
+/* The attractors found from random initial states: shares and verdicts, as text or as one JSON object with
+ * the keys `seeds` and `attractors` (a list of objects with `share` and `motion`). */
+void saltus_write_attractors(FILE *file, const saltus_scene *scene, const saltus_system *system,
+                             const saltus_attractors *attractors, bool json);
+
+/* An equilibrium, likewise; its eigenvalues take the place of the multipliers. */
+void saltus_write_equilibrium_json(FILE *file, const saltus_scene *scene, const saltus_system *system,
+                                   const saltus_equilibrium *equilibrium);
+void saltus_write_equilibrium_text(FILE *file, const saltus_scene *scene, const saltus_system *system,
+                                   const saltus_equilibrium *equilibrium);
+
+/* The periodic orbits harvested from a trajectory, as a table for people. */
+void saltus_write_harvest_text(FILE *file, const saltus_scene *scene, const saltus_system *system,
+                               const saltus_harvest *harvest);
+
+/* Lyapunov exponents as one JSON object and a newline: null where an exponent is -infinity. */
+void saltus_write_lyapunov_json(FILE *file, const saltus_scene *scene, const saltus_system *system,
+                                const saltus_lyapunov_options *options, const saltus_lyapunov *lyapunov);
+/* The same for people, with what the numbers say of the motion. */
+void saltus_write_lyapunov_text(FILE *file, const saltus_scene *scene, const saltus_system *system,
+                                const saltus_lyapunov_options *options, const saltus_lyapunov *lyapunov);
+/* Spectra for people: what was analysed and how, total power, broadband fraction, how far it can be trusted,
+ * the ten strongest lines. */
+void saltus_write_spectra_text(FILE *file, const saltus_scene *scene, const saltus_system *system,
+                               const saltus_motion *motion, const saltus_spectra *spectra);
+/* The same as one JSON object and a newline, with all lines up to the highest trustworthy frequency. */
+void saltus_write_spectra_json(FILE *file, const saltus_scene *scene, const saltus_system *system,
+                               const saltus_motion *motion, const saltus_spectra *spectra);
+/* Write a record to a .csv or .h5 file (chosen by the ending), complete or not at all. Errors:
+ * SALTUS_BAD_INPUT for another ending, SALTUS_IO. */
+saltus_status saltus_write_trajectory(const saltus_trajectory *record, const saltus_scene *scene,
+                                      const saltus_system *system, const saltus_flow_options *options,
+                                      const char *path, saltus_message *message);
+
+/* A periodic orbit to start from, as a file tells it. */
+typedef struct saltus_start {
+    saltus_spec spec; /* parameters and stops */
+    int periods;      /* p */
+    int dimension;
+    double state[SALTUS_SCENE_STATE_MAX]; /* at section phase 0 */
+    char label[SALTUS_LABEL_MAX];         /* what the file calls the motion, such as "4/4" */
+} saltus_start;
+
+/* Read an orbit: a JSON object of classify, orbit or continue (`orbit.json`; `lines.json:12` takes line 12),
+ * or a point of a branch file (`branch.h5:12` takes row 12 counted from 1, `branch.h5:PD1` the first flip).
+ * Errors: SALTUS_BAD_INPUT with a sentence that names the file and what is wrong with it, SALTUS_NO_MEMORY.
+ */
+saltus_status saltus_start_read(const char *source, saltus_start *start, saltus_message *message);
+/* Give a scene the parameters and stops of a start. The scene must be of the same model and shape: as many
+ * degrees of freedom and stops. Errors: SALTUS_BAD_INPUT, the scene is then unchanged. */
+saltus_status saltus_start_apply(const saltus_start *start, const char *source, saltus_scene *scene,
+                                 saltus_message *message);
+
+/* A point of a branch as one JSON object and a newline; `system` is one of the branch, for its stops. */
+void saltus_write_point_json(FILE *file, const saltus_scene *scene, const saltus_system *system,
+                             const saltus_branch_point *point);
+/* A branch with all that is needed to go on from any of its points. Layout of the file (.h5), with attributes
+ * `units` and `description` on every dataset:
+ *
+ *     /               attributes kind = "branch", version, scene, title, model, complete (0: interrupted)
+ *     /parameters     an attribute for each parameter of the start; /parameters/stop_1, ... for the stops
+ *     /start          attribute periods; dataset state
+ *     /continuation   the options as attributes: key1, low1, high1, key2, low2, high2, locus, step, ...;
+ *                     the dataset `values` where points were asked for
+ *     /points         one row per point, in the order of computation: kind (enumeration regular, LP, ...),
+ *                     branch, parent, step, arclength, value[2], heading, parameters[names],
+ *                     stops[stop][xi, weight1, weight2, d, r], periods, impacts (-1: complete chatter),
+ *                     sticking_intervals, motion, motion_after, reason, state, multipliers[k][re, im],
+ *                     log_moduli, unstable, stable, admissible, residual, iterations, log_volume,
+ *                     sum_rule, accuracy, event_first and event_count (its own rows of /events, from 0)
+ *     /events         the orbits' events one after the other: kind, stop, side, time (in T, from phase
+ *                     0), phase, velocity_before, velocity_after, displacement
+ */
+typedef struct saltus_branch_file {
+    char version[16];
+    char scene[128], title[160];
+    saltus_spec spec; /* of the start */
+    int periods, dimension;
+    double *state;                 /* of the start */
+    saltus_branch_options options; /* `orbit.history` and `orbit.context` are NULL */
+    bool complete;
+    saltus_branch_point *points;
+    int point_count;
+    double *values, *states; /* what options.values and the points' arrays are parts of */
+    saltus_event *events;
+    saltus_multiplier *multipliers;
+} saltus_branch_file;
+
+/* Read a branch file. On success it is to be cleared. Errors: SALTUS_BAD_INPUT (no file, another kind of
+ * file, a damaged one), SALTUS_NO_MEMORY. */
+saltus_status saltus_branch_file_read(const char *path, saltus_branch_file *file, saltus_message *message);
+/* The special points of a branch file for people: a table for each branch, `row` is the point's in the file.
+ */
+void saltus_write_branch_text(FILE *out, const saltus_branch_file *file);
+/* Free the arrays; a zeroed one is accepted. */
+void saltus_branch_file_clear(saltus_branch_file *file);
+
+/* A branch file being written. The file at `path` is replaced as a whole, after the first point and then
+ * every few seconds, so that at any time it is a complete, readable file of what was there before or of the
+ * points so far, however the run may end. */
+typedef struct saltus_branch_output saltus_branch_output;
+
+/* `state` is the start's. Nothing is written yet, but whether it can be is tested. Errors: SALTUS_BAD_INPUT
+ * (an ending other than .h5, not a plain file), SALTUS_IO, SALTUS_NO_MEMORY. */
+saltus_status saltus_branch_output_open(const char *path, const saltus_scene *scene, int periods,
+                                        const double *state, const saltus_branch_options *options,
+                                        saltus_branch_output **output, saltus_message *message);
+/* Errors: SALTUS_NO_MEMORY, SALTUS_IO. */
+saltus_status saltus_branch_output_add(saltus_branch_output *output, const saltus_branch_point *point,
+                                       saltus_message *message);
+/* Write what is left, if there is any point, and free the output (NULL is accepted). `complete` tells that
+ * the branch has come to its end. Errors: SALTUS_IO. */
+saltus_status saltus_branch_output_close(saltus_branch_output *output, bool complete,
+                                         saltus_message *message);
+
+/* A sweep written as an HDF5 file. While the sweep runs every result is appended to a journal beside the file
+ * (`path` with ".journal" added), and every few seconds the file is made anew from it and put in place of the
+ * old one, so that at any time there is a complete, readable file of the results so far, however the run may
+ * end. The finished file depends on the results alone, not on the order in which they came or on how often
+ * the run was interrupted; the journal is then removed. Layout of the file, with attributes `units` and
+ * `description` on every dataset:
+ *
+ *     /               attributes kind = "sweep" or "basins", version, scene, title, model, complete (0:
+ *                     interrupted)
+ *     /parameters     an attribute for each parameter of the scene; /parameters/stop_1, ... for the stops
+ *     /sweep          the options as attributes: keep, seeds, seed, adaptive, transient, record, longest,
+ *                     rtol, atol, order, integrator, dimension, passes ("reset,up,down"), axes, key1,
+ *                     spacing1, key2, spacing2; dataset initial
+ *     /axes           datasets axis1 and axis2 (where there are two): the values
+ *     /rows           one dataset for each member of saltus_sweep_row, of shape [pass][axis2][axis1][seed]
+ *                     (axis2 has length 1 where there is one axis): verdict (enumeration pending,
+ *                     periodic, ...), impacts, periods, sticking, attractor, settled, ..., lyapunov; and
+ *                     `attractors`, the number of distinct ones, of shape [pass][axis2][axis1]
+ *     /turning        where kept: first and count (of shape [pass][axis2][axis1][seed]) point into
+ *                     displacement
+ *     /impacts        first, count, phase, speed, face
+ *     /stroboscopic   first, count, state
+ *     /attractors     of basins: label, impacts, periods, stable, largest_multiplier, first and count
+ *                     into state, the orbits' points at phase 0
+ */
+typedef struct saltus_sweep_output saltus_sweep_output;
+
+/* With `resume` an interrupted run's journal is taken up (none there: an unfinished file without journal and
+ * a file of another sweep are refused with a sentence that names the difference; a finished file of the same
+ * sweep counts as all done). With `basins` the rows' attractors are those of the whole plane. Errors:
+ * SALTUS_BAD_INPUT, SALTUS_IO, SALTUS_NO_MEMORY. */
+saltus_status saltus_sweep_output_open(const char *path, const saltus_sweep *sweep, bool basins, bool resume,
+                                       saltus_sweep_output **output, saltus_message *message);
+/* Whether the result of a place is there already. */
+bool saltus_sweep_output_has(const saltus_sweep_output *output, long long place);
+/* Errors: SALTUS_IO (what was written before stays), SALTUS_NO_MEMORY. A place that is there already is left
+ * as it is. */
+saltus_status saltus_sweep_output_take(saltus_sweep_output *output, const saltus_sweep_result *result,
+                                       saltus_message *message);
+/* Bring the file up to date and free the output (NULL is accepted). The file is complete when all places are
+ * there, and only then the journal is removed. Errors: SALTUS_IO. */
+saltus_status saltus_sweep_output_close(saltus_sweep_output *output, saltus_message *message);
+
+/* A sweep file read back. */
+typedef struct saltus_sweep_file {
+    char version[16];
+    char scene[128], title[160];
+    bool basins, complete;
+    saltus_spec spec; /* of the scene; the axes' keys vary */
+    int axis_count;
+    saltus_axis axes[SALTUS_AXES_MAX]; /* `list` holds all values, whatever the spacing */
+    saltus_sweep_options options;
+    int pass_count;
+    saltus_pass passes[SALTUS_PASSES];
+    long long points, row_count;
+    saltus_sweep_row *rows;
+    int dimension;
+    /* Clouds where kept, otherwise NULL: entries first[row] ... first[row] + count[row] - 1. */
+    long long *turning_first, *turning_count, *impact_first, *impact_count, *strobe_first, *strobe_count;
+    double *turning, *strobes;
+    saltus_sweep_impact *impacts;
+    /* Basins: name, largest multiplier's modulus and points at phase 0 of each attractor. */
+    int attractor_count;
+    char (*attractor_label)[32];
+    double *attractor_multiplier;
+    long long *attractor_first, *attractor_points;
+    double *attractor_states;
+} saltus_sweep_file;
+
+/* On success to be cleared. Errors: SALTUS_BAD_INPUT, SALTUS_NO_MEMORY. */
+saltus_status saltus_sweep_file_read(const char *path, saltus_sweep_file *file, saltus_message *message);
+void saltus_sweep_file_clear(saltus_sweep_file *file);
+
+/* Which table of a sweep file goes to CSV. */
+typedef enum saltus_table {
+    SALTUS_TABLE_ROWS,
+    SALTUS_TABLE_TURNING,
+    SALTUS_TABLE_IMPACTS,
+    SALTUS_TABLE_STROBES
+} saltus_table;
+/* One line per row or cloud point, the axes' values, pass and seed first. Complete or not at all. Errors:
+ * SALTUS_BAD_INPUT where the file does not hold the table, SALTUS_IO. */
+saltus_status saltus_sweep_file_csv(const saltus_sweep_file *file, saltus_table table, const char *path,
+                                    saltus_message *message);
 
 #ifdef __cplusplus
 }

@@ -6,9 +6,9 @@
 #include "saltus/average.h"
 #include "saltus/branch.h"
 #include "saltus/equilibrium.h"
+#include "saltus/figure.h"
 #include "saltus/flow.h"
 #include "saltus/harvest.h"
-#include "saltus/io.h"
 #include "saltus/lyapunov.h"
 #include "saltus/map.h"
 #include "saltus/motion.h"
@@ -21,5 +21,6 @@
 #include "saltus/status.h"
 #include "saltus/sweep.h"
 #include "saltus/system.h"
+#include "saltus/trajectory.h"
 
 #endif

@@ -19,7 +19,7 @@ enum {
 static const double own_orbit = 1e-6; /* the orbit is no farther away, relative to the system's scales */
 static const double on_orbit = 1e-9;  /* a step as small as this is not taken */
 
-static double by_steps(saltus_trajectory *t, int periods) {
+static double by_steps(saltus_sweep_trajectory *t, int periods) {
     saltus_flow_options options = saltus_flow_defaults();
     saltus_fixed_point f;
     double logarithm = NAN, length = INFINITY, gone = 0;
@@ -38,7 +38,7 @@ static double by_steps(saltus_trajectory *t, int periods) {
     return logarithm;
 }
 
-static double by_shooting(saltus_trajectory *t, int periods) {
+static double by_shooting(saltus_sweep_trajectory *t, int periods) {
     saltus_orbit_options shooting = saltus_orbit_defaults();
     saltus_orbit orbit = {0};
     shooting.flow.integrator = t->sweep->options.flow.integrator;
@@ -50,7 +50,7 @@ static double by_shooting(saltus_trajectory *t, int periods) {
     return logarithm;
 }
 
-bool saltus_trajectory_exponent(saltus_trajectory *t) {
+bool saltus_sweep_trajectory_exponent(saltus_sweep_trajectory *t) {
     int periods = t->row.periods > 0 ? t->row.periods : 1;
     double logarithm = by_steps(t, periods);
     if (isnan(logarithm) && saltus_settling_impacts(&t->proof.settling, periods) <= shooting_impacts)

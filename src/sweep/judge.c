@@ -29,7 +29,7 @@ static const double shrinking = 0.98;   /* of recurrences from one look to the n
 static const saltus_judgement goes_on = {SALTUS_PENDING, 0, 0};
 static const saltus_judgement failed = {SALTUS_FAILED, 0, 0};
 
-void saltus_trajectory_begin_settling(saltus_trajectory *t) {
+void saltus_sweep_trajectory_begin_settling(saltus_sweep_trajectory *t) {
     t->proof.waited = t->proof.ask_again = 0;
     t->proof.recurring = 0;
     t->proof.patience = patience_periods;
@@ -37,7 +37,7 @@ void saltus_trajectory_begin_settling(saltus_trajectory *t) {
 
 /* Newton's method from the present state: the stable orbit of this period or a part of it, or, of no period,
  * what classification finds from there. What it finds the trajectory goes on from. */
-static saltus_judgement ask_newton(saltus_trajectory *t, int period) {
+static saltus_judgement ask_newton(saltus_sweep_trajectory *t, int period) {
     saltus_classify_options options = saltus_classify_defaults();
     saltus_judgement judgement = goes_on;
     saltus_motion motion = {0};
@@ -51,7 +51,7 @@ static saltus_judgement ask_newton(saltus_trajectory *t, int period) {
     t->starved |= status == SALTUS_NO_MEMORY;
     if (status == SALTUS_OK && saltus_verdict_settled(motion.verdict)) {
         judgement = (saltus_judgement){motion.verdict, motion.periods, 0};
-        if (!saltus_trajectory_continue(t, motion.state))
+        if (!saltus_sweep_trajectory_continue(t, motion.state))
             judgement = failed;
         if (motion.verdict == SALTUS_PERIODIC)
             memcpy(t->proof.orbit, motion.section_states,
@@ -64,7 +64,7 @@ static saltus_judgement ask_newton(saltus_trajectory *t, int period) {
 /* Whether it is time to ask Newton's method for the period that recurs, as iteration is slow: each time after
  * twice as long, and where the recurrences have shrunk whenever they were looked at. In a small chaotic
  * attractor something recurs for long, but no better. */
-static bool is_slow(saltus_trajectory *t, int recurs) {
+static bool is_slow(saltus_sweep_trajectory *t, int recurs) {
     saltus_proof *p = &t->proof;
     if (recurs != p->recurring) {
         p->waited = 0;
@@ -74,7 +74,7 @@ static bool is_slow(saltus_trajectory *t, int recurs) {
         p->trend[0] = saltus_settling_recurrence(&p->settling, recurs);
     }
     p->recurring = recurs;
-    if (!recurs || (saltus_trajectory_cycle(t) < t->stage_end &&
+    if (!recurs || (saltus_sweep_trajectory_cycle(t) < t->stage_end &&
                     p->waited <= p->patience + patience_per_period * recurs))
         return false;
     return saltus_settling_recurrence(&p->settling, recurs) < shrinking * p->trend[0] &&
@@ -85,9 +85,9 @@ static bool is_slow(saltus_trajectory *t, int recurs) {
 /* A period has been reached to within `approach`, or, after the disturbance, to within what makes it certain:
  * disturb the trajectory, or see whether the points of the last period come by where it was before, at the
  * same time of the orbit. One that has come to another place is disturbed there anew. */
-static saltus_judgement prove(saltus_trajectory *t, int period, saltus_verdict verdict) {
+static saltus_judgement prove(saltus_sweep_trajectory *t, int period, saltus_verdict verdict) {
     saltus_proof *p = &t->proof;
-    int back = (int)((saltus_trajectory_cycle(t) - p->disturbed_at) % period);
+    int back = (int)((saltus_sweep_trajectory_cycle(t) - p->disturbed_at) % period);
     if (p->disturbed && saltus_system_distance(t->system, saltus_settling_point(&p->settling, back),
                                                p->undisturbed) < returned)
         return (saltus_judgement){verdict, period, 0};
@@ -95,16 +95,16 @@ static saltus_judgement prove(saltus_trajectory *t, int period, saltus_verdict v
     size_t size = (size_t)t->sweep->dimension * sizeof *moved;
     memcpy(p->undisturbed, t->state, size);
     memcpy(moved, t->state, size);
-    p->disturbed_at = saltus_trajectory_cycle(t);
+    p->disturbed_at = saltus_sweep_trajectory_cycle(t);
     p->disturbed = true;
-    saltus_trajectory_seed(t, -1 - t->seed);
+    saltus_sweep_trajectory_seed(t, -1 - t->seed);
     saltus_state_disturb(t->system, t->rng, disturbance, saltus_flow_contacts(t->flow, t->lane), moved);
-    return saltus_trajectory_continue(t, moved) ? goes_on : failed;
+    return saltus_sweep_trajectory_continue(t, moved) ? goes_on : failed;
 }
 
 /* Sticking makes an orbit superstable, and whether a chatter is complete may hang on the tolerance: an orbit
  * that sticks must close with the tightest one too. */
-static bool closes_tightly(saltus_trajectory *t, int periods) {
+static bool closes_tightly(saltus_sweep_trajectory *t, int periods) {
     saltus_flow_options options = saltus_flow_defaults();
     double end[SALTUS_STATE_MAX];
     options.integrator = t->sweep->options.flow.integrator;
@@ -116,7 +116,7 @@ static bool closes_tightly(saltus_trajectory *t, int periods) {
 }
 
 /* The orbit of a period that has been reached, once it is proven. */
-static saltus_judgement judge_orbit(saltus_trajectory *t, int period) {
+static saltus_judgement judge_orbit(saltus_sweep_trajectory *t, int period) {
     saltus_proof *p = &t->proof;
     saltus_judgement judgement = prove(t, period, SALTUS_PERIODIC);
     if (judgement.verdict != SALTUS_PERIODIC)
@@ -132,9 +132,9 @@ static saltus_judgement judge_orbit(saltus_trajectory *t, int period) {
     return judgement;
 }
 
-saltus_judgement saltus_trajectory_judge(saltus_trajectory *t) {
+saltus_judgement saltus_sweep_trajectory_judge(saltus_sweep_trajectory *t) {
     saltus_proof *p = &t->proof;
-    const long long cycle = saltus_trajectory_cycle(t);
+    const long long cycle = saltus_sweep_trajectory_cycle(t);
     const int recurs = saltus_settling_candidate(&p->settling);
     bool doubt = false;
     int period =

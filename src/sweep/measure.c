@@ -29,23 +29,23 @@ enum {
 
 static const double nothing_left = 40; /* logarithm of a contraction */
 
-static long long steps_of(const saltus_trajectory *t) {
-    return saltus_trajectory_information(t).steps;
+static long long steps_of(const saltus_sweep_trajectory *t) {
+    return saltus_sweep_trajectory_information(t).steps;
 }
 
-static long long at_most(const saltus_trajectory *t) {
+static long long at_most(const saltus_sweep_trajectory *t) {
     return t->sweep->options.measure;
 }
 
-bool saltus_trajectory_measure(saltus_trajectory *t, saltus_flow *flow, int lane) {
+bool saltus_sweep_trajectory_measure(saltus_sweep_trajectory *t, saltus_flow *flow, int lane) {
     saltus_measuring *m = &t->measuring;
-    if (!saltus_trajectory_move(t, flow, lane))
+    if (!saltus_sweep_trajectory_move(t, flow, lane))
         return false;
     t->stage = SALTUS_STAGE_MEASURING;
-    t->stage_end = saltus_trajectory_cycle(t) + align + at_most(t);
+    t->stage_end = saltus_sweep_trajectory_cycle(t) + align + at_most(t);
     t->active = NULL;
-    saltus_trajectory_begin_settling(t);
-    saltus_trajectory_seed(t, tangent_seed + t->seed);
+    saltus_sweep_trajectory_begin_settling(t);
+    saltus_sweep_trajectory_seed(t, tangent_seed + t->seed);
     saltus_growth_choose(&m->growth, t->system, 0, NULL);
     saltus_growth_begin(&m->growth, flow, lane, t->rng);
     saltus_growth_aim(&m->growth, flow, lane);
@@ -57,19 +57,19 @@ bool saltus_trajectory_measure(saltus_trajectory *t, saltus_flow *flow, int lane
     return true;
 }
 
-saltus_next saltus_measuring_follow(saltus_trajectory *t, const saltus_event *event, bool *section) {
+saltus_next saltus_measuring_follow(saltus_sweep_trajectory *t, const saltus_event *event, bool *section) {
     saltus_status status = saltus_growth_follow(&t->measuring.growth, t->flow, t->lane, event, section, NULL);
     return status == SALTUS_OK ? SALTUS_NEXT_GO_ON : SALTUS_NEXT_DONE;
 }
 
-static saltus_estimate per_time(const saltus_trajectory *t, saltus_estimate estimate) {
+static saltus_estimate per_time(const saltus_sweep_trajectory *t, saltus_estimate estimate) {
     const saltus_measuring *m = &t->measuring;
     double steps = (double)(steps_of(t) - m->steps) / (double)m->samples;
     return saltus_growth_exponent(estimate, steps, t->sweep->options.flow.rtol,
                                   saltus_system_period(t->system));
 }
 
-static saltus_runs runs_of(const saltus_trajectory *t) {
+static saltus_runs runs_of(const saltus_sweep_trajectory *t) {
     const saltus_measuring *m = &t->measuring;
     return (saltus_runs){.all = per_time(t, saltus_average_estimate(&m->average)),
                          .first = per_time(t, saltus_average_part(&m->average, 0, 0.5)),
@@ -80,16 +80,16 @@ static saltus_runs runs_of(const saltus_trajectory *t) {
 }
 
 /* The verdict, and the exponent as it is known now. */
-static saltus_next end(saltus_trajectory *t, saltus_verdict verdict, const saltus_runs *runs) {
+static saltus_next end(saltus_sweep_trajectory *t, saltus_verdict verdict, const saltus_runs *runs) {
     if (!t->measuring.given)
-        saltus_trajectory_settle(t, verdict, 0);
+        saltus_sweep_trajectory_settle(t, verdict, 0);
     t->row.lyapunov = runs->lost ? -INFINITY : runs->all.mean;
     t->row.lyapunov_error = runs->lost ? 0 : runs->all.standard_error;
     return SALTUS_NEXT_DONE;
 }
 
 /* A torus is suspected: ask its section points, or collect some first. */
-static saltus_outcome ask_points(saltus_trajectory *t, const saltus_runs *runs) {
+static saltus_outcome ask_points(saltus_sweep_trajectory *t, const saltus_runs *runs) {
     saltus_measuring *m = &t->measuring;
     saltus_evidence evidence = {.dimension = NAN}; /* not asked for */
     if (!m->points)
@@ -120,7 +120,7 @@ static bool run_on(saltus_measuring *m, long long most) {
 
 /* Periods in which a period must show: together with those measured, so many as contract any distance to
  * nothing, and some more to look at them. */
-static long long longest_wait(const saltus_trajectory *t, const saltus_runs *runs) {
+static long long longest_wait(const saltus_sweep_trajectory *t, const saltus_runs *runs) {
     const saltus_sweep_options *o = &t->sweep->options;
     long long most = o->adaptive ? o->transient : patience;
     double all = nothing_left / fmax(-runs->all.mean * runs->period, DBL_MIN),
@@ -128,7 +128,7 @@ static long long longest_wait(const saltus_trajectory *t, const saltus_runs *run
     return more < (double)most ? (long long)more : most;
 }
 
-static saltus_next weigh(saltus_trajectory *t) {
+static saltus_next weigh(saltus_sweep_trajectory *t) {
     saltus_measuring *m = &t->measuring;
     saltus_runs runs = runs_of(t);
     saltus_outcome outcome = saltus_runs_weigh(&runs);
@@ -146,11 +146,11 @@ static saltus_next weigh(saltus_trajectory *t) {
     if (outcome != SALTUS_OUTCOME_REGULAR)
         m->deadline = 0;
     else if (!m->deadline)
-        m->deadline = t->stage_end = saltus_trajectory_cycle(t) + longest_wait(t, &runs);
+        m->deadline = t->stage_end = saltus_sweep_trajectory_cycle(t) + longest_wait(t, &runs);
     return run_on(m, at_most(t)) ? SALTUS_NEXT_GO_ON : end(t, SALTUS_UNDECIDED, &runs);
 }
 
-saltus_next saltus_measuring_add(saltus_trajectory *t) {
+saltus_next saltus_measuring_add(saltus_sweep_trajectory *t) {
     saltus_measuring *m = &t->measuring;
     if (m->samples++ < 0) {
         m->steps = steps_of(t);
@@ -159,7 +159,7 @@ saltus_next saltus_measuring_add(saltus_trajectory *t) {
     saltus_average_add(&m->average, m->growth.sample[0]);
     if (m->suspected && m->count < most_points)
         memcpy(m->points + m->count++ * m->growth.n, t->state, (size_t)m->growth.n * sizeof *m->points);
-    if (m->deadline && saltus_trajectory_cycle(t) >= m->deadline) {
+    if (m->deadline && saltus_sweep_trajectory_cycle(t) >= m->deadline) {
         saltus_runs runs = runs_of(t);
         return end(t, SALTUS_LONG_PERIOD, &runs);
     }

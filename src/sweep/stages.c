@@ -13,94 +13,94 @@
 
 enum { blind_periods = 64, settling_after_record = 400 };
 
-static bool stage_ends(const saltus_trajectory *t) {
-    return saltus_trajectory_cycle(t) >= t->stage_end;
+static bool stage_ends(const saltus_sweep_trajectory *t) {
+    return saltus_sweep_trajectory_cycle(t) >= t->stage_end;
 }
 
 /* To the next section point, or where the tangent vector is looked at; in a transient that nobody looks at by
  * many periods. */
-static void aim(saltus_trajectory *t) {
+static void aim(saltus_sweep_trajectory *t) {
     if (t->stage == SALTUS_STAGE_MEASURING) {
         saltus_growth_aim(&t->measuring.growth, t->flow, t->lane);
         return;
     }
-    long long cycle = saltus_trajectory_cycle(t), left = t->stage_end - cycle, periods = 1;
+    long long cycle = saltus_sweep_trajectory_cycle(t), left = t->stage_end - cycle, periods = 1;
     if (t->stage == SALTUS_STAGE_TRANSIENT)
         periods = left < blind_periods ? left : blind_periods;
     saltus_flow_aim(t->flow, t->lane, (saltus_time){cycle + periods, 0},
                     t->active ? SALTUS_WATCH_CONTACT | SALTUS_WATCH_TURNING : 0);
 }
 
-static void see_section(saltus_trajectory *t) {
-    saltus_flow_info info = saltus_trajectory_information(t);
+static void see_section(saltus_sweep_trajectory *t) {
+    saltus_flow_info info = saltus_sweep_trajectory_information(t);
     saltus_settling_add(&t->proof.settling, t->state, info.impacts, info.sticks + info.releases);
 }
 
-static void begin_watch(saltus_trajectory *t, saltus_watch *watch, long long periods) {
+static void begin_watch(saltus_sweep_trajectory *t, saltus_watch *watch, long long periods) {
     bool touching = saltus_flow_contacts(t->flow, t->lane) != 0;
     t->active = watch;
-    t->stage_end = saltus_trajectory_cycle(t) + periods;
+    t->stage_end = saltus_sweep_trajectory_cycle(t) + periods;
     saltus_watch_begin(watch, t->system, watch == &t->watch ? t->sweep->options.keep : 0,
                        saltus_flow_time(t->flow, t->lane), t->state, touching);
 }
 
-static void begin_recording(saltus_trajectory *t) {
+static void begin_recording(saltus_sweep_trajectory *t) {
     t->stage = SALTUS_STAGE_RECORDING;
     begin_watch(t, &t->watch, t->sweep->options.record);
 }
 
-static void begin_settling(saltus_trajectory *t) {
+static void begin_settling(saltus_sweep_trajectory *t) {
     const saltus_sweep_options *o = &t->sweep->options;
     t->stage = SALTUS_STAGE_SETTLING;
     t->active = NULL;
-    saltus_trajectory_begin_settling(t);
-    t->stage_end = o->adaptive ? o->transient : saltus_trajectory_cycle(t) + settling_after_record;
+    saltus_sweep_trajectory_begin_settling(t);
+    t->stage_end = o->adaptive ? o->transient : saltus_sweep_trajectory_cycle(t) + settling_after_record;
 }
 
 /* A row of nothing yet, without clouds. */
-static void open_row(saltus_trajectory *t) {
+static void open_row(saltus_sweep_trajectory *t) {
     t->row = saltus_sweep_row_of(SALTUS_FAILED);
     t->watch.sound = true;
     for (int k = 0; k < SALTUS_CLOUDS; k++)
         t->watch.clouds[k].count = 0;
 }
 
-void saltus_trajectory_refuse(saltus_trajectory *t) {
+void saltus_sweep_trajectory_refuse(saltus_sweep_trajectory *t) {
     open_row(t);
     for (int i = 0; i < t->sweep->dimension; i++)
         t->state[i] = NAN;
 }
 
-void saltus_trajectory_fail(saltus_trajectory *t) {
+void saltus_sweep_trajectory_fail(saltus_sweep_trajectory *t) {
     if (t->stage == SALTUS_STAGE_MEASURING && t->measuring.given)
         return;
     if (t->row.recorded == 0)
-        saltus_trajectory_refuse(t);
+        saltus_sweep_trajectory_refuse(t);
     t->row.verdict = SALTUS_FAILED;
-    t->row.settled = saltus_trajectory_cycle(t);
+    t->row.settled = saltus_sweep_trajectory_cycle(t);
     t->row.periods = 0;
 }
 
 /* The state to begin a place with: that of its seed, or the one it has where it is carried on. */
-static saltus_status find_start(saltus_trajectory *t, bool carried) {
+static saltus_status find_start(saltus_sweep_trajectory *t, bool carried) {
     const saltus_sweep *sweep = t->sweep;
     if (carried) {
         saltus_state_admit(t->system, t->state);
         return SALTUS_OK;
     }
     if (t->seed > 0) {
-        saltus_trajectory_seed(t, t->seed);
+        saltus_sweep_trajectory_seed(t, t->seed);
         return saltus_state_random(t->system, t->rng, t->state, NULL);
     }
     if (sweep->scene.initial_count == 0 && !sweep->moves_start)
         return saltus_system_default_state(t->system, t->state, NULL);
     saltus_scene scene;
-    saltus_status status = saltus_sweep_scene_at(sweep, saltus_trajectory_point(t), &scene, NULL);
+    saltus_status status = saltus_sweep_scene_at(sweep, saltus_sweep_trajectory_point(t), &scene, NULL);
     memcpy(t->state, scene.initial, (size_t)sweep->dimension * sizeof *t->state);
     return status;
 }
 
-bool saltus_trajectory_start(saltus_trajectory *t, saltus_flow *flow, int lane) {
+bool saltus_sweep_trajectory_start(saltus_sweep_trajectory *t, saltus_flow *flow, int lane) {
     const saltus_sweep_options *o = &t->sweep->options;
     bool carried = t->place > 0 && t->row.verdict != SALTUS_FAILED;
     t->flow = flow;
@@ -112,7 +112,7 @@ bool saltus_trajectory_start(saltus_trajectory *t, saltus_flow *flow, int lane) 
     open_row(t);
     saltus_status status = find_start(t, carried);
     if (status != SALTUS_OK) {
-        saltus_trajectory_refuse(t);
+        saltus_sweep_trajectory_refuse(t);
         t->starved = status == SALTUS_NO_MEMORY;
         return false;
     }
@@ -131,10 +131,10 @@ bool saltus_trajectory_start(saltus_trajectory *t, saltus_flow *flow, int lane) 
 }
 
 /* The row is filled but for its exponent. */
-static saltus_next end_place(saltus_trajectory *t) {
+static saltus_next end_place(saltus_sweep_trajectory *t) {
     const saltus_sweep_options *o = &t->sweep->options;
     bool settled = saltus_verdict_settled(t->row.verdict);
-    if (!(o->keep & SALTUS_KEEP_LYAPUNOV) || (settled && saltus_trajectory_exponent(t)))
+    if (!(o->keep & SALTUS_KEEP_LYAPUNOV) || (settled && saltus_sweep_trajectory_exponent(t)))
         return SALTUS_NEXT_DONE;
     t->measuring.given = settled;
     return o->measure > 0 ? SALTUS_NEXT_MEASURE : SALTUS_NEXT_DONE;
@@ -142,19 +142,19 @@ static saltus_next end_place(saltus_trajectory *t) {
 
 /* It has settled, or will not: an orbit is gone around once, anything else is recorded now, or over where it
  * has been recorded. */
-static saltus_next act_on(saltus_trajectory *t, saltus_judgement judgement) {
+static saltus_next act_on(saltus_sweep_trajectory *t, saltus_judgement judgement) {
     const bool adaptive = t->sweep->options.adaptive;
     if (judgement.verdict == SALTUS_FAILED) {
-        saltus_trajectory_fail(t);
+        saltus_sweep_trajectory_fail(t);
         return SALTUS_NEXT_DONE;
     }
     if (judgement.verdict == SALTUS_PERIODIC) {
-        saltus_trajectory_settle(t, SALTUS_PERIODIC, judgement.periods);
+        saltus_sweep_trajectory_settle(t, SALTUS_PERIODIC, judgement.periods);
         t->stage = SALTUS_STAGE_ORBIT;
         begin_watch(t, adaptive ? &t->watch : &t->round, judgement.periods);
         return SALTUS_NEXT_GO_ON;
     }
-    saltus_trajectory_settle(t, judgement.verdict, 0);
+    saltus_sweep_trajectory_settle(t, judgement.verdict, 0);
     if (!adaptive)
         return end_place(t);
     begin_recording(t);
@@ -163,8 +163,8 @@ static saltus_next act_on(saltus_trajectory *t, saltus_judgement judgement) {
 
 /* The next section point of a trajectory that settles. Beyond a fixed time, what does not recur at once is
  * not waited for. */
-static saltus_next settling_on(saltus_trajectory *t) {
-    saltus_judgement judgement = saltus_trajectory_judge(t);
+static saltus_next settling_on(saltus_sweep_trajectory *t) {
+    saltus_judgement judgement = saltus_sweep_trajectory_judge(t);
     bool hopeless = stage_ends(t) || (!t->sweep->options.adaptive && judgement.recurs == 0 &&
                                       t->proof.settling.count > 2 * t->sweep->options.longest + 6);
     if (judgement.verdict == SALTUS_PENDING && !hopeless)
@@ -175,7 +175,7 @@ static saltus_next settling_on(saltus_trajectory *t) {
 }
 
 /* The orbit has been gone around. */
-static saltus_next orbit_done(saltus_trajectory *t) {
+static saltus_next orbit_done(saltus_sweep_trajectory *t) {
     saltus_lap *lap = &t->active->lap;
     lap->contacts = saltus_flow_contacts(t->flow, t->lane);
     t->row.impacts = (int)saltus_lap_impacts(lap);
@@ -189,7 +189,7 @@ static saltus_next orbit_done(saltus_trajectory *t) {
     return end_place(t);
 }
 
-static saltus_next recorded(saltus_trajectory *t) {
+static saltus_next recorded(saltus_sweep_trajectory *t) {
     saltus_watch_measure(&t->watch, saltus_flow_time(t->flow, t->lane), t->state, &t->row);
     if (t->sweep->options.adaptive)
         return end_place(t);
@@ -198,11 +198,11 @@ static saltus_next recorded(saltus_trajectory *t) {
 }
 
 /* A section point has been reached. */
-static saltus_next at_section(saltus_trajectory *t) {
+static saltus_next at_section(saltus_sweep_trajectory *t) {
     const bool ends = stage_ends(t);
     saltus_flow_state(t->flow, t->lane, t->state);
-    if (saltus_state_bounded(t->system, t->state, saltus_trajectory_cycle(t), NULL) != SALTUS_OK) {
-        saltus_trajectory_fail(t);
+    if (saltus_state_bounded(t->system, t->state, saltus_sweep_trajectory_cycle(t), NULL) != SALTUS_OK) {
+        saltus_sweep_trajectory_fail(t);
         return SALTUS_NEXT_DONE;
     }
     if (t->stage != SALTUS_STAGE_ORBIT && t->stage != SALTUS_STAGE_TRANSIENT)
@@ -222,7 +222,7 @@ static saltus_next at_section(saltus_trajectory *t) {
         /* It may settle yet. */
         saltus_judgement judgement = {.verdict = SALTUS_PENDING};
         if (!t->measuring.given)
-            judgement = saltus_trajectory_judge(t);
+            judgement = saltus_sweep_trajectory_judge(t);
         return judgement.verdict == SALTUS_PENDING ? saltus_measuring_add(t) : act_on(t, judgement);
     }
     default:
@@ -230,13 +230,13 @@ static saltus_next at_section(saltus_trajectory *t) {
     }
 }
 
-saltus_next saltus_trajectory_follow(saltus_trajectory *t, const saltus_event *event) {
+saltus_next saltus_sweep_trajectory_follow(saltus_sweep_trajectory *t, const saltus_event *event) {
     saltus_next next = SALTUS_NEXT_GO_ON;
     bool section = event->kind == SALTUS_REACHED;
     if (t->stage == SALTUS_STAGE_MEASURING)
         next = saltus_measuring_follow(t, event, &section);
     else if (section)
-        saltus_trajectory_restore_tangent(t);
+        saltus_sweep_trajectory_restore_tangent(t);
     else {
         if (event->kind != SALTUS_TURNING)
             saltus_flow_state(t->flow, t->lane, t->state);

@@ -143,7 +143,7 @@ typedef struct saltus_measuring {
     long long count, asked; /* `asked`: of how many last told whether it is one */
 } saltus_measuring;
 
-typedef struct saltus_trajectory {
+typedef struct saltus_sweep_trajectory {
     const saltus_sweep *sweep;
     saltus_job *job; /* NULL: the lane rests */
     int seed, place;
@@ -161,27 +161,27 @@ typedef struct saltus_trajectory {
     saltus_measuring measuring; /* with SALTUS_KEEP_LYAPUNOV */
     saltus_sweep_row row;
     bool starved; /* out of memory */
-} saltus_trajectory;
+} saltus_sweep_trajectory;
 
-bool saltus_trajectory_open(saltus_trajectory *trajectory, const saltus_sweep *sweep);
-void saltus_trajectory_close(saltus_trajectory *trajectory);
+bool saltus_sweep_trajectory_open(saltus_sweep_trajectory *trajectory, const saltus_sweep *sweep);
+void saltus_sweep_trajectory_close(saltus_sweep_trajectory *trajectory);
 /* The grid's point at which it is. */
-long long saltus_trajectory_point(const saltus_trajectory *trajectory);
+long long saltus_sweep_trajectory_point(const saltus_sweep_trajectory *trajectory);
 /* Periods since it began. */
-long long saltus_trajectory_cycle(const saltus_trajectory *trajectory);
+long long saltus_sweep_trajectory_cycle(const saltus_sweep_trajectory *trajectory);
 /* Its steps, impacts and other contact events since it began. */
-saltus_flow_info saltus_trajectory_information(const saltus_trajectory *trajectory);
+saltus_flow_info saltus_sweep_trajectory_information(const saltus_sweep_trajectory *trajectory);
 /* Seed its random numbers by the sweep's seed, the point and `which` alone, whatever else runs. */
-void saltus_trajectory_seed(saltus_trajectory *trajectory, int which);
+void saltus_sweep_trajectory_seed(saltus_sweep_trajectory *trajectory, int which);
 /* Go on from another state at the same time. False when the flow cannot. */
-bool saltus_trajectory_continue(saltus_trajectory *trajectory, const double *state);
+bool saltus_sweep_trajectory_continue(saltus_sweep_trajectory *trajectory, const double *state);
 /* Go on in another lane. False when the flow cannot. */
-bool saltus_trajectory_move(saltus_trajectory *trajectory, saltus_flow *flow, int lane);
+bool saltus_sweep_trajectory_move(saltus_sweep_trajectory *trajectory, saltus_flow *flow, int lane);
 /* A verdict has been reached, or none will be. */
-void saltus_trajectory_settle(saltus_trajectory *trajectory, saltus_verdict verdict, int periods);
+void saltus_sweep_trajectory_settle(saltus_sweep_trajectory *trajectory, saltus_verdict verdict, int periods);
 /* In a lane with a tangent vector, set it to the one last normalised: a start takes it away, and it must not
  * grow for ever. */
-void saltus_trajectory_restore_tangent(saltus_trajectory *trajectory);
+void saltus_sweep_trajectory_restore_tangent(saltus_sweep_trajectory *trajectory);
 
 /* judge.c */
 /* What a trajectory has settled on; pending: it goes on. */
@@ -192,36 +192,37 @@ typedef struct saltus_judgement {
 } saltus_judgement;
 
 /* A trajectory begins to settle. */
-void saltus_trajectory_begin_settling(saltus_trajectory *trajectory);
+void saltus_sweep_trajectory_begin_settling(saltus_sweep_trajectory *trajectory);
 /* Judge a trajectory at a section point; the points of an orbit go to proof.orbit. It may be disturbed, and
  * it may be moved onto an orbit that Newton's method has found. */
-saltus_judgement saltus_trajectory_judge(saltus_trajectory *trajectory);
+saltus_judgement saltus_sweep_trajectory_judge(saltus_sweep_trajectory *trajectory);
 
 /* exponent.c */
 /* The largest exponent of a row that has settled, from the multipliers of the orbit at its state. False where
  * Newton's method does not find the orbit there. */
-bool saltus_trajectory_exponent(saltus_trajectory *trajectory);
+bool saltus_sweep_trajectory_exponent(saltus_sweep_trajectory *trajectory);
 
 /* measure.c */
 /* Measure the exponent, from where the trajectory is, in a lane of a flow with one tangent vector that has
  * been given its system; it may be the lane that it is in. Aims it. False when it cannot go on there: the row
  * stays as it is. */
-bool saltus_trajectory_measure(saltus_trajectory *trajectory, saltus_flow *flow, int lane);
+bool saltus_sweep_trajectory_measure(saltus_sweep_trajectory *trajectory, saltus_flow *flow, int lane);
 /* What follows from an event of a trajectory that is measured; *section: at a section point. */
-saltus_next saltus_measuring_follow(saltus_trajectory *trajectory, const saltus_event *event, bool *section);
+saltus_next saltus_measuring_follow(saltus_sweep_trajectory *trajectory, const saltus_event *event,
+                                    bool *section);
 /* One more period. */
-saltus_next saltus_measuring_add(saltus_trajectory *trajectory);
+saltus_next saltus_measuring_add(saltus_sweep_trajectory *trajectory);
 
 /* stages.c: what it goes through. */
 /* Place it at its task's present place, in a lane of a flow that has been given its system, and aim it. False
  * when it cannot start: the row says so. */
-bool saltus_trajectory_start(saltus_trajectory *trajectory, saltus_flow *flow, int lane);
+bool saltus_sweep_trajectory_start(saltus_sweep_trajectory *trajectory, saltus_flow *flow, int lane);
 /* What follows from an event of its lane; where it goes on, the lane has been aimed again. */
-saltus_next saltus_trajectory_follow(saltus_trajectory *trajectory, const saltus_event *event);
+saltus_next saltus_sweep_trajectory_follow(saltus_sweep_trajectory *trajectory, const saltus_event *event);
 /* There is no system, or no initial state, at its place: a row that has failed. */
-void saltus_trajectory_refuse(saltus_trajectory *trajectory);
+void saltus_sweep_trajectory_refuse(saltus_sweep_trajectory *trajectory);
 /* The flow gave up. */
-void saltus_trajectory_fail(saltus_trajectory *trajectory);
+void saltus_sweep_trajectory_fail(saltus_sweep_trajectory *trajectory);
 
 /* schedule.c: the feed of a sweep, one thread at a time. */
 typedef struct saltus_schedule {

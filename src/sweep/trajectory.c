@@ -5,9 +5,9 @@
 #include <math.h>
 #include <stdlib.h>
 
-bool saltus_trajectory_open(saltus_trajectory *t, const saltus_sweep *sweep) {
+bool saltus_sweep_trajectory_open(saltus_sweep_trajectory *t, const saltus_sweep *sweep) {
     const int n = sweep->dimension, longest = sweep->options.longest;
-    *t = (saltus_trajectory){.sweep = sweep};
+    *t = (saltus_sweep_trajectory){.sweep = sweep};
     t->state = calloc((size_t)n, sizeof *t->state);
     t->proof.undisturbed = calloc((size_t)n, sizeof *t->proof.undisturbed);
     t->proof.orbit = calloc((size_t)(n * longest), sizeof *t->proof.orbit);
@@ -25,7 +25,7 @@ bool saltus_trajectory_open(saltus_trajectory *t, const saltus_sweep *sweep) {
     return true;
 }
 
-void saltus_trajectory_close(saltus_trajectory *t) {
+void saltus_sweep_trajectory_close(saltus_sweep_trajectory *t) {
     saltus_settling_close(&t->proof.settling);
     free(t->proof.undisturbed);
     free(t->proof.orbit);
@@ -37,18 +37,18 @@ void saltus_trajectory_close(saltus_trajectory *t) {
     free(t->state);
     if (t->rng)
         gsl_rng_free(t->rng);
-    *t = (saltus_trajectory){0};
+    *t = (saltus_sweep_trajectory){0};
 }
 
-long long saltus_trajectory_point(const saltus_trajectory *t) {
+long long saltus_sweep_trajectory_point(const saltus_sweep_trajectory *t) {
     return saltus_sweep_task_place(t->sweep, t->job->task, t->place) % t->sweep->points;
 }
 
-long long saltus_trajectory_cycle(const saltus_trajectory *t) {
+long long saltus_sweep_trajectory_cycle(const saltus_sweep_trajectory *t) {
     return saltus_flow_time(t->flow, t->lane).cycle;
 }
 
-saltus_flow_info saltus_trajectory_information(const saltus_trajectory *t) {
+saltus_flow_info saltus_sweep_trajectory_information(const saltus_sweep_trajectory *t) {
     saltus_flow_info info = saltus_flow_information(t->flow, t->lane);
     info.steps += t->before.steps;
     info.impacts += t->before.impacts;
@@ -65,41 +65,41 @@ static unsigned long long mix(unsigned long long x) {
     return x ^ (x >> 31);
 }
 
-void saltus_trajectory_seed(saltus_trajectory *t, int which) {
-    unsigned long long point = (unsigned long long)saltus_trajectory_point(t),
+void saltus_sweep_trajectory_seed(saltus_sweep_trajectory *t, int which) {
+    unsigned long long point = (unsigned long long)saltus_sweep_trajectory_point(t),
                        bits = mix(mix(mix(t->sweep->options.seed) ^ point) ^ (unsigned long long)which);
     gsl_rng_set(t->rng, (unsigned long)(bits & 0xffffffffULL));
 }
 
-void saltus_trajectory_restore_tangent(saltus_trajectory *t) {
+void saltus_sweep_trajectory_restore_tangent(saltus_sweep_trajectory *t) {
     if (saltus_flow_columns(t->flow))
         saltus_flow_set_tangents(t->flow, t->lane, t->measuring.growth.vectors);
 }
 
-static bool start_at(saltus_trajectory *t, saltus_time time, const double *state) {
+static bool start_at(saltus_sweep_trajectory *t, saltus_time time, const double *state) {
     if (saltus_flow_start(t->flow, t->lane, time, state, NULL) != SALTUS_OK)
         return false;
-    saltus_trajectory_restore_tangent(t);
+    saltus_sweep_trajectory_restore_tangent(t);
     saltus_flow_state(t->flow, t->lane, t->state);
     return true;
 }
 
-bool saltus_trajectory_continue(saltus_trajectory *t, const double *state) {
-    t->before = saltus_trajectory_information(t);
+bool saltus_sweep_trajectory_continue(saltus_sweep_trajectory *t, const double *state) {
+    t->before = saltus_sweep_trajectory_information(t);
     return start_at(t, saltus_flow_time(t->flow, t->lane), state);
 }
 
-bool saltus_trajectory_move(saltus_trajectory *t, saltus_flow *flow, int lane) {
+bool saltus_sweep_trajectory_move(saltus_sweep_trajectory *t, saltus_flow *flow, int lane) {
     saltus_time now = saltus_flow_time(t->flow, t->lane);
-    t->before = saltus_trajectory_information(t);
+    t->before = saltus_sweep_trajectory_information(t);
     t->flow = flow;
     t->lane = lane;
     return start_at(t, now, t->state);
 }
 
-void saltus_trajectory_settle(saltus_trajectory *t, saltus_verdict verdict, int periods) {
+void saltus_sweep_trajectory_settle(saltus_sweep_trajectory *t, saltus_verdict verdict, int periods) {
     t->row.verdict = verdict;
     t->row.periods = periods;
-    t->row.settled = saltus_trajectory_cycle(t);
-    t->row.settled_impacts = saltus_trajectory_information(t).impacts;
+    t->row.settled = saltus_sweep_trajectory_cycle(t);
+    t->row.settled_impacts = saltus_sweep_trajectory_information(t).impacts;
 }

@@ -19,7 +19,7 @@
 typedef struct lane_set {
     saltus_flow *flow;
     int lanes, live;
-    saltus_trajectory *at[SALTUS_LANES_MAX]; /* NULL: the lane rests */
+    saltus_sweep_trajectory *at[SALTUS_LANES_MAX]; /* NULL: the lane rests */
 } lane_set;
 
 typedef struct worker {
@@ -29,8 +29,8 @@ typedef struct worker {
     lane_set plain, tangent;
     saltus_flow *single[2]; /* of one lane, without and with a tangent vector; made when they are needed */
     int size, waiting;
-    saltus_trajectory *queue[2 * SALTUS_LANES_MAX]; /* that wait for a lane without a tangent vector */
-    saltus_trajectory trajectory[2 * SALTUS_LANES_MAX];
+    saltus_sweep_trajectory *queue[2 * SALTUS_LANES_MAX]; /* that wait for a lane without a tangent vector */
+    saltus_sweep_trajectory trajectory[2 * SALTUS_LANES_MAX];
 } worker;
 
 /* A flow for systems with all the terms; a failure ends the run. */
@@ -60,7 +60,7 @@ static bool open_worker(worker *w) {
         (measures && !open_flow(w, w->tangent.lanes, 1, &w->tangent.flow)))
         return false;
     for (int k = 0; k < w->size; k++)
-        if (!saltus_trajectory_open(&w->trajectory[k], w->sweep)) {
+        if (!saltus_sweep_trajectory_open(&w->trajectory[k], w->sweep)) {
             saltus_schedule_fail(w->schedule, SALTUS_NO_MEMORY, "no memory for the trajectories of a sweep");
             return false;
         }
@@ -74,7 +74,7 @@ static void leave_job(saltus_job **job) {
     *job = NULL;
 }
 
-static void finish_job(worker *w, saltus_trajectory *t) {
+static void finish_job(worker *w, saltus_sweep_trajectory *t) {
     if (++t->job->finished == t->job->seeds)
         saltus_schedule_done(w->schedule, t->job->task);
     leave_job(&t->job);
@@ -87,7 +87,7 @@ static void close_worker(worker *w) {
     saltus_flow_free(w->single[1]);
     for (int k = 0; k < w->size; k++) {
         leave_job(&w->trajectory[k].job);
-        saltus_trajectory_close(&w->trajectory[k]);
+        saltus_sweep_trajectory_close(&w->trajectory[k]);
     }
     leave_job(&w->job);
 }
@@ -108,13 +108,13 @@ static int free_lane(const lane_set *side) {
 
 /* The trajectory that has waited longest with a part of its line before it, or an idle one with the next seed
  * of the task at hand or of the next task; NULL when there is nothing more to do. */
-static saltus_trajectory *next_trajectory(worker *w) {
+static saltus_sweep_trajectory *next_trajectory(worker *w) {
     if (w->waiting > 0) {
-        saltus_trajectory *first = w->queue[0];
-        memmove(w->queue, w->queue + 1, (size_t)--w->waiting * sizeof(saltus_trajectory *));
+        saltus_sweep_trajectory *first = w->queue[0];
+        memmove(w->queue, w->queue + 1, (size_t)--w->waiting * sizeof(saltus_sweep_trajectory *));
         return first;
     }
-    saltus_trajectory *idle = w->trajectory;
+    saltus_sweep_trajectory *idle = w->trajectory;
     while (idle < w->trajectory + w->size && idle->job)
         idle++;
     if (idle == w->trajectory + w->size)
@@ -146,10 +146,11 @@ static saltus_flow *single_flow(worker *w, int columns) {
 }
 
 /* Give the trajectory the system of its place; the old one is freed once no flow knows it. */
-static saltus_status change_system(worker *w, saltus_trajectory *t, int lane, saltus_flow **flow, int *at) {
+static saltus_status change_system(worker *w, saltus_sweep_trajectory *t, int lane, saltus_flow **flow,
+                                   int *at) {
     saltus_system *system = NULL, *old = t->system;
     saltus_message message;
-    saltus_status status = saltus_sweep_system(w->sweep, saltus_trajectory_point(t), &system, &message);
+    saltus_status status = saltus_sweep_system(w->sweep, saltus_sweep_trajectory_point(t), &system, &message);
     if (status != SALTUS_OK)
         return status;
     bool fits = w->plain.lanes == 1 || system->coefficients.terms == w->sweep->system->coefficients.terms;
@@ -168,23 +169,23 @@ static saltus_status change_system(worker *w, saltus_trajectory *t, int lane, sa
 }
 
 /* The next event of a flow, and what its trajectory makes of it. */
-static saltus_next advance(saltus_flow *flow, saltus_trajectory *const *at, int *lane) {
+static saltus_next advance(saltus_flow *flow, saltus_sweep_trajectory *const *at, int *lane) {
     saltus_event event;
     saltus_message message;
     if (saltus_flow_run(flow, lane, &event, &message) == SALTUS_OK)
-        return saltus_trajectory_follow(at[*lane], &event);
-    saltus_trajectory_fail(at[*lane]);
+        return saltus_sweep_trajectory_follow(at[*lane], &event);
+    saltus_sweep_trajectory_fail(at[*lane]);
     return SALTUS_NEXT_DONE;
 }
 
 /* Begin to measure in a lane; false when that cannot be. */
-static bool measure_in(saltus_trajectory *t, saltus_flow *flow, int lane) {
+static bool measure_in(saltus_sweep_trajectory *t, saltus_flow *flow, int lane) {
     return saltus_flow_retune(flow, lane, t->system, NULL) == SALTUS_OK &&
-           saltus_trajectory_measure(t, flow, lane);
+           saltus_sweep_trajectory_measure(t, flow, lane);
 }
 
 /* Run a trajectory's place to its end in flows of one lane. */
-static void run_single(worker *w, saltus_trajectory *t) {
+static void run_single(worker *w, saltus_sweep_trajectory *t) {
     saltus_next next = SALTUS_NEXT_GO_ON;
     while (next != SALTUS_NEXT_DONE) {
         int lane = 0;
@@ -201,7 +202,7 @@ static void run_single(worker *w, saltus_trajectory *t) {
 }
 
 /* Store what came out of the trajectory's place and hand it out where all seeds are there. */
-static void finish_place(worker *w, saltus_trajectory *t) {
+static void finish_place(worker *w, saltus_sweep_trajectory *t) {
     bool sound = true;
     if (saltus_job_put(t->job, t->place, t->seed, &t->row, t->state, t->proof.orbit, &t->watch, &sound) &&
         sound)
@@ -213,15 +214,15 @@ static void finish_place(worker *w, saltus_trajectory *t) {
 
 /* Start a trajectory's places, one after the other, until one is under way in the lane; false when its line
  * is done. */
-static bool go_on(worker *w, saltus_trajectory *t, int lane) {
+static bool go_on(worker *w, saltus_sweep_trajectory *t, int lane) {
     while (saltus_schedule_open(w->schedule) && t->place < t->job->length) {
         saltus_flow *flow = w->plain.flow;
         int at = lane;
         saltus_status status = change_system(w, t, lane, &flow, &at);
-        bool under_way = status == SALTUS_OK && saltus_trajectory_start(t, flow, at);
+        bool under_way = status == SALTUS_OK && saltus_sweep_trajectory_start(t, flow, at);
         t->starved |= status == SALTUS_NO_MEMORY;
         if (status != SALTUS_OK)
-            saltus_trajectory_refuse(t);
+            saltus_sweep_trajectory_refuse(t);
         if (under_way && flow == w->plain.flow)
             return true;
         if (under_way)
@@ -235,7 +236,7 @@ static bool go_on(worker *w, saltus_trajectory *t, int lane) {
 
 /* Give a lane of the first flow something to do, if there is anything. */
 static void fill_lane(worker *w, int lane) {
-    saltus_trajectory *t = NULL;
+    saltus_sweep_trajectory *t = NULL;
     bool under_way = false;
     while (!under_way && saltus_schedule_open(w->schedule) && (t = next_trajectory(w)))
         under_way = go_on(w, t, lane);
@@ -251,7 +252,7 @@ static void run_plain(worker *w) {
     lane_set *here = &w->plain, *there = &w->tangent;
     int lane = 0;
     saltus_next next = advance(here->flow, here->at, &lane);
-    saltus_trajectory *t = here->at[lane];
+    saltus_sweep_trajectory *t = here->at[lane];
     if (next == SALTUS_NEXT_MEASURE) {
         int other = free_lane(there);
         if (measure_in(t, there->flow, other)) {
@@ -277,8 +278,8 @@ static void run_tangent(worker *w) {
     lane_set *here = &w->tangent;
     int lane = 0;
     saltus_next next = advance(here->flow, here->at, &lane);
-    saltus_trajectory *t = here->at[lane];
-    if (next == SALTUS_NEXT_MEASURE && saltus_trajectory_measure(t, here->flow, lane))
+    saltus_sweep_trajectory *t = here->at[lane];
+    if (next == SALTUS_NEXT_MEASURE && saltus_sweep_trajectory_measure(t, here->flow, lane))
         return;
     if (next == SALTUS_NEXT_GO_ON)
         return;
@@ -298,7 +299,7 @@ static bool is_tangents_turn(const worker *w) {
     const lane_set *plain = &w->plain, *tangent = &w->tangent;
     bool waits = false;
     for (int l = 0; l < tangent->lanes && plain->live < plain->lanes; l++) {
-        const saltus_trajectory *t = tangent->at[l];
+        const saltus_sweep_trajectory *t = tangent->at[l];
         waits |= t && t->place + 1 < t->job->length;
     }
     return tangent->live > 0 && (waits || plain->live == 0 || tangent->live == tangent->lanes);

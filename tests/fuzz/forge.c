@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "forge.h"
 
-#include "io/hdf5.h"
+#include "record/hdf5.h"
 
 #include <float.h>
 #include <math.h>

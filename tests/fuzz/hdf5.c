@@ -8,7 +8,7 @@
 #include "forge.h"
 #include "fuzz.h"
 
-#include "io/hdf5.h"
+#include "record/hdf5.h"
 
 #include <math.h>
 

@@ -1,0 +1,40 @@
+/* Recorded trajectories: samples, events and stroboscopic points.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef SALTUS_TRAJECTORY_H
+#define SALTUS_TRAJECTORY_H
+
+#include "saltus/flow.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* A sampled trajectory with its events and stroboscopic points. Arrays are owned by the record. */
+typedef struct saltus_trajectory {
+    int dimension;
+    long long samples;    /* rows of `time` and `states` */
+    double *time;         /* in forcing periods from the start of the recording; never decreasing */
+    double *states;       /* samples x dimension */
+    double *displacement; /* observed displacement and velocity, per sample */
+    double *velocity;
+    saltus_event *events;  /* impacts, sticks and releases; times as above */
+    long long *event_rows; /* the row just before each event; after an impact or a stick the next row is just
+                              after */
+    long long event_count;
+    long long strobes;     /* stroboscopic points at phase 0, one per recorded period, at its begin */
+    double *strobe_states; /* strobes x dimension */
+} saltus_trajectory;
+
+/* Run `transient` periods from a state, then record `periods` periods with `per_period` samples each, the end
+ * included, and one at each side of an impact. Errors: those of the flow, SALTUS_BAD_INPUT, SALTUS_NO_MEMORY;
+ * the record is then empty. SALTUS_INTERRUPTED: it holds what there is so far. */
+saltus_status saltus_trajectory_record(const saltus_system *system, const double *state,
+                                       const saltus_flow_options *options, long long transient,
+                                       long long periods, int per_period, saltus_trajectory *record,
+                                       saltus_message *message);
+void saltus_trajectory_clear(saltus_trajectory *record);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,113 @@
+/* The parts of a bifurcation diagram that may lie over others: curves, marks and what they mean.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "figure/branch.h"
+
+static const char *const hues[SALTUS_HUES] = {"#2c5f8a", "#c44e2a", "#2f8f6f",
+                                              "#8a5aa0", "#b08a00", "#555555"};
+
+/* How special points are marked, and what they are. */
+static const struct {
+    int point_type;
+    double size;
+    const char *colour, *meaning;
+} marks[SALTUS_PLOT_MARKS] = {
+    [SALTUS_POINT_LP] = {5, 1.15, "#1c1c1c", "LP  fold"},
+    [SALTUS_POINT_PD] = {13, 1.5, "#b5179e", "PD  flip"},
+    [SALTUS_POINT_NS] = {9, 1.4, "#e07a00", "NS  torus"},
+    [SALTUS_POINT_BP] = {7, 1.2, "#0a7d32", "BP  branch point"},
+    [SALTUS_POINT_GR] = {11, 1.4, "#c1121f", "GR  grazing"},
+    [SALTUS_POINT_CH] = {15, 1.4, "#7209b7", "CH  chatter"},
+    [SALTUS_POINT_ST] = {4, 1.2, "#3a5a98", "ST  sticking"},
+    [SALTUS_POINT_UZ] = {6, 1.1, "#404040", "UZ  wanted"},
+    [SALTUS_POINT_EP] = {2, 1.1, "#606060", "EP  end"},
+    [SALTUS_POINT_CP] = {12, 1.4, "#1c1c1c", "codimension two, as named"},
+};
+
+static const char *hue_colour(const saltus_plot_page *page, int hue) {
+    return page->locus ? marks[SALTUS_POINT_LP + hue].colour : hues[hue];
+}
+
+/* Whether any point of a hue exists. */
+static bool has_hue(const saltus_plot_page *page, int hue) {
+    for (int i = 0; i < page->count; i++)
+        for (int k = 0; k < page->files[i].point_count; k++)
+            if (saltus_plot_hue(page, i, page->files[i].points[k].branch) == hue)
+                return true;
+    return false;
+}
+
+/* Whether any point of a kind is marked on the page. */
+static bool has_kind(const saltus_plot_page *page, saltus_point_kind kind) {
+    for (int i = 0; i < page->count; i++)
+        for (int k = 0; k < page->files[i].point_count; k++) {
+            const saltus_branch_point *point = &page->files[i].points[k];
+            if (saltus_plot_mark(point->kind) == kind && saltus_plot_shown(page, point) &&
+                saltus_plot_marked(&page->files[i], point))
+                return true;
+        }
+    return false;
+}
+
+int saltus_plot_legend_entries(const saltus_plot_page *page) {
+    int count = page->locus ? 1 : page->count == 1 ? 2 : 2 + page->count;
+    for (int hue = 0; hue < SALTUS_HUES; hue++)
+        count += page->locus && has_hue(page, hue);
+    for (int kind = SALTUS_POINT_LP; kind < SALTUS_PLOT_MARKS; kind++)
+        count += has_kind(page, (saltus_point_kind)kind);
+    return count;
+}
+
+void saltus_plot_curves(const saltus_plot_page *page) {
+    static const char *const look[SALTUS_STROKES] = {"lw 2.6", "dt (9,6) lw 1.9", "dt (2,5) lw 1.3"};
+    static const char *const border[SALTUS_STROKES] = {"lw 2.6", "dt (7,9) lw 1.2", "lw 1"};
+    for (int stroke = SALTUS_STROKES - 1; stroke >= 0; stroke--)
+        for (int hue = 0; hue < SALTUS_HUES; hue++)
+            if (has_hue(page, hue))
+                fprintf(page->file, "     $curve_%d_%d using 1:2 with lines %s lc rgb '%s' notitle, \\\n",
+                        hue, stroke, (page->locus ? border : look)[stroke], hue_colour(page, hue));
+}
+
+/* Marks with a white rim, which lifts them off the curves; those that often lie under others come last. */
+void saltus_plot_marks(const saltus_plot_page *page) {
+    for (int kind = SALTUS_PLOT_MARKS - 1; kind >= SALTUS_POINT_LP; kind--) {
+        bool solid = kind != SALTUS_POINT_EP && kind != SALTUS_POINT_UZ && kind != SALTUS_POINT_ST;
+        if (!has_kind(page, (saltus_point_kind)kind))
+            continue;
+        if (solid)
+            fprintf(page->file,
+                    "     $marks_%d using 1:2 with points pt %d ps %g lc rgb '#ffffff' notitle, \\\n", kind,
+                    marks[kind].point_type, marks[kind].size + 0.45);
+        fprintf(page->file,
+                "     $marks_%d using 1:2 with points pt %d ps %g lw 1.6 lc rgb '%s' notitle, \\\n", kind,
+                marks[kind].point_type, marks[kind].size, marks[kind].colour);
+    }
+}
+
+/* What the lines are: kinds of special points, or files. */
+static void put_line_legend(const saltus_plot_page *page) {
+    static const char *const line = "     NaN with lines %s lc rgb '%s' title '%s', \\\n";
+    for (int hue = 0; hue < SALTUS_HUES && page->locus; hue++)
+        if (has_hue(page, hue))
+            fprintf(page->file, line, "lw 2.6", hue_colour(page, hue), marks[SALTUS_POINT_LP + hue].meaning);
+    for (int i = 0; i < page->count && page->count > 1 && !page->locus; i++) {
+        saltus_line name = {.length = 0};
+        saltus_line_plain(&name, page->files[i].scene);
+        saltus_plot_add_differences(page, i, &name);
+        fprintf(page->file, line, "lw 2.6", hues[i % SALTUS_HUES], name.text);
+    }
+    if (page->locus)
+        fprintf(page->file, line, "dt (7,9) lw 1.2", "#404040", "bounds no stable orbit");
+    else {
+        fprintf(page->file, line, "lw 2.6", "#404040", "stable");
+        fprintf(page->file, line, "dt (9,6) lw 1.9", "#404040", "unstable");
+    }
+}
+
+void saltus_plot_legend(const saltus_plot_page *page) {
+    put_line_legend(page);
+    for (int kind = SALTUS_POINT_LP; kind < SALTUS_PLOT_MARKS; kind++)
+        if (has_kind(page, (saltus_point_kind)kind))
+            fprintf(page->file, "     NaN with points pt %d ps %g lw 1.6 lc rgb '%s' title '%s', \\\n",
+                    marks[kind].point_type, marks[kind].size, marks[kind].colour, marks[kind].meaning);
+    fputs("     NaN notitle\n", page->file);
+}

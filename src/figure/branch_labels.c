@@ -1,0 +1,295 @@
+/* Words on a bifurcation diagram, where they do not cover each other: n/p along each stretch of a branch and
+ * the names of special points.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "figure/branch.h"
+#include "figure/caption.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { places_max = 400 };
+
+/* Size of the diagram and of a word in it, roughly, in units of a word's height. */
+static const double page_width = 70, page_height = 46, letter_width = 0.62;
+
+typedef struct place {
+    double x, y, half_width;
+} place;
+
+typedef struct places {
+    place taken[places_max];
+    int count;
+} places;
+
+static place place_of(const saltus_plot_page *page, const saltus_branch_point *point, size_t letters) {
+    return (place){page_width * (saltus_plot_x(point) - page->x.low) / (page->x.high - page->x.low),
+                   page_height * (saltus_plot_y(page, point) - page->y.low) / (page->y.high - page->y.low),
+                   0.5 * letter_width * (double)letters + 0.5};
+}
+
+/* The way on the page from row k - 1 to row k of a file. */
+static double way_to(const saltus_plot_page *page, const saltus_branch_file *f, int k) {
+    place a = place_of(page, &f->points[k - 1], 0), b = place_of(page, &f->points[k], 0);
+    return hypot(b.x - a.x, b.y - a.y);
+}
+
+static bool is_free(const places *all, place wanted) {
+    if (all->count == places_max || wanted.x < wanted.half_width ||
+        wanted.x > page_width - wanted.half_width || wanted.y < 0.6 || wanted.y > page_height - 0.6)
+        return false;
+    for (int k = 0; k < all->count; k++)
+        if (fabs(all->taken[k].x - wanted.x) < all->taken[k].half_width + wanted.half_width &&
+            fabs(all->taken[k].y - wanted.y) < 1.5)
+            return false;
+    return true;
+}
+
+static void put_label(const saltus_plot_page *page, const saltus_line *line, place where, const char *style) {
+    fprintf(page->file, "set label '%s' at graph %.4f,%.4f %s\n", line->text, where.x / page_width,
+            where.y / page_height, style);
+}
+
+/* How far the curves stay away from a place, as far as it matters. */
+static double clearance(const saltus_plot_page *page, place wanted) {
+    const double enough = 1.3;
+    double least = enough;
+    for (int i = 0; i < page->count; i++)
+        for (int k = 0; k + 1 < page->files[i].point_count; k++) {
+            const saltus_branch_point *points = page->files[i].points;
+            place a = place_of(page, &points[k], 0), b = place_of(page, &points[k + 1], 0);
+            if (points[k].branch != points[k + 1].branch)
+                continue;
+            /* Distance to the chord between the two points. */
+            double dx = b.x - a.x, dy = b.y - a.y, square = dx * dx + dy * dy;
+            double part = square > 0 ? ((wanted.x - a.x) * dx + (wanted.y - a.y) * dy) / square : 0;
+            part = fmin(fmax(part, 0), 1);
+            least = fmin(least, hypot(wanted.x - a.x - part * dx, wanted.y - a.y - part * dy));
+        }
+    return least;
+}
+
+static void take_place(places *all, place taken) {
+    if (all->count < places_max)
+        all->taken[all->count++] = taken;
+}
+
+/* Whether an earlier point of the same kind, in the order of the files, lies under this one. */
+static bool named_already(const saltus_plot_page *page, const saltus_branch_point *point) {
+    place own = place_of(page, point, 0);
+    for (int i = 0; i < page->count; i++)
+        for (int k = 0; k < page->files[i].point_count; k++) {
+            const saltus_branch_point *other = &page->files[i].points[k];
+            place its = place_of(page, other, 0);
+            if (other == point)
+                return false;
+            if (other->kind == point->kind && hypot(its.x - own.x, its.y - own.y) < 0.8)
+                return true;
+        }
+    return false;
+}
+
+/* A special point's name beside it, where it is farthest from the curves. */
+static void name_point(const saltus_plot_page *page, const saltus_branch_point *point, places *all) {
+    static const double shift[][2] = {{0, 1.5},    {1.8, 0.9},   {-1.8, 0.9}, {2.1, 0}, {-2.1, 0},
+                                      {1.8, -0.9}, {-1.8, -0.9}, {0, -1.5},   {0, 2.4}, {0, -2.4}};
+    const char *word = saltus_point_word(point->kind);
+    place best = {0, 0, 0};
+    double widest = 0;
+    if (point->kind == SALTUS_POINT_UZ || point->kind == SALTUS_POINT_EP || named_already(page, point))
+        return;
+    for (size_t k = 0; k < sizeof shift / sizeof shift[0]; k++) {
+        place wanted = place_of(page, point, strlen(word));
+        /* The shifts are those of a name of two letters. */
+        double longer = 0.5 * letter_width * ((double)strlen(word) - 2);
+        wanted.x += shift[k][0] + (shift[k][0] > 0 ? longer : shift[k][0] < 0 ? -longer : 0);
+        if (shift[k][0] == 0)
+            wanted.x = fmin(fmax(wanted.x, wanted.half_width), page_width - wanted.half_width);
+        wanted.y += shift[k][1];
+        double away = is_free(all, wanted) ? clearance(page, wanted) : 0;
+        if (away <= widest + 0.1)
+            continue;
+        widest = away;
+        best = wanted;
+    }
+    if (widest == 0)
+        return;
+    saltus_line line = {.length = 0};
+    saltus_line_plain(&line, word);
+    put_label(page, &line, best, "center front tc rgb '#303030' font ',10'");
+    take_place(all, best);
+}
+
+/* A stretch of one branch on which the motion has one name. */
+typedef struct stretch {
+    int first, last; /* rows of the file */
+    double length;   /* on the page */
+} stretch;
+
+static stretch find_stretch(const saltus_plot_page *page, const saltus_branch_file *f, int first) {
+    stretch s = {first, first, 0};
+    for (int k = first + 1;
+         k < f->point_count && f->points[k].branch == f->points[first].branch &&
+         saltus_plot_shown(page, &f->points[k]) == saltus_plot_shown(page, &f->points[first]) &&
+         strcmp(f->points[k].label, f->points[first].label) == 0;
+         k++) {
+        s.length += way_to(page, f, k);
+        s.last = k;
+    }
+    return s;
+}
+
+/* The row nearest to a part of a stretch's length. */
+static int row_at(const saltus_plot_page *page, const saltus_branch_file *f, stretch s, double part) {
+    double passed = 0;
+    for (int k = s.first + 1; k <= s.last; k++) {
+        passed += way_to(page, f, k);
+        if (passed >= part * s.length)
+            return k;
+    }
+    return s.first;
+}
+
+/* What a stretch is called: n/p, with the kind of point and what the files differ in on curves of these. */
+static int stretch_name(const saltus_plot_page *page, int file, stretch s, saltus_line *name) {
+    const saltus_branch_file *f = &page->files[file];
+    if (page->locus)
+        saltus_line_add(name, "%s ", saltus_point_word(f->options.locus));
+    saltus_line_plain(name, f->points[s.first].label);
+    int letters = (int)name->length;
+    if (page->locus)
+        saltus_plot_add_differences(page, file, name);
+    return (int)name->length > letters ? letters + 10 : letters;
+}
+
+static void name_stretch(const saltus_plot_page *page, int file, stretch s, places *all) {
+    static const double parts[] = {0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8, 0.1, 0.9};
+    static const char *const colour[SALTUS_HUES] = {"#1d4566", "#8f3719", "#1f6650",
+                                                    "#634078", "#7a5c00", "#444444"};
+    const saltus_branch_file *f = &page->files[file];
+    saltus_line name = {.length = 0};
+    int letters = stretch_name(page, file, s, &name);
+    int hue = saltus_plot_hue(page, file, f->points[s.first].branch);
+    char style[96];
+    snprintf(style, sizeof style, "center front boxed tc rgb '%s' font ',11'",
+             page->locus ? "#202020" : colour[hue]);
+    if (s.length < 1.5 * letter_width * letters + 1)
+        return;
+    for (size_t k = 0; k < sizeof parts / sizeof parts[0]; k++) {
+        place wanted = place_of(page, &f->points[row_at(page, f, s, parts[k])], (size_t)letters + 1);
+        if (!is_free(all, wanted))
+            continue;
+        put_label(page, &name, wanted, style);
+        take_place(all, wanted);
+        return;
+    }
+}
+
+/* The special points of all files: their marks are taken before any name looks for its place. */
+static void name_points(const saltus_plot_page *page, places *all) {
+    for (int pass = 0; pass < 2; pass++)
+        for (int i = 0; i < page->count; i++)
+            for (int k = 0; k < page->files[i].point_count; k++) {
+                const saltus_branch_point *point = &page->files[i].points[k];
+                if (!saltus_plot_marked(&page->files[i], point))
+                    continue;
+                if (pass == 0)
+                    take_place(all, place_of(page, point, 1));
+                else
+                    name_point(page, point, all);
+            }
+}
+
+/* The names asked for, in letters that stand out from the curves' own. */
+static void name_regions(const saltus_plot_page *page, places *all) {
+    const char *first = page->files[0].options.key[0];
+    for (int k = 0; k < page->options->label_count; k++) {
+        const saltus_plot_label *label = &page->options->labels[k];
+        bool turned = strcmp(label->key[0], first) != 0;
+        double x = label->value[turned], y = label->value[!turned];
+        saltus_line line = {.length = 0};
+        place where = {page_width * (x - page->x.low) / (page->x.high - page->x.low),
+                       page_height * (y - page->y.low) / (page->y.high - page->y.low),
+                       letter_width * (double)strlen(label->text) + 0.5};
+        if (x < page->x.low || x > page->x.high || y < page->y.low || y > page->y.high)
+            continue;
+        saltus_line_plain(&line, label->text);
+        put_label(page, &line, where, "center front tc rgb '#101010' font ':Bold,17'");
+        take_place(all, where);
+    }
+}
+
+/* Values of the k-th parameter or key of a stop, and its key; false beyond the last. */
+static bool value_of(const saltus_spec *spec, int k, char key[SALTUS_KEY_MAX], double *value) {
+    int count, keys;
+    const saltus_parameter *p = saltus_model_parameters(spec->model, &count);
+    const saltus_parameter *s = saltus_stop_parameters(&keys);
+    int stop = k < count ? 0 : (k - count) / keys;
+    if (k < count) {
+        snprintf(key, SALTUS_KEY_MAX, "%s", p[k].name);
+        *value = spec->parameters[k];
+    } else if (stop < spec->stop_count) {
+        snprintf(key, SALTUS_KEY_MAX, "%s", s[(k - count) % keys].name);
+        if (spec->stop_count > 1)
+            snprintf(key, SALTUS_KEY_MAX, "%s%d", s[(k - count) % keys].name, stop + 1);
+        const double values[] = {spec->stops[stop].xi, spec->stops[stop].d, spec->stops[stop].r};
+        *value = values[(k - count) % keys];
+    }
+    return k < count || stop < spec->stop_count;
+}
+
+/* Whether a key names an axis, perhaps of all stops at once. */
+static bool on_axis(const saltus_plot_page *page, const char *key) {
+    for (int axis = 0; axis < 2; axis++) {
+        const char *own = page->files[0].options.key[axis];
+        size_t length = strlen(own);
+        if (length && strncmp(key, own, length) == 0 &&
+            strspn(key + length, "0123456789") == strlen(key + length))
+            return true;
+    }
+    return false;
+}
+
+static bool differs(const saltus_plot_page *page, int k, const char *key, double value) {
+    char other_key[SALTUS_KEY_MAX];
+    double other = NAN;
+    for (int i = 1; i < page->count && !on_axis(page, key); i++)
+        if (value_of(&page->files[i].spec, k, other_key, &other) && other != value)
+            return true;
+    return false;
+}
+
+void saltus_plot_difference(const saltus_plot_page *page, int rank, char key[SALTUS_KEY_MAX]) {
+    double value = NAN;
+    for (int k = 0; value_of(&page->files[0].spec, k, key, &value); k++)
+        if (differs(page, k, key, value) && rank-- == 0)
+            return;
+    key[0] = '\0';
+}
+
+void saltus_plot_add_differences(const saltus_plot_page *page, int file, saltus_line *line) {
+    char key[SALTUS_KEY_MAX];
+    double value = NAN, own = NAN;
+    for (int k = 0; value_of(&page->files[0].spec, k, key, &value); k++) {
+        if (!differs(page, k, key, value) || !value_of(&page->files[file].spec, k, key, &own))
+            continue;
+        saltus_line_add(line, ", ");
+        saltus_line_symbol(line, key);
+        saltus_line_add(line, " = ");
+        saltus_line_number(line, "%.6g", own);
+    }
+}
+
+void saltus_plot_labels(const saltus_plot_page *page) {
+    places all = {.count = 0};
+    fputs("set style textbox opaque noborder fillcolor '#ffffff' margins 0.4,0.2\n", page->file);
+    name_regions(page, &all);
+    name_points(page, &all);
+    for (int i = 0; i < page->count; i++) {
+        const saltus_branch_file *f = &page->files[i];
+        for (int k = 0; k < f->point_count;) {
+            stretch s = find_stretch(page, f, k);
+            name_stretch(page, i, s, &all);
+            k = s.last + 1;
+        }
+    }
+}

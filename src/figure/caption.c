@@ -1,0 +1,229 @@
+/* Lines of text for figures, in gnuplot's enhanced text inside single quotes.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "figure/caption.h"
+
+#include "record/describe.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+void saltus_line_add(saltus_line *l, const char *format, ...) {
+    va_list arguments;
+    va_start(arguments, format);
+    int length = vsnprintf(l->text + l->length, sizeof l->text - l->length, format, arguments);
+    va_end(arguments);
+    if (length > 0)
+        l->length +=
+            (size_t)length < sizeof l->text - l->length ? (size_t)length : sizeof l->text - l->length - 1;
+}
+
+void saltus_line_plain(saltus_line *l, const char *text) {
+    for (const char *c = text; *c; c++) {
+        if (strchr("_^{}@&~\\", *c))
+            saltus_line_add(l, "\\%c", *c);
+        else if (*c == '\'')
+            saltus_line_add(l, "''");
+        else if ((unsigned char)*c >= 0x20 && *c != 0x7f)
+            saltus_line_add(l, "%c", *c);
+    }
+}
+
+void saltus_line_number(saltus_line *l, const char *format, double value) {
+    char text[64];
+    snprintf(text, sizeof text, format, fabs(value));
+    saltus_line_add(l, "%s%s", value < 0 ? "−" : "", text);
+}
+
+void saltus_line_symbol(saltus_line *l, const char *name) {
+    static const char *const greek[][2] = {{"alpha", "α"}, {"beta", "β"},  {"kappa", "κ"},
+                                           {"sigma", "σ"}, {"omega", "ω"}, {"xi", "ξ"}};
+    for (size_t k = 0; k < sizeof greek / sizeof greek[0]; k++) {
+        size_t length = strlen(greek[k][0]);
+        if (strncmp(name, greek[k][0], length) != 0)
+            continue;
+        saltus_line_add(l, "{/:Italic %s}", greek[k][1]);
+        if (name[length])
+            saltus_line_add(l, "_{%s}", name + length);
+        return;
+    }
+    saltus_line_add(l, "{/:Italic %c}", name[0]);
+    if (name[1])
+        saltus_line_add(l, "_{%s}", name + 1);
+}
+
+/* The coordinate that a stop limits, w1 x1 + w2 x2, without zeros and ones. */
+static void add_weights(saltus_line *l, const double weight[2]) {
+    bool first = true;
+    for (int i = 0; i < 2; i++) {
+        if (weight[i] == 0)
+            continue;
+        saltus_line_add(l, "%s", weight[i] < 0 ? (first ? "−" : " − ") : first ? "" : " + ");
+        if (fabs(weight[i]) != 1)
+            saltus_line_add(l, "%.6g ", fabs(weight[i]));
+        saltus_line_add(l, "{/:Italic x}_%d", i + 1);
+        first = false;
+    }
+}
+
+/* Whether one of two keys (NULL: none) is the property `name` of stop s. */
+static bool varies(const char *const varied[2], const char *name, int s) {
+    return (varied[0] && saltus_key_means(varied[0], name, s)) ||
+           (varied[1] && saltus_key_means(varied[1], name, s));
+}
+
+static void add_stop(saltus_line *l, const saltus_system *system, int s, const char *const varied[2]) {
+    const saltus_spec *spec = saltus_system_spec(system);
+    const saltus_stop *stop = &spec->stops[s];
+    static const char *const side[] = {"", "upper", "lower", "both sides"};
+    saltus_line_add(l, spec->stop_count > 1 ? "stop %d: " : "stop: ", s + 1);
+    if (saltus_is_pipe(system) && !varies(varied, "xi", s)) {
+        saltus_line_symbol(l, "xi");
+        saltus_line_add(l, " = %.6g, ", stop->xi);
+    } else if (saltus_system_dof(system) > 1 && !saltus_is_pipe(system)) {
+        add_weights(l, stop->weight);
+        saltus_line_add(l, ", ");
+    }
+    if (!varies(varied, "d", s)) {
+        saltus_line_symbol(l, "d");
+        saltus_line_add(l, " = ");
+        saltus_line_number(l, "%.6g", stop->d);
+        saltus_line_add(l, ", ");
+    }
+    if (!varies(varied, "r", s)) {
+        saltus_line_symbol(l, "r");
+        saltus_line_add(l, " = %.6g, ", stop->r);
+    }
+    saltus_line_add(l, "%s", side[stop->sides]);
+}
+
+void saltus_line_parameters(saltus_line *l, const saltus_system *system, const char *const varied[2]) {
+    const saltus_spec *spec = saltus_system_spec(system);
+    int count;
+    const saltus_parameter *p = saltus_model_parameters(spec->model, &count);
+    saltus_line_add(l, "%s: ", saltus_model_name(spec->model));
+    const char *separator = "";
+    for (int k = 0; k < count; k++) {
+        bool left_out = (varied[0] && strcmp(varied[0], p[k].name) == 0) ||
+                        (varied[1] && strcmp(varied[1], p[k].name) == 0);
+        if (left_out || !saltus_parameter_shown(spec, k))
+            continue;
+        saltus_line_add(l, "%s", separator);
+        saltus_line_symbol(l, p[k].name);
+        saltus_line_add(l, " = ");
+        saltus_line_number(l, "%.6g", spec->parameters[k]);
+        separator = ", ";
+    }
+    for (int s = 0; s < spec->stop_count; s++) {
+        saltus_line_add(l, ";  ");
+        add_stop(l, system, s, varied);
+    }
+    if (spec->stop_count == 0)
+        saltus_line_add(l, ";  no stop");
+}
+
+/* How many bytes of enhanced text fit into one line of the page: up to a blank outside braces, after a comma
+ * or semicolon where there is one in the second half of the line. */
+static size_t piece(const char *text) {
+    enum { widest = 150 };
+    size_t fits = 0, word = 0;
+    int depth = 0, shown = 0;
+    for (size_t k = 0; text[k]; k++) {
+        if (strncmp(text + k, "{/:Italic ", 10) == 0) {
+            k += 9;
+            depth++;
+        } else if (text[k] == '{' || text[k] == '}')
+            depth += text[k] == '{' ? 1 : -1;
+        else if (text[k] == ' ' && depth == 0) {
+            word = k;
+            if (k && shown > widest / 2 && strchr(",;", text[k - 1]))
+                fits = k;
+            shown++;
+        } else if (text[k] != '_' && text[k] != '\\' && ((unsigned char)text[k] & 0xc0) != 0x80)
+            shown++;
+        if (shown > widest && word)
+            return fits ? fits : word;
+    }
+    return strlen(text);
+}
+
+void saltus_line_put(FILE *file, const saltus_line *l, const char *colour, double *height) {
+    const char *text = l->text;
+    while (*text) {
+        size_t length = piece(text);
+        fprintf(file, "set label '%.*s' at screen 0.03,%.4f left front tc rgb '%s'\n", (int)length, text,
+                *height, colour);
+        *height -= 0.0255;
+        text += length;
+        text += strspn(text, " ");
+    }
+}
+
+void saltus_put_version(FILE *file) {
+    fputs("set label 'Saltus " SALTUS_VERSION
+          "' at screen 0.985,0.012 right tc rgb '#909090' font ',9' front\n",
+          file);
+}
+
+void saltus_observed_name(const saltus_system *system, bool velocity, char *text, size_t room) {
+    const saltus_spec *spec = saltus_system_spec(system);
+    const double *observer = saltus_system_observer(system);
+    double xi = spec->stop_count ? spec->stops[0].xi : 0.5;
+    bool single_mass = saltus_system_dof(system) > 1
+                           ? observer[0] + observer[1] == 1 && observer[0] * observer[1] == 0
+                           : observer[0] == 1;
+    char place[32] = "½";
+    if (xi != 0.5)
+        snprintf(place, sizeof place, "%.4g", xi);
+    if (saltus_is_pipe(system))
+        snprintf(text, room,
+                 velocity ? "velocity ∂{/:Italic η}/∂{/:Italic τ} (%s, {/:Italic τ})"
+                          : "displacement {/:Italic η}(%s, {/:Italic τ})",
+                 place);
+    else if (single_mass)
+        snprintf(text, room,
+                 velocity ? "velocity d{/:Italic x}_%d/d{/:Italic t}" : "displacement {/:Italic x}_%d",
+                 observer[0] == 1 ? 1 : 2);
+    else
+        snprintf(text, room, "%s",
+                 velocity ? "velocity d{/:Italic g}/d{/:Italic t}" : "contact coordinate {/:Italic g}");
+}
+
+void saltus_line_parameter(saltus_line *line, const saltus_spec *spec, const char *key) {
+    int count, stops;
+    const saltus_parameter *p = saltus_model_parameters(spec->model, &count);
+    const saltus_parameter *s = saltus_stop_parameters(&stops);
+    const char *meaning = "";
+    for (int k = 0; k < stops; k++)
+        if (strncmp(key, s[k].name, strlen(s[k].name)) == 0)
+            meaning = s[k].meaning;
+    for (int k = 0; k < count; k++)
+        if (strcmp(key, p[k].name) == 0)
+            meaning = p[k].meaning;
+    if (!strchr(meaning, '^') && *meaning)
+        saltus_line_add(line, "%.*s  ", (int)strcspn(meaning, ",;("), meaning);
+    saltus_line_symbol(line, key);
+}
+
+/* A number with a true minus sign, its power of ten as an exponent. */
+static void add_number(saltus_line *line, const char *text) {
+    for (const char *c = text; *c; c++) {
+        if (*c == 'e') {
+            int power = 0;
+            sscanf(c + 1, "%d", &power);
+            saltus_line_add(line, "·10^{%s%d}", power < 0 ? "−" : "", power < 0 ? -power : power);
+            return;
+        }
+        if (*c == '-')
+            saltus_line_add(line, "−");
+        else
+            saltus_line_add(line, "%c", *c);
+    }
+}
+
+void saltus_line_uncertain(saltus_line *line, saltus_uncertain number) {
+    add_number(line, number.value);
+    saltus_line_add(line, " ± ");
+    add_number(line, number.error);
+}

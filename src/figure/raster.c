@@ -1,0 +1,192 @@
+/* Pictures made of pixels, their colours, and densities of points.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "figure/raster.h"
+
+#include <gsl/gsl_sort_float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+bool saltus_raster_open(saltus_raster *raster, int width, int height) {
+    *raster = (saltus_raster){.width = width, .height = height};
+    raster->pixels = calloc((size_t)width * (size_t)height, 4);
+    return raster->pixels != NULL;
+}
+
+void saltus_raster_close(saltus_raster *raster) {
+    free(raster->pixels);
+    *raster = (saltus_raster){0};
+}
+
+static unsigned char *pixel_at(const saltus_raster *raster, int x, int y) {
+    return raster->pixels + 4 * ((size_t)y * (size_t)raster->width + (size_t)x);
+}
+
+static unsigned char part_of(uint32_t colour, int k) {
+    return (unsigned char)(colour >> (16 - 8 * k) & 0xff);
+}
+
+void saltus_raster_set(saltus_raster *raster, int x, int y, uint32_t colour, double opacity) {
+    unsigned char *pixel = pixel_at(raster, x, y);
+    for (int k = 0; k < 3; k++)
+        pixel[k] = part_of(colour, k);
+    pixel[3] = (unsigned char)lround(255 * opacity);
+}
+
+void saltus_raster_element(FILE *script, const saltus_raster *raster, const char *axes) {
+    fprintf(script,
+            "'-' binary array=(%d,%d) dx=1 dy=1 origin=(0.5,0.5) format='%%uchar%%uchar%%uchar%%uchar' "
+            "using 1:2:3:4 axes %s with rgbalpha notitle",
+            raster->width, raster->height, axes);
+}
+
+void saltus_raster_bytes(FILE *script, const saltus_raster *raster) {
+    fwrite(raster->pixels, 4, (size_t)raster->width * (size_t)raster->height, script);
+}
+
+long long saltus_raster_changes(const saltus_raster *raster) {
+    long long count = 0;
+    for (int y = 0; y < raster->height; y++)
+        for (int x = 1; x < raster->width; x++) {
+            const unsigned char *pixel = pixel_at(raster, x, y);
+            count += memcmp(pixel, pixel - 4, 4) != 0;
+        }
+    return count;
+}
+
+/* Linear red, green and blue of an Oklab colour; whether a screen can show it. */
+static bool linear_of(double lightness, double chroma, double hue, double linear[3]) {
+    double degree = acos(-1.0) / 180, a = chroma * cos(hue * degree), b = chroma * sin(hue * degree);
+    double l = lightness + 0.3963377774 * a + 0.2158037573 * b,
+           m = lightness - 0.1055613458 * a - 0.0638541728 * b,
+           s = lightness - 0.0894841775 * a - 1.2914855480 * b;
+    l = l * l * l;
+    m = m * m * m;
+    s = s * s * s;
+    linear[0] = 4.0767416621 * l - 3.3077115913 * m + 0.2309699292 * s;
+    linear[1] = -1.2684380046 * l + 2.6097574011 * m - 0.3413193965 * s;
+    linear[2] = -0.0041960863 * l - 0.7034186147 * m + 1.7076147010 * s;
+    bool shown = true;
+    for (int k = 0; k < 3; k++)
+        shown = shown && linear[k] > -1e-4 && linear[k] < 1 + 1e-4;
+    return shown;
+}
+
+uint32_t saltus_colour(double lightness, double chroma, double hue) {
+    double linear[3];
+    uint32_t colour = 0;
+    lightness = fmin(fmax(lightness, 0), 1);
+    for (int k = 0; k < 40 && !linear_of(lightness, chroma, hue, linear); k++)
+        chroma *= 0.95;
+    for (int k = 0; k < 3; k++) {
+        double c = fmin(fmax(linear[k], 0), 1);
+        c = c <= 0.0031308 ? 12.92 * c : 1.055 * pow(c, 1 / 2.4) - 0.055;
+        colour = colour << 8 | (uint32_t)lround(255 * c);
+    }
+    return colour;
+}
+
+/* The colour at a part of a list of equally spaced ones. */
+static uint32_t between(const uint32_t *list, int count, double part) {
+    double place = fmin(fmax(part, 0), 1) * (count - 1);
+    int k = place >= count - 1 ? count - 2 : (int)place;
+    uint32_t colour = 0;
+    for (int c = 0; c < 3; c++)
+        colour = colour << 8 | (uint32_t)lround((1 - (place - k)) * part_of(list[k], c) +
+                                                (place - k) * part_of(list[k + 1], c));
+    return colour;
+}
+
+uint32_t saltus_colour_ramp(double part) {
+    static const uint32_t viridis[] = {0x440154, 0x482475, 0x414487, 0x355f8d, 0x2a788e, 0x21918c,
+                                       0x22a884, 0x44bf70, 0x7ad151, 0xbddf26, 0xfde725};
+    return between(viridis, sizeof viridis / sizeof viridis[0], part);
+}
+
+uint32_t saltus_colour_sides(double part) {
+    static const uint32_t sides[] = {0x123f75, 0x2f6fae, 0x76a9d3, 0xb9d5e8, 0xf4f2ee,
+                                     0xf6cfa4, 0xe8964f, 0xc25d17, 0x7d3205};
+    return between(sides, sizeof sides / sizeof sides[0], part);
+}
+
+bool saltus_colour_light(uint32_t colour) {
+    return 0.299 * part_of(colour, 0) + 0.587 * part_of(colour, 1) + 0.114 * part_of(colour, 2) > 140;
+}
+
+/* Clouds of points as densities: a histogram in two dimensions at the resolution of the page. Each trajectory
+ * has the weight one, which its points share: a periodic one with few points is dark, one that never repeats
+ * is a veil, and how long each was recorded does not matter. */
+
+bool saltus_tally_open(saltus_tally *tally, int width, int height) {
+    size_t size = (size_t)width * (size_t)height;
+    *tally = (saltus_tally){width, height, calloc(size, sizeof(float)), calloc(size, sizeof(float))};
+    if (tally->cover && tally->weight)
+        return true;
+    saltus_tally_close(tally);
+    return false;
+}
+
+void saltus_tally_close(saltus_tally *tally) {
+    free(tally->cover);
+    free(tally->weight);
+    *tally = (saltus_tally){0};
+}
+
+/* The part of pixel k that lies between two places. */
+static double overlap(int k, double low, double high) {
+    return fmax(0, fmin(high, k + 1) - fmax(low, k));
+}
+
+void saltus_tally_add(saltus_tally *tally, double left, double right, double y, double thick, double part) {
+    double low = y - 0.5 * thick, high = y + 0.5 * thick;
+    if (!(right > 0 && left < tally->width && high > 0 && low < tally->height))
+        return;
+    int x0 = left > 0 ? (int)left : 0, y0 = low > 0 ? (int)low : 0;
+    for (int j = y0; j < tally->height && j < high; j++)
+        for (int i = x0; i < tally->width && i < right; i++) {
+            size_t place = (size_t)j * (size_t)tally->width + (size_t)i;
+            double covered = overlap(i, left, right) * overlap(j, low, high);
+            tally->cover[place] += (float)covered;
+            tally->weight[place] += (float)(part * covered);
+        }
+}
+
+static double density_at(const saltus_tally *tally, size_t k) {
+    return tally->weight[k] / fmin(tally->cover[k], 1);
+}
+
+/* Logarithms of the densities between which opacity grows. */
+static void find_tones(const saltus_tally *tally, double *low, double *high) {
+    enum { sample = 20000 };
+    const double least_ratio = 40, rare = 0.02, common = 0.97;
+    size_t size = (size_t)tally->width * (size_t)tally->height, filled = 0, count = 0, seen = 0;
+    float *densities = malloc(sample * sizeof *densities);
+    for (size_t k = 0; k < size; k++)
+        filled += tally->cover[k] > 0;
+    for (size_t k = 0; k < size && densities && count < sample; k++)
+        if (tally->cover[k] > 0 && seen++ % (1 + filled / sample) == 0)
+            densities[count++] = (float)density_at(tally, k);
+    *low = *high = 0;
+    if (count) {
+        gsl_sort_float(densities, 1, count);
+        *low = log(densities[(size_t)(rare * (double)(count - 1))]);
+        *high = log(densities[(size_t)(common * (double)(count - 1))]);
+    }
+    *low = fmin(*low, *high - log(least_ratio));
+    free(densities);
+}
+
+void saltus_tally_paint(const saltus_tally *tally, uint32_t colour, saltus_raster *raster) {
+    const double faintest = 0.16, levels = 24; /* few levels keep compressed files small */
+    double low, high;
+    find_tones(tally, &low, &high);
+    for (int y = 0; y < tally->height; y++)
+        for (int x = 0; x < tally->width; x++) {
+            size_t k = (size_t)y * (size_t)tally->width + (size_t)x;
+            if (tally->cover[k] <= 0)
+                continue;
+            double tone = fmin(fmax((log(density_at(tally, k)) - low) / (high - low), 0), 1);
+            double opacity = fmin(tally->cover[k], 1) * (faintest + (1 - faintest) * tone);
+            saltus_raster_set(raster, x, y, colour, round(opacity * levels) / levels);
+        }
+}

@@ -1,0 +1,55 @@
+/* Private: the parts of a sheet.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef SALTUS_FIGURE_SHEET_H
+#define SALTUS_FIGURE_SHEET_H
+
+#include "figure/caption.h"
+#include "figure/convergence.h"
+#include "figure/gnuplot.h"
+#include "saltus/figure.h"
+
+#include <stddef.h>
+
+typedef struct saltus_sheet {
+    FILE *file; /* gnuplot's script */
+    const saltus_scene *scene;
+    const saltus_system *system;
+    const saltus_motion *motion;
+    const saltus_trajectory *record;
+    const saltus_trajectory *section; /* for section points and impact map */
+    const saltus_spectrum *spectrum;  /* of the first quantity; NULL: none, or nothing moves */
+    const saltus_spectra *spectra;    /* where it comes from */
+    saltus_course course;     /* of the largest exponent, finite numbers only; count 0: not measured */
+    bool orbit;               /* one closed orbit is shown; otherwise a stretch of trajectory */
+    long long rows;           /* rows of the record that are shown, ... */
+    long long events;         /* ... events among them, ... */
+    long long history_rows;   /* ... rows of the time history, from the first one on, ... */
+    long long history_events; /* ... and its events */
+    long long mapped;         /* events of `section` in the impact map */
+    long long contacts;       /* intervals of lasting contact in the time history */
+    saltus_range displacement, velocity;
+} saltus_sheet;
+
+/* sheet_data.c: choose what is shown. */
+void saltus_sheet_choose(saltus_sheet *sheet);
+/* Write it as datablocks of the script; counts the contacts. */
+void saltus_sheet_data(saltus_sheet *sheet);
+/* Impacts among the first events of a record. */
+long long saltus_sheet_impacts(const saltus_trajectory *record, long long events);
+/* Observed displacement and velocity of stroboscopic point k of a record. */
+void saltus_sheet_strobe(const saltus_sheet *sheet, const saltus_trajectory *record, long long k,
+                         double point[2]);
+/* Range of the structure's shapes over the rows shown; the periods that they are spread over. */
+saltus_range saltus_sheet_shape_range(const saltus_sheet *sheet);
+double saltus_sheet_shape_time(const saltus_sheet *sheet);
+
+/* sheet_caption.c: the header lines, as labels, headings of panels and names of axes, in gnuplot's enhanced
+ * text. The caption's lower edge, in parts of the page's height. */
+double saltus_sheet_caption(const saltus_sheet *sheet);
+const char *saltus_sheet_history_heading(const saltus_sheet *sheet);
+void saltus_sheet_impacts_heading(const saltus_sheet *sheet, char *text, size_t room);
+void saltus_sheet_spectrum_heading(const saltus_sheet *sheet, saltus_line *line);
+
+enum { SALTUS_SHEET_SHAPES = 16, SALTUS_SHEET_POINTS = 96 };
+
+#endif

@@ -1,0 +1,241 @@
+/* The words of a sheet, in gnuplot's enhanced text inside single quotes.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "figure/caption.h"
+#include "figure/sheet.h"
+#include "figure/spectrum.h"
+#include "record/describe.h"
+#include "record/lyapunov_words.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Plain text in which "+-" stands for the sign. */
+static void add_sentence(saltus_line *l, const char *text) {
+    for (const char *sign; (sign = strstr(text, " +- ")); text = sign + 4) {
+        saltus_line before = {.length = 0};
+        saltus_line_add(&before, "%.*s", (int)(sign - text), text);
+        saltus_line_plain(l, before.text);
+        saltus_line_add(l, " ± ");
+    }
+    saltus_line_plain(l, text);
+}
+
+static void add_uncertain(saltus_line *l, double value, double error) {
+    saltus_line_uncertain(l, saltus_uncertain_text(value, error));
+}
+
+static void add_fraction(saltus_line *l, double fraction) {
+    double power = floor(log10(fraction));
+    if (fraction >= 1e-3 || !(fraction > 0))
+        saltus_line_add(l, "%.2g", fraction);
+    else
+        saltus_line_add(l, "%.1f·10^{−%.0f}", fraction / pow(10, power), -power);
+}
+
+/* What a motion without a period is, in words. */
+static void add_irregular(saltus_line *l, const saltus_motion *m) {
+    const saltus_evidence *e = &m->evidence;
+    if (m->verdict != SALTUS_CHAOTIC && m->verdict != SALTUS_QUASIPERIODIC) {
+        add_sentence(l, m->reason);
+        return;
+    }
+    saltus_line_add(l, "largest exponent ");
+    add_uncertain(l, m->lyapunov, m->lyapunov_error);
+    saltus_line_add(l, " per unit of time, %s;  measured over %lld periods by %d trajectories",
+                    m->verdict == SALTUS_CHAOTIC                 ? "positive in both halves of the run"
+                    : fabs(m->lyapunov) <= 3 * m->lyapunov_error ? "zero within its error"
+                                                                 : "next to zero",
+                    e->periods, e->members);
+    if (e->curves > 0)
+        saltus_line_add(l, ";  section points fill %d closed curve%s", e->curves, e->curves == 1 ? "" : "s");
+}
+
+/* The numbers that the verdict rests on besides. */
+static void add_evidence(saltus_line *l, const saltus_motion *m) {
+    const saltus_evidence *e = &m->evidence;
+    const char *separator = "";
+    if (saltus_verdict_settled(m->verdict) || e->periods == 0)
+        return;
+    if (m->verdict != SALTUS_QUASIPERIODIC && isfinite(e->half[0]) && isfinite(e->half[1])) {
+        saltus_line_add(l, "exponent in the halves of the run ");
+        add_uncertain(l, e->half[0], e->half_errors[0]);
+        saltus_line_add(l, " and ");
+        add_uncertain(l, e->half[1], e->half_errors[1]);
+        separator = ";  ";
+    }
+    if (isfinite(e->zero_one)) {
+        saltus_line_add(l, "%s0–1 test ", separator);
+        saltus_line_number(l, "%.3f", e->zero_one);
+        separator = ";  ";
+    }
+    if (isfinite(e->dimension)) {
+        saltus_line_add(l, "%scorrelation dimension ", separator);
+        add_uncertain(l, e->dimension, e->dimension_error);
+        separator = ";  ";
+    }
+    if (isfinite(e->broadband)) {
+        saltus_line_add(l, "%sbroadband fraction ", separator);
+        add_fraction(l, e->broadband);
+        separator = ";  ";
+    }
+    saltus_line_add(l, "%s%.4g impacts per {/:Italic T}", separator, e->impacts_per_period);
+}
+
+static void add_intermittency(saltus_line *l, const saltus_motion *m) {
+    const saltus_evidence *e = &m->evidence;
+    if (saltus_verdict_settled(m->verdict) || e->laminar_period == 0)
+        return;
+    saltus_line_add(l, "intermittent: %.0f %% of the time near a motion of period ", 100 * e->laminar);
+    if (e->laminar_period > 1)
+        saltus_line_add(l, "%d ", e->laminar_period);
+    saltus_line_add(l, "{/:Italic T}, up to %lld periods at a stretch", e->longest_phase);
+}
+
+static void add_motion(saltus_line *l, const saltus_sheet *sheet) {
+    const saltus_motion *m = sheet->motion;
+    if (!saltus_verdict_settled(m->verdict))
+        add_irregular(l, m);
+    else if (m->verdict == SALTUS_EQUILIBRIUM)
+        saltus_line_add(l, "at rest, clear of every stop");
+    else if (m->verdict == SALTUS_HELD)
+        saltus_line_add(l, "in contact for good");
+    else if (m->impacts < 0)
+        saltus_line_add(l, "complete chatter, %d sticking interval%s in %d {/:Italic T}",
+                        m->sticking_intervals, m->sticking_intervals == 1 ? "" : "s", m->periods);
+    else if (m->impacts == 0)
+        saltus_line_add(l, "no impact in %d {/:Italic T}", m->periods);
+    else
+        saltus_line_add(l, "%lld impact%s in %d {/:Italic T}, %.4g per response cycle%s", m->impacts,
+                        m->impacts == 1 ? "" : "s", m->periods, saltus_impacts_per_response(sheet->system, m),
+                        saltus_is_pipe(sheet->system) ? " 2{/:Italic T}" : "");
+    if (m->verdict == SALTUS_PERIODIC && m->mirror != SALTUS_MIRROR_NONE)
+        saltus_line_add(l, ";  %s",
+                        m->mirror == SALTUS_MIRROR_SELF ? "its own mirror image" : "one of a mirror pair");
+}
+
+/* The leading multipliers; a complex pair is named once, with its modulus. */
+static void add_multipliers(saltus_line *l, const saltus_motion *m) {
+    enum { leading = 4 };
+    if (!saltus_verdict_settled(m->verdict) || m->multiplier_count == 0)
+        return;
+    saltus_line_add(l, ";  Floquet multipliers ");
+    for (int k = 0; k < m->multiplier_count && k < leading; k++) {
+        const saltus_multiplier *f = &m->multipliers[k];
+        bool pair = saltus_multiplier_pair(m, k);
+        saltus_line_add(l, "%s", k ? ",  " : "");
+        saltus_line_number(l, "%.4g", f->re);
+        if (f->im != 0)
+            saltus_line_add(l, " %s %.4g{/:Italic i} (modulus %.4g)",
+                            pair        ? "±"
+                            : f->im < 0 ? "−"
+                                        : "+",
+                            fabs(f->im), exp(f->log_modulus));
+        k += pair;
+    }
+    saltus_line_add(l, "%s", m->multiplier_count > leading ? ", …" : "");
+}
+
+/* The exponent of an orbit follows from its largest multiplier. */
+static void add_exponent(saltus_line *l, const saltus_motion *m) {
+    if (m->verdict != SALTUS_PERIODIC || isnan(m->lyapunov))
+        return;
+    saltus_line_add(l, "largest exponent ln|{/:Italic μ}_1|/");
+    if (m->periods > 1)
+        saltus_line_add(l, "(%d {/:Italic T}) = ", m->periods);
+    else
+        saltus_line_add(l, "{/:Italic T} = ");
+    if (isfinite(m->lyapunov))
+        saltus_line_number(l, "%.4g", m->lyapunov);
+    else
+        saltus_line_add(l, "−∞");
+    saltus_line_add(l, " per unit of time");
+}
+
+/* What is shown of a motion that is no closed orbit. */
+static void add_stretch(saltus_line *l, const saltus_sheet *sheet) {
+    const saltus_trajectory *r = sheet->record;
+    char method[256];
+    if (sheet->orbit)
+        return;
+    saltus_line_add(l, "shown: %.6g periods", r->time[sheet->rows - 1] - r->time[0]);
+    if (!saltus_verdict_settled(sheet->motion->verdict))
+        saltus_line_add(l, ", section %lld", sheet->section->strobes);
+    if (sheet->spectrum) {
+        saltus_spectra_method(sheet->spectra, method, sizeof method);
+        saltus_line_add(l, ";  spectrum from ");
+        saltus_line_plain(l, method);
+    }
+}
+
+double saltus_sheet_caption(const saltus_sheet *sheet) {
+    char verdict[64];
+    saltus_line head = {.length = 0}, title = {.length = 0}, parameters = {.length = 0},
+                motion = {.length = 0}, evidence = {.length = 0}, phases = {.length = 0},
+                shown = {.length = 0};
+    double height = 0.932;
+    saltus_motion_summary(sheet->motion, verdict);
+    saltus_line_plain(&head, sheet->scene->name);
+    saltus_line_add(&head, ":  ");
+    saltus_line_plain(&head, verdict);
+    saltus_line_plain(&title, sheet->scene->title);
+    saltus_line_parameters(&parameters, sheet->system, (const char *const[2]){NULL, NULL});
+    add_motion(&motion, sheet);
+    add_multipliers(&motion, sheet->motion);
+    add_exponent(&evidence, sheet->motion);
+    add_evidence(&evidence, sheet->motion);
+    add_intermittency(&phases, sheet->motion);
+    add_stretch(&shown, sheet);
+    fprintf(sheet->file, "set label '{/=20:Bold %s}' at screen 0.03,0.967 left front\n", head.text);
+    saltus_line_put(sheet->file, &title, "#606060", &height);
+    saltus_line_put(sheet->file, &parameters, "#202020", &height);
+    saltus_line_put(sheet->file, &motion, "#202020", &height);
+    saltus_line_put(sheet->file, &evidence, "#202020", &height);
+    saltus_line_put(sheet->file, &phases, "#202020", &height);
+    saltus_line_put(sheet->file, &shown, "#606060", &height);
+    return height;
+}
+
+const char *saltus_sheet_history_heading(const saltus_sheet *sheet) {
+    bool struck = saltus_sheet_impacts(sheet->record, sheet->history_events) > 0;
+    if (sheet->contacts && !struck)
+        return "time history; bars: contact";
+    if (sheet->contacts)
+        return sheet->orbit ? "one orbit; dots: impacts, bar: contact"
+                            : "time history; dots: impacts, bars: contact";
+    if (struck)
+        return sheet->orbit ? "one orbit; dots: impacts" : "time history; dots: impacts";
+    return sheet->orbit ? "one orbit" : "time history";
+}
+
+void saltus_sheet_impacts_heading(const saltus_sheet *sheet, char *text, size_t room) {
+    const saltus_trajectory *r = sheet->section;
+    if (sheet->orbit)
+        snprintf(text, room, "impacts");
+    else if (sheet->mapped < r->event_count)
+        snprintf(text, room, "impacts of %.4g {/:Italic T}", r->time[r->event_rows[sheet->mapped - 1]]);
+    else
+        snprintf(text, room, "impacts of %.6g {/:Italic T}", r->time[r->samples - 1]);
+}
+
+/* Whether multiples of the forcing frequency are among the lines that can be seen. */
+static bool shows_forcing(const saltus_spectrum *s) {
+    for (long long k = 0; k < s->line_count; k++)
+        if (s->lines[k].harmonic % s->periods == 0 && s->lines[k].decibels > -100)
+            return true;
+    return false;
+}
+
+void saltus_sheet_spectrum_heading(const saltus_sheet *sheet, saltus_line *line) {
+    const saltus_spectrum *s = sheet->spectrum;
+    char name[160];
+    saltus_observed_name(sheet->system, false, name, sizeof name);
+    saltus_line_add(line, "%s", name);
+    if (s->kind == SALTUS_SPECTRUM_WELCH)
+        saltus_line_add(line, "; %g %% band%s", 100 * s->confidence, s->line_count > 0 ? "; ▾ lines" : "");
+    else if (s->periods == 1)
+        saltus_line_add(line, ": multiples of {/:Italic ω}");
+    else if (shows_forcing(s))
+        saltus_line_add(line, "; red: multiples of {/:Italic ω}");
+    else
+        saltus_line_add(line, ": multiples of {/:Italic ω}/%d", s->periods);
+}

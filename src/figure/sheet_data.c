@@ -1,0 +1,307 @@
+/* The numbers of a sheet: which are shown, and their datablocks in gnuplot's script.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "figure/convergence.h"
+#include "figure/sheet.h"
+#include "figure/spectrum.h"
+#include "record/describe.h"
+
+#include <math.h>
+
+long long saltus_sheet_impacts(const saltus_trajectory *record, long long events) {
+    long long count = 0;
+    for (long long k = 0; k < events; k++)
+        count += record->events[k].kind != SALTUS_RELEASE;
+    return count;
+}
+
+void saltus_sheet_strobe(const saltus_sheet *sheet, const saltus_trajectory *record, long long k,
+                         double point[2]) {
+    const double *observer = saltus_system_observer(sheet->system),
+                 *state = record->strobe_states + k * record->dimension;
+    int n = saltus_system_dof(sheet->system);
+    point[0] = point[1] = 0;
+    for (int i = 0; i < n; i++) {
+        point[0] += observer[i] * state[i];
+        point[1] += observer[i] * state[n + i];
+    }
+}
+
+/* What is shown */
+
+/* Ranges of the phase portrait, with the stops near the motion. */
+static void find_ranges(saltus_sheet *sheet) {
+    const saltus_trajectory *r = sheet->record;
+    saltus_range x = {INFINITY, -INFINITY}, v = x;
+    for (long long row = 0; row < sheet->rows; row++) {
+        saltus_range_add(&x, r->displacement[row]);
+        saltus_range_add(&v, r->velocity[row]);
+    }
+    double width = x.high - x.low;
+    for (int f = 0; f < saltus_system_face_count(sheet->system); f++) {
+        saltus_face face = saltus_system_face(sheet->system, f);
+        double d = face.side * face.d;
+        if (saltus_stop_observed(sheet->system, face.stop) && d > x.low - 0.6 * width &&
+            d < x.high + 0.6 * width)
+            saltus_range_add(&x, d);
+    }
+    const double *scale = saltus_system_scale(sheet->system);
+    saltus_range_pad(&x, 0.07, scale[0]);
+    saltus_range_pad(&v, 0.07, scale[saltus_system_dof(sheet->system)]);
+    sheet->displacement = x;
+    sheet->velocity = v;
+}
+
+/* Rows up to a time, that of the last one included. */
+static long long rows_until(const saltus_trajectory *r, double time) {
+    long long rows = 1;
+    while (rows < r->samples && r->time[rows] <= time)
+        rows++;
+    return rows;
+}
+
+/* Events that have both their rows among the first ones. */
+static long long events_within(const saltus_trajectory *r, long long rows) {
+    long long events = 0;
+    while (events < r->event_count && r->event_rows[events] + 1 < rows)
+        events++;
+    return events;
+}
+
+/* The last finite stretch of the exponent's history, where the exponent is finite itself. */
+static void choose_course(saltus_sheet *sheet) {
+    const saltus_evidence *e = &sheet->motion->evidence;
+    if (saltus_verdict_settled(sheet->motion->verdict) || !isfinite(sheet->motion->lyapunov))
+        return;
+    int first = e->history_count;
+    while (first > 0 && isfinite(e->history[first - 1].exponent) &&
+           isfinite(e->history[first - 1].standard_error))
+        first--;
+    sheet->course = (saltus_course){e->history + first, e->history_count - first, sheet->motion->lyapunov,
+                                    sheet->motion->lyapunov_error};
+}
+
+/* One closed orbit where the motion has one and the record covers it; otherwise as many whole periods as a
+ * picture can hold, the first of them as time history. */
+void saltus_sheet_choose(saltus_sheet *sheet) {
+    enum { rows_most = 60000, history_periods = 20, mapped_most = 20000 };
+    const saltus_trajectory *r = sheet->record;
+    double end = r->time[r->samples - 1], history = history_periods;
+    int periods = sheet->motion->periods;
+    sheet->orbit = saltus_verdict_settled(sheet->motion->verdict) && periods > 0 && end >= periods;
+    if (sheet->orbit)
+        end = history = periods;
+    else if (r->samples > rows_most && r->time[rows_most] >= 1)
+        end = floor(r->time[rows_most]);
+    sheet->rows = rows_until(r, end);
+    sheet->history_rows = rows_until(r, fmin(end, history));
+    sheet->events = events_within(r, sheet->rows);
+    sheet->history_events = events_within(r, sheet->history_rows);
+    sheet->mapped = sheet->section == r ? sheet->events : sheet->section->event_count;
+    if (sheet->mapped > mapped_most)
+        sheet->mapped = mapped_most;
+    choose_course(sheet);
+    find_ranges(sheet);
+}
+
+/* Data */
+
+/* Rows of the trajectory; an empty line where the velocity jumps. */
+static void put_rows(const saltus_sheet *sheet) {
+    const saltus_trajectory *r = sheet->record;
+    long long event = 0;
+    fputs("$orbit << EOD\n# tau/T displacement velocity\n", sheet->file);
+    for (long long row = 0; row < sheet->rows; row++) {
+        fprintf(sheet->file, "%.9g %.9g %.9g\n", r->time[row], r->displacement[row], r->velocity[row]);
+        while (event < r->event_count && r->event_rows[event] < row)
+            event++;
+        if (event < r->event_count && r->event_rows[event] == row && r->events[event].kind != SALTUS_RELEASE)
+            fputc('\n', sheet->file);
+    }
+    fputs("EOD\n$history << EOD\n# tau/T displacement\n", sheet->file);
+    for (long long row = 0; row < sheet->history_rows; row++)
+        fprintf(sheet->file, "%.9g %.9g\n", r->time[row], r->displacement[row]);
+    fputs("EOD\n", sheet->file);
+}
+
+static void put_impacts(const saltus_sheet *sheet) {
+    const saltus_trajectory *r = sheet->record;
+    fputs("$jumps << EOD\n# displacement velocity, before and after each impact\n", sheet->file);
+    for (long long k = 0; k < sheet->events; k++) {
+        long long row = r->event_rows[k];
+        if (r->events[k].kind != SALTUS_RELEASE)
+            fprintf(sheet->file, "%.9g %.9g\n%.9g %.9g\n\n", r->displacement[row], r->velocity[row],
+                    r->displacement[row + 1], r->velocity[row + 1]);
+    }
+    fputs("EOD\n$impacts << EOD\n# tau/T displacement\n", sheet->file);
+    for (long long k = 0; k < sheet->history_events; k++)
+        if (r->events[k].kind != SALTUS_RELEASE)
+            fprintf(sheet->file, "%.9g %.9g\n", r->time[r->event_rows[k]], r->displacement[r->event_rows[k]]);
+    fputs("EOD\n$impact_map << EOD\n# phase velocity-before side stop\n", sheet->file);
+    for (long long k = 0; k < sheet->mapped; k++) {
+        const saltus_event *event = &sheet->section->events[k];
+        saltus_face face = saltus_system_face(sheet->system, event->face);
+        if (event->kind != SALTUS_RELEASE)
+            fprintf(sheet->file, "%.9g %.9g %d %d\n", event->time.phase, event->velocity_before, face.side,
+                    face.stop + 1);
+    }
+    fputs("EOD\n", sheet->file);
+}
+
+static void put_contact(saltus_sheet *sheet, double begin, double end, double displacement) {
+    fprintf(sheet->file, "%.9g %.9g\n%.9g %.9g\n\n", begin, displacement, end, displacement);
+    sheet->contacts++;
+}
+
+/* Whether a face holds throughout the time history, so that no event tells of it. */
+static bool holds_throughout(const saltus_sheet *sheet, int f) {
+    const saltus_trajectory *r = sheet->record;
+    const double *last = r->states + (sheet->history_rows - 1) * r->dimension;
+    double scale = 1e-10 * saltus_system_scale(sheet->system)[0];
+    return sheet->history_events == 0 && fabs(saltus_system_gap(sheet->system, f, r->states)) < scale &&
+           fabs(saltus_system_gap(sheet->system, f, last)) < scale &&
+           fabs(r->velocity[sheet->history_rows / 2]) < scale;
+}
+
+/* Intervals of lasting contact: begin and end of each, cut off at the ends of the time history. */
+static void put_contacts(saltus_sheet *sheet) {
+    const saltus_trajectory *r = sheet->record;
+    double end = r->time[sheet->history_rows - 1];
+    fputs("$contacts << EOD\n# tau/T displacement, at the begin and the end of each contact\n", sheet->file);
+    for (int f = 0; f < saltus_system_face_count(sheet->system); f++) {
+        saltus_face face = saltus_system_face(sheet->system, f);
+        bool holds = holds_throughout(sheet, f), met = false;
+        double begin = r->time[0], displacement = face.side * face.d;
+        for (long long k = 0; k < sheet->history_events; k++) {
+            double time = r->time[r->event_rows[k]];
+            if (r->events[k].face != f)
+                continue;
+            displacement = r->displacement[r->event_rows[k]];
+            if (r->events[k].kind == SALTUS_STICK)
+                begin = time;
+            else if (r->events[k].kind == SALTUS_RELEASE && (holds || !met))
+                put_contact(sheet, begin, time, displacement);
+            holds = r->events[k].kind == SALTUS_STICK;
+            met = true;
+        }
+        if (holds)
+            put_contact(sheet, begin, end, displacement);
+    }
+    fputs("EOD\n", sheet->file);
+}
+
+/* Stroboscopic points of what is shown: rows whose time is a whole number of periods. The end of a closed
+ * orbit is its begin. */
+static void put_strobes(const saltus_sheet *sheet) {
+    const saltus_trajectory *r = sheet->record;
+    double point[2];
+    fputs("$strobe << EOD\n# displacement velocity tau/T\n", sheet->file);
+    for (long long k = 0; k < r->strobes && (double)k < r->time[sheet->rows - 1]; k++) {
+        saltus_sheet_strobe(sheet, r, k, point);
+        fprintf(sheet->file, "%.9g %.9g %lld\n", point[0], point[1], k);
+    }
+    fputs("EOD\n", sheet->file);
+}
+
+static void put_section(const saltus_sheet *sheet) {
+    double point[2];
+    fputs("$section << EOD\n# displacement velocity\n", sheet->file);
+    for (long long k = 0; k < sheet->section->strobes; k++) {
+        saltus_sheet_strobe(sheet, sheet->section, k, point);
+        fprintf(sheet->file, "%.9g %.9g\n", point[0], point[1]);
+    }
+    fputs("EOD\n", sheet->file);
+}
+
+static void put_multipliers(const saltus_sheet *sheet) {
+    fputs("$multipliers << EOD\n# real imaginary\n", sheet->file);
+    for (int k = 0; k < sheet->motion->multiplier_count; k++)
+        fprintf(sheet->file, "%.9g %.9g\n", sheet->motion->multipliers[k].re,
+                sheet->motion->multipliers[k].im);
+    fputs("EOD\n", sheet->file);
+}
+
+static double place(int point) {
+    return (double)point / (SALTUS_SHEET_POINTS - 1);
+}
+
+/* Largest and smallest displacement at each place over the rows shown. */
+static void envelope(const saltus_sheet *sheet, saltus_range range[SALTUS_SHEET_POINTS]) {
+    long long stride = 1 + sheet->rows / 4000;
+    for (int j = 0; j < SALTUS_SHEET_POINTS; j++) {
+        range[j] = (saltus_range){INFINITY, -INFINITY};
+        for (long long row = 0; row < sheet->rows; row += stride) {
+            const double *state = sheet->record->states + row * sheet->record->dimension;
+            saltus_range_add(&range[j], saltus_system_shape(sheet->system, state, place(j)));
+        }
+    }
+}
+
+saltus_range saltus_sheet_shape_range(const saltus_sheet *sheet) {
+    saltus_range range[SALTUS_SHEET_POINTS], whole = {0, 0};
+    envelope(sheet, range);
+    for (int j = 0; j < SALTUS_SHEET_POINTS; j++) {
+        saltus_range_add(&whole, range[j].low);
+        saltus_range_add(&whole, range[j].high);
+    }
+    return whole;
+}
+
+double saltus_sheet_shape_time(const saltus_sheet *sheet) {
+    double end = sheet->record->time[sheet->rows - 1] - sheet->record->time[0];
+    return sheet->orbit ? end : fmin(end, 2);
+}
+
+/* Shapes at equal distances of time over one orbit, or over the first two periods. */
+static void put_shapes(const saltus_sheet *sheet) {
+    const saltus_trajectory *r = sheet->record;
+    saltus_range range[SALTUS_SHEET_POINTS];
+    double begin = r->time[0], length = saltus_sheet_shape_time(sheet);
+    long long row = 0;
+    fputs("$shapes << EOD\n# xi displacement tau/T\n", sheet->file);
+    for (int k = 0; k < SALTUS_SHEET_SHAPES; k++) {
+        double time = begin + length * k / SALTUS_SHEET_SHAPES;
+        while (row + 1 < sheet->rows && r->time[row] < time - 1e-9)
+            row++;
+        for (int j = 0; j < SALTUS_SHEET_POINTS; j++)
+            fprintf(sheet->file, "%.4f %.6g %.6g\n", place(j),
+                    saltus_system_shape(sheet->system, r->states + row * r->dimension, place(j)),
+                    r->time[row]);
+        fputc('\n', sheet->file);
+    }
+    envelope(sheet, range);
+    fputs("EOD\n$envelope << EOD\n# xi smallest largest\n", sheet->file);
+    for (int j = 0; j < SALTUS_SHEET_POINTS; j++)
+        fprintf(sheet->file, "%.4f %.6g %.6g\n", place(j), range[j].low, range[j].high);
+    fputs("EOD\n", sheet->file);
+}
+
+/* Displacements of two masses, a row each. */
+static void put_masses(const saltus_sheet *sheet) {
+    const saltus_trajectory *r = sheet->record;
+    fputs("$masses << EOD\n# x1 x2 tau/T\n", sheet->file);
+    for (long long row = 0; row < sheet->rows; row++)
+        fprintf(sheet->file, "%.9g %.9g %.9g\n", r->states[row * r->dimension],
+                r->states[row * r->dimension + 1], r->time[row]);
+    fputs("EOD\n", sheet->file);
+}
+
+void saltus_sheet_data(saltus_sheet *sheet) {
+    put_rows(sheet);
+    put_impacts(sheet);
+    put_contacts(sheet);
+    put_strobes(sheet);
+    if (saltus_verdict_settled(sheet->motion->verdict))
+        put_multipliers(sheet);
+    else
+        put_section(sheet);
+    if (saltus_is_pipe(sheet->system))
+        put_shapes(sheet);
+    else if (saltus_system_dof(sheet->system) > 1)
+        put_masses(sheet);
+    if (sheet->spectrum) {
+        const saltus_spectra_source source = {.system = sheet->system, .spectra = sheet->spectra};
+        saltus_spectrum_low_data(&source, sheet->file);
+    }
+    if (sheet->course.count > 0)
+        saltus_course_data(sheet->file, &sheet->course);
+}

@@ -1,0 +1,134 @@
+/* Private: a figure of a sweep while it is being drawn.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef SALTUS_FIGURE_SWEEP_H
+#define SALTUS_FIGURE_SWEEP_H
+
+#include "figure/branch.h"
+#include "figure/caption.h"
+#include "figure/raster.h"
+
+enum { SALTUS_PAGE_WIDTH = 1600, SALTUS_PAGE_HEIGHT = 1200 };
+
+/* A rectangle of the page, in its pixels from the lower left corner. */
+typedef struct saltus_frame {
+    int left, right, bottom, top;
+} saltus_frame;
+
+/* The values of an axis in ascending order, each with a cell that reaches half way to its neighbours. Places
+ * are values, or their logarithms where these are equally spaced. */
+typedef struct saltus_cells {
+    const char *key;
+    bool logarithmic;
+    int count;
+    int *order;         /* the axis's index of each cell */
+    double *edge;       /* places: cell k lies between edge[k] and edge[k + 1] */
+    saltus_range range; /* of values, what is shown */
+} saltus_cells;
+
+bool saltus_cells_open(saltus_cells *cells, const saltus_axis *axis);
+void saltus_cells_close(saltus_cells *cells);
+/* Where a value lies in the range shown, from 0 to 1, and the value there. */
+double saltus_cells_part(const saltus_cells *cells, double value);
+double saltus_cells_value(const saltus_cells *cells, double part);
+/* The edge k as a part of the range shown. */
+double saltus_cells_edge(const saltus_cells *cells, int k);
+/* The cells that a pixel out of `pixels` shows: those with their middle in it, or the one that it lies in.
+ * False when there is none. */
+bool saltus_cells_at(const saltus_cells *cells, int pixels, int pixel, int *first, int *last);
+
+/* A class of rows with the same motion: n/p, held, ... */
+typedef struct saltus_sweep_class {
+    char label[32];
+    int verdict, impacts, periods;
+    double share; /* of all rows */
+    bool shown;   /* with a colour and an entry in the legend of its own */
+    uint32_t colour;
+} saltus_sweep_class;
+
+/* Families of classes, which share a hue: period 1, ..., 8, chatter; 0: the others. */
+enum { SALTUS_FAMILY_CHATTER = 9, SALTUS_FAMILIES = 10 };
+int saltus_class_family(const saltus_sweep_class *c);
+
+typedef struct saltus_classes {
+    saltus_sweep_class *list; /* the most frequent first */
+    int count;
+    int *of_row;
+} saltus_classes;
+
+enum { SALTUS_CLASSES_SHOWN = 15 };
+
+bool saltus_classes_open(saltus_classes *classes, const saltus_sweep_file *sweep);
+void saltus_classes_close(saltus_classes *classes);
+
+typedef struct saltus_sweep_page {
+    FILE *file; /* gnuplot's script */
+    const saltus_sweep_file *sweep;
+    const saltus_sweep_view *wish;
+    const char *path, *figure;
+    saltus_view view;
+    const saltus_system *system;
+    saltus_cells x, y; /* of the first axis and, on maps, of the second */
+    saltus_range up;   /* of the numbers shown: up the page, or as colours */
+    bool asked;        /* `up` is the range that was asked for */
+    bool sides;        /* impact speeds are signed */
+    double *observers; /* rows that give the observed displacement: one, or one for each value of the axis */
+    int observer_count;
+    saltus_classes classes;
+    saltus_frame frame;
+    double caption;                   /* lower edge of the caption, as a part of the page's height */
+    const saltus_plot_page *branches; /* over a diagram, or NULL */
+} saltus_sweep_page;
+
+/* Word of a view, as of --view. */
+const char *saltus_view_word(saltus_view view);
+/* Whether a view shows clouds of points: over one axis only. */
+bool saltus_view_is_cloud(saltus_view view);
+/* The number that a view tells of a row; NAN where there is none. */
+double saltus_sweep_measure(saltus_view view, const saltus_sweep_row *row);
+/* The rows of a point: the k-th of passes times seeds. */
+int saltus_sweep_visits(const saltus_sweep_file *sweep);
+long long saltus_sweep_visit(const saltus_sweep_file *sweep, long long point, int k);
+/* The class that most of a point's rows have, those not computed left aside; *several: it has more than one
+ * attractor. */
+int saltus_sweep_class_at(const saltus_sweep_page *page, long long point, bool *several);
+
+/* sweep_plot_page.c: words and frames. */
+void saltus_sweep_caption(saltus_sweep_page *page);
+void saltus_sweep_name_measure(const saltus_sweep_page *page, saltus_line *line);
+/* Margins at the frame's sides, and ranges of the second axes for a raster of that size. */
+void saltus_sweep_put_frame(FILE *file, saltus_frame frame);
+void saltus_sweep_put_raster_ranges(FILE *file, int width, int height);
+/* Range, scale, tics and name of an axis ('x' or 'y'). */
+void saltus_sweep_put_axis(const saltus_sweep_page *page, char axis, const saltus_cells *cells);
+/* A square of colour with words beside it; the square is hatched with lines where asked for. */
+void saltus_sweep_put_entry(FILE *file, int x, int y, uint32_t colour, bool hatched, const char *text,
+                            const char *figures);
+/* Pixels of a raster for each pixel of the page. */
+int saltus_sweep_fineness(const saltus_sweep_page *page);
+
+/* sweep_plot_cloud.c, sweep_plot_strip.c, sweep_plot_map.c, sweep_plot_names.c: the figures. Errors:
+ * SALTUS_NO_MEMORY. */
+saltus_status saltus_sweep_put_diagram(saltus_sweep_page *page, saltus_message *message);
+saltus_status saltus_sweep_put_map(saltus_sweep_page *page, saltus_message *message);
+/* The classes along the axis, one band for each pass, with labels; the strip's panel is drawn whole. */
+bool saltus_sweep_put_strip(const saltus_sweep_page *page, saltus_frame frame);
+/* sweep_plot_exponent.c: what stands behind the exponents of a diagram: columns, errors, the zero line. The
+ * data come before the plot command, when the frame is known. */
+void saltus_sweep_put_exponents(const saltus_sweep_page *page);
+void saltus_sweep_put_exponent_elements(const saltus_sweep_page *page);
+/* Whether all directions are lost anywhere: an exponent of -infinity. */
+bool saltus_sweep_any_lost(const saltus_sweep_page *page);
+/* What a map shows at a point, as an entry of its legend. */
+typedef struct saltus_map_kind {
+    char label[64], figures[48];
+    char name[32]; /* written into its regions; "" for none */
+    uint32_t colour;
+    long long count;
+} saltus_map_kind;
+
+/* Names into the regions of a map. `kind` has that many columns and rows, the lowest row first, each of
+ * `step` pixels of the page, with -1 where there is nothing. False when there is no memory. */
+bool saltus_sweep_name_regions(const saltus_sweep_page *page, const saltus_map_kind *kinds, const int *kind,
+                               int columns, int rows, int step);
+
+#endif

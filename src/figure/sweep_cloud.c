@@ -1,0 +1,432 @@
+/* Diagrams of sweeps over one axis: clouds of points, and numbers told of each trajectory.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "figure/gnuplot.h"
+#include "figure/sweep.h"
+#include "record/describe.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* More points than these are drawn as densities. */
+static const long long drawn_singly = 12000;
+
+typedef struct pass_look {
+    uint32_t colour;
+    const char *name;
+} pass_look;
+
+static pass_look look_of(const saltus_sweep_page *page, int pass) {
+    static const pass_look looks[SALTUS_PASSES] = {[SALTUS_PASS_RESET] = {0x3a3f47, "from the initial state"},
+                                                   [SALTUS_PASS_UP] = {0x1a5fa6, "upwards"},
+                                                   [SALTUS_PASS_DOWN] = {0xe0661c, "downwards"}};
+    pass_look look = looks[page->sweep->passes[pass]];
+    if (page->sweep->pass_count == 1)
+        look.colour = page->branches ? 0x8a93a0 : 0x14273d;
+    return look;
+}
+
+/* Passes in the order of drawing, so that up lies over down: the k-th of them. */
+static int pass_drawn(const saltus_sweep_page *page, int k) {
+    static const saltus_pass order[] = {SALTUS_PASS_DOWN, SALTUS_PASS_RESET, SALTUS_PASS_UP};
+    for (int o = 0; o < SALTUS_PASSES; o++)
+        for (int pass = 0; pass < page->sweep->pass_count; pass++)
+            if (page->sweep->passes[pass] == order[o] && k-- == 0)
+                return pass;
+    return 0;
+}
+
+/* Points of a row's cloud. */
+static long long cloud_count(const saltus_sweep_page *page, long long row) {
+    const saltus_sweep_file *sweep = page->sweep;
+    switch (page->view) {
+    case SALTUS_VIEW_TURNING:
+        return sweep->turning_count[row];
+    case SALTUS_VIEW_IMPACTS:
+        return sweep->impact_count[row];
+    case SALTUS_VIEW_STROBOSCOPIC:
+        return sweep->strobe_count[row];
+    default:
+        return 1;
+    }
+}
+
+/* Distinct attractors met at the place of a row, where that row is its first seed's. */
+static double attractors_of(const saltus_sweep_file *sweep, long long row) {
+    int most = -1;
+    if (row % sweep->options.seeds)
+        return NAN;
+    for (int k = 0; k < sweep->options.seeds; k++)
+        most = sweep->rows[row + k].attractor > most ? sweep->rows[row + k].attractor : most;
+    return most < 0 ? NAN : most + 1;
+}
+
+static double observed(const saltus_sweep_page *page, long long row, long long k) {
+    const saltus_sweep_file *sweep = page->sweep;
+    int n = saltus_system_dof(page->system);
+    long long value = row / sweep->options.seeds % sweep->points;
+    const double *state = sweep->strobes + (sweep->strobe_first[row] + k) * sweep->dimension,
+                 *observer = page->observers + (page->observer_count > 1 ? value * n : 0);
+    double sum = 0;
+    for (int i = 0; i < n; i++)
+        sum = fma(observer[i], state[i], sum);
+    return sum;
+}
+
+static double cloud_value(const saltus_sweep_page *page, long long row, long long k) {
+    const saltus_sweep_file *sweep = page->sweep;
+    double speed, number;
+    switch (page->view) {
+    case SALTUS_VIEW_TURNING:
+        return sweep->turning[sweep->turning_first[row] + k];
+    case SALTUS_VIEW_IMPACTS:
+        speed = sweep->impacts[sweep->impact_first[row] + k].speed;
+        return page->sides ? speed : fabs(speed);
+    case SALTUS_VIEW_STROBOSCOPIC:
+        return observed(page, row, k);
+    case SALTUS_VIEW_ATTRACTORS:
+        return attractors_of(sweep, row);
+    default:
+        number = saltus_sweep_measure(page->view, &sweep->rows[row]);
+        return isinf(number) ? NAN : number; /* an exponent of -infinity has no place in a diagram */
+    }
+}
+
+/* The first row of a pass at the sorted cell k. */
+static long long row_of(const saltus_sweep_page *page, int pass, int k) {
+    return (pass * page->sweep->points + page->x.order[k]) * page->sweep->options.seeds;
+}
+
+/* Middle of a cell as a part of the range shown. */
+static double middle_of(const saltus_sweep_page *page, int k) {
+    return saltus_cells_part(&page->x, page->sweep->axes[0].list[page->x.order[k]]);
+}
+
+static bool in_range(const saltus_sweep_page *page, int k) {
+    return middle_of(page, k) >= 0 && middle_of(page, k) <= 1;
+}
+
+/* Whether impacts come with both signs. */
+static bool two_sided(const saltus_sweep_page *page) {
+    const saltus_sweep_file *sweep = page->sweep;
+    bool up = false, down = false;
+    for (long long row = 0; row < sweep->row_count; row++)
+        for (long long k = 0; k < sweep->impact_count[row]; k++) {
+            double speed = sweep->impacts[sweep->impact_first[row] + k].speed;
+            up = up || speed > 0;
+            down = down || speed < 0;
+        }
+    return up && down;
+}
+
+/* Clearance of a face where the axis has that value, with the face's sign. */
+static double clearance(const saltus_sweep_page *page, saltus_face face, double value) {
+    return face.side * (saltus_key_means(page->x.key, "d", face.stop) ? value : face.d);
+}
+
+static bool shows_displacement(const saltus_sweep_page *page) {
+    return page->view == SALTUS_VIEW_TURNING || page->view == SALTUS_VIEW_STROBOSCOPIC ||
+           page->view == SALTUS_VIEW_LARGEST;
+}
+
+/* Whether the figure shows displacements that a face limits. */
+static bool limits(const saltus_sweep_page *page, saltus_face face) {
+    return shows_displacement(page) && saltus_stop_observed(page->system, face.stop);
+}
+
+/* Room for the branches that are drawn over the cloud. */
+static void add_branches(const saltus_sweep_page *page, saltus_range *range) {
+    for (int i = 0; page->branches && i < page->branches->count; i++)
+        for (int k = 0; k < page->branches->files[i].point_count; k++) {
+            const saltus_branch_point *point = &page->branches->files[i].points[k];
+            double x = saltus_plot_x(point);
+            if (x >= page->x.range.low && x <= page->x.range.high)
+                saltus_range_add(range, saltus_plot_y(page->branches, point));
+        }
+}
+
+/* Room around the points, for the faces near them, and for zero where that is near. */
+static void pad_range(const saltus_sweep_page *page, saltus_range *range) {
+    double width = range->high - range->low;
+    bool from_zero = page->view != SALTUS_VIEW_LYAPUNOV && !shows_displacement(page) && range->low >= 0;
+    for (int f = 0; f < saltus_system_face_count(page->system); f++) {
+        saltus_face face = saltus_system_face(page->system, f);
+        double d = clearance(page, face, page->x.range.high);
+        if (limits(page, face) && d > range->low - 0.1 * width && d < range->high + 0.1 * width)
+            saltus_range_add(range, d);
+    }
+    if (page->view == SALTUS_VIEW_LYAPUNOV || (from_zero && range->low < 0.4 * range->high))
+        saltus_range_add(range, 0);
+    saltus_range_pad(range, 0.05, fmax(1e-3 * fabs(range->high), 1e-9));
+    if (from_zero && range->low < 0)
+        range->low = -0.015 * range->high;
+}
+
+static saltus_status find_range(saltus_sweep_page *page, saltus_message *message) {
+    saltus_range found = {INFINITY, -INFINITY};
+    page->sides = page->view == SALTUS_VIEW_IMPACTS && !page->branches && two_sided(page);
+    for (int pass = 0; pass < page->sweep->pass_count; pass++)
+        for (int cell = 0; cell < page->x.count; cell++) {
+            long long row = row_of(page, pass, cell);
+            for (int seed = 0; seed < page->sweep->options.seeds && in_range(page, cell); seed++)
+                for (long long k = 0; k < cloud_count(page, row + seed); k++)
+                    saltus_range_add(&found, cloud_value(page, row + seed, k));
+        }
+    add_branches(page, &found);
+    if (!(found.low <= found.high) && page->view == SALTUS_VIEW_LYAPUNOV && saltus_sweep_any_lost(page))
+        found = (saltus_range){-1, 0};
+    if (!(found.low <= found.high))
+        return saltus_fail(message, SALTUS_BAD_INPUT,
+                           "%.200s: there is nothing to show in view %s from %s = %.6g to %.6g", page->path,
+                           saltus_view_word(page->view), page->x.key, page->x.range.low, page->x.range.high);
+    if (!page->asked) {
+        page->up = found;
+        pad_range(page, &page->up);
+    }
+    return SALTUS_OK;
+}
+
+static long long points_shown(const saltus_sweep_page *page) {
+    long long count = 0;
+    for (int pass = 0; pass < page->sweep->pass_count; pass++)
+        for (int cell = 0; cell < page->x.count; cell++)
+            for (int seed = 0; seed < page->sweep->options.seeds && in_range(page, cell); seed++)
+                count += cloud_count(page, row_of(page, pass, cell) + seed);
+    return count;
+}
+
+/* Points as numbers of the script. */
+static void put_points(const saltus_sweep_page *page) {
+    for (int pass = 0; pass < page->sweep->pass_count; pass++) {
+        fprintf(page->file, "$cloud_%d << EOD\n# parameter, measure\nNaN NaN\n", pass);
+        for (int cell = 0; cell < page->x.count; cell++) {
+            double x = page->sweep->axes[0].list[page->x.order[cell]];
+            for (int seed = 0; seed < page->sweep->options.seeds && in_range(page, cell); seed++) {
+                long long row = row_of(page, pass, cell) + seed;
+                for (long long k = 0; k < cloud_count(page, row); k++) {
+                    double y = cloud_value(page, row, k);
+                    if (y >= page->up.low && y <= page->up.high)
+                        fprintf(page->file, "%.9g %.7g\n", x, y);
+                }
+            }
+        }
+        fputs("EOD\n", page->file);
+    }
+}
+
+/* Numbers told of each trajectory, joined where neighbours are of one class. */
+static void put_links(const saltus_sweep_page *page) {
+    for (int pass = 0; pass < page->sweep->pass_count; pass++) {
+        int last = -1;
+        fprintf(page->file, "$links_%d << EOD\n# parameter, measure\nNaN NaN\n", pass);
+        for (int cell = 0; cell < page->x.count; cell++) {
+            long long row = row_of(page, pass, cell);
+            double y = cloud_value(page, row, 0);
+            if (page->classes.of_row[row] != last || isnan(y))
+                fputc('\n', page->file);
+            last = isnan(y) ? -1 : page->classes.of_row[row];
+            if (!isnan(y))
+                fprintf(page->file, "%.9g %.7g\n", page->sweep->axes[0].list[page->x.order[cell]], y);
+        }
+        fputs("EOD\n", page->file);
+    }
+}
+
+/* Whether the points are one for each value of the axis, and few enough to be joined. */
+static bool linked(const saltus_sweep_page *page, bool dense) {
+    return !dense && !saltus_view_is_cloud(page->view) && page->sweep->options.seeds == 1;
+}
+
+/* The cloud of a pass as a density. Samples fill their cells; those farther apart than a few pixels are
+ * dots. */
+static bool paint_pass(const saltus_sweep_page *page, int pass, int fineness, saltus_raster *raster) {
+    const double widest = 4, dot = 2.4, flat = 1.6;
+    saltus_tally tally;
+    double width = raster->width, height = raster->height, span = page->up.high - page->up.low;
+    if (!saltus_tally_open(&tally, raster->width, raster->height))
+        return false;
+    for (int cell = 0; cell < page->x.count; cell++) {
+        double middle = width * middle_of(page, cell);
+        double own = width * (saltus_cells_edge(&page->x, cell + 1) - saltus_cells_edge(&page->x, cell));
+        bool apart = own > widest * fineness;
+        double half = 0.5 * (apart ? dot * fineness : fmax(own, fineness));
+        for (int seed = 0; seed < page->sweep->options.seeds && in_range(page, cell); seed++) {
+            long long row = row_of(page, pass, cell) + seed, count = cloud_count(page, row);
+            for (long long k = 0; k < count; k++) {
+                double y = height * (cloud_value(page, row, k) - page->up.low) / span;
+                saltus_tally_add(&tally, middle - half, middle + half, y, (apart ? dot : flat) * fineness,
+                                 1 / (double)count);
+            }
+        }
+    }
+    saltus_tally_paint(&tally, look_of(page, pass).colour, raster);
+    saltus_tally_close(&tally);
+    return true;
+}
+
+/* The clouds of all passes; coarser where a fine picture would make a large file. */
+static bool paint(const saltus_sweep_page *page, saltus_raster rasters[SALTUS_PASSES]) {
+    const long long most_changes = 750000;
+    for (int fineness = saltus_sweep_fineness(page); fineness > 0; fineness--) {
+        long long changes = 0;
+        bool sound = true;
+        for (int pass = 0; pass < page->sweep->pass_count && sound; pass++) {
+            saltus_raster_close(&rasters[pass]);
+            sound = saltus_raster_open(&rasters[pass], fineness * (page->frame.right - page->frame.left),
+                                       fineness * (page->frame.top - page->frame.bottom)) &&
+                    paint_pass(page, pass, fineness, &rasters[pass]);
+            changes += sound ? saltus_raster_changes(&rasters[pass]) : 0;
+        }
+        if (!sound)
+            return false;
+        if (changes < most_changes)
+            break;
+    }
+    return true;
+}
+
+/* Each face that limits what is shown: where it is along the axis, and the page beyond it. */
+static void put_faces(const saltus_sweep_page *page) {
+    enum { steps = 240 };
+    for (int f = 0; f < saltus_system_face_count(page->system); f++) {
+        saltus_face face = saltus_system_face(page->system, f);
+        double beyond = face.side > 0 ? page->up.high : page->up.low;
+        fprintf(page->file, "$face_%d << EOD\n# parameter, clearance, edge of the page\nNaN NaN NaN\n", f);
+        for (int k = 0; k <= steps && limits(page, face); k++) {
+            double x = saltus_cells_value(&page->x, (double)k / steps), d = clearance(page, face, x);
+            if (d > page->up.low && d < page->up.high)
+                fprintf(page->file, "%.9g %.9g %.9g\n", x, d, beyond);
+        }
+        fputs("EOD\n", page->file);
+    }
+}
+
+static void put_face_elements(const saltus_sweep_page *page) {
+    for (int f = 0; f < saltus_system_face_count(page->system); f++) {
+        saltus_face face = saltus_system_face(page->system, f);
+        if (!limits(page, face))
+            continue;
+        fprintf(page->file,
+                "     $face_%d using 1:2:3 with filledcurves fc rgb '#ececec' notitle, \\\n"
+                "     $face_%d using 1:2 with lines lc rgb '#9a9a9a' lw 1.2 notitle, \\\n",
+                f, f);
+    }
+}
+
+/* Names the end of each face's line; labels are set before the plot command. */
+static void put_face_names(const saltus_sweep_page *page) {
+    for (int f = 0; f < saltus_system_face_count(page->system); f++) {
+        saltus_face face = saltus_system_face(page->system, f);
+        double d = clearance(page, face, page->x.range.high);
+        if (limits(page, face) && d > page->up.low && d < page->up.high)
+            fprintf(page->file,
+                    "set label '%s{/:Italic d}' at graph 1.008, first %.9g left front tc rgb '#606060'\n",
+                    face.side < 0 ? "−" : "", d);
+    }
+}
+
+/* The cloud as elements of the plot command, rasters or points, and what its colours mean. */
+static void put_cloud_elements(const saltus_sweep_page *page, const saltus_raster *rasters, bool dense) {
+    const unsigned faint = 0xa0; /* transparency out of 255 */
+    for (int k = 0; k < page->sweep->pass_count; k++) {
+        int pass = pass_drawn(page, k);
+        if (linked(page, dense))
+            fprintf(page->file, "     $links_%d using 1:2 with lines lw 1 lc rgb '#%02x%06x' notitle, \\\n",
+                    pass, faint, (unsigned)look_of(page, pass).colour);
+        fputs("     ", page->file);
+        if (dense)
+            saltus_raster_element(page->file, &rasters[pass], "x2y2");
+        else
+            fprintf(page->file, "$cloud_%d using 1:2 with points pt 7 ps %g lc rgb '#%06x' notitle", pass,
+                    points_shown(page) < 2000 ? 0.45 : 0.32, (unsigned)look_of(page, pass).colour);
+        fputs(", \\\n", page->file);
+    }
+    for (int pass = 0; pass < page->sweep->pass_count && page->sweep->pass_count > 1; pass++)
+        fprintf(page->file, "     NaN with points pt 7 ps 1.1 lc rgb '#%06x' title '%s', \\\n",
+                (unsigned)look_of(page, pass).colour, look_of(page, pass).name);
+}
+
+static void put_plot(const saltus_sweep_page *page, const saltus_raster *rasters, bool dense) {
+    FILE *file = page->file;
+    if (dense)
+        saltus_sweep_put_raster_ranges(file, rasters[0].width, rasters[0].height);
+    put_face_names(page);
+    fputs("plot \\\n", file);
+    put_face_elements(page);
+    if (page->view == SALTUS_VIEW_LYAPUNOV && !dense)
+        saltus_sweep_put_exponent_elements(page);
+    else if (page->view == SALTUS_VIEW_LYAPUNOV)
+        fputs("     0 with lines lc rgb '#909090' lw 1.2 notitle, \\\n", file);
+    put_cloud_elements(page, rasters, dense);
+    if (page->branches) {
+        saltus_plot_curves(page->branches);
+        saltus_plot_marks(page->branches);
+        saltus_plot_legend(page->branches);
+    } else
+        fputs("     NaN notitle\n", file);
+    for (int k = 0; k < page->sweep->pass_count && dense; k++)
+        saltus_raster_bytes(file, &rasters[pass_drawn(page, k)]);
+}
+
+/* The diagram above its strip of classes; a legend where there is something to explain. */
+static saltus_frame place_frames(saltus_sweep_page *page) {
+    enum { band = 20, apart = 7, bottom = 96, left = 150, right = 1550 };
+    int legend = (page->branches != NULL) + (page->sweep->pass_count > 1); /* rows */
+    int strip = bottom + band * page->sweep->pass_count;
+    page->frame = (saltus_frame){left, right, strip + apart,
+                                 (int)((page->caption - 0.022) * SALTUS_PAGE_HEIGHT) - 22 * legend};
+    if (legend)
+        fprintf(page->file,
+                "set key at screen 0.03, screen %.4f left top horizontal Left reverse samplen 1.8 width 1 "
+                "maxrows %d font ',11' textcolor rgb '#303030'\n",
+                page->caption + 0.008, legend);
+    return (saltus_frame){left, right, bottom, strip};
+}
+
+saltus_status saltus_sweep_put_diagram(saltus_sweep_page *page, saltus_message *message) {
+    saltus_raster rasters[SALTUS_PASSES] = {{0}};
+    saltus_plot_page curves;
+    saltus_line name = {.length = 0};
+    FILE *file = page->file;
+    saltus_status status = find_range(page, message);
+    if (status != SALTUS_OK)
+        return status;
+    bool dense = points_shown(page) > drawn_singly, sound = true;
+    put_faces(page);
+    if (!dense)
+        put_points(page);
+    if (linked(page, dense))
+        put_links(page);
+    if (page->branches) {
+        curves = *page->branches;
+        curves.file = file;
+        curves.x = page->x.range;
+        curves.y = page->up;
+        page->branches = &curves;
+        saltus_plot_data(&curves);
+    }
+    fputs("set multiplot\n", file);
+    saltus_sweep_caption(page);
+    saltus_frame strip = place_frames(page);
+    if (page->view == SALTUS_VIEW_LYAPUNOV && !dense)
+        saltus_sweep_put_exponents(page);
+    if (dense)
+        sound = paint(page, rasters);
+    if (sound) {
+        saltus_sweep_put_frame(file, page->frame);
+        saltus_sweep_put_axis(page, 'x', &page->x);
+        saltus_sweep_name_measure(page, &name);
+        fprintf(file,
+                "set ylabel '%s' offset -0.6,0\nset yrange [%.9g:%.9g]\nunset xlabel\nset format x ''\n",
+                name.text, page->up.low, page->up.high);
+        if (page->branches && !page->x.logarithmic)
+            saltus_plot_labels(page->branches);
+        put_plot(page, rasters, dense);
+        fputs("unset label\nunset object\nunset arrow\nset key off\n", file);
+        sound = saltus_sweep_put_strip(page, strip);
+        fputs("unset multiplot\n", file);
+    }
+    for (int pass = 0; pass < SALTUS_PASSES; pass++)
+        saltus_raster_close(&rasters[pass]);
+    return sound ? SALTUS_OK
+                 : saltus_fail(message, SALTUS_NO_MEMORY, "no memory for drawing %.200s", page->path);
+}

@@ -1,0 +1,40 @@
+/* Private: maps of sweeps over two axes.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef SALTUS_FIGURE_SWEEP_MAP_H
+#define SALTUS_FIGURE_SWEEP_MAP_H
+
+#include "figure/sweep.h"
+
+/* The cells of one axis that a pixel shows; first is -1 where there is none. */
+typedef struct saltus_span {
+    int first, last;
+} saltus_span;
+
+typedef struct saltus_map {
+    saltus_sweep_page *page;
+    saltus_raster raster;
+    saltus_span *columns, *rows; /* per pixel of the raster */
+    /* One of each for every point of the grid. */
+    int *kind;              /* discrete: index into `kinds` */
+    float *number;          /* scalar: what is shown, NAN for nothing; basins: how pale, 0 to 1 */
+    unsigned char *several; /* more than one attractor */
+    saltus_map_kind *kinds;
+    int kind_count;
+    saltus_range range; /* of the colours */
+    bool logarithmic, clipped;
+} saltus_map;
+
+/* sweep_plot_kinds.c: fill `kinds`, `kind`, `number` and `several`. False when there is no memory. */
+bool saltus_map_classes(saltus_map *map);
+bool saltus_map_counts(saltus_map *map);
+bool saltus_map_basins(saltus_map *map);
+/* The orbits of basins as points of the plane: data before the plot, elements in it. */
+void saltus_map_put_orbits(const saltus_map *map);
+void saltus_map_put_orbit_elements(const saltus_map *map);
+
+/* sweep_plot_scalar.c: numbers, their colours and the bar that explains them. */
+bool saltus_map_numbers(saltus_map *map);
+uint32_t saltus_map_colour(const saltus_map *map, double number);
+bool saltus_map_put_bar(const saltus_map *map);
+
+#endif

@@ -1,0 +1,231 @@
+/* Words, frames and legends of the figures of sweeps.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "figure/gnuplot.h"
+#include "figure/sweep.h"
+#include "record/describe.h"
+#include "record/output.h"
+
+#include <math.h>
+#include <string.h>
+
+/* What the figure is, in a few words. */
+static const char *subject(const saltus_sweep_page *page) {
+    static const char *const subjects[] = {[SALTUS_VIEW_TURNING] = "displacement diagram",
+                                           [SALTUS_VIEW_IMPACTS] = "velocity diagram",
+                                           [SALTUS_VIEW_STROBOSCOPIC] = "stroboscopic diagram",
+                                           [SALTUS_VIEW_CLASS] = "{/:Italic n}/{/:Italic p} motions",
+                                           [SALTUS_VIEW_ATTRACTORS] = "number of attractors",
+                                           [SALTUS_VIEW_LARGEST] = "largest displacement",
+                                           [SALTUS_VIEW_SPEED] = "largest impact speed",
+                                           [SALTUS_VIEW_RATE] = "impacts per period",
+                                           [SALTUS_VIEW_CONTACT] = "time in contact",
+                                           [SALTUS_VIEW_LYAPUNOV] = "largest Lyapunov exponent",
+                                           [SALTUS_VIEW_SETTLED] = "periods until settled"};
+    if (page->view == SALTUS_VIEW_CLASS && page->sweep->axis_count == 1)
+        return "period";
+    if (page->view == SALTUS_VIEW_ATTRACTORS && page->sweep->basins)
+        return "basins of attraction";
+    return subjects[page->view];
+}
+
+void saltus_sweep_name_measure(const saltus_sweep_page *page, saltus_line *line) {
+    /* `before` and `after` go around the name of the displacement where that is what is shown. */
+    static const struct {
+        const char *before, *after;
+        bool displacement;
+    } words[] = {[SALTUS_VIEW_TURNING] = {"", "  where it turns", true},
+                 [SALTUS_VIEW_STROBOSCOPIC] = {"", "  at phase 0", true},
+                 [SALTUS_VIEW_IMPACTS] = {"speed of every impact  |{/:Bold n·q′}|", "", false},
+                 [SALTUS_VIEW_LARGEST] = {"largest ", "", true},
+                 [SALTUS_VIEW_SPEED] = {"largest impact speed  |{/:Bold n·q′}|", "", false},
+                 [SALTUS_VIEW_RATE] = {"impacts per forcing period", "", false},
+                 [SALTUS_VIEW_CONTACT] = {"part of the time in contact", "", false},
+                 [SALTUS_VIEW_LYAPUNOV] = {"largest Lyapunov exponent  per unit of time", "", false},
+                 [SALTUS_VIEW_CLASS] = {"period in {/:Italic T}", "", false},
+                 [SALTUS_VIEW_ATTRACTORS] = {"number of attractors", "", false},
+                 [SALTUS_VIEW_SETTLED] = {"periods until settled", "", false}};
+    char name[160] = "";
+    if (page->view == SALTUS_VIEW_IMPACTS && page->sides) {
+        saltus_line_add(line, "velocity at impact  {/:Bold n·q′}");
+        return;
+    }
+    if (words[page->view].displacement && strncmp(page->x.key, "xi", 2) == 0)
+        snprintf(name, sizeof name, "displacement {/:Italic η}({/:Italic ξ}, {/:Italic τ})");
+    else if (words[page->view].displacement)
+        saltus_observed_name(page->system, false, name, sizeof name);
+    saltus_line_add(line, "%s%s%s", words[page->view].before, name, words[page->view].after);
+}
+
+/* Whether a key is an entry of the initial state: q1, v1, z1, ... */
+static bool is_initial(const char *key) {
+    return (key[0] == 'q' || key[0] == 'v' || key[0] == 'z') && key[1] >= '1' && key[1] <= '9';
+}
+
+static void add_symbol(const char *key, saltus_line *line) {
+    if (is_initial(key))
+        saltus_line_add(line, "{/:Italic %c}%s_{%s}", key[0] == 'z' ? 'z' : 'q', key[0] == 'v' ? "′" : "",
+                        key + 1);
+    else
+        saltus_line_symbol(line, key);
+}
+
+static void add_head(const saltus_sweep_page *page, saltus_line *line) {
+    const saltus_sweep_file *sweep = page->sweep;
+    if (page->wish->title)
+        saltus_line_plain(line, page->wish->title);
+    else {
+        saltus_line_plain(line, sweep->scene);
+        saltus_line_add(line, ":  %s in ", subject(page));
+        add_symbol(sweep->axes[0].key, line);
+        if (sweep->axis_count > 1) {
+            saltus_line_add(line, " and ");
+            add_symbol(sweep->axes[1].key, line);
+        }
+    }
+    if (sweep->complete)
+        return;
+    long long done = 0;
+    for (long long k = 0; k < sweep->row_count; k++)
+        done += sweep->rows[k].verdict != SALTUS_PENDING;
+    double part = (double)done / (double)sweep->row_count;
+    saltus_line_add(line, "  (interrupted: %.*f %% done)", part > 0.99 ? 1 : 0, floor(1000 * part) / 10);
+}
+
+/* How exponents were measured, where they are shown. */
+static void add_exponents(const saltus_sweep_page *page, saltus_line *line) {
+    const saltus_sweep_options *o = &page->sweep->options;
+    if (page->view != SALTUS_VIEW_LYAPUNOV)
+        return;
+    if (o->measure > 0)
+        saltus_line_add(line, ";  without a period: measured over up to %lld periods", o->measure);
+    if (page->sweep->axis_count == 1 && o->measure > 0)
+        saltus_line_add(line, ", bars ± one standard error");
+    if (saltus_sweep_any_lost(page))
+        saltus_line_add(line, ";  %s: all directions lost", page->sweep->axis_count > 1 ? "black" : "▼");
+}
+
+/* How many values there are, how each began, and how long it was given to settle. */
+static void add_method(const saltus_sweep_page *page, saltus_line *line) {
+    const saltus_sweep_file *sweep = page->sweep;
+    const saltus_sweep_options *o = &sweep->options;
+    static const char *const starts[] = {"each from the initial state", "carried up", "carried down"};
+    for (int k = 0; k < sweep->axis_count; k++) {
+        saltus_line_add(line, k ? " × %d of " : "%d values of ", sweep->axes[k].count);
+        add_symbol(sweep->axes[k].key, line);
+    }
+    for (int k = 0; k < sweep->pass_count && !is_initial(sweep->axes[0].key); k++)
+        saltus_line_add(line, "%s%s", k ? " and " : ", ",
+                        sweep->passes[k] == SALTUS_PASS_RESET && o->seeds > 1 ? "each"
+                        : k && sweep->passes[k] == SALTUS_PASS_DOWN && sweep->passes[k - 1] == SALTUS_PASS_UP
+                            ? "down"
+                            : starts[sweep->passes[k]]);
+    if (o->seeds > 1)
+        saltus_line_add(line, " from %d initial states", o->seeds);
+    if (sweep->basins)
+        saltus_line_add(line, ";  at most %lld periods until settled", o->transient);
+    else if (o->adaptive)
+        saltus_line_add(line, ";  recorded: one orbit, or %lld period%s where undecided after %lld",
+                        o->record, o->record == 1 ? "" : "s", o->transient);
+    else
+        saltus_line_add(line, ";  recorded: %lld period%s after %lld", o->record, o->record == 1 ? "" : "s",
+                        o->transient);
+    add_exponents(page, line);
+    bool numbers = page->view >= SALTUS_VIEW_LARGEST && saltus_sweep_visits(sweep) > 1;
+    if (numbers && sweep->axis_count > 1)
+        saltus_line_add(line, ";  shown: the first");
+}
+
+void saltus_sweep_caption(saltus_sweep_page *page) {
+    const saltus_sweep_file *sweep = page->sweep;
+    const char *const varied[2] = {sweep->axes[0].key, sweep->axis_count > 1 ? sweep->axes[1].key : NULL};
+    saltus_line head = {.length = 0}, parameters = {.length = 0}, method = {.length = 0};
+    double height = 0.932;
+    add_head(page, &head);
+    saltus_line_parameters(&parameters, page->system, varied);
+    add_method(page, &method);
+    fprintf(page->file, "set label '{/=20:Bold %s}' at screen 0.03,0.967 left front\n", head.text);
+    saltus_line_put(page->file, &parameters, "#202020", &height);
+    saltus_line_put(page->file, &method, "#606060", &height);
+    saltus_put_version(page->file);
+    page->caption = height;
+}
+
+void saltus_sweep_put_frame(FILE *file, saltus_frame frame) {
+    fprintf(file,
+            "set lmargin at screen %.8f\nset rmargin at screen %.8f\nset bmargin at screen %.8f\n"
+            "set tmargin at screen %.8f\n",
+            (double)frame.left / SALTUS_PAGE_WIDTH, (double)frame.right / SALTUS_PAGE_WIDTH,
+            (double)frame.bottom / SALTUS_PAGE_HEIGHT, (double)frame.top / SALTUS_PAGE_HEIGHT);
+}
+
+void saltus_sweep_put_raster_ranges(FILE *file, int width, int height) {
+    fprintf(file, "set x2range [0:%d]\nset y2range [0:%d]\n", width, height);
+}
+
+/* Tics of a logarithmic axis over less than three decades: equally spaced over less than a factor of four,
+ * otherwise at 1, 2 and 5 times powers of ten. */
+static void put_tics(FILE *file, char axis, saltus_range range) {
+    static const double parts[] = {1, 2, 5};
+    double ratio = range.high / range.low, width = range.high - range.low;
+    double decade = pow(10, floor(log10(ratio < 4 ? width / 6 : range.low)));
+    const char *separator = "";
+    if (ratio > 1000)
+        return;
+    fprintf(file, "set %ctics (", axis);
+    if (ratio < 4) {
+        double step = decade * (width / 6 < 1.5 * decade ? 1 : width / 6 < 3.5 * decade ? 2 : 5);
+        for (double k = ceil(range.low / step); k * step <= range.high; k++, separator = ", ")
+            fprintf(file, "%s%.12g", separator, k * step);
+    }
+    for (; ratio >= 4 && decade <= range.high; decade *= 10)
+        for (int k = 0; k < 3; k++)
+            if (parts[k] * decade >= range.low && parts[k] * decade <= range.high) {
+                fprintf(file, "%s%.12g", separator, parts[k] * decade);
+                separator = ", ";
+            }
+    fputs(")\n", file);
+}
+
+void saltus_sweep_put_axis(const saltus_sweep_page *page, char axis, const saltus_cells *cells) {
+    saltus_line name = {.length = 0};
+    const char *key = cells->key;
+    if (is_initial(key)) {
+        saltus_line_add(&name, "initial %s  ",
+                        key[0] == 'q'   ? "displacement"
+                        : key[0] == 'v' ? "velocity"
+                                        : "force");
+        add_symbol(key, &name);
+    } else
+        saltus_line_parameter(&name, &page->sweep->spec, key);
+    if (cells->logarithmic) {
+        fprintf(page->file, "set logscale %c\n", axis);
+        put_tics(page->file, axis, cells->range);
+    }
+    fprintf(page->file, "set %clabel '%s'%s\nset %crange [%.12g:%.12g]\n", axis, name.text,
+            axis == 'y' ? " offset -0.6,0" : "", axis, cells->range.low, cells->range.high);
+}
+
+void saltus_sweep_put_entry(FILE *file, int x, int y, uint32_t colour, bool hatched, const char *text,
+                            const char *figures) {
+    enum { size = 18, reach = 344 };
+    const double w = SALTUS_PAGE_WIDTH, h = SALTUS_PAGE_HEIGHT;
+    fprintf(file,
+            "set object rectangle from screen %.6f,%.6f to screen %.6f,%.6f front fc rgb '#%06x' fs solid "
+            "border lc rgb '#909090' lw 0.6\n",
+            x / w, y / h, (x + size) / w, (y + size) / h, (unsigned)colour);
+    for (int k = 1; k < 6 && hatched; k++) {
+        double a = fmax(0, 2 * k - 6) * size / 6, b = fmin(6, 2 * k) * size / 6;
+        fprintf(file,
+                "set arrow from screen %.6f,%.6f to screen %.6f,%.6f nohead front lc rgb '#404040' lw 0.8\n",
+                (x + a) / w, (y + b) / h, (x + b) / w, (y + a) / h);
+    }
+    fprintf(file, "set label '%s' at screen %.6f,%.6f left front font ',12' tc rgb '#202020'\n", text,
+            (x + size + 12) / w, (y + 0.5 * size) / h);
+    if (figures && *figures)
+        fprintf(file, "set label '%s' at screen %.6f,%.6f right front font ',12' tc rgb '#606060'\n", figures,
+                (x + reach) / w, (y + 0.5 * size) / h);
+}
+
+int saltus_sweep_fineness(const saltus_sweep_page *page) {
+    return saltus_path_ends(page->figure, ".png") ? 1 : 2;
+}

@@ -1,0 +1,101 @@
+/* Measures of a sweep over two axes as colours, with a bar that explains them.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "figure/sweep_map.h"
+
+#include <gsl/gsl_sort_float.h>
+#include <math.h>
+#include <stdlib.h>
+
+/* The range that gets colours: all values, but where few of them lie far outside of the others it ends at the
+ * quantiles `rare` and 1 - `rare`. */
+static void choose_range(saltus_map *map, const float *sorted, long long count) {
+    const double rare = 0.005, far = 0.5, decades = 20;
+    double low = sorted[0], high = sorted[count - 1];
+    double inner_low = sorted[(long long)(rare * (double)(count - 1))],
+           inner_high = sorted[(long long)((1 - rare) * (double)(count - 1))], width = inner_high - inner_low;
+    map->logarithmic = map->page->view == SALTUS_VIEW_SETTLED && inner_high > decades * fmax(inner_low, 1);
+    map->range = (saltus_range){low, high};
+    if (!map->logarithmic && low < inner_low - far * width)
+        map->range.low = inner_low;
+    if (!map->logarithmic && high > inner_high + far * width)
+        map->range.high = inner_high;
+    if (map->logarithmic)
+        map->range.low = fmax(low, 1);
+    map->clipped = map->range.low > low + (map->logarithmic ? 1 : 0) || map->range.high < high;
+    if (!(map->range.high > map->range.low))
+        saltus_range_pad(&map->range, 0, fmax(fabs(high) * 0.1, 1e-9));
+}
+
+bool saltus_map_numbers(saltus_map *map) {
+    saltus_sweep_page *page = map->page;
+    const saltus_sweep_file *sweep = page->sweep;
+    size_t points = (size_t)sweep->points;
+    float *sorted = calloc(points, sizeof *sorted);
+    long long count = 0;
+    map->number = calloc(points, sizeof *map->number);
+    for (long long p = 0; p < sweep->points && sorted && map->number; p++) {
+        map->number[p] =
+            (float)saltus_sweep_measure(page->view, &sweep->rows[saltus_sweep_visit(sweep, p, 0)]);
+        if (isfinite(map->number[p]))
+            sorted[count++] = map->number[p];
+    }
+    bool sound = sorted && map->number;
+    map->range = (saltus_range){0, 1};
+    if (sound && count) {
+        gsl_sort_float(sorted, 1, (size_t)count);
+        choose_range(map, sorted, count);
+    }
+    if (page->asked) {
+        map->range = page->up;
+        map->clipped = count && (sorted[0] < page->up.low || sorted[count - 1] > page->up.high);
+        map->logarithmic = map->logarithmic && page->up.low > 0;
+    }
+    free(sorted);
+    return sound;
+}
+
+uint32_t saltus_map_colour(const saltus_map *map, double number) {
+    double low = map->range.low, high = map->range.high;
+    if (isinf(number))
+        return 0x000000;
+    if (map->logarithmic)
+        return saltus_colour_ramp((log(fmax(number, low)) - log(low)) / (log(high) - log(low)));
+    if (map->page->view != SALTUS_VIEW_LYAPUNOV)
+        return saltus_colour_ramp((number - low) / (high - low));
+    /* What attracts and what repels: each side of zero to its own end. */
+    return saltus_colour_sides(number < 0 ? 0.5 - 0.5 * number / fmin(low, -1e-300)
+                                          : 0.5 + 0.5 * number / fmax(high, 1e-300));
+}
+
+bool saltus_map_put_bar(const saltus_map *map) {
+    enum { steps = 512, apart = 22, wide = 22, columns = 2 };
+    const saltus_sweep_page *page = map->page;
+    saltus_raster raster;
+    saltus_line name = {.length = 0};
+    double low = map->range.low, high = map->range.high;
+    if (!saltus_raster_open(&raster, columns, steps))
+        return false;
+    for (int k = 0; k < steps; k++) {
+        double part = (k + 0.5) / steps;
+        double number = map->logarithmic ? low * pow(high / low, part) : low + part * (high - low);
+        for (int x = 0; x < columns; x++)
+            saltus_raster_set(&raster, x, k, saltus_map_colour(map, number), 1);
+    }
+    saltus_sweep_name_measure(page, &name);
+    if (map->clipped)
+        saltus_line_add(&name, "  (colours end at %s)",
+                        page->asked ? "the range" : "the 0.5 and 99.5 percentiles");
+    saltus_sweep_put_frame(page->file,
+                           (saltus_frame){page->frame.right + apart, page->frame.right + apart + wide,
+                                          page->frame.bottom, page->frame.top});
+    fprintf(page->file,
+            "unset logscale\nunset xtics\nunset ytics\nunset xlabel\nunset ylabel\nset xrange [0:%d]\n"
+            "set yrange [0:%d]\n%sset y2range [%.9g:%.9g]\nset y2tics out nomirror scale 0.5 offset -0.4,0\n"
+            "set y2label '%s' offset 0.8,0\nplot ",
+            columns, steps, map->logarithmic ? "set logscale y2\n" : "", low, high, name.text);
+    saltus_raster_element(page->file, &raster, "x1y1");
+    fputs(", NaN notitle axes x1y2\n", page->file);
+    saltus_raster_bytes(page->file, &raster);
+    saltus_raster_close(&raster);
+    return true;
+}

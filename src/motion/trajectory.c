@@ -1,0 +1,187 @@
+/* Recording of trajectories: samples at exact phases from the dense output, both sides of every impact.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "saltus/trajectory.h"
+
+#include "orbit/lap.h"
+
+#include <limits.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* A record under way. */
+typedef struct recorder {
+    saltus_trajectory *record;
+    const saltus_system *system;
+    saltus_flow *flow;
+    long long rows_room, events_room;
+    long long next, last; /* sample to be taken next, last sample */
+    int per_period;
+} recorder;
+
+void saltus_trajectory_clear(saltus_trajectory *record) {
+    free(record->time);
+    free(record->states);
+    free(record->displacement);
+    free(record->velocity);
+    free(record->events);
+    free(record->event_rows);
+    free(record->strobe_states);
+    *record = (saltus_trajectory){0};
+}
+
+/* Grow one array; the old one stays valid when there is no memory. */
+static bool grow(void *array, long long count, size_t size) {
+    void *old, *grown;
+    memcpy(&old, array, sizeof old);
+    if ((unsigned long long)count > SIZE_MAX / 2 / size)
+        return false;
+    grown = realloc(old, (size_t)count * size);
+    if (grown)
+        memcpy(array, &grown, sizeof grown);
+    return grown != NULL;
+}
+
+static bool reserve_rows(recorder *self, long long room) {
+    saltus_trajectory *r = self->record;
+    bool done = grow(&r->time, room, sizeof(double)) &&
+                grow(&r->states, room, (size_t)r->dimension * sizeof(double)) &&
+                grow(&r->displacement, room, sizeof(double)) && grow(&r->velocity, room, sizeof(double));
+    self->rows_room = done ? room : self->rows_room;
+    return done;
+}
+
+static bool reserve_events(recorder *self, long long room) {
+    saltus_trajectory *r = self->record;
+    bool done =
+        grow(&r->events, room, sizeof *r->events) && grow(&r->event_rows, room, sizeof *r->event_rows);
+    self->events_room = done ? room : self->events_room;
+    return done;
+}
+
+static bool add_row(recorder *self, double time, const double *state) {
+    saltus_trajectory *r = self->record;
+    if (r->samples == self->rows_room && !reserve_rows(self, 2 * self->rows_room))
+        return false;
+    long long row = r->samples++;
+    r->time[row] = time;
+    memcpy(r->states + row * r->dimension, state, (size_t)r->dimension * sizeof *state);
+    r->displacement[row] = saltus_system_observed(self->system, state);
+    r->velocity[row] = saltus_system_observed(self->system, state + saltus_system_dof(self->system));
+    return true;
+}
+
+static void add_strobe(recorder *self, const double *state) {
+    saltus_trajectory *r = self->record;
+    if (self->next % self->per_period == 0 && self->next < self->last)
+        memcpy(r->strobe_states + r->strobes++ * r->dimension, state, (size_t)r->dimension * sizeof *state);
+}
+
+/* Time of sample k; the phase is a quotient, so no error builds up. */
+static saltus_time sample_time(const recorder *self, long long k) {
+    return (saltus_time){k / self->per_period, (double)(k % self->per_period) / self->per_period};
+}
+
+/* The samples that fall into the flow's last step. The end of the step is included unless there is an event.
+ */
+static bool take_samples(recorder *self, bool event) {
+    double state[SALTUS_STATE_MAX];
+    for (; self->next <= self->last; self->next++) {
+        saltus_time time = sample_time(self, self->next);
+        int order = saltus_flow_state_at(self->flow, 0, time, state);
+        if (order > 0 || (order == 0 && event))
+            return true;
+        if (order == 0)
+            saltus_flow_state(self->flow, 0, state);
+        add_strobe(self, state);
+        if (!add_row(self, saltus_time_periods(time), state))
+            return false;
+    }
+    return true;
+}
+
+/* An event: the row before it, the row after it, and the event itself. A sample of the same time is the row
+ * before. */
+static bool take_event(recorder *self, const saltus_event *event) {
+    saltus_trajectory *r = self->record;
+    saltus_time now = saltus_flow_time(self->flow, 0);
+    saltus_face face = saltus_system_face(self->system, event->face);
+    double state[SALTUS_STATE_MAX];
+    if (r->event_count == self->events_room && !reserve_events(self, 2 * self->events_room))
+        return false;
+    saltus_flow_state_at(self->flow, 0, now, state);
+    if (self->next <= self->last && saltus_time_compare(sample_time(self, self->next), now) == 0) {
+        add_strobe(self, state);
+        self->next++;
+    }
+    long long row = r->samples;
+    if (!add_row(self, saltus_time_periods(now), state))
+        return false;
+    r->events[r->event_count] = *event;
+    r->event_rows[r->event_count++] = row;
+    bool jumps = event->kind != SALTUS_RELEASE, observed_stop = face.stop == 0;
+    saltus_flow_state(self->flow, 0, state);
+    if (jumps && !add_row(self, saltus_time_periods(now), state))
+        return false;
+    if (observed_stop) {
+        for (long long k = row; k < r->samples; k++)
+            r->displacement[k] = face.side * face.d;
+        r->velocity[row] = jumps ? event->velocity_before : 0;
+        if (event->kind == SALTUS_STICK)
+            r->velocity[row + 1] = 0;
+    }
+    return true;
+}
+
+static saltus_status run(recorder *self, const double *state, long long transient, long long periods,
+                         saltus_message *message) {
+    enum { watch = SALTUS_WATCH_STEP | SALTUS_WATCH_CONTACT };
+    saltus_event event = {.kind = SALTUS_STEP};
+    saltus_time start = {-transient, 0}, origin = {0, 0}, end = {periods, 0};
+    saltus_status status = saltus_flow_start(self->flow, 0, start, state, message);
+    if (status == SALTUS_OK && transient > 0)
+        status = saltus_flow_advance(self->flow, origin, 0, &event, message);
+    if (status != SALTUS_OK)
+        return status;
+    bool room = take_samples(self, false);
+    event.kind = SALTUS_STEP;
+    while (room && event.kind != SALTUS_REACHED) {
+        status = saltus_flow_advance(self->flow, end, watch, &event, message);
+        if (status != SALTUS_OK)
+            return status;
+        bool contact = 1u << event.kind & SALTUS_WATCH_CONTACT;
+        room = take_samples(self, contact) && (!contact || take_event(self, &event));
+    }
+    return room ? SALTUS_OK : saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the record");
+}
+
+saltus_status saltus_trajectory_record(const saltus_system *system, const double *state,
+                                       const saltus_flow_options *options, long long transient,
+                                       long long periods, int per_period, saltus_trajectory *record,
+                                       saltus_message *message) {
+    enum { most = 1000000000 };
+    *record = (saltus_trajectory){0};
+    if (transient < 0 || transient > LLONG_MAX / 2)
+        return saltus_fail(message, SALTUS_BAD_INPUT, "transient = %lld: must be at least 0 periods",
+                           transient);
+    if (periods < 1 || periods > most)
+        return saltus_fail(message, SALTUS_BAD_INPUT, "periods = %lld: must be from 1 to %d", periods, most);
+    if (per_period < 1 || per_period > 1000000)
+        return saltus_fail(message, SALTUS_BAD_INPUT, "samples per period = %d: must be from 1 to 1000000",
+                           per_period);
+    recorder self = {
+        .record = record, .system = system, .per_period = per_period, .last = periods * per_period};
+    saltus_status status = saltus_flow_single(system, 0, options, &self.flow, message);
+    record->dimension = saltus_system_dimension(system);
+    if (status == SALTUS_OK &&
+        !(reserve_rows(&self, self.last + 1 + 64) && reserve_events(&self, 64) &&
+          grow(&record->strobe_states, periods, (size_t)record->dimension * sizeof(double))))
+        status =
+            saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a record of %lld samples", self.last + 1);
+    if (status == SALTUS_OK)
+        status = run(&self, state, transient, periods, message);
+    saltus_flow_free(self.flow);
+    if (status != SALTUS_OK && status != SALTUS_INTERRUPTED)
+        saltus_trajectory_clear(record);
+    return status;
+}

@@ -1,0 +1,133 @@
+/* Words and numbers that the writers share.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "record/describe.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+const char *saltus_number(double value, char *text) {
+    snprintf(text, SALTUS_NUMBER_MAX, "%.17g", value);
+    char *comma = strchr(text, ',');
+    if (comma)
+        *comma = '.';
+    return text;
+}
+
+void saltus_put_number(FILE *file, double value) {
+    char text[SALTUS_NUMBER_MAX];
+    fputs(saltus_number(value, text), file);
+}
+
+const char *saltus_event_word(saltus_event_kind kind) {
+    switch (kind) {
+    case SALTUS_REACHED:
+        return "reached";
+    case SALTUS_IMPACT:
+        return "impact";
+    case SALTUS_STICK:
+        return "stick";
+    case SALTUS_RELEASE:
+        return "release";
+    case SALTUS_TURNING:
+        return "turning";
+    case SALTUS_STEP:
+        return "step";
+    }
+    return "unknown";
+}
+
+const char *saltus_side_word(int side) {
+    return side > 0 ? "upper" : "lower";
+}
+
+const char *saltus_sides_word(saltus_sides sides) {
+    return sides == SALTUS_BOTH ? "both" : saltus_side_word(sides == SALTUS_UPPER ? 1 : -1);
+}
+
+const char *saltus_integrator_word(saltus_integrator integrator) {
+    return integrator == SALTUS_TAYLOR ? "taylor" : integrator == SALTUS_RADAU ? "radau" : "automatic";
+}
+
+const char *saltus_integrator_used(const saltus_system *system, saltus_integrator asked) {
+    return asked == SALTUS_AUTOMATIC ? saltus_system_integrator(system) : saltus_integrator_word(asked);
+}
+
+double saltus_event_after(const saltus_event *event) {
+    return event->kind == SALTUS_STICK ? 0 : event->velocity_after;
+}
+
+void saltus_motion_summary(const saltus_motion *motion, char text[64]) {
+    bool known = saltus_verdict_settled(motion->verdict) && motion->multiplier_count > 0;
+    snprintf(text, 64, "%s%s", motion->label, !known ? "" : motion->stable ? ", stable" : ", unstable");
+}
+
+bool saltus_is_pipe(const saltus_system *system) {
+    return strcmp(saltus_model_name(saltus_system_spec(system)->model), "pipe") == 0;
+}
+
+double saltus_impacts_per_response(const saltus_system *system, const saltus_motion *motion) {
+    if (motion->verdict != SALTUS_PERIODIC || motion->impacts < 0 || motion->periods < 1)
+        return NAN;
+    return (saltus_is_pipe(system) ? 2.0 : 1.0) * (double)motion->impacts / motion->periods;
+}
+
+bool saltus_parameter_shown(const saltus_spec *spec, int k) {
+    int count;
+    const saltus_parameter *p = saltus_model_parameters(spec->model, &count);
+    bool one_mass = strstr(p[k].meaning, "(N = 2)") && saltus_spec_get(spec, "N") < 2;
+    bool no_element = strcmp(p[k].name, "tz") == 0 && saltus_spec_get(spec, "kz") == 0;
+    return !(one_mass || no_element || (spec->parameters[k] == 0 && p[k].fallback == 0));
+}
+
+void saltus_put_parameters(FILE *file, const saltus_spec *spec, const char *prefix) {
+    int count;
+    const saltus_parameter *p = saltus_model_parameters(spec->model, &count);
+    for (int k = 0; k < count; k++) {
+        fprintf(file, "%s%s = ", k ? ", " : "", p[k].name);
+        saltus_put_number(file, spec->parameters[k]);
+    }
+    for (int s = 0; s < spec->stop_count; s++) {
+        fprintf(file, "\n%sstop %d: ", prefix, s + 1);
+        saltus_put_stop(file, spec, s);
+    }
+}
+
+void saltus_put_table_head(FILE *file, const char *what, const saltus_scene *scene, const char *motion,
+                           const saltus_spec *spec) {
+    fprintf(file, "# Saltus " SALTUS_VERSION " %s\n# scene: %s\n", what, scene->name);
+    if (scene->title[0])
+        fprintf(file, "# title: %s\n", scene->title);
+    if (motion)
+        fprintf(file, "# motion: %s\n", motion);
+    fprintf(file, "# model: %s\n# parameters: ", saltus_model_name(spec->model));
+    saltus_put_parameters(file, spec, "# ");
+    fputc('\n', file);
+}
+
+void saltus_put_stop(FILE *file, const saltus_spec *spec, int stop) {
+    const saltus_stop *s = &spec->stops[stop];
+    char a[SALTUS_NUMBER_MAX], b[SALTUS_NUMBER_MAX], d[SALTUS_NUMBER_MAX], r[SALTUS_NUMBER_MAX];
+    if (strcmp(saltus_model_name(spec->model), "pipe") == 0)
+        fprintf(file, "xi = %s", saltus_number(s->xi, a));
+    else
+        fprintf(file, "weight = [%s, %s]", saltus_number(s->weight[0], a), saltus_number(s->weight[1], b));
+    fprintf(file, ", d = %s, r = %s, sides = %s", saltus_number(s->d, d), saltus_number(s->r, r),
+            saltus_sides_word(s->sides));
+}
+
+bool saltus_multiplier_pair(const saltus_motion *motion, int k) {
+    const saltus_multiplier *m = &motion->multipliers[k];
+    return k + 1 < motion->multiplier_count && m->im != 0 && fabs(m[1].im + m->im) <= 1e-9 * fabs(m->im) &&
+           fabs(m[1].re - m->re) <= 1e-9 * (fabs(m->re) + fabs(m->im));
+}
+
+bool saltus_key_means(const char *key, const char *name, int s) {
+    size_t length = strlen(name);
+    return strncmp(key, name, length) == 0 && (!key[length] || atoi(key + length) == s + 1);
+}
+
+bool saltus_stop_observed(const saltus_system *system, int stop) {
+    const double *a = saltus_system_stop_normal(system, stop), *b = saltus_system_observer(system);
+    return memcmp(a, b, (size_t)saltus_system_dof(system) * sizeof *a) == 0;
+}

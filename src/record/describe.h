@@ -1,0 +1,55 @@
+/* Words and numbers that the writers share.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef SALTUS_RECORD_DESCRIBE_H
+#define SALTUS_RECORD_DESCRIBE_H
+
+#include "saltus/motion.h"
+#include "saltus/scene.h"
+
+#include <stdbool.h>
+#include <stdio.h>
+
+enum { SALTUS_NUMBER_MAX = 32 };
+
+/* A number that reads back as the same one, with a '.' whatever the locale; `text` holds SALTUS_NUMBER_MAX
+ * bytes. */
+const char *saltus_number(double value, char *text);
+void saltus_put_number(FILE *file, double value);
+
+const char *saltus_event_word(saltus_event_kind kind); /* "impact", "stick", "release", ... */
+const char *saltus_side_word(int side);                /* +1 upper, -1 lower */
+const char *saltus_sides_word(saltus_sides sides);     /* "upper", "lower", "both" */
+const char *saltus_integrator_word(saltus_integrator integrator);
+/* The integrator that is used for a system when `asked` is chosen: what automatic stands for. */
+const char *saltus_integrator_used(const saltus_system *system, saltus_integrator asked);
+/* Velocity after an event: none once a contact holds. */
+double saltus_event_after(const saltus_event *event);
+
+/* The label with the word stable or unstable where that is known; fits 64 bytes. */
+void saltus_motion_summary(const saltus_motion *motion, char text[64]);
+bool saltus_is_pipe(const saltus_system *system);
+/* Whether a key of --set, which may end in the number of a stop, is the property `name` of stop s. */
+bool saltus_key_means(const char *key, const char *name, int s);
+/* Whether a stop limits the observed coordinate itself. */
+bool saltus_stop_observed(const saltus_system *system, int stop);
+/* Impacts per response cycle: the principal parametric response of a pipe takes 2 T. NaN where n or p is
+ * unknown. */
+double saltus_impacts_per_response(const saltus_system *system, const saltus_motion *motion);
+/* Whether a parameter has an effect worth a caption: not a zero that is the default, nothing of a mass not
+ * there. */
+bool saltus_parameter_shown(const saltus_spec *spec, int k);
+/* A stop as `key = value` phrases with all digits. */
+void saltus_put_stop(FILE *file, const saltus_spec *spec, int stop);
+/* All parameters in the same form, then a line for each stop that begins with `prefix`; no newline at the
+ * end. */
+void saltus_put_parameters(FILE *file, const saltus_spec *spec, const char *prefix);
+/* The comment lines that begin a table of comma-separated values: what it is, its scene, the label of the
+ * motion (NULL: none), model, parameters and stops. */
+void saltus_put_table_head(FILE *file, const char *what, const saltus_scene *scene, const char *motion,
+                           const saltus_spec *spec);
+/* Whether the multiplier k is the first of a complex conjugate pair. */
+bool saltus_multiplier_pair(const saltus_motion *motion, int k);
+/* The title, parameters and stops as lines for people. */
+void saltus_put_scene(FILE *file, const saltus_scene *scene, const saltus_system *system);
+
+#endif

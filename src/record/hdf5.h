@@ -1,0 +1,145 @@
+/* Private: the pieces that HDF5 files are made of, and reading them back.
+ *
+ * Files are made in memory by HDF5's core driver and then written as one piece, so a full disk is an ordinary
+ * write error and no half-made file is ever seen; those of sweeps, which may be larger than the memory, are
+ * made on disk (record/hdf5_disk.h). Time stamps are off, so equal results give equal files.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef SALTUS_RECORD_HDF5_H
+#define SALTUS_RECORD_HDF5_H
+
+#include "saltus/system.h"
+
+#include <hdf5.h>
+#include <stdio.h>
+
+/* How HDF5 itself prints errors, which is switched off between saltus_h5_quiet and saltus_h5_restore. */
+typedef struct saltus_h5_silence {
+    H5E_auto2_t print;
+    void *context;
+} saltus_h5_silence;
+
+/* False when the library cannot be opened at all. */
+bool saltus_h5_quiet(saltus_h5_silence *silence);
+void saltus_h5_restore(const saltus_h5_silence *silence);
+
+/* A file being made. After the first failure `sound` is false, and the functions below do nothing more. */
+typedef struct saltus_h5 {
+    hid_t file;
+    bool sound;
+    bool starved; /* it is memory that was lacking */
+} saltus_h5;
+
+/* Note whether a step was successful; whether all were so far. */
+bool saltus_h5_note(saltus_h5 *w, bool good);
+/* The same for an allocation. */
+bool saltus_h5_note_memory(saltus_h5 *w, bool there);
+/* SALTUS_OK, or why the file could not be made: SALTUS_IO, SALTUS_NO_MEMORY. */
+saltus_status saltus_h5_status(const saltus_h5 *w, saltus_message *message);
+/* A new file in memory. */
+void saltus_h5_create(saltus_h5 *w);
+/* Write the finished file, followed by a checksum (the seal), and close it. Failures to write are left in the
+ * stream's error flag. */
+void saltus_h5_finish(saltus_h5 *w, FILE *file);
+
+void saltus_h5_text(saltus_h5 *w, hid_t owner, const char *name, const char *text);
+void saltus_h5_double(saltus_h5 *w, hid_t owner, const char *name, double value);
+void saltus_h5_integer(saltus_h5 *w, hid_t owner, const char *name, long long value);
+hid_t saltus_h5_open_group(saltus_h5 *w, const char *name, const char *description);
+/* Close a group, dataset, type, ...; nothing to do where it is negative, because it could not be opened. */
+void saltus_h5_close(hid_t object);
+/* The groups /parameters and /parameters/stop_1, ... with an attribute for each value. */
+void saltus_h5_parameters(saltus_h5 *w, const saltus_spec *spec);
+
+/* What a dataset is called and means. */
+typedef struct saltus_h5_column {
+    const char *name, *units, *description;
+    hid_t type, memory;
+    const void *data;
+} saltus_h5_column;
+
+/* A dataset of `rows` entries, each of them a number, a row of width[0] or a matrix of width[0] x width[1];
+ * unused widths are 0. Extensible, in chunks, shuffled, deflated and with checksums. */
+void saltus_h5_dataset(saltus_h5 *w, hid_t group, const saltus_h5_column *c, long long rows,
+                       const int width[2]);
+/* A dataset of plain real numbers without a unit. */
+void saltus_h5_reals(saltus_h5 *w, hid_t group, const char *name, const char *description,
+                     const double *values, int count);
+enum { SALTUS_H5_RANK_MAX = 4 };
+
+/* Extent of a dataset, and of the parts in which it is stored and written. */
+typedef struct saltus_h5_shape {
+    int rank;
+    hsize_t size[SALTUS_H5_RANK_MAX], part[SALTUS_H5_RANK_MAX];
+} saltus_h5_shape;
+
+/* A dataset to be written part by part, each part once. c->data is one entry, the value of parts that are
+ * never written. To be closed; negative on failure. */
+hid_t saltus_h5_open_dataset(saltus_h5 *w, hid_t group, const saltus_h5_column *c,
+                             const saltus_h5_shape *shape);
+/* Write the entries from `first` on, `count` of them along each dimension. */
+void saltus_h5_write_part(saltus_h5 *w, hid_t set, hid_t memory, const hsize_t *first, const hsize_t *count,
+                          const void *data);
+/* An enumeration of `count` words with the values 0, 1, ... or the given ones; to be closed. */
+hid_t saltus_h5_enumeration(saltus_h5 *w, hid_t base, const char *const *words, const int *values, int count);
+
+enum { SALTUS_H5_SEAL = 24 };
+/* The seal of the first `length` bytes of a file: SALTUS_H5_SEAL characters and a NUL. False, with errno,
+ * when they cannot be read. */
+bool saltus_h5_seal(int descriptor, long long length, char seal[SALTUS_H5_SEAL + 1]);
+
+/* Attributes; false when one is absent, of another type or, as a text, of more than room - 1 bytes. */
+bool saltus_h5_get_double(hid_t owner, const char *name, double *value);
+bool saltus_h5_get_integer(hid_t owner, const char *name, long long *value);
+bool saltus_h5_get_text(hid_t owner, const char *name, char *text, size_t room);
+
+/* The type of a text in memory that is cut at `room` bytes without a NUL, so that a cut can be seen; to be
+ * closed. Negative on failure. */
+hid_t saltus_h5_text_memory(size_t room);
+/* Number of entries of a dataset; -1 when there is none of that name. */
+long long saltus_h5_rows(hid_t file, const char *name);
+/* Read a dataset of known size, as written by saltus_h5_dataset; false when it differs. */
+bool saltus_h5_get_dataset(hid_t file, const char *name, hid_t memory, long long rows, const int width[2],
+                           void *data);
+/* The same for any rank up to SALTUS_H5_RANK_MAX. */
+bool saltus_h5_get_array(hid_t file, const char *name, hid_t memory, int rank, const hsize_t *size,
+                         void *data);
+/* Rank and extent of a dataset, and the bytes that it takes in the file; the rank is -1 when there is none of
+ * that name. */
+int saltus_h5_extent(hid_t file, const char *name, hsize_t size[SALTUS_H5_RANK_MAX], hsize_t *stored);
+/* Whether a dataset of `entries` rows of `width` entries may be as large as it says, stored in so many bytes:
+ * deflate makes a block shorter by a factor of about a thousand at most. */
+bool saltus_h5_believable(hsize_t entries, hsize_t width, hsize_t stored);
+/* Open a group for reading; negative when there is none of that name. */
+hid_t saltus_h5_find_group(hid_t file, const char *name);
+
+/* A file of results that is being read. The caller sets path, kind and message. */
+typedef struct saltus_h5_reader {
+    const char *path, *kind; /* "branch" or "sweep", also for messages */
+    saltus_message *message;
+    hid_t file;
+    saltus_h5_silence silence;
+} saltus_h5_reader;
+
+/* Open the file, with HDF5's own messages off until it is closed. Errors: SALTUS_BAD_INPUT, SALTUS_IO. */
+saltus_status saltus_h5_reader_open(saltus_h5_reader *r);
+/* Does nothing when opening failed. */
+void saltus_h5_reader_close(saltus_h5_reader *r);
+/* Fail with a sentence about the file: SALTUS_BAD_INPUT with what is wrong, or with the object that is
+ * missing or wrong; SALTUS_NO_MEMORY. */
+saltus_status saltus_h5_refuse(const saltus_h5_reader *r, const char *what);
+saltus_status saltus_h5_refuse_part(const saltus_h5_reader *r, const char *group, const char *name);
+saltus_status saltus_h5_no_memory(const saltus_h5_reader *r);
+
+/* What every file of results says of its origin. */
+typedef struct saltus_h5_head {
+    char kind[32], version[16], scene[128], title[160], model[64];
+    bool complete;
+    saltus_spec spec;
+} saltus_h5_head;
+
+/* Read the head of a file of the reader's kind or of `other_kind`; `called` names both in the message that
+ * refuses any other. All parameters and stops are there and finite. Errors: SALTUS_BAD_INPUT. */
+saltus_status saltus_h5_get_head(const saltus_h5_reader *r, const char *other_kind, const char *called,
+                                 saltus_h5_head *head);
+
+#endif

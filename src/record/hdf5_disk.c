@@ -1,0 +1,171 @@
+/* HDF5 files made on disk, with a driver for HDF5's file layer that notes failed writes instead of reporting
+ * them.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "record/hdf5_disk.h"
+
+#include "record/output.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#if H5_VERSION_GE(1, 13, 0)
+#include <H5FDdevelop.h>
+#endif
+
+/* An open file, as HDF5 hands it to the driver. */
+typedef struct disk_file {
+    H5FD_t base; /* must be the first member */
+    saltus_h5_disk *disk;
+    haddr_t end_allocated, end;
+} disk_file;
+
+static H5FD_t *disk_open(const char *name, unsigned flags, hid_t access, haddr_t most) {
+    saltus_h5_disk *const *disk = H5Pget_driver_info(access);
+    disk_file *file = disk ? calloc(1, sizeof *file) : NULL;
+    if (disk && !file)
+        (*disk)->reason = ENOMEM;
+    (void)name;
+    (void)flags;
+    (void)most;
+    if (!file)
+        return NULL;
+    file->disk = *disk;
+    return &file->base;
+}
+
+static herr_t disk_close(H5FD_t *base) {
+    free(base);
+    return 0;
+}
+
+static herr_t disk_query(const H5FD_t *base, unsigned long *features) {
+    (void)base;
+    *features = H5FD_FEAT_AGGREGATE_METADATA | H5FD_FEAT_ACCUMULATE_METADATA | H5FD_FEAT_AGGREGATE_SMALLDATA;
+    return 0;
+}
+
+static haddr_t disk_end_allocated(const H5FD_t *base, H5FD_mem_t type) {
+    (void)type;
+    return ((const disk_file *)(const void *)base)->end_allocated;
+}
+
+static herr_t disk_allocate(H5FD_t *base, H5FD_mem_t type, haddr_t end) {
+    (void)type;
+    ((disk_file *)(void *)base)->end_allocated = end;
+    return 0;
+}
+
+static haddr_t disk_end(const H5FD_t *base, H5FD_mem_t type) {
+    (void)type;
+    return ((const disk_file *)(const void *)base)->end;
+}
+
+/* What lies beyond the end, or could not be written, reads as zeros. */
+static herr_t disk_read(H5FD_t *base, H5FD_mem_t type, hid_t transfer, haddr_t address, size_t size,
+                        void *data) {
+    const disk_file *file = (const disk_file *)(void *)base;
+    (void)type;
+    (void)transfer;
+    size_t there = saltus_read_at(file->disk->descriptor, data, size, (long long)address);
+    memset((unsigned char *)data + there, 0, size - there);
+    return 0;
+}
+
+static herr_t disk_write(H5FD_t *base, H5FD_mem_t type, hid_t transfer, haddr_t address, size_t size,
+                         const void *data) {
+    disk_file *file = (disk_file *)(void *)base;
+    (void)type;
+    (void)transfer;
+    if (address + size > file->end)
+        file->end = address + size;
+    if (!file->disk->reason && !saltus_write_at(file->disk->descriptor, data, size, (long long)address))
+        file->disk->reason = errno;
+    return 0;
+}
+
+static herr_t disk_truncate(H5FD_t *base, hid_t transfer, hbool_t closing) {
+    disk_file *file = (disk_file *)(void *)base;
+    (void)transfer;
+    (void)closing;
+    if (!file->disk->reason && file->end != file->end_allocated &&
+        ftruncate(file->disk->descriptor, (off_t)file->end_allocated) != 0)
+        file->disk->reason = errno;
+    file->end = file->end_allocated;
+    return 0;
+}
+
+static const H5FD_class_t disk_class = {
+#if H5_VERSION_GE(1, 13, 2)
+    .version = H5FD_CLASS_VERSION,
+    .value = 511,
+#endif
+    .name = "saltus",
+    .maxaddr = ((haddr_t)1 << 62) - 1,
+    .fc_degree = H5F_CLOSE_STRONG,
+    .fapl_size = sizeof(saltus_h5_disk *),
+    .open = disk_open,
+    .close = disk_close,
+    .query = disk_query,
+    .get_eoa = disk_end_allocated,
+    .set_eoa = disk_allocate,
+    .get_eof = disk_end,
+    .read = disk_read,
+    .write = disk_write,
+    .truncate = disk_truncate,
+    .fl_map = H5FD_FLMAP_DICHOTOMY,
+};
+
+/* How files are opened: with the driver above, and in the oldest format that holds them, whatever the version
+ * of HDF5 may be. The driver must outlive the file: where the file was the last to hold it, HDF5 (1.10) frees
+ * it before it calls its close. */
+static hid_t access_list(saltus_h5_disk *disk) {
+    hid_t access = H5Pcreate(H5P_FILE_ACCESS);
+    disk->driver = H5FDregister(&disk_class);
+    bool sound = access >= 0 && disk->driver >= 0 && H5Pset_driver(access, disk->driver, &disk) >= 0 &&
+                 H5Pset_fclose_degree(access, H5F_CLOSE_STRONG) >= 0 &&
+                 H5Pset_libver_bounds(access, H5F_LIBVER_EARLIEST, H5F_LIBVER_V18) >= 0;
+    if (!sound && access >= 0)
+        H5Pclose(access);
+    return sound ? access : -1;
+}
+
+void saltus_h5_disk_create(saltus_h5 *w, saltus_h5_disk *disk, const char *path) {
+    *w = (saltus_h5){.file = -1, .sound = true};
+    *disk = (saltus_h5_disk){.descriptor = open(path, O_RDWR | O_TRUNC | O_CLOEXEC), .driver = -1};
+    if (disk->descriptor < 0)
+        disk->reason = errno;
+    hid_t access = disk->reason ? -1 : access_list(disk);
+    if (access >= 0) {
+        w->file = H5Fcreate(path, H5F_ACC_TRUNC, H5P_DEFAULT, access);
+        H5Pclose(access);
+    }
+    saltus_h5_note(w, w->file >= 0);
+}
+
+static bool put_seal(int descriptor) {
+    char seal[SALTUS_H5_SEAL + 1];
+    off_t length = lseek(descriptor, 0, SEEK_END);
+    if (length < 0 || !saltus_h5_seal(descriptor, length, seal))
+        return false;
+    return saltus_write_at(descriptor, seal, SALTUS_H5_SEAL, length);
+}
+
+void saltus_h5_disk_finish(saltus_h5 *w, saltus_h5_disk *disk, bool durable) {
+    if (w->file >= 0)
+        saltus_h5_note(w, H5Fclose(w->file) >= 0);
+    w->file = -1;
+    if (disk->driver >= 0)
+        H5FDunregister(disk->driver);
+    disk->driver = -1;
+    if (w->sound && !disk->reason && !put_seal(disk->descriptor))
+        disk->reason = errno;
+    if (w->sound && !disk->reason && durable && fsync(disk->descriptor) != 0)
+        disk->reason = errno;
+    if (disk->descriptor >= 0 && close(disk->descriptor) != 0 && !disk->reason)
+        disk->reason = errno;
+    disk->descriptor = -1;
+    saltus_h5_note(w, disk->reason == 0);
+}

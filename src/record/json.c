@@ -1,0 +1,250 @@
+/* A motion as one JSON object.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "record/json.h"
+
+#include <math.h>
+#include <string.h>
+
+void saltus_json_value(FILE *file, double value) {
+    if (isfinite(value))
+        saltus_put_number(file, value);
+    else
+        fputs("null", file);
+}
+
+static void put_string(FILE *file, const char *text) {
+    fputc('"', file);
+    for (const unsigned char *c = (const unsigned char *)text; *c; c++)
+        if (*c == '"' || *c == '\\')
+            fprintf(file, "\\%c", *c);
+        else if (*c < 0x20 || *c == 0x7f)
+            fprintf(file, "\\u%04x", *c);
+        else
+            fputc(*c, file);
+    fputc('"', file);
+}
+
+void saltus_json_key(FILE *file, const char *key) {
+    fprintf(file, ", \"%s\": ", key);
+}
+
+void saltus_json_member(FILE *file, const char *key, double value) {
+    saltus_json_key(file, key);
+    saltus_json_value(file, value);
+}
+
+void saltus_json_text(FILE *file, const char *key, const char *text) {
+    saltus_json_key(file, key);
+    put_string(file, text);
+}
+
+void saltus_json_vector(FILE *file, const double *vector, int length) {
+    fputc('[', file);
+    for (int i = 0; i < length; i++) {
+        fputs(i ? ", " : "", file);
+        saltus_json_value(file, vector[i]);
+    }
+    fputc(']', file);
+}
+
+void saltus_json_list(FILE *file, const char *key, const double *vector, int length) {
+    saltus_json_key(file, key);
+    saltus_json_vector(file, vector, length);
+}
+
+static void put_states(FILE *file, const saltus_motion *motion) {
+    saltus_json_key(file, "state");
+    if (motion->state)
+        saltus_json_vector(file, motion->state, motion->dimension);
+    else
+        fputs("null", file);
+    saltus_json_key(file, "section_states");
+    fputc('[', file);
+    for (int k = 0; motion->section_states && k < motion->periods; k++) {
+        fputs(k ? ", " : "", file);
+        saltus_json_vector(file, motion->section_states + k * motion->dimension, motion->dimension);
+    }
+    fputc(']', file);
+}
+
+static void put_impact_counts(FILE *file, const saltus_system *system, const saltus_motion *motion) {
+    int stops = saltus_system_spec(system)->stop_count;
+    long long sides[2] = {0, 0}, by_stop[SALTUS_STOPS_MAX][2] = {{0}};
+    for (int f = 0; f < saltus_system_face_count(system); f++) {
+        saltus_face face = saltus_system_face(system, f);
+        sides[face.side < 0] += motion->impacts_by_face[f];
+        by_stop[face.stop][face.side < 0] += motion->impacts_by_face[f];
+    }
+    saltus_json_key(file, "impacts_by_side");
+    fprintf(file, "{\"upper\": %lld, \"lower\": %lld}", sides[0], sides[1]);
+    saltus_json_key(file, "impacts_by_stop");
+    fputc('[', file);
+    for (int s = 0; s < stops; s++)
+        fprintf(file, "%s{\"stop\": %d, \"upper\": %lld, \"lower\": %lld}", s ? ", " : "", s + 1,
+                by_stop[s][0], by_stop[s][1]);
+    fputc(']', file);
+}
+
+void saltus_json_events(FILE *file, const saltus_system *system, const saltus_event *events, int count) {
+    saltus_json_key(file, "events");
+    fputc('[', file);
+    for (int k = 0; k < count; k++) {
+        const saltus_event *event = &events[k];
+        const char *word = saltus_event_word(event->kind);
+        saltus_face face = saltus_system_face(system, event->face);
+        fprintf(file, "%s{\"event\": \"%s\", \"type\": \"%s\", \"side\": \"%s\", \"stop\": %d", k ? ", " : "",
+                word, word, saltus_side_word(face.side), face.stop + 1);
+        saltus_json_member(file, "time_over_T", saltus_time_periods(event->time));
+        saltus_json_member(file, "phase", event->time.phase);
+        saltus_json_member(file, "normal_velocity_before", event->velocity_before);
+        saltus_json_member(file, "normal_velocity_after", saltus_event_after(event));
+        fputc('}', file);
+    }
+    fputc(']', file);
+}
+
+void saltus_json_multipliers(FILE *file, const saltus_multiplier *multipliers, int count) {
+    saltus_json_key(file, "multipliers");
+    fputc('[', file);
+    for (int k = 0; k < count; k++) {
+        const double pair[2] = {multipliers[k].re, multipliers[k].im};
+        fputs(k ? ", " : "", file);
+        saltus_json_vector(file, pair, 2);
+    }
+    fputc(']', file);
+    saltus_json_key(file, "log_moduli");
+    for (int k = 0; k < count; k++) {
+        fputs(k ? ", " : "[", file);
+        saltus_json_value(file, multipliers[k].log_modulus);
+    }
+    fputs(count ? "]" : "[]", file);
+}
+
+static void put_sum_rule(FILE *file, const saltus_motion *motion) {
+    saltus_json_key(file, "sum_rule");
+    if (motion->sticks || motion->multiplier_count == 0) {
+        fputs("null", file);
+        return;
+    }
+    fputs("{\"multipliers\": ", file);
+    saltus_json_value(file, motion->log_volume);
+    saltus_json_member(file, "trace_and_restitution", motion->sum_rule);
+    saltus_json_member(file, "difference", motion->log_volume - motion->sum_rule);
+    fputc('}', file);
+}
+
+void saltus_json_contact_force(FILE *file, const saltus_system *system, const double *force,
+                               const double *gap) {
+    saltus_json_key(file, "contact_force");
+    if (!force) {
+        fputs("null", file);
+        return;
+    }
+    fputc('[', file);
+    for (int f = 0; f < saltus_system_face_count(system); f++) {
+        saltus_face face = saltus_system_face(system, f);
+        fprintf(file, "%s{\"stop\": %d, \"side\": \"%s\"", f ? ", " : "", face.stop + 1,
+                saltus_side_word(face.side));
+        saltus_json_member(file, "force", force[f]);
+        if (gap)
+            saltus_json_member(file, "gap", gap[f]);
+        fputc('}', file);
+    }
+    fputc(']', file);
+}
+
+/* The keys of a stop, first without a comma before it. */
+static void put_stop(FILE *file, const saltus_stop *stop, bool pipe) {
+    if (pipe) {
+        fputs("\"xi\": ", file);
+        saltus_json_value(file, stop->xi);
+    } else {
+        fputs("\"weight\": ", file);
+        saltus_json_vector(file, stop->weight, 2);
+    }
+    saltus_json_member(file, "d", stop->d);
+    saltus_json_member(file, "r", stop->r);
+    saltus_json_text(file, "sides", saltus_sides_word(stop->sides));
+}
+
+void saltus_json_parameters(FILE *file, const saltus_spec *spec) {
+    bool pipe = strcmp(saltus_model_name(spec->model), "pipe") == 0;
+    int count;
+    const saltus_parameter *p = saltus_model_parameters(spec->model, &count);
+    saltus_json_key(file, "parameters");
+    fputs("{\"model\": ", file);
+    put_string(file, saltus_model_name(spec->model));
+    for (int k = 0; k < count; k++)
+        saltus_json_member(file, p[k].name, spec->parameters[k]);
+    if (spec->stop_count) {
+        fputs(", ", file);
+        put_stop(file, &spec->stops[0], pipe);
+    }
+    saltus_json_key(file, "stops");
+    fputc('[', file);
+    for (int s = 0; s < spec->stop_count; s++) {
+        fputs(s ? ", {" : "{", file);
+        put_stop(file, &spec->stops[s], pipe);
+        fputc('}', file);
+    }
+    fputs("]}", file);
+}
+
+static void put_evidence(FILE *file, const saltus_motion *motion) {
+    const saltus_evidence *e = &motion->evidence;
+    saltus_json_key(file, "evidence");
+    if (e->periods == 0) {
+        fputs("null", file);
+        return;
+    }
+    fprintf(file, "{\"periods\": %lld, \"members\": %d", e->periods, e->members);
+    saltus_json_list(file, "halves", e->half, 2);
+    saltus_json_list(file, "half_errors", e->half_errors, 2);
+    saltus_json_member(file, "zero_one_test", e->zero_one);
+    saltus_json_list(file, "zero_one_quartiles", e->zero_one_quartiles, 2);
+    saltus_json_member(file, "correlation_dimension", e->dimension);
+    saltus_json_member(file, "correlation_dimension_error", e->dimension_error);
+    saltus_json_member(file, "broadband", e->broadband);
+    fprintf(file, ", \"closed_curves\": %d", e->curves);
+    saltus_json_member(file, "impacts_per_period", e->impacts_per_period);
+    saltus_json_member(file, "laminar", e->laminar);
+    fprintf(file, ", \"laminar_period\": %d, \"longest_phase\": %lld, \"left\": %d", e->laminar_period,
+            e->longest_phase, e->left);
+    saltus_json_text(file, "left_for", e->left_for);
+    saltus_json_text(file, "stable_orbit", e->stable_orbit);
+    fputc('}', file);
+}
+
+void saltus_write_motion_json(FILE *file, const saltus_scene *scene, const saltus_system *system,
+                              const saltus_motion *motion) {
+    static const char *const mirror[] = {"none", "self", "pair"};
+    fputs("{\"version\": \"" SALTUS_VERSION "\"", file);
+    saltus_json_text(file, "scene", scene->name);
+    saltus_json_text(file, "label", motion->label);
+    saltus_json_text(file, "kind", saltus_verdict_word(motion->verdict));
+    bool counted = motion->impacts >= 0 && saltus_verdict_settled(motion->verdict);
+    saltus_json_member(file, "impacts", counted ? (double)motion->impacts : NAN);
+    fprintf(file, ", \"periods\": %d, \"sticking_intervals\": %d", motion->periods,
+            motion->sticking_intervals);
+    put_impact_counts(file, system, motion);
+    saltus_json_member(file, "impacts_per_response", saltus_impacts_per_response(system, motion));
+    put_states(file, motion);
+    saltus_json_events(file, system, motion->events, motion->event_count);
+    saltus_json_multipliers(file, motion->multipliers, motion->multiplier_count);
+    fprintf(file, ", \"stable\": %s, \"mirror\": \"%s\"", motion->stable ? "true" : "false",
+            mirror[motion->mirror]);
+    saltus_json_member(file, "residual", motion->residual);
+    put_sum_rule(file, motion);
+    saltus_json_member(file, "lyapunov", motion->lyapunov);
+    saltus_json_member(file, "lyapunov_standard_error", motion->lyapunov_error);
+    put_evidence(file, motion);
+    saltus_json_contact_force(file, system, motion->verdict == SALTUS_HELD ? motion->contact_force : NULL,
+                              NULL);
+    saltus_json_member(file, "largest_displacement", motion->largest);
+    saltus_json_member(file, "smallest_displacement", motion->smallest);
+    fprintf(file, ", \"transient\": %lld", motion->transient);
+    saltus_json_text(file, "reason", motion->reason);
+    saltus_json_parameters(file, saltus_system_spec(system));
+    saltus_json_text(file, "integrator", saltus_integrator_used(system, motion->integrator));
+    fputs("}\n", file);
+}

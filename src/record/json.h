@@ -1,0 +1,26 @@
+/* Private: the pieces that JSON objects are made of.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef SALTUS_RECORD_JSON_H
+#define SALTUS_RECORD_JSON_H
+
+#include "record/describe.h"
+#include "saltus/record.h"
+
+/* A number, or null where JSON has none. */
+void saltus_json_value(FILE *file, double value);
+void saltus_json_vector(FILE *file, const double *vector, int length);
+
+/* Members of an object after its first one, with the comma before them. */
+void saltus_json_key(FILE *file, const char *key);
+void saltus_json_member(FILE *file, const char *key, double value);
+void saltus_json_text(FILE *file, const char *key, const char *text);
+void saltus_json_list(FILE *file, const char *key, const double *vector, int length);
+/* The member `contact_force`, an entry for each face; without `force` null. `gap` may be NULL. */
+void saltus_json_contact_force(FILE *file, const saltus_system *system, const double *force,
+                               const double *gap);
+/* The members `events`, `parameters`, and `multipliers` with `log_moduli`. */
+void saltus_json_events(FILE *file, const saltus_system *system, const saltus_event *events, int count);
+void saltus_json_parameters(FILE *file, const saltus_spec *spec);
+void saltus_json_multipliers(FILE *file, const saltus_multiplier *multipliers, int count);
+
+#endif

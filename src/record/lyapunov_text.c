@@ -1,0 +1,176 @@
+/* Lyapunov exponents in a few lines for people.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "record/describe.h"
+#include "record/lyapunov_words.h"
+#include "saltus/record.h"
+
+#include <math.h>
+
+static void put_head(FILE *file, const char *word) {
+    fprintf(file, "  %-14s", word);
+}
+
+static void put_number(FILE *file, double value, double error) {
+    saltus_uncertain number = saltus_uncertain_text(value, error);
+    fprintf(file, "%s +- %s", number.value, number.error);
+}
+
+static void put_meaning(FILE *file, const saltus_system *system, const saltus_lyapunov *l) {
+    double fold = 1 / fabs(l->exponents[0] * l->period);
+    put_head(file, "meaning");
+    switch (saltus_lyapunov_sense(l)) {
+    case SALTUS_SENSE_SEPARATE:
+        fprintf(file, "positive: nearby trajectories separate, e-fold in %.4g periods\n", fold);
+        break;
+    case SALTUS_SENSE_APPROACH:
+        fprintf(file, "negative: nearby trajectories approach each other, e-fold in %.4g periods\n", fold);
+        break;
+    case SALTUS_SENSE_KEEP:
+        fputs("zero within the error: nearby trajectories neither separate nor approach each other\n", file);
+        break;
+    case SALTUS_SENSE_UNRESOLVED:
+        fputs(isfinite(l->standard_errors[0])
+                  ? "undecided: not told from zero by more than three standard errors\n"
+                  : "undecided: too few values for a standard error\n",
+              file);
+        break;
+    case SALTUS_SENSE_MEET:
+        fprintf(file, "every direction is %s: nearby trajectories become one\n", saltus_lost_words(system));
+    }
+    if (!saltus_system_forced(system) && saltus_lyapunov_sense(l) != SALTUS_SENSE_MEET) {
+        fprintf(
+            file,
+            "  %-14snot forced: unless the system is at rest, one exponent is that of time itself, zero\n",
+            "");
+    }
+}
+
+static void put_spectrum(FILE *file, const saltus_system *system, const saltus_lyapunov *l) {
+    if (l->count < 2)
+        return;
+    fprintf(file, "  %-14s  per unit of time  standard error        per period\n", "exponents");
+    for (int k = 0; k < l->count; k++) {
+        saltus_uncertain own = saltus_uncertain_text(l->exponents[k], l->standard_errors[k]),
+                         period = saltus_uncertain_text(l->exponents[k] * l->period,
+                                                        l->standard_errors[k] * l->period);
+        fprintf(file, "  %13d %18s", k + 1, own.value);
+        if (l->exponents[k] == -INFINITY)
+            fprintf(file, "  %s\n", saltus_lost_words(system));
+        else
+            fprintf(file, "  %14s  %16s\n", own.error, period.value);
+    }
+}
+
+static void put_sums(FILE *file, const saltus_system *system, const saltus_lyapunov *l) {
+    if (l->count < 2)
+        return;
+    put_head(file, "sum rule");
+    if (l->count < l->dimension)
+        fprintf(file, "needs all %d exponents\n", l->dimension);
+    else if (l->lost)
+        fprintf(file, "does not apply: %d of %d directions are %s\n", l->lost, l->dimension,
+                saltus_lost_words(system));
+    else
+        fprintf(file, "exponents add up to %.10g; trace and restitution give %.10g (difference %.1e)\n",
+                l->sum, l->sum_rule, l->sum - l->sum_rule);
+    put_head(file, "dimension");
+    if (isnan(l->kaplan_yorke))
+        fputs("Kaplan-Yorke: needs more exponents, until they add up to less than zero\n", file);
+    else if (saltus_system_forced(system))
+        fprintf(file, "Kaplan-Yorke %.4g in the stroboscopic section, %.4g with time\n", l->kaplan_yorke,
+                l->kaplan_yorke + 1);
+    else
+        fprintf(file, "Kaplan-Yorke %.4g\n", l->kaplan_yorke);
+}
+
+static void put_halves(FILE *file, const saltus_lyapunov *l) {
+    double error = hypot(l->half_errors[0], l->half_errors[1]);
+    put_head(file, "halves");
+    put_number(file, l->half[0], l->half_errors[0]);
+    fputs(" in the first half, ", file);
+    put_number(file, l->half[1], l->half_errors[1]);
+    fputs(" in the second", file);
+    if (isfinite(error) && error > 0)
+        fprintf(file, " (%.1f standard errors apart)", fabs(l->half[0] - l->half[1]) / error);
+    fputc('\n', file);
+}
+
+/* Whether the trajectories that share the work measure the same motion. */
+static void put_members(FILE *file, const saltus_lyapunov *l) {
+    double low = INFINITY, high = -INFINITY;
+    for (int m = 0; m < l->members; m++) {
+        low = fmin(low, l->member_exponents[m]);
+        high = fmax(high, l->member_exponents[m]);
+    }
+    put_head(file, "trajectories");
+    if (l->members == 1) {
+        fputs("1\n", file);
+        return;
+    }
+    fprintf(file, "%d, each alone from %.6g to %.6g: ", l->members, low, high);
+    fputs(l->agree ? "they agree\n" : "they DO NOT AGREE\n", file);
+    if (!l->agree) {
+        put_head(file, "");
+        fputs("they do not measure the same motion: there are coexisting attractors, or the transient is "
+              "longer\n",
+              file);
+    }
+}
+
+static void put_measured(FILE *file, const saltus_system *system, const saltus_lyapunov_options *o,
+                         const saltus_lyapunov *l) {
+    fprintf(file, "  %-14s%.6g per period; sticks: %.6g per period\n", "impacts", l->impacts_per_period,
+            l->sticks_per_period);
+    fprintf(file, "  %-14s%lld periods (%.6g units of time) by all trajectories together (%s)\n", "measured",
+            l->periods, l->time, saltus_integrator_used(system, o->flow.integrator));
+    fprintf(file, "  %-14s%lld periods", "transient", l->transient);
+    if (l->transient > o->transient)
+        fprintf(file, ": %lld as asked for, then until directions and exponent had settled", o->transient);
+    fputc('\n', file);
+}
+
+static void put_precision(FILE *file, const saltus_lyapunov_options *o, const saltus_lyapunov *l) {
+    double error = l->standard_errors[0], part = error / fabs(l->exponents[0]);
+    put_head(file, "precision");
+    if (!isfinite(error))
+        fputs("NOT reached: too few values for a standard error\n", file);
+    else if (!l->precise && part <= o->precision)
+        fprintf(file, "NOT reached: too few values, though the standard error is %.2g %% of the exponent\n",
+                100 * part);
+    else if (!l->precise)
+        fprintf(file, "NOT reached: the standard error is %.2g %% of the exponent, %.2g %% was asked for\n",
+                100 * part, 100 * o->precision);
+    else if (part > o->precision)
+        fprintf(file, "reached: the standard error is %.1e per period\n", error * l->period);
+    else
+        fprintf(file, "reached: the standard error is %.2g %% of the exponent\n", 100 * part);
+}
+
+void saltus_write_lyapunov_text(FILE *file, const saltus_scene *scene, const saltus_system *system,
+                                const saltus_lyapunov_options *options, const saltus_lyapunov *l) {
+    bool finite = saltus_lyapunov_sense(l) != SALTUS_SENSE_MEET;
+    fprintf(file, "%s: largest Lyapunov exponent ", scene->name);
+    if (finite)
+        put_number(file, l->exponents[0], l->standard_errors[0]);
+    else
+        fputs("-infinity", file);
+    fputc('\n', file);
+    saltus_put_scene(file, scene, system);
+    if (finite) {
+        put_head(file, "exponent");
+        put_number(file, l->exponents[0], l->standard_errors[0]);
+        fputs(" per unit of time, ", file);
+        put_number(file, l->exponents[0] * l->period, l->standard_errors[0] * l->period);
+        fprintf(file, " per period (T = %.10g)\n", l->period);
+    }
+    put_meaning(file, system, l);
+    put_spectrum(file, system, l);
+    put_sums(file, system, l);
+    if (finite) {
+        put_halves(file, l);
+        put_members(file, l);
+    }
+    put_measured(file, system, options, l);
+    if (finite)
+        put_precision(file, options, l);
+}

@@ -1,0 +1,161 @@
+/* Files that are written completely or not at all.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "record/output.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
+
+bool saltus_path_ends(const char *path, const char *ending) {
+    size_t length = strlen(saltus_path_name(path)), tail = strlen(ending);
+    return length > tail && strcmp(saltus_path_name(path) + length - tail, ending) == 0;
+}
+
+const char *saltus_path_name(const char *path) {
+    const char *slash = strrchr(path, '/');
+    return slash ? slash + 1 : path;
+}
+
+FILE *saltus_nameless_file(void) {
+    const char *folder = getenv("TMPDIR");
+    char name[4096];
+    int length = snprintf(name, sizeof name, "%s/saltus-XXXXXX", folder && *folder ? folder : "/tmp");
+    if (length < 0 || (size_t)length >= sizeof name) {
+        errno = ENAMETOOLONG;
+        return NULL;
+    }
+    int descriptor = mkstemp(name);
+    if (descriptor < 0)
+        return NULL;
+    unlink(name);
+    FILE *file = fdopen(descriptor, "w+b");
+    if (!file)
+        close(descriptor);
+    return file;
+}
+
+/* Create a file beside the target under a name that nothing else has; permissions follow the umask. */
+static int open_beside(saltus_output *output) {
+    size_t room = strlen(output->path) + 32;
+    output->temporary = malloc(room);
+    int descriptor = -1;
+    if (!output->temporary)
+        errno = ENOMEM;
+    for (int k = 0; output->temporary && k < 1000; k++) {
+        snprintf(output->temporary, room, "%s.part%ld-%d", output->path, (long)getpid(), k);
+        descriptor = open(output->temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        if (descriptor >= 0 || errno != EEXIST)
+            break;
+    }
+    return descriptor;
+}
+
+static void release(saltus_output *output) {
+    free(output->path);
+    free(output->temporary);
+    *output = (saltus_output){0};
+}
+
+static saltus_status refuse(const char *path, int reason, saltus_message *message) {
+    if (reason == ENOMEM)
+        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for writing %s", path);
+    return saltus_fail(message, SALTUS_IO, "%s cannot be written: %s", path, strerror(reason));
+}
+
+saltus_status saltus_output_open(saltus_output *output, const char *path, saltus_message *message) {
+    struct stat facts;
+    bool exists = stat(path, &facts) == 0;
+    *output = (saltus_output){0};
+    if (exists && S_ISDIR(facts.st_mode))
+        return saltus_fail(message, SALTUS_IO, "%s is a folder, not a file that can be written", path);
+    /* Links are followed, so that the file they name is replaced and the link stays. */
+    output->path = exists ? realpath(path, NULL) : strdup(path);
+    if (!output->path)
+        return refuse(path, exists ? errno : ENOMEM, message);
+    int descriptor = -1;
+    if (exists && !S_ISREG(facts.st_mode))
+        descriptor = open(output->path, O_WRONLY | O_CLOEXEC);
+    else if (exists && access(output->path, W_OK) != 0)
+        errno = EACCES;
+    else
+        descriptor = open_beside(output);
+    output->file = descriptor >= 0 ? fdopen(descriptor, "wb") : NULL;
+    if (output->file)
+        return SALTUS_OK;
+    int reason = errno;
+    if (descriptor >= 0) {
+        close(descriptor);
+        if (output->temporary)
+            unlink(output->temporary);
+    }
+    release(output);
+    return refuse(path, reason, message);
+}
+
+saltus_status saltus_output_close(saltus_output *output, saltus_status status, saltus_message *message) {
+    bool sound = !ferror(output->file);
+    int earlier = sound ? 0 : errno;
+    errno = 0;
+    sound = fflush(output->file) == 0 && sound;
+    sound = fclose(output->file) == 0 && sound;
+    if (status == SALTUS_OK && sound && output->temporary)
+        sound = rename(output->temporary, output->path) == 0;
+    int reason = earlier ? earlier : errno ? errno : EIO;
+    if ((status != SALTUS_OK || !sound) && output->temporary)
+        unlink(output->temporary);
+    if (status == SALTUS_OK && !sound)
+        status = saltus_fail(message, SALTUS_IO, "%s could not be written completely: %s", output->path,
+                             strerror(reason));
+    release(output);
+    return status;
+}
+
+saltus_status saltus_output_test(const char *path, saltus_message *message) {
+    saltus_output output;
+    saltus_status status = saltus_output_open(&output, path, message);
+    if (status == SALTUS_OK)
+        saltus_output_close(&output, SALTUS_IO, NULL);
+    return status;
+}
+
+size_t saltus_read_at(int descriptor, void *data, size_t size, long long place) {
+    unsigned char *bytes = data;
+    size_t done = 0;
+    while (done < size) {
+        ssize_t got = pread(descriptor, bytes + done, size - done, (off_t)(place + (long long)done));
+        if (got < 0 && errno == EINTR)
+            continue;
+        if (got == 0)
+            errno = EIO;
+        if (got <= 0)
+            break;
+        done += (size_t)got;
+    }
+    return done;
+}
+
+bool saltus_write_at(int descriptor, const void *data, size_t size, long long place) {
+    const unsigned char *bytes = data;
+    size_t done = 0;
+    while (done < size) {
+        ssize_t put = pwrite(descriptor, bytes + done, size - done, (off_t)(place + (long long)done));
+        if (put < 0 && errno == EINTR)
+            continue;
+        if (put == 0)
+            errno = ENOSPC;
+        if (put <= 0)
+            return false;
+        done += (size_t)put;
+    }
+    return true;
+}
+
+double saltus_seconds(void) {
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}

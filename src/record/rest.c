@@ -1,0 +1,70 @@
+/* An equilibrium for people and for programs; the keys that it shares with a motion are the same.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "record/json.h"
+
+#include <math.h>
+
+static const char *label_of(const saltus_equilibrium *e) {
+    return e->contacts ? "held" : "equilibrium";
+}
+
+void saltus_write_equilibrium_json(FILE *file, const saltus_scene *scene, const saltus_system *system,
+                                   const saltus_equilibrium *e) {
+    fputs("{\"version\": \"" SALTUS_VERSION "\"", file);
+    saltus_json_text(file, "scene", scene->name);
+    saltus_json_text(file, "label", label_of(e));
+    saltus_json_text(file, "kind", label_of(e));
+    fputs(", \"impacts\": 0, \"periods\": 0, \"sticking_intervals\": 0", file);
+    saltus_json_list(file, "state", e->state, e->dimension);
+    saltus_json_events(file, system, NULL, 0);
+    saltus_json_multipliers(file, NULL, 0);
+    saltus_json_key(file, "eigenvalues");
+    for (int k = 0; k < e->eigenvalue_count; k++) {
+        const double pair[2] = {e->eigenvalues[k].re, e->eigenvalues[k].im};
+        fputs(k ? ", " : "[", file);
+        saltus_json_vector(file, pair, 2);
+    }
+    fprintf(file, "%s, \"stable\": %s, \"instability\": %d", e->eigenvalue_count ? "]" : "[]",
+            e->stable ? "true" : "false", e->instability);
+    saltus_json_contact_force(file, system, e->contact_force, e->gap);
+    saltus_json_member(file, "residual", e->residual);
+    fprintf(file, ", \"iterations\": %d", e->iterations);
+    saltus_json_parameters(file, saltus_system_spec(system));
+    fputs("}\n", file);
+}
+
+/* The leading eigenvalues; a complex pair is named once. */
+static void put_eigenvalues(FILE *file, const saltus_equilibrium *e) {
+    enum { leading = 4 };
+    fprintf(file, "  %-14s", "eigenvalues");
+    for (int k = 0, shown = 0; k < e->eigenvalue_count && shown < leading; k++, shown++) {
+        fprintf(file, "%s%.6g", shown ? ", " : "", e->eigenvalues[k].re);
+        if (e->eigenvalues[k].im != 0)
+            fprintf(file, " +- %.6gi", fabs(e->eigenvalues[k].im));
+        k += e->eigenvalues[k].im != 0;
+    }
+    fprintf(file, "%s", e->eigenvalue_count > leading ? ", ..." : "");
+    if (e->instability)
+        fprintf(file, "; %d with a positive real part", e->instability);
+    fputs(e->contacts ? " (of the motion that keeps in contact)\n" : "\n", file);
+}
+
+void saltus_write_equilibrium_text(FILE *file, const saltus_scene *scene, const saltus_system *system,
+                                   const saltus_equilibrium *e) {
+    fprintf(file, "%s: %s, %s\n", scene->name, label_of(e), e->stable ? "stable" : "unstable");
+    saltus_put_scene(file, scene, system);
+    for (int f = 0; f < saltus_system_face_count(system); f++) {
+        saltus_face face = saltus_system_face(system, f);
+        fprintf(file, "  %-14sstop %d %s: ", f ? "" : "contacts", face.stop + 1, saltus_side_word(face.side));
+        if (e->contacts >> f & 1)
+            fprintf(file, "held, force %.6g per modal mass\n", e->contact_force[f]);
+        else
+            fprintf(file, "free, gap %.6g\n", e->gap[f]);
+    }
+    put_eigenvalues(file, e);
+    fprintf(file, "  %-14s", "state");
+    for (int i = 0; i < saltus_system_dof(system); i++)
+        fprintf(file, "%s%.10g", i ? ", " : "", e->state[i]);
+    fprintf(file, "\n  %-14sresidual %.1e after %d Newton step%s\n", "rest", e->residual, e->iterations,
+            e->iterations == 1 ? "" : "s");
+}

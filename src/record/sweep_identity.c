@@ -1,0 +1,152 @@
+/* What tells sweeps apart, as a text of which the first difference can be named.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "record/describe.h"
+#include "record/sweep_output.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+saltus_sweep_identity saltus_sweep_identity_of(const saltus_sweep *sweep, bool basins,
+                                               saltus_axis axes[SALTUS_AXES_MAX]) {
+    const saltus_scene *scene = saltus_sweep_scene(sweep);
+    int count = saltus_sweep_axis_count(sweep);
+    for (int k = 0; k < count; k++)
+        axes[k] = *saltus_sweep_axis(sweep, k);
+    return (saltus_sweep_identity){.version = SALTUS_VERSION,
+                                   .basins = basins,
+                                   .spec = &scene->spec,
+                                   .initial_count = scene->initial_count,
+                                   .initial = scene->initial,
+                                   .axis_count = count,
+                                   .axes = axes,
+                                   .options = saltus_sweep_choices(sweep)};
+}
+
+typedef struct writer {
+    FILE *file;
+    const char *prefix;
+} writer;
+
+static void put_word(const writer *w, const char *name, const char *word) {
+    fprintf(w->file, "%s%s = %s\n", w->prefix, name, word);
+}
+
+static void put_real(const writer *w, const char *name, double value) {
+    char text[SALTUS_NUMBER_MAX];
+    put_word(w, name, saltus_number(value, text));
+}
+
+static void put_whole(const writer *w, const char *name, long long value) {
+    fprintf(w->file, "%s%s = %lld\n", w->prefix, name, value);
+}
+
+static void put_spec(const writer *w, const saltus_spec *spec) {
+    int count;
+    const saltus_parameter *p = saltus_model_parameters(spec->model, &count);
+    put_word(w, "model", saltus_model_name(spec->model));
+    for (int k = 0; k < count; k++)
+        put_real(w, p[k].name, spec->parameters[k]);
+    put_whole(w, "stops", spec->stop_count);
+    for (int s = 0; s < spec->stop_count; s++) {
+        fprintf(w->file, "%sstop %d = ", w->prefix, s + 1);
+        saltus_put_stop(w->file, spec, s);
+        fputc('\n', w->file);
+    }
+}
+
+/* A grid by its ends and count, a list value by value. */
+static void put_axis(const writer *w, const saltus_axis *axis, int k) {
+    char name[64];
+    snprintf(name, sizeof name, "axis %d", k + 1);
+    put_word(w, name, axis->key);
+    snprintf(name, sizeof name, "%s values", axis->key);
+    put_whole(w, name, axis->count);
+    snprintf(name, sizeof name, "%s spacing", axis->key);
+    put_word(w, name, saltus_spacing_words[axis->spacing]);
+    for (int i = 0; i < axis->count;
+         i += axis->spacing == SALTUS_LIST || axis->count == 1 ? 1 : axis->count - 1) {
+        snprintf(name, sizeof name, "%s value %d", axis->key, i + 1);
+        put_real(w, name, saltus_axis_value(axis, i));
+    }
+}
+
+static void put_options(const writer *w, const saltus_sweep_options *o) {
+    char text[SALTUS_WORDS_MAX];
+    put_word(w, "passes", saltus_words_join(saltus_pass_words, o->passes, text));
+    put_whole(w, "seeds", o->seeds);
+    fprintf(w->file, "%sseed = %lu\n", w->prefix, o->seed);
+    put_word(w, "keep", o->keep ? saltus_words_join(saltus_keep_words, o->keep, text) : "rows");
+    put_word(w, "adaptive", o->adaptive ? "yes" : "no");
+    put_whole(w, "transient", o->transient);
+    put_whole(w, "record", o->record);
+    put_whole(w, "measure", o->measure);
+    put_whole(w, "longest", o->longest);
+    put_real(w, "rtol", o->flow.rtol);
+    put_real(w, "atol", o->flow.atol);
+    put_word(w, "integrator", saltus_integrator_word(o->flow.integrator));
+    put_whole(w, "order", o->flow.order);
+}
+
+void saltus_sweep_identity_put(FILE *file, const saltus_sweep_identity *identity, const char *prefix) {
+    const writer w = {file, prefix};
+    put_word(&w, "version", identity->version);
+    put_word(&w, "kind", identity->basins ? "basins" : "sweep");
+    put_spec(&w, identity->spec);
+    if (identity->initial_count >= 0)
+        put_whole(&w, "initial entries", identity->initial_count);
+    for (int k = 0; k < identity->initial_count; k++) {
+        char name[32];
+        snprintf(name, sizeof name, "initial entry %d", k + 1);
+        put_real(&w, name, identity->initial[k]);
+    }
+    put_whole(&w, "axes", identity->axis_count);
+    for (int k = 0; k < identity->axis_count; k++)
+        put_axis(&w, &identity->axes[k], k);
+    put_options(&w, identity->options);
+}
+
+char *saltus_sweep_identity_text(const saltus_sweep_identity *identity) {
+    char *text = NULL;
+    size_t length = 0;
+    FILE *stream = open_memstream(&text, &length);
+    if (!stream)
+        return NULL;
+    saltus_sweep_identity_put(stream, identity, "");
+    bool sound = !ferror(stream);
+    if (fclose(stream) == 0 && sound)
+        return text;
+    free(text);
+    return NULL;
+}
+
+/* Name and value of a line. */
+typedef struct entry {
+    int name_length, value_length;
+    const char *name, *value;
+} entry;
+
+static entry entry_of(const char *line) {
+    size_t length = strcspn(line, "\n"), name = 0;
+    while (name < length && strncmp(line + name, " = ", 3) != 0)
+        name++;
+    size_t value = name + 3 < length ? name + 3 : length;
+    return (entry){(int)(name < 60 ? name : 60), (int)(length - value < 100 ? length - value : 100), line,
+                   line + value};
+}
+
+saltus_status saltus_sweep_identity_compare(const char *path, const char *there, const char *here,
+                                            saltus_message *message) {
+    if (strcmp(there, here) == 0)
+        return SALTUS_OK;
+    size_t k = 0, begin = 0;
+    for (; there[k] && there[k] == here[k]; k++)
+        if (here[k] == '\n')
+            begin = k + 1;
+    entry a = entry_of(there + begin), b = entry_of(here + begin);
+    if (a.name_length != b.name_length || strncmp(a.name, b.name, (size_t)a.name_length) != 0)
+        return saltus_fail(message, SALTUS_BAD_INPUT,
+                           "%s: is of another sweep: %.*s is not among its entries", path, b.name_length,
+                           b.name);
+    return saltus_fail(message, SALTUS_BAD_INPUT, "%s: is of another sweep: %.*s is %.*s there and %.*s now",
+                       path, a.name_length, a.name, a.value_length, a.value, b.value_length, b.value);
+}

@@ -1,0 +1,313 @@
+/* The journal of a sweep: results in the order in which they come.
+ *
+ *     head     magic, a mark that tells byte order and format, the length and checksum of what follows; the
+ *              text of everything that the results depend on (sweep_identity.c), padded to 8 bytes
+ *     records  length, checksum, a result as packed by saltus_sweep_pack, padded to 8 bytes; to the end
+ *
+ * A record is written in one call as soon as its result is there, so a run that is killed loses no result
+ * that was computed. When a journal is taken up again, everything from the first record on that is not whole
+ * is cut off: after a kill or a full disk that is at most the last one. A result that is there twice counts
+ * once, the first time. Where a record begins is kept in memory, 8 bytes for each place, and nothing else;
+ * results are read back through a window of the file.
+ *
+ * Two runs that write to one journal would destroy it: the file is locked while it is open. Without resuming,
+ * a journal that is there is replaced, as is the file that is made from it.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "record/output.h"
+#include "record/sweep_output.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+typedef struct head {
+    char magic[8];
+    uint64_t mark, length, check;
+} head;
+
+typedef struct prefix {
+    uint64_t length, check;
+} prefix;
+
+static const char magic[8] = "SALTUSJ\n";
+static const uint64_t mark = 0x0102030405060702u; /* the last byte is the number of the format */
+
+static size_t padded(size_t length) {
+    return (length + 7) / 8 * 8;
+}
+
+/* A checksum of whole words that every change of a single one changes; `length` begins it. */
+static uint64_t checksum(const unsigned char *bytes, size_t length) {
+    uint64_t hash = 0xcbf29ce484222325u ^ length;
+    for (size_t k = 0; k < padded(length); k += sizeof hash) {
+        uint64_t word;
+        memcpy(&word, bytes + k, sizeof word);
+        hash = (hash ^ word) * 0x9e3779b97f4a7c15u;
+        hash ^= hash >> 32;
+    }
+    return hash;
+}
+
+static saltus_status no_memory(const saltus_journal *j, saltus_message *message) {
+    return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the results in %s", j->path);
+}
+
+static bool make_room(unsigned char **block, size_t *room, size_t needed) {
+    if (needed <= *room)
+        return true;
+    size_t wanted = needed + needed / 2;
+    unsigned char *grown = realloc(*block, wanted);
+    if (!grown)
+        return false;
+    *block = grown;
+    *room = wanted;
+    return true;
+}
+
+/* Read the bytes [from, to) of the file into the window. */
+static saltus_status fill_window(saltus_journal *j, long long from, long long to, saltus_message *message) {
+    j->window_begin = j->window_end = from;
+    if (!make_room(&j->window, &j->window_room, (size_t)(to - from)))
+        return no_memory(j, message);
+    if (saltus_read_at(j->file, j->window, (size_t)(to - from), from) < (size_t)(to - from))
+        return saltus_fail(message, SALTUS_IO, "%s: cannot be read back: %s", j->path, strerror(errno));
+    j->window_end = to;
+    return SALTUS_OK;
+}
+
+/* Move the window so that it holds the bytes [begin, begin + length), which are in the file. While the
+ * results come in the order in which they are asked for, more and more is read ahead. */
+static saltus_status look(saltus_journal *j, long long begin, size_t length, const unsigned char **bytes,
+                          saltus_message *message) {
+    enum { least = 1 << 12, most = 1 << 18 };
+    long long end = begin + (long long)length;
+    if (begin < j->window_begin || end > j->window_end) {
+        bool onwards = begin >= j->window_begin && begin <= j->window_end + least;
+        j->ahead = onwards && j->ahead < most ? 2 * j->ahead : j->ahead;
+        j->ahead = onwards && j->ahead >= least ? j->ahead : least;
+        if (end < begin + j->ahead)
+            end = begin + j->ahead < j->end ? begin + j->ahead : j->end;
+        saltus_status status = fill_window(j, begin, end, message);
+        if (status != SALTUS_OK)
+            return status;
+    }
+    *bytes = j->window + (begin - j->window_begin);
+    return SALTUS_OK;
+}
+
+/* Whether a whole record begins at `begin`; then *bytes is what is in it. */
+static saltus_status look_at_record(saltus_journal *j, long long begin, bool *whole, size_t *length,
+                                    const unsigned char **bytes, saltus_message *message) {
+    prefix p;
+    *whole = false;
+    if (j->end - begin < (long long)sizeof p)
+        return SALTUS_OK;
+    saltus_status status = look(j, begin, sizeof p, bytes, message);
+    if (status != SALTUS_OK)
+        return status;
+    memcpy(&p, *bytes, sizeof p);
+    long long left = j->end - begin - (long long)sizeof p;
+    if (p.length == 0 || p.length > (uint64_t)left || padded(p.length) > (uint64_t)left)
+        return SALTUS_OK;
+    status = look(j, begin + (long long)sizeof p, padded(p.length), bytes, message);
+    *length = (size_t)p.length;
+    *whole = status == SALTUS_OK && checksum(*bytes, *length) == p.check;
+    return status;
+}
+
+/* Note where a result is. */
+static void enter(saltus_journal *j, const saltus_sweep_result *result, long long begin) {
+    const long long *const counts[SALTUS_CLOUDS] = {result->turning_counts, result->impact_counts,
+                                                    result->strobe_counts};
+    if (j->offset[result->place])
+        return;
+    j->offset[result->place] = begin;
+    j->found++;
+    for (int c = 0; c < SALTUS_CLOUDS; c++)
+        for (int s = 0; s < saltus_sweep_choices(j->sweep)->seeds; s++)
+            j->total[c] += counts[c][s];
+}
+
+/* Find the results, and cut off what is not whole. */
+static saltus_status scan(saltus_journal *j, long long begin, saltus_message *message) {
+    bool whole = true;
+    while (whole) {
+        const unsigned char *bytes = NULL;
+        saltus_sweep_result result;
+        size_t length = 0;
+        saltus_status status = look_at_record(j, begin, &whole, &length, &bytes, message);
+        if (status != SALTUS_OK)
+            return status;
+        if (!whole)
+            break;
+        if (!saltus_sweep_unpack(j->sweep, bytes, length, &result))
+            return saltus_fail(message, SALTUS_BAD_INPUT, "%s: holds a result that does not fit the sweep",
+                               j->path);
+        enter(j, &result, begin);
+        begin += (long long)(sizeof(prefix) + padded(length));
+    }
+    if (begin < j->end && ftruncate(j->file, (off_t)begin) != 0)
+        return saltus_fail(message, SALTUS_IO, "%s: its damaged end cannot be cut off: %s", j->path,
+                           strerror(errno));
+    j->end = begin;
+    j->window_end = j->window_begin;
+    return SALTUS_OK;
+}
+
+/* Check that the journal is of this sweep, and find its results. *there stays false when the file is shorter
+ * than the head of this sweep: then its own head was cut off, or it is another sweep's and holds no result.
+ */
+static saltus_status take_up(saltus_journal *j, const char *identity, bool *there, saltus_message *message) {
+    const unsigned char *bytes = NULL;
+    head h = {.length = 0};
+    size_t part = j->end < (long long)sizeof h ? (size_t)j->end : sizeof h;
+    saltus_status status = look(j, 0, part, &bytes, message);
+    if (status != SALTUS_OK)
+        return status;
+    memcpy(&h, bytes, part);
+    if (memcmp(h.magic, magic, part < sizeof magic ? part : sizeof magic) != 0)
+        return saltus_fail(message, SALTUS_BAD_INPUT, "%s: is not a journal of a sweep", j->path);
+    long long left = j->end - (long long)sizeof h;
+    if (left >= 0 && h.mark != mark)
+        return saltus_fail(message, SALTUS_BAD_INPUT,
+                           "%s: was written by another version, or on another kind of machine", j->path);
+    if (j->end < (long long)(sizeof h + padded(strlen(identity))))
+        return SALTUS_OK;
+    if (h.length > (uint64_t)left || padded((size_t)h.length) > (uint64_t)left)
+        return saltus_fail(message, SALTUS_BAD_INPUT, "%s: is damaged at its begin", j->path);
+    *there = true;
+    size_t room = padded((size_t)h.length);
+    status = look(j, sizeof h, room, &bytes, message);
+    char *text = status == SALTUS_OK ? calloc(1, (size_t)h.length + 1) : NULL;
+    if (status == SALTUS_OK && !text)
+        status = no_memory(j, message);
+    if (status == SALTUS_OK && checksum(bytes, (size_t)h.length) != h.check)
+        status = saltus_fail(message, SALTUS_BAD_INPUT, "%s: is damaged at its begin", j->path);
+    if (status == SALTUS_OK) {
+        memcpy(text, bytes, (size_t)h.length);
+        status = saltus_sweep_identity_compare(j->path, text, identity, message);
+    }
+    free(text);
+    return status == SALTUS_OK ? scan(j, (long long)(sizeof h + room), message) : status;
+}
+
+/* Open the file at the path and lock it. It may be removed by the run that holds the lock while this one
+ * waits for its turn, so the file must be the one that the path still names. */
+static saltus_status open_locked(saltus_journal *j, saltus_message *message) {
+    struct stat facts, named;
+    for (int k = 0; k < 100; k++) {
+        bool existed = access(j->path, F_OK) == 0;
+        j->file = open(j->path, O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+        if (j->file < 0 || fstat(j->file, &facts) != 0)
+            return saltus_fail(message, SALTUS_IO, "%s cannot be written: %s", j->path, strerror(errno));
+        if (!S_ISREG(facts.st_mode))
+            return saltus_fail(message, SALTUS_BAD_INPUT, "%s: is not a plain file", j->path);
+        j->made = !existed;
+        j->end = facts.st_size;
+        if (flock(j->file, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
+            return saltus_fail(message, SALTUS_IO, "%s: is in use by another run", j->path);
+        if (stat(j->path, &named) == 0 && named.st_ino == facts.st_ino && named.st_dev == facts.st_dev)
+            return SALTUS_OK;
+        close(j->file);
+    }
+    j->file = -1;
+    return saltus_fail(message, SALTUS_IO, "%s: is removed again and again", j->path);
+}
+
+saltus_status saltus_journal_open(saltus_journal *journal, const char *path, const saltus_sweep *sweep,
+                                  const char *identity, bool resume, bool *there, saltus_message *message) {
+    long long places = saltus_sweep_pass_count(sweep) * saltus_sweep_points(sweep);
+    *there = false;
+    *journal = (saltus_journal){.sweep = sweep, .file = -1, .places = places};
+    journal->path = strdup(path);
+    journal->offset = calloc((size_t)places, sizeof *journal->offset);
+    saltus_status status = SALTUS_OK;
+    if (!journal->path || !journal->offset)
+        status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the results in %s", path);
+    if (status == SALTUS_OK)
+        status = open_locked(journal, message);
+    if (status == SALTUS_OK && resume && journal->end)
+        status = take_up(journal, identity, there, message);
+    if (status != SALTUS_OK)
+        saltus_journal_close(journal, false);
+    return status;
+}
+
+saltus_status saltus_journal_begin(saltus_journal *journal, const char *identity, saltus_message *message) {
+    size_t length = strlen(identity), whole = sizeof(head) + padded(length);
+    unsigned char *bytes = calloc(1, whole);
+    if (!bytes)
+        return no_memory(journal, message);
+    memcpy(bytes + sizeof(head), identity, length);
+    head h = {.mark = mark, .length = length, .check = checksum(bytes + sizeof h, length)};
+    memcpy(h.magic, magic, sizeof magic);
+    memcpy(bytes, &h, sizeof h);
+    bool sound = ftruncate(journal->file, 0) == 0 && saltus_write_at(journal->file, bytes, whole, 0);
+    int reason = errno;
+    free(bytes);
+    journal->end = (long long)whole;
+    journal->window_begin = journal->window_end = 0;
+    return sound
+               ? SALTUS_OK
+               : saltus_fail(message, SALTUS_IO, "%s cannot be written: %s", journal->path, strerror(reason));
+}
+
+saltus_status saltus_journal_add(saltus_journal *journal, const saltus_sweep_result *result,
+                                 saltus_message *message) {
+    saltus_sweep_result packed;
+    prefix p = {.length = saltus_sweep_packed_size(journal->sweep, result)};
+    size_t whole = sizeof p + padded(p.length);
+    if (!make_room(&journal->record, &journal->record_room, whole))
+        return no_memory(journal, message);
+    unsigned char *bytes = journal->record + sizeof p;
+    memset(bytes + p.length, 0, padded(p.length) - p.length);
+    saltus_sweep_pack(journal->sweep, result, bytes);
+    if (!saltus_sweep_unpack(journal->sweep, bytes, p.length, &packed))
+        return saltus_fail(message, SALTUS_BAD_INPUT, "place %lld: its result does not fit the sweep",
+                           result->place);
+    p.check = checksum(bytes, p.length);
+    memcpy(journal->record, &p, sizeof p);
+    if (saltus_write_at(journal->file, journal->record, whole, journal->end)) {
+        enter(journal, result, journal->end);
+        journal->end += (long long)whole;
+        return SALTUS_OK;
+    }
+    int reason = errno;
+    /* Should this fail as well, what is left is written over by the next record or cut off when resuming. */
+    (void)!ftruncate(journal->file, (off_t)journal->end);
+    return saltus_fail(
+        message, SALTUS_IO,
+        "%s: nothing more can be written: %s; the results up to here are kept, --resume goes on "
+        "from them",
+        journal->path, strerror(reason));
+}
+
+saltus_status saltus_journal_get(saltus_journal *journal, long long place, saltus_sweep_result *result,
+                                 saltus_message *message) {
+    const unsigned char *bytes = NULL;
+    size_t length = 0;
+    bool whole = false;
+    saltus_status status = look_at_record(journal, journal->offset[place], &whole, &length, &bytes, message);
+    if (status == SALTUS_OK &&
+        (!whole || !saltus_sweep_unpack(journal->sweep, bytes, length, result) || result->place != place))
+        status = saltus_fail(message, SALTUS_IO, "%s: was changed while it was in use", journal->path);
+    return status;
+}
+
+void saltus_journal_close(saltus_journal *journal, bool discard) {
+    if (journal->path && journal->file >= 0) {
+        if (discard)
+            unlink(journal->path);
+        close(journal->file);
+    }
+    free(journal->path);
+    free(journal->offset);
+    free(journal->window);
+    free(journal->record);
+    *journal = (saltus_journal){.file = -1};
+}

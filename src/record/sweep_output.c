@@ -1,0 +1,187 @@
+/* Writing the results of a sweep while it runs.
+ *
+ * Every result goes to the journal at once. The file is made anew from it and put in place of the old one: at
+ * the start, then every few seconds, and at the end. The pause between two exchanges grows with their cost,
+ * which thus stays a small part of the time. A table of comma-separated values is made at the end only. The
+ * journal is removed when the file is complete and safe on the disk.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "record/sweep_output.h"
+#include "record/output.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static const double least_pause = 3;  /* seconds between two exchanges of the file */
+static const double pause_ratio = 20; /* the pause relative to the time an exchange takes */
+
+struct saltus_sweep_output {
+    const saltus_sweep *sweep;
+    saltus_basins *basins; /* NULL: not of basins */
+    saltus_journal journal;
+    char *path;
+    bool table;           /* comma-separated values */
+    bool finished;        /* a complete file of this sweep was there: nothing is to be done */
+    double written, cost; /* when the file was last exchanged, and how long that took; seconds */
+};
+
+/* Write what is there into a file under way. */
+static saltus_status put_file(saltus_sweep_output *o, bool last, saltus_output *output,
+                              saltus_message *message) {
+    saltus_sweep_stream stream = {.sweep = o->sweep,
+                                  .journal = &o->journal,
+                                  .basins = o->basins,
+                                  .complete = last && o->journal.found == o->journal.places};
+    if (!saltus_sweep_stream_open(&stream))
+        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for writing %s", o->path);
+    saltus_status status;
+    if (o->table)
+        status = saltus_sweep_put_csv(&stream, output->file, message);
+    else
+        status = saltus_sweep_put_hdf5(&stream, output->temporary, o->path, stream.complete, message);
+    if (o->table && stream.complete && status == SALTUS_OK && fflush(output->file) == 0)
+        fsync(fileno(output->file));
+    saltus_sweep_stream_close(&stream);
+    return status;
+}
+
+/* Put the file with all results so far in place of what is there. */
+static saltus_status exchange(saltus_sweep_output *o, bool last, saltus_message *message) {
+    saltus_output output;
+    saltus_h5_silence silence;
+    double begin = saltus_seconds();
+    if (!saltus_h5_quiet(&silence))
+        return saltus_fail(message, SALTUS_IO, "the HDF5 library could not be opened");
+    saltus_status status = saltus_output_open(&output, o->path, message);
+    if (status == SALTUS_OK && !output.temporary)
+        status = saltus_fail(message, SALTUS_IO, "%s: is not a plain file any more", o->path);
+    if (status == SALTUS_OK) {
+        status = put_file(o, last, &output, message);
+        status = saltus_output_close(&output, status, message);
+    }
+    saltus_h5_restore(&silence);
+    o->written = saltus_seconds();
+    o->cost = o->written - begin;
+    return status;
+}
+
+/* Whether the file can be what is asked for and can be written: found out before hours of work. */
+static saltus_status test_target(const char *path, const saltus_sweep *sweep, bool *exists,
+                                 saltus_message *message) {
+    static const unsigned clouds = SALTUS_KEEP_TURNING | SALTUS_KEEP_IMPACTS | SALTUS_KEEP_STROBOSCOPIC;
+    struct stat facts;
+    bool table = saltus_path_ends(path, ".csv");
+    if (!table && !saltus_path_ends(path, ".h5"))
+        return saltus_fail(message, SALTUS_BAD_INPUT, "%s: the ending must be .h5 or .csv", path);
+    if (table && saltus_sweep_choices(sweep)->keep & clouds)
+        return saltus_fail(message, SALTUS_BAD_INPUT,
+                           "%s: turning points, impacts and stroboscopic points are kept in .h5 files only",
+                           path);
+    *exists = stat(path, &facts) == 0;
+    if (*exists && !S_ISREG(facts.st_mode) && !S_ISDIR(facts.st_mode))
+        return saltus_fail(message, SALTUS_BAD_INPUT, "%s: is not a plain file", path);
+    return saltus_output_test(path, message);
+}
+
+/* Resuming without a journal: accept the file if it is a finished one of the same sweep; nothing is left to
+ * do. */
+static saltus_status accept_finished(saltus_sweep_output *o, const char *identity, saltus_message *message) {
+    char *there = NULL;
+    saltus_status status = o->table ? saltus_sweep_identity_csv(o->path, &there, &o->finished, message)
+                                    : saltus_sweep_identity_hdf5(o->path, &there, &o->finished, message);
+    if (status == SALTUS_OK)
+        status = saltus_sweep_identity_compare(o->path, there, identity, message);
+    if (status == SALTUS_OK && !o->finished)
+        status = saltus_fail(message, SALTUS_BAD_INPUT,
+                             "%s: is not finished, and %s.journal, from which it would go on, is not there; "
+                             "without --resume it is begun anew",
+                             o->path, saltus_path_name(o->path));
+    free(there);
+    return status;
+}
+
+static saltus_status open_journal(saltus_sweep_output *o, bool resume, bool exists, saltus_message *message) {
+    saltus_axis axes[SALTUS_AXES_MAX];
+    saltus_sweep_identity identity = saltus_sweep_identity_of(o->sweep, o->basins != NULL, axes);
+    char *text = saltus_sweep_identity_text(&identity);
+    size_t room = strlen(o->path) + sizeof ".journal";
+    char *path = malloc(room);
+    bool there = false;
+    saltus_status status = SALTUS_OK;
+    if (!text || !path)
+        status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for writing %s", o->path);
+    if (status == SALTUS_OK) {
+        snprintf(path, room, "%s.journal", o->path);
+        status = saltus_journal_open(&o->journal, path, o->sweep, text, resume, &there, message);
+    }
+    if (status == SALTUS_OK && !there && resume && exists)
+        status = accept_finished(o, text, message);
+    if (status == SALTUS_OK && !there && !o->finished)
+        status = saltus_journal_begin(&o->journal, text, message);
+    free(text);
+    free(path);
+    return status;
+}
+
+static void release(saltus_sweep_output *o, bool discard) {
+    saltus_journal_close(&o->journal, discard);
+    saltus_basins_free(o->basins);
+    free(o->path);
+    free(o);
+}
+
+saltus_status saltus_sweep_output_open(const char *path, const saltus_sweep *sweep, bool basins, bool resume,
+                                       saltus_sweep_output **output, saltus_message *message) {
+    bool exists = false;
+    *output = NULL;
+    saltus_status status = test_target(path, sweep, &exists, message);
+    if (status != SALTUS_OK)
+        return status;
+    saltus_sweep_output *o = calloc(1, sizeof *o);
+    if (!o)
+        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for writing %s", path);
+    o->sweep = sweep;
+    o->table = saltus_path_ends(path, ".csv");
+    o->path = strdup(path);
+    if (!o->path)
+        status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for writing %s", path);
+    if (status == SALTUS_OK && basins)
+        status = saltus_basins_new(sweep, &o->basins, message);
+    if (status == SALTUS_OK)
+        status = open_journal(o, resume, exists, message);
+    if (status == SALTUS_OK && !o->finished && !o->table)
+        status = exchange(o, false, message);
+    if (status == SALTUS_OK)
+        *output = o;
+    else
+        release(o, o->journal.made && o->journal.found == 0);
+    return status;
+}
+
+bool saltus_sweep_output_has(const saltus_sweep_output *output, long long place) {
+    return output->finished ||
+           (place >= 0 && place < output->journal.places && output->journal.offset[place] != 0);
+}
+
+saltus_status saltus_sweep_output_take(saltus_sweep_output *output, const saltus_sweep_result *result,
+                                       saltus_message *message) {
+    if (saltus_sweep_output_has(output, result->place))
+        return SALTUS_OK;
+    saltus_status status = saltus_journal_add(&output->journal, result, message);
+    if (status != SALTUS_OK || output->table ||
+        saltus_seconds() - output->written < fmax(least_pause, pause_ratio * output->cost))
+        return status;
+    return exchange(output, false, message);
+}
+
+saltus_status saltus_sweep_output_close(saltus_sweep_output *output, saltus_message *message) {
+    if (!output)
+        return SALTUS_OK;
+    saltus_status status = output->finished ? SALTUS_OK : exchange(output, true, message);
+    bool complete = output->finished || output->journal.found == output->journal.places;
+    release(output, status == SALTUS_OK && complete);
+    return status;
+}
