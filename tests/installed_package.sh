@@ -1,21 +1,40 @@
 #!/bin/sh
-# Installs the build into an empty prefix and builds a user's project against it: CMake package (static and shared) and
-# pkg-config. Arguments: build folder, the project's folder.
+# Installs the build into an empty prefix and builds the example against it: CMake package (static and shared) and
+# pkg-config. Then the Debian packages, where the tools that make them are there.
+# Arguments: build folder, the example's folder.
 # SPDX-License-Identifier: GPL-3.0-or-later
 set -eu
-build=$1 project=$2
+build=$1 example=$2
 place=$(mktemp -d)
 trap 'rm -rf "$place"' EXIT
+# is_right PROGRAM: it tells an impact.
+is_right() {
+    "$1" pipe omega=43 | grep -q '^first impact at [0-9.]* T, speed [0-9.]*$'
+}
+
 cmake --install "$build" --prefix "$place/prefix" >/dev/null
-cmake -S "$project" -B "$place/user" -DCMAKE_PREFIX_PATH="$place/prefix" >/dev/null
-cmake --build "$place/user" >/dev/null
-"$place/user/use_static"
 library=$(dirname "$(find "$place/prefix" -name libsaltus.so)")
-LD_LIBRARY_PATH=$library "$place/user/use_shared"
+LD_LIBRARY_PATH=$library
 PKG_CONFIG_PATH=$library/pkgconfig
-export PKG_CONFIG_PATH
-sed -i "s|^prefix=.*|prefix=$place/prefix|" "$library/pkgconfig/saltus.pc"
+export LD_LIBRARY_PATH PKG_CONFIG_PATH
+for kind in static shared; do
+    cmake -S "$example" -B "$place/$kind" -DCMAKE_PREFIX_PATH="$place/prefix" -DSALTUS_KIND=$kind >/dev/null
+    cmake --build "$place/$kind" >/dev/null
+    is_right "$place/$kind/first_impact"
+done
 # shellcheck disable=SC2046
-cc "$project/use.c" -o "$place/use_pkgconfig" $(pkg-config --cflags --libs saltus)
-LD_LIBRARY_PATH=$library "$place/use_pkgconfig"
+cc "$example/first_impact.c" -o "$place/first_impact" $(pkg-config --cflags --libs saltus)
+is_right "$place/first_impact"
 "$place/prefix/bin/saltus" check pipe >/dev/null
+
+command -v dpkg-shlibdeps >/dev/null || exit 0
+(cd "$build" && cpack -G DEB -B "$place" >/dev/null)
+for package in saltus libsaltus0 libsaltus-dev; do
+    set -- "$place/${package}"*_[0-9]*.deb
+    [ -f "$1" ] || { echo "no package $package"; exit 1; }
+    dpkg-deb -x "$1" "$place/root"
+done
+for file in bin/saltus include/saltus/saltus.h share/saltus/scenes/pipe.yaml; do
+    [ -f "$place/root/usr/$file" ] || { echo "the packages hold no $file"; exit 1; }
+done
+"$place/root/usr/bin/saltus" check pipe >/dev/null

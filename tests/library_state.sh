@@ -1,6 +1,7 @@
 #!/bin/sh
-# The library holds no mutable file-scope state, and exports nothing that does not begin with saltus_.
-# Argument: the static library.
+# The library holds no mutable file-scope state, its names begin with saltus_, and the shared library exports what the
+# public headers declare and nothing else.
+# Arguments: the static library, the shared one, the folder of the public headers.
 # SPDX-License-Identifier: GPL-3.0-or-later
 set -eu
 symbols=$(nm "$1" | awk 'NF == 3 {print $2, $3}' | grep -v -E ' (__asan|__ubsan|__odr_asan|\.L|_GLOBAL__|asan\.|DW\.ref|\.str|_sub_[ID])' || true)
@@ -19,4 +20,11 @@ if [ -n "$data" ] && [ "${SALTUS_SANITIZED:-0}" = 0 ]; then
     echo "writable data: $data"
     exit 1
 fi
-echo "no mutable file-scope state"
+exported=$(nm -D --defined-only "$2" | awk '{print $NF}' | sort)
+declared=$(grep -ho 'saltus_[a-z0-9_]*(' "$3"/*.h | tr -d '(' | sort -u)
+different=$(printf '%s\n%s\n' "$exported" "$declared" | sort | uniq -u)
+if [ -n "$different" ]; then
+    echo "exported but not declared, or declared but not exported: $different"
+    exit 1
+fi
+echo "no mutable file-scope state, $(printf '%s\n' "$exported" | wc -l) symbols exported"

@@ -15,9 +15,7 @@
 
 #include <stdbool.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+SALTUS_API_BEGIN
 
 enum { SALTUS_AVERAGE_BATCHES = 1024 };
 
@@ -55,7 +53,5 @@ saltus_estimate saltus_average_part(const saltus_average *average, double from, 
  * are bounds and do not average out. */
 saltus_estimate saltus_estimates_join(const saltus_estimate *estimates, int count);
 
-#ifdef __cplusplus
-}
-#endif
+SALTUS_API_END
 #endif

@@ -11,9 +11,7 @@
 
 #include "saltus/orbit.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+SALTUS_API_BEGIN
 
 enum { SALTUS_REASON_MAX = 160, SALTUS_KEY_MAX = 16 };
 
@@ -120,7 +118,5 @@ saltus_status saltus_branch_step(saltus_branch *branch, const saltus_branch_poin
 saltus_status saltus_branch_resume(saltus_branch *branch, const saltus_branch_point *points, int count,
                                    int *kept, saltus_message *message);
 
-#ifdef __cplusplus
-}
-#endif
+SALTUS_API_END
 #endif

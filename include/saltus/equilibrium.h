@@ -5,9 +5,7 @@
 
 #include "saltus/system.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+SALTUS_API_BEGIN
 
 typedef struct saltus_equilibrium_options {
     int iterations;   /* Newton steps at most, for each set of contacts tried */
@@ -51,7 +49,5 @@ saltus_status saltus_equilibrium_find(const saltus_system *system, const double 
 /* Free the arrays; a zeroed equilibrium is accepted. */
 void saltus_equilibrium_clear(saltus_equilibrium *equilibrium);
 
-#ifdef __cplusplus
-}
-#endif
+SALTUS_API_END
 #endif

@@ -5,9 +5,7 @@
 
 #include "saltus/record.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+SALTUS_API_BEGIN
 
 /* How the estimate of the largest exponent converged: a figure (.png, .pdf, .svg) or its rows (.csv),
  * complete or not at all. Errors: SALTUS_BAD_INPUT for another ending, SALTUS_IO. */
@@ -116,7 +114,5 @@ typedef struct saltus_sweep_view {
 saltus_status saltus_plot_sweep(const char *path, const saltus_sweep_view *view, const char *figure,
                                 saltus_message *message);
 
-#ifdef __cplusplus
-}
-#endif
+SALTUS_API_END
 #endif

@@ -11,9 +11,7 @@
 
 #include <signal.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+SALTUS_API_BEGIN
 
 /* Time, counted in forcing periods: (cycle + phase) T with 0 <= phase < 1. The forcing depends on the phase
  * alone, so a section does not drift however many periods pass. */
@@ -208,7 +206,5 @@ int saltus_flow_state_at(const saltus_flow *flow, int lane, saltus_time time, do
  * step is lost. */
 void saltus_flow_tangent_field(saltus_flow *flow, int lane, double *derivatives);
 
-#ifdef __cplusplus
-}
-#endif
+SALTUS_API_END
 #endif

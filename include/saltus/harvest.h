@@ -5,9 +5,7 @@
 
 #include "saltus/orbit.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+SALTUS_API_BEGIN
 
 typedef struct saltus_harvest_options {
     saltus_flow_options flow; /* `columns` is ignored */
@@ -59,7 +57,5 @@ saltus_status saltus_harvest_run(const saltus_system *system, const saltus_harve
 /* Free the arrays; a zeroed harvest is accepted. */
 void saltus_harvest_clear(saltus_harvest *harvest);
 
-#ifdef __cplusplus
-}
-#endif
+SALTUS_API_END
 #endif

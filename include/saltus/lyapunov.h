@@ -9,9 +9,7 @@
 #include "saltus/average.h"
 #include "saltus/flow.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+SALTUS_API_BEGIN
 
 typedef struct saltus_lyapunov_options {
     saltus_flow_options flow; /* columns and directions are set by the method */
@@ -80,7 +78,5 @@ saltus_status saltus_lyapunov_run(const saltus_system *system, const double *sta
 /* Free the arrays; a zeroed result is accepted. */
 void saltus_lyapunov_clear(saltus_lyapunov *lyapunov);
 
-#ifdef __cplusplus
-}
-#endif
+SALTUS_API_END
 #endif

@@ -5,9 +5,7 @@
 
 #include "saltus/flow.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+SALTUS_API_BEGIN
 
 typedef enum saltus_section_kind {
     SALTUS_SECTION_STROBOSCOPIC, /* tau = (phase + k) T */
@@ -53,7 +51,5 @@ saltus_status saltus_map_step(saltus_map *map, double *point, saltus_event *even
  * old_j. */
 void saltus_map_derivative(const saltus_map *map, double *derivative);
 
-#ifdef __cplusplus
-}
-#endif
+SALTUS_API_END
 #endif

@@ -6,9 +6,7 @@
 #include "saltus/lyapunov.h"
 #include "saltus/orbit.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+SALTUS_API_BEGIN
 
 /* What a trajectory has come to. */
 typedef enum saltus_verdict {
@@ -148,7 +146,5 @@ saltus_status saltus_attractors_find(const saltus_system *system, int seeds, uns
                                      saltus_message *message);
 void saltus_attractors_clear(saltus_attractors *attractors);
 
-#ifdef __cplusplus
-}
-#endif
+SALTUS_API_END
 #endif

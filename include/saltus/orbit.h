@@ -5,9 +5,7 @@
 
 #include "saltus/map.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+SALTUS_API_BEGIN
 
 enum { SALTUS_LABEL_MAX = 32 };
 
@@ -73,7 +71,5 @@ void saltus_orbit_label(long long impacts, int periods, char label[SALTUS_LABEL_
 /* Free the arrays; a zeroed orbit is accepted. */
 void saltus_orbit_clear(saltus_orbit *orbit);
 
-#ifdef __cplusplus
-}
-#endif
+SALTUS_API_END
 #endif

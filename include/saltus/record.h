@@ -15,9 +15,7 @@
 
 #include <stdio.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+SALTUS_API_BEGIN
 
 /* A motion as one JSON object and a newline; keys as in the README. Numbers round-trip. */
 void saltus_write_motion_json(FILE *file, const saltus_scene *scene, const saltus_system *system,
@@ -226,7 +224,5 @@ typedef enum saltus_table {
 saltus_status saltus_sweep_file_csv(const saltus_sweep_file *file, saltus_table table, const char *path,
                                     saltus_message *message);
 
-#ifdef __cplusplus
-}
-#endif
+SALTUS_API_END
 #endif

@@ -5,9 +5,7 @@
 
 #include "saltus/system.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+SALTUS_API_BEGIN
 
 enum { SALTUS_SCENE_STATE_MAX = SALTUS_STATE_MAX };
 
@@ -38,7 +36,5 @@ int saltus_scene_builtin_count(void);
 const char *saltus_scene_builtin_name(int k);
 const char *saltus_scene_builtin_text(int k);
 
-#ifdef __cplusplus
-}
-#endif
+SALTUS_API_END
 #endif

@@ -13,9 +13,7 @@
 
 #include <stdbool.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+SALTUS_API_BEGIN
 
 enum { SALTUS_SERIES_LEAST = 200 /* values or points at least */ };
 
@@ -140,7 +138,5 @@ typedef struct saltus_series_phases {
  * and distances are here the largest weighted difference of a component. */
 saltus_series_phases saltus_series_laminar_phases(const saltus_series_points *points, int longest);
 
-#ifdef __cplusplus
-}
-#endif
+SALTUS_API_END
 #endif

@@ -13,9 +13,7 @@
 
 #include <stdbool.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+SALTUS_API_BEGIN
 
 /* A real signal, sampled evenly: sample j belongs to the time j / per_period, in forcing periods. */
 typedef struct saltus_signal {
@@ -124,7 +122,5 @@ saltus_status saltus_signal_lines(const saltus_signal *signal, double highest, i
 saltus_status saltus_series_broadband(const double *series, long long count, double *fraction,
                                       saltus_message *message);
 
-#ifdef __cplusplus
-}
-#endif
+SALTUS_API_END
 #endif

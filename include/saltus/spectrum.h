@@ -7,9 +7,7 @@
 #include "saltus/motion.h"
 #include "saltus/signal.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+SALTUS_API_BEGIN
 
 enum { SALTUS_QUANTITIES_MAX = 2 };
 
@@ -70,7 +68,5 @@ saltus_status saltus_motion_spectra(const saltus_system *system, const saltus_mo
 /* Zeroed spectra are accepted. */
 void saltus_spectra_clear(saltus_spectra *spectra);
 
-#ifdef __cplusplus
-}
-#endif
+SALTUS_API_END
 #endif

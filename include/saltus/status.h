@@ -3,11 +3,25 @@
 #ifndef SALTUS_STATUS_H
 #define SALTUS_STATUS_H
 
+/* What stands between these two is the library's interface: C's names, seen outside of the shared library. */
+#ifdef __GNUC__
+#define SALTUS_API_VISIBLE(action) _Pragma(action)
+#else
+#define SALTUS_API_VISIBLE(action)
+#endif
 #ifdef __cplusplus
-extern "C" {
+#define SALTUS_API_BEGIN SALTUS_API_VISIBLE("GCC visibility push(default)") extern "C" {
+#define SALTUS_API_END } SALTUS_API_VISIBLE("GCC visibility pop")
+#else
+#define SALTUS_API_BEGIN SALTUS_API_VISIBLE("GCC visibility push(default)")
+#define SALTUS_API_END SALTUS_API_VISIBLE("GCC visibility pop")
 #endif
 
+SALTUS_API_BEGIN
+
 #define SALTUS_VERSION "0.1.0"
+/* The version of the library that is loaded, which may be another than that of the header. */
+const char *saltus_version(void);
 
 /* What a call returns: zero, or a negative number that says why the call could not do its work. Why a
  * computation *ended* (time reached, section, impact, ...) is a different question with an answer of its own.
@@ -39,7 +53,5 @@ saltus_status saltus_fail(saltus_message *message, saltus_status status, const c
 #endif
     ;
 
-#ifdef __cplusplus
-}
-#endif
+SALTUS_API_END
 #endif

@@ -12,9 +12,7 @@
 #include "saltus/motion.h"
 #include "saltus/scene.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+SALTUS_API_BEGIN
 
 enum { SALTUS_AXES_MAX = 2, SALTUS_AXIS_KEY_MAX = 16 };
 
@@ -198,7 +196,5 @@ saltus_status saltus_basins_sort(saltus_basins *basins, const saltus_sweep_row *
 int saltus_basins_count(const saltus_basins *basins);
 const saltus_motion *saltus_basins_motion(const saltus_basins *basins, int attractor);
 
-#ifdef __cplusplus
-}
-#endif
+SALTUS_API_END
 #endif

@@ -12,9 +12,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+SALTUS_API_BEGIN
 
 enum {
     SALTUS_PARAMETERS_MAX = 24, /* parameters of one model */
@@ -161,7 +159,5 @@ double saltus_system_shape(const saltus_system *system, const double *state, dou
 /* Name of the integrator chosen when the system was built ("taylor" or "radau"). */
 const char *saltus_system_integrator(const saltus_system *system);
 
-#ifdef __cplusplus
-}
-#endif
+SALTUS_API_END
 #endif

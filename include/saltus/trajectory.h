@@ -5,9 +5,7 @@
 
 #include "saltus/flow.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+SALTUS_API_BEGIN
 
 /* A sampled trajectory with its events and stroboscopic points. Arrays are owned by the record. */
 typedef struct saltus_trajectory {
@@ -34,7 +32,5 @@ saltus_status saltus_trajectory_record(const saltus_system *system, const double
                                        saltus_message *message);
 void saltus_trajectory_clear(saltus_trajectory *record);
 
-#ifdef __cplusplus
-}
-#endif
+SALTUS_API_END
 #endif

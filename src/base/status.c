@@ -6,6 +6,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+const char *saltus_version(void) {
+    return SALTUS_VERSION;
+}
+
 const char *saltus_status_name(saltus_status status) {
     switch (status) {
     case SALTUS_OK:

@@ -5,6 +5,7 @@
 
 #include "figure/caption.h"
 #include "record/spectrum.h"
+#include "saltus/figure.h"
 
 /* The low frequencies of the first spectrum, which moves, as a panel of another figure: its datablock $low1,
  * and the panel between these parts of the page's width and height with a heading behind the letter ('a' +
