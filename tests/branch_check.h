@@ -115,6 +115,94 @@ static inline void branch_check_same(const branch_record *one, const branch_reco
         }
 }
 
+static inline void branch_check_bytes(const void *a, const void *b, size_t size, const char *what, int row) {
+    if (size && memcmp(a, b, size) != 0)
+        fail_msg("row %d: %s differs", row, what);
+}
+
+/* Two points agree to the last bit in all that they tell. */
+static inline void branch_check_equal(const saltus_branch_point *a, const saltus_branch_point *b, int row) {
+    const int whole[2][11] = {{a->kind, a->branch, a->parent, a->step, a->periods, a->sticking_intervals,
+                               a->unstable, a->iterations, a->grazing_stop, a->grazing_side, a->event_count},
+                              {b->kind, b->branch, b->parent, b->step, b->periods, b->sticking_intervals,
+                               b->unstable, b->iterations, b->grazing_stop, b->grazing_side, b->event_count}};
+    const double real[2][10] = {
+        {a->arclength, a->value[0], a->value[1], a->heading, a->residual, a->log_volume, a->sum_rule,
+         a->accuracy, a->grazing_time, (double)a->impacts},
+        {b->arclength, b->value[0], b->value[1], b->heading, b->residual, b->log_volume, b->sum_rule,
+         b->accuracy, b->grazing_time, (double)b->impacts}};
+    branch_check_bytes(whole[0], whole[1], sizeof whole[0], "a whole number", row);
+    for (int k = 0; k < 10; k++)
+        if (!(isnan(real[0][k]) && isnan(real[1][k])) && real[0][k] != real[1][k])
+            fail_msg("row %d: real number %d is %.17g and %.17g", row, k, real[0][k], real[1][k]);
+    assert_int_equal(a->stable, b->stable);
+    assert_int_equal(a->admissible, b->admissible);
+    assert_string_equal(a->label, b->label);
+    assert_string_equal(a->label_after, b->label_after);
+    assert_string_equal(a->reason, b->reason);
+    assert_true(saltus_spec_equal(&a->spec, &b->spec));
+    branch_check_bytes(a->state, b->state, (size_t)a->dimension * sizeof *a->state, "the state", row);
+    branch_check_bytes(a->multipliers, b->multipliers, (size_t)a->dimension * sizeof *a->multipliers,
+                       "a multiplier", row);
+    for (int k = 0; k < a->event_count; k++) {
+        const saltus_event *e = &a->events[k], *f = &b->events[k];
+        assert_true(e->kind == f->kind && e->face == f->face && e->time.cycle == f->time.cycle &&
+                    e->time.phase == f->time.phase && e->velocity_before == f->velocity_before &&
+                    e->velocity_after == f->velocity_after && e->displacement == f->displacement);
+    }
+}
+
+/* What a run goes on from after each of its points; `count` 0 where that is not known. */
+typedef struct branch_saved {
+    double *numbers;
+    int count;
+} branch_saved;
+
+/* A run interrupted after every `every`-th point, and gone on with by another, gives the same points as the
+ * whole one to the last bit. Returns how often it was. */
+static inline int branch_check_resumed(const saltus_spec *spec, int periods, const double *state,
+                                       const saltus_branch_options *options, int every) {
+    saltus_message message = {""};
+    saltus_branch *branch = NULL;
+    const saltus_branch_point *point;
+    branch_record whole = {0};
+    branch_saved *saved = calloc(branch_points_max, sizeof *saved);
+    int times = 0;
+    assert_non_null(saved);
+    check_ok(saltus_branch_new(spec, periods, state, options, &branch, &message), &message);
+    for (;;) {
+        check_ok(saltus_branch_step(branch, &point, &message), &message);
+        if (!point)
+            break;
+        assert_true(whole.count < branch_points_max);
+        branch_saved *own = &saved[whole.count];
+        branch_keep(&whole, point);
+        check_ok(saltus_branch_save(branch, &own->numbers, &own->count, &message), &message);
+        assert_true((own->numbers != NULL) == (own->count > 0));
+    }
+    saltus_branch_free(branch);
+    for (int k = 0; k < whole.count; k++) {
+        int kept = -1;
+        if (k % every == 0 && saved[k].count) {
+            check_ok(saltus_branch_new(spec, periods, state, options, &branch, &message), &message);
+            check_ok(saltus_branch_resume(branch, saved[k].numbers, saved[k].count, &kept, &message),
+                     &message);
+            assert_int_equal(kept, k + 1);
+            branch_record rest = branch_collect(branch, branch_points_max);
+            saltus_branch_free(branch);
+            assert_int_equal(kept + rest.count, whole.count);
+            for (int i = 0; i < rest.count; i++)
+                branch_check_equal(&rest.point[i], &whole.point[kept + i], kept + i);
+            branch_forget(&rest);
+            times++;
+        }
+        free(saved[k].numbers);
+    }
+    free(saved);
+    branch_forget(&whole);
+    return times;
+}
+
 /* A special point of closed orbits. */
 typedef struct closed_special {
     saltus_point_kind kind;

@@ -1309,67 +1309,17 @@ static void bad_input(void **unused) {
     check_refused(&options, "start");
 }
 
-/* A run interrupted after `count` points and gone on with: what stands, and what is made again. */
-static branch_record run_interrupted(const closed_oscillator *o, const saltus_branch_options *options,
-                                     const branch_record *whole, int count) {
-    closed_orbit orbit;
-    saltus_spec spec = closed_spec(o);
-    saltus_branch *branch = NULL;
-    saltus_message message = {""};
-    int kept = -1;
-    assert_true(closed_orbit_at(o, 1, &orbit));
-    double state[2] = {(double)orbit.state[0], (double)orbit.state[1]};
-    check_ok(saltus_branch_new(&spec, o->periods, state, options, &branch, &message), &message);
-    check_ok(saltus_branch_resume(branch, whole->point, count, &kept, &message), &message);
-    /* What stands ends with a regular point or an end; with switches nothing does. */
-    int stands = options->switches ? 0 : count;
-    while (stands > 0 && whole->point[stands - 1].kind != SALTUS_POINT_REGULAR &&
-           whole->point[stands - 1].kind != SALTUS_POINT_EP)
-        stands--;
-    assert_int_equal(kept, stands);
-    branch_record joined = {0}, rest = branch_collect(branch, branch_points_max);
-    for (int k = 0; k < kept; k++)
-        branch_keep(&joined, &whole->point[k]);
-    for (int k = 0; k < rest.count; k++)
-        branch_keep(&joined, &rest.point[k]);
-    branch_forget(&rest);
-    saltus_branch_free(branch);
-    return joined;
-}
-
 static void check_resumed(closed_example example, double omega, double low, double high, int switches,
                           int every) {
     closed_oscillator o = closed_example_of(example);
+    closed_orbit orbit;
     saltus_branch_options options = branch_along("omega", low, high);
     o.omega = omega;
     options.switches = switches;
-    branch_record whole = run_closed(&o, 1, &options);
-    for (int count = 1; count <= whole.count; count += every) {
-        branch_record joined = run_interrupted(&o, &options, &whole, count);
-        branch_check_same(&whole, &joined, 1e-9);
-        for (int branch = 0; branch < 8; branch++) {
-            const saltus_branch_point *a = last_of_branch(&whole, branch),
-                                      *b = last_of_branch(&joined, branch);
-            assert_true((a != NULL) == (b != NULL));
-            if (!a || !b)
-                continue;
-            assert_int_equal(b->kind, SALTUS_POINT_EP);
-            check_near(b->value[0], a->value[0], 1e-9);
-            assert_int_equal(b->parent, a->parent);
-            /* The state at another point of the orbit is in the distance now. */
-            check_near(b->arclength, a->arclength, 0.15 * a->arclength);
-        }
-        for (int k = 1; k < joined.count; k++) {
-            const saltus_branch_point *b = &joined.point[k], *a = b - 1;
-            if (a->branch != b->branch)
-                continue;
-            assert_int_equal(b->step, a->step + (a->kind == SALTUS_POINT_REGULAR));
-            assert_true(b->arclength >= a->arclength);
-            assert_true(b->arclength - a->arclength < 1.1 * options.step_max);
-        }
-        branch_forget(&joined);
-    }
-    branch_forget(&whole);
+    saltus_spec spec = closed_spec(&o);
+    assert_true(closed_orbit_at(&o, 1, &orbit));
+    const double state[2] = {(double)orbit.state[0], (double)orbit.state[1]};
+    assert_true(branch_check_resumed(&spec, o.periods, state, &options, every) > 1);
 }
 
 static void resumed_anywhere(void **unused) {
@@ -1380,6 +1330,27 @@ static void resumed_anywhere(void **unused) {
     check_resumed(closed_two_periods, 0.85, 0.78, 0.985, 0, 7 * sparse);
     check_resumed(closed_two_periods, 0.85, 0.78, 1.1, 1, 31 * sparse);
     check_resumed(closed_mirrored, 3.6, 2.3, 4, 1, 31 * sparse);
+}
+
+/* The same through complete chatter and where it ends, and on branches of the pipe that are switched to, with
+ * values asked for. */
+static void resumed_through_chatter_and_switches(void **unused) {
+    (void)unused;
+    saltus_spec spec = oscillator_spec(0.1, 1, 0.5, 1);
+    set_parameter(&spec, "F0", 2);
+    add_stop(&spec, 1.75, 0.5, SALTUS_UPPER);
+    saltus_motion motion = classified(&spec);
+    saltus_branch_options options = branch_along("d", 1.7, 1.81033);
+    assert_true(branch_check_resumed(&spec, 1, motion.state, &options, 25) > 2);
+    saltus_motion_clear(&motion);
+    const double values[] = {41.5, 42, 42.5};
+    options = branch_along("omega", 41, 43);
+    options.values = values;
+    options.value_count = 3;
+    options.switches = 1;
+    reference r = read_reference("fig7d");
+    assert_true(branch_check_resumed(&r.spec, r.periods, r.states[0], &options, long_version() ? 5 : 40) > 1);
+    free(r.text);
 }
 
 /* The same where the branch ends at a flip of orbits of half the period. */
@@ -1407,26 +1378,40 @@ static void joins_are_no_branch_points(void **unused) {
     }
 }
 
-/* Points of another run are refused. */
+/* What another run would go on from is refused, and so is nothing at all. */
 static void resumed_from_another_run(void **unused) {
     (void)unused;
     closed_oscillator o;
     closed_orbit orbit;
-    saltus_branch_options options = example_options(&o), other = branch_along("omega", 41.9, 42.1);
-    other.points = 5;
-    branch_record record = run_reference("fig7d", 0, &other);
+    saltus_branch_options options = example_options(&o);
     saltus_spec spec = closed_spec(&o);
     saltus_branch *branch = NULL;
+    const saltus_branch_point *point;
     saltus_message message = {""};
-    int kept;
+    double *numbers;
+    int count, kept;
     assert_true(closed_orbit_at(&o, 1, &orbit));
     double state[2] = {(double)orbit.state[0], (double)orbit.state[1]};
     check_ok(saltus_branch_new(&spec, 1, state, &options, &branch, &message), &message);
-    assert_int_equal(saltus_branch_resume(branch, record.point, 5, &kept, &message), SALTUS_BAD_INPUT);
-    assert_int_equal(saltus_branch_resume(branch, NULL, 0, &kept, &message), SALTUS_BAD_INPUT);
-    assert_true(message.text[0]);
+    check_ok(saltus_branch_step(branch, &point, &message), &message);
+    check_ok(saltus_branch_save(branch, &numbers, &count, &message), &message);
     saltus_branch_free(branch);
-    branch_forget(&record);
+    assert_true(count > 0);
+    for (int other = 0; other < 6; other++) {
+        saltus_branch_options changed = options;
+        changed.high[0] += other == 1 ? 0.01 : 0;
+        changed.points -= other == 2;
+        changed.switches += other == 3;
+        changed.direction += other == 4;
+        check_ok(saltus_branch_new(&spec, 1, state, &changed, &branch, &message), &message);
+        saltus_status status = saltus_branch_resume(branch, other == 5 ? NULL : numbers,
+                                                    other == 5 ? 0 : count, &kept, &message);
+        assert_int_equal(status, other ? SALTUS_BAD_INPUT : SALTUS_OK);
+        assert_int_equal(kept, !other);
+        assert_true(!other || strstr(message.text, "another run"));
+        saltus_branch_free(branch);
+    }
+    free(numbers);
 }
 
 /* A longer version, on request: next to every special point, on every pass, the run's own points at these
@@ -1501,6 +1486,7 @@ int main(void) {
         cmocka_unit_test(points_are_limited),
         cmocka_unit_test(bad_input),
         cmocka_unit_test(resumed_anywhere),
+        cmocka_unit_test(resumed_through_chatter_and_switches),
         cmocka_unit_test(resumed_towards_a_join),
         cmocka_unit_test(joins_are_no_branch_points),
         cmocka_unit_test(resumed_from_another_run),

@@ -577,6 +577,52 @@ static void a_signal_at_any_moment_leaves_whole_files(void **state) {
     }
 }
 
+/* A branch of the line's, ended by one of the signals in turn after ever longer times and gone on with, until
+ * it is whole; returns how often points were taken over. */
+static int follow_in_parts(const fixture *f, const char *line, const char *name) {
+    char resumed[300], path[320];
+    int times = 0;
+    path_in(f, name, path);
+    snprintf(resumed, sizeof resumed, "%s --resume", line);
+    for (int k = 0;; k++) {
+        bool goes_on = is_there(f, name);
+        pid_t child = start(f, goes_on ? resumed : line, plainly, SIGTERM);
+        pause_ms(8 + 4 * k);
+        kill(child, k % 3 ? SIGTERM : SIGKILL);
+        int outcome = end_of(child);
+        times += goes_on;
+        if (WIFEXITED(outcome) && WEXITSTATUS(outcome) == 0)
+            return times;
+        assert_true(WIFSIGNALED(outcome) || WEXITSTATUS(outcome) == 1);
+        assert_true(!goes_on || is_there(f, name));
+    }
+}
+
+/* However often a branch was interrupted or killed, its file is that of the run that was not, byte for byte.
+ */
+static void a_branch_in_parts_is_the_whole_one(void **state) {
+    static const char *const lines[] = {
+        "continue impact-oscillator --in omega=0.5:2 --step-max 0.002 --direction up",
+        "continue impact-oscillator --in omega=0.9:1.3 --at 1,1.1 --step-max 0.003 --switch 2",
+        "continue impact-oscillator --in omega=0.3:3 --step-max 0.005 --locus GR --and d=0.2:3"};
+    const fixture *f = *state;
+    char line[256], path[320];
+    for (size_t k = 0; k < sizeof lines / sizeof lines[0]; k++) {
+        size_t length, other;
+        snprintf(line, sizeof line, "%s -o whole.h5", lines[k]);
+        assert_int_equal(end_of(start(f, line, plainly, SIGTERM)), 0);
+        char *whole = read_all(path_in(f, "whole.h5", path), &length);
+        snprintf(line, sizeof line, "%s -o parts.h5", lines[k]);
+        int times = follow_in_parts(f, line, "parts.h5");
+        char *parts = read_all(path_in(f, "parts.h5", path), &other);
+        if (times < 1 || length != other || memcmp(whole, parts, length) != 0)
+            fail_msg("%s: %d times gone on with, %zu bytes for %zu", lines[k], times, other, length);
+        free(whole);
+        free(parts);
+        remove(path);
+    }
+}
+
 int main(void) {
     /* A leak check at the end of a program holds it by ptrace, and a signal that comes just then is never
      * delivered. */
@@ -593,6 +639,7 @@ int main(void) {
         cmocka_unit_test(a_signal_during_a_figure_ends_paper),
         cmocka_unit_test(a_signal_at_the_end_of_a_sweep_ends_paper),
         cmocka_unit_test(a_signal_at_any_moment_leaves_whole_files),
+        cmocka_unit_test(a_branch_in_parts_is_the_whole_one),
         cmocka_unit_test(a_late_second_signal_ends_the_program),
         cmocka_unit_test(a_long_sweep_is_told_in_lines),
     };

@@ -216,38 +216,37 @@ static void one_way(void **unused) {
     }
 }
 
-/* An interrupted locus is followed anew, even from its end: none of its points stands, and all come again to
- * the last bit. */
-static void an_interrupted_curve_is_made_again(void **unused) {
+/* An interrupted locus goes on to the last bit, from any of its points, of every kind that there is here. */
+static void an_interrupted_curve_goes_on(void **unused) {
     (void)unused;
-    closed_curve c = curves[0];
-    closed_oscillator o;
-    c.omega = 1.56L;
-    saltus_branch_options options = locus_options(c.kind, c.key, c.low, c.high);
-    options.step = options.step_max = 0.06;
-    options.direction = 1;
-    options.points = 14;
-    branch_record whole = run_curve(&c, &o, &options);
-    closed_orbit orbit;
-    saltus_branch *branch = NULL;
-    saltus_message message = {""};
-    int kept = -1;
-    assert_true(whole.count > 3 && closed_orbit_at(&o, 1, &orbit));
-    saltus_spec spec = closed_spec(&o);
-    const double state[2] = {(double)orbit.state[0], (double)orbit.state[1]};
-    check_ok(saltus_branch_new(&spec, o.periods, state, &options, &branch, &message), &message);
-    check_ok(saltus_branch_resume(branch, whole.point, whole.count, &kept, &message), &message);
-    assert_int_equal(kept, 0);
-    branch_record again = branch_collect(branch, branch_points_max);
-    saltus_branch_free(branch);
-    assert_int_equal(again.count, whole.count);
-    for (int k = 0; k < again.count; k++) {
-        assert_int_equal(again.point[k].kind, whole.point[k].kind);
-        assert_memory_equal(again.point[k].value, whole.point[k].value, sizeof whole.point[k].value);
-        assert_memory_equal(again.point[k].state, whole.point[k].state, 2 * sizeof(double));
+    for (size_t k = 0; k < sizeof curves / sizeof curves[0]; k++) {
+        closed_curve c = curves[k];
+        closed_oscillator o = closed_example_of(c.example);
+        closed_orbit orbit;
+        saltus_branch_options options = locus_options(c.kind, c.key, c.low, c.high);
+        options.step = options.step_max = 0.06;
+        o.omega = c.omega;
+        assert_true(closed_orbit_at(&o, 1, &orbit));
+        saltus_spec spec = closed_spec(&o);
+        const double state[2] = {(double)orbit.state[0], (double)orbit.state[1]};
+        assert_true(branch_check_resumed(&spec, o.periods, state, &options, 5) > 1);
     }
-    branch_forget(&again);
-    branch_forget(&whole);
+}
+
+/* The same with complex pairs, corners on the way, and orbits that are cut into segments. */
+static void an_interrupted_curve_of_the_pipe_goes_on(void **unused) {
+    (void)unused;
+    static const char *const key[2] = {"omega", "d"};
+    static const double low[2] = {38.5, 0.0345}, high[2] = {42.2, 0.0361};
+    reference r = read_reference("fig7d");
+    for (int tori = 0; tori < 2; tori++) {
+        saltus_branch_options options =
+            locus_options(tori ? SALTUS_POINT_NS : SALTUS_POINT_GR, key, low, high);
+        options.orbit.segments = tori ? 3 : 0;
+        options.points = 400;
+        assert_true(branch_check_resumed(&r.spec, r.periods, r.states[0], &options, 110) > 0);
+    }
+    free(r.text);
 }
 
 /* One degree of freedom with losses has no complex pair on the unit circle: the search says that it found
@@ -550,7 +549,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(curves_in_closed_form),
         cmocka_unit_test(one_way),
-        cmocka_unit_test(an_interrupted_curve_is_made_again),
+        cmocka_unit_test(an_interrupted_curve_goes_on),
+        cmocka_unit_test(an_interrupted_curve_of_the_pipe_goes_on),
         cmocka_unit_test(no_torus),
         cmocka_unit_test(two_masses),
         cmocka_unit_test(curves_meet_at_corners),

@@ -689,16 +689,21 @@ static void starts_are_kept(void **state) {
     memset(values, 0, sizeof values);
     memset(tangent, 0, sizeof tangent);
     for (int k = 0; k < count; k++) {
-        const saltus_branch_start *start = &starts.start[k];
+        /* Half of them are taken out, in order; the others are looked at where they are. */
+        saltus_branch_start taken = k < count / 2 ? saltus_starts_take(&starts) : (saltus_branch_start){0};
+        const saltus_branch_start *start = k < count / 2 ? &taken : &starts.start[k - count / 2];
+        assert_int_equal(starts.begun + starts.count, count);
         assert_true(start->parameter == k && start->heading == k % 3 - 1 && start->sequence.periods == k + 1);
         for (int i = 0; i < n; i++)
             assert_true(start->state[i] == 10 * k + i);
         assert_int_equal(start->tangent != NULL, k % 2);
         for (int j = 0; j < unknowns && start->tangent; j++)
             assert_true(start->tangent[j] == 100 * k + j);
+        saltus_start_clear(&taken);
     }
+    assert_int_equal(starts.begun, count / 2);
     saltus_starts_clear(&starts);
-    assert_true(!starts.start && starts.count == 0 && starts.next == 0);
+    assert_true(!starts.start && starts.count == 0 && starts.begun == 0);
     saltus_starts_clear(&starts);
 }
 

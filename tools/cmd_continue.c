@@ -204,14 +204,26 @@ static void show_progress(const run_state *run, const saltus_branch_point *point
     fflush(stderr);
 }
 
-/* One point into the file, the table and, if wished, onto stdout. */
-static saltus_status keep(run_state *run, const saltus_branch_point *point, saltus_message *message) {
+/* One point counted and, if wished, onto stdout. */
+static void tell(run_state *run, const saltus_branch_point *point) {
     run->rows++;
     if (point->branch >= run->branches)
         run->branches = point->branch + 1;
     if (run->request->json)
         saltus_write_point_json(stdout, &run->setup.scene, run->setup.system, point);
-    return saltus_branch_output_add(run->output, point, message);
+}
+
+/* A point, and what the run goes on from after it, into the file. */
+static saltus_status keep(run_state *run, const saltus_branch_point *point, saltus_message *message) {
+    double *numbers;
+    int count;
+    tell(run, point);
+    saltus_status status = saltus_branch_output_add(run->output, point, message);
+    if (status == SALTUS_OK)
+        status = saltus_branch_save(run->branch, &numbers, &count, message);
+    if (status == SALTUS_OK)
+        saltus_branch_output_resume(run->output, numbers, count);
+    return status;
 }
 
 static saltus_status follow(run_state *run, saltus_message *message) {
@@ -233,12 +245,20 @@ static saltus_status follow(run_state *run, saltus_message *message) {
 /* The points of the interrupted run that stand go into the new file first. */
 static saltus_status take_over(run_state *run, saltus_message *message) {
     const saltus_branch_file *file = &run->earlier;
-    int kept = file->point_count;
+    saltus_message why = {""};
+    int kept = file->complete ? file->point_count : 0;
     saltus_status status = SALTUS_OK;
-    if (file->point_count && !file->complete)
-        status = saltus_branch_resume(run->branch, file->points, file->point_count, &kept, message);
+    if (!file->complete && file->resume_count)
+        status = saltus_branch_resume(run->branch, file->resume, file->resume_count, &kept, &why);
+    if (status == SALTUS_OK && kept > file->point_count)
+        status = saltus_fail(&why, SALTUS_BAD_INPUT, "it has %d points and goes on after the %dth",
+                             file->point_count, kept);
+    if (status != SALTUS_OK)
+        return saltus_fail(message, status, "--resume: %.200s: %.300s", run->request->output, why.text);
+    if (run->request->resume)
+        status = saltus_branch_output_take_over(run->output, file, kept, message);
     for (int k = 0; k < kept && status == SALTUS_OK; k++)
-        status = keep(run, &file->points[k], message);
+        tell(run, &file->points[k]);
     return status;
 }
 
@@ -329,7 +349,7 @@ const cli_command cmd_continue = {
             "followed in two\n"
             "parameters. The file can be plotted, and read, while it grows; with --resume the options are "
             "those of the\n"
-            "interrupted run.",
+            "interrupted run, and the file becomes the one that it would have left.",
     .needs_scene = true,
     .options = options,
     .run = run,

@@ -111,12 +111,15 @@ void saltus_branch_free(saltus_branch *branch);
  * of the continuation itself end a branch with an EP point and its reason. */
 saltus_status saltus_branch_step(saltus_branch *branch, const saltus_branch_point **point,
                                  saltus_message *message);
-/* Go on where a run was interrupted, given all `count` points that it gave out, in order. Call after
- * saltus_branch_new with the run's start and options, before the first step. The first *kept points stand;
- * those after them are made again: all of them for loci and where branches are switched. Errors:
- * SALTUS_BAD_INPUT (points of another run), those of saltus_orbit_find where the last point is no orbit. */
-saltus_status saltus_branch_resume(saltus_branch *branch, const saltus_branch_point *points, int count,
-                                   int *kept, saltus_message *message);
+/* What the run goes on from after the point last given out, as numbers to be stored: *state, `*count` of
+ * them, the caller's to be freed. Where one step has made several points, that is known only after the last
+ * of them: before, *count is 0, and what an earlier call gave holds. Errors: SALTUS_NO_MEMORY. */
+saltus_status saltus_branch_save(saltus_branch *branch, double **state, int *count, saltus_message *message);
+/* Go on from there, with the same points to the last bit. Call after saltus_branch_new with the run's start
+ * and options, before the first step; *kept points had been given out. Errors: SALTUS_BAD_INPUT (numbers of
+ * another run, or damaged ones), SALTUS_NO_MEMORY; the branch can then only be freed. */
+saltus_status saltus_branch_resume(saltus_branch *branch, const double *state, int count, int *kept,
+                                   saltus_message *message);
 
 SALTUS_API_END
 #endif

@@ -87,7 +87,8 @@ void saltus_write_point_json(FILE *file, const saltus_scene *scene, const saltus
  *     /parameters     an attribute for each parameter of the start; /parameters/stop_1, ... for the stops
  *     /start          attribute periods; dataset state
  *     /continuation   the options as attributes: key1, low1, high1, key2, low2, high2, locus, step, ...;
- *                     the dataset `values` where points were asked for
+ *                     the datasets `values` where points were asked for, and `resume`, what an interrupted
+ *                     run goes on from (saltus_branch_save; empty once it is complete)
  *     /points         one row per point, in the order of computation: kind (enumeration regular, LP, ...),
  *                     branch, parent, step, arclength, value[2], heading, parameters[names],
  *                     stops[stop][xi, weight1, weight2, d, r], periods, impacts (-1: complete chatter),
@@ -107,6 +108,8 @@ typedef struct saltus_branch_file {
     bool complete;
     saltus_branch_point *points;
     int point_count;
+    double *resume; /* what an interrupted run goes on from (saltus_branch_resume); NULL: from its start */
+    int resume_count;
     double *values, *states; /* what options.values and the points' arrays are parts of */
     saltus_event *events;
     saltus_multiplier *multipliers;
@@ -134,6 +137,13 @@ saltus_status saltus_branch_output_open(const char *path, const saltus_scene *sc
 /* Errors: SALTUS_NO_MEMORY, SALTUS_IO. */
 saltus_status saltus_branch_output_add(saltus_branch_output *output, const saltus_branch_point *point,
                                        saltus_message *message);
+/* What the run goes on from after the points so far: `count` numbers of saltus_branch_save, which become the
+ * output's; none leaves it at what there was. */
+void saltus_branch_output_resume(saltus_branch_output *output, double *numbers, int count);
+/* The first `kept` points of an interrupted run, and what it goes on from, before any other point: the file
+ * is exchanged once all of them are there. Errors: SALTUS_NO_MEMORY, SALTUS_IO. */
+saltus_status saltus_branch_output_take_over(saltus_branch_output *output, const saltus_branch_file *earlier,
+                                             int kept, saltus_message *message);
 /* Write what is left, if there is any point, and free the output (NULL is accepted). `complete` tells that
  * the branch has come to its end. Errors: SALTUS_IO. */
 saltus_status saltus_branch_output_close(saltus_branch_output *output, bool complete,

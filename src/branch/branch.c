@@ -5,6 +5,7 @@
  * an impact of no speed, a free maximum on a stop, a contact force of zero, ends the sequence: the branch
  * goes on with another one (change.h). The event-driven flow has the last word on every point.
  * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "branch/archive.h"
 #include "branch/change.h"
 #include "branch/locus.h"
 #include "branch/options.h"
@@ -14,6 +15,7 @@
 #include "orbit/returns.h"
 #include "orbit/sequence.h"
 
+#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -71,6 +73,7 @@ struct saltus_branch {
     saltus_branch_point *queue; /* points made but not yet given out */
     int queue_count, queue_next, queue_room;
     saltus_branch_point given;
+    long long given_count;
     saltus_locus *locus; /* NULL: none is followed yet */
 };
 
@@ -338,14 +341,13 @@ static saltus_status accept(saltus_branch *b, bool bends, bool must, const char 
 
 /* A start that a branch has come to from its other end is not begun at: the branch is done. */
 static void drop_starts(saltus_branch *b, const saltus_branch_point *point) {
-    int kept = b->starts.next;
-    for (int k = kept; k < b->starts.count; k++) {
+    int kept = 0;
+    for (int k = 0; k < b->starts.count; k++) {
         saltus_branch_start *start = &b->starts.start[k];
         double value = b->orbits.origin + b->orbits.family.unit[0] * start->parameter;
         if (start->origin == point->kind && start->sequence.periods == point->periods &&
             fabs(value - point->value[0]) < 1e-7 * b->orbits.family.unit[0]) {
-            free(start->state);
-            free(start->tangent);
+            saltus_start_clear(start);
         } else {
             b->starts.start[kept++] = *start;
         }
@@ -403,7 +405,10 @@ static saltus_status give_special(saltus_branch *b, saltus_special *special, sal
                                  b->trial->survey.lap.points, SALTUS_SAME_POINT))
             return status;
         /* The other way from the same start leads around the same branch. */
-        b->starts.next += b->starts.next == 1 && b->starts.count > 1 && b->starts.start[1].heading;
+        if (b->starts.begun == 1 && b->starts.count > 0 && b->starts.start[0].heading) {
+            saltus_branch_start other = saltus_starts_take(&b->starts);
+            saltus_start_clear(&other);
+        }
         what.kind = SALTUS_POINT_EP;
         what.reason = "the branch is closed: it has come back";
         return give(b, b->trial, what, message);
@@ -620,8 +625,13 @@ static saltus_status advance(saltus_branch *b, saltus_message *message) {
 /* Where no branch can be begun at a start that was switched to, one point says why. */
 static saltus_status give_up(saltus_branch *b, const saltus_branch_start *start, const char *why,
                              saltus_message *message) {
-    if (!start->origin || !b->trace.here->state)
-        return SALTUS_OK;
+    saltus_message ignored;
+    saltus_status status = saltus_solution_place(&b->orbits, &start->sequence, &start->parameter,
+                                                 start->state, false, b->trace.here, &ignored);
+    if (status == SALTUS_OK)
+        status = saltus_solution_survey(&b->orbits, b->trace.here, &ignored);
+    if (!start->origin || status != SALTUS_OK)
+        return status == SALTUS_NO_MEMORY ? no_memory(message) : SALTUS_OK;
     char reason[SALTUS_REASON_MAX];
     snprintf(reason, sizeof reason, "nothing was found to follow from this %s: %.100s",
              saltus_point_word(start->origin), why);
@@ -655,12 +665,12 @@ static saltus_status keep_first(saltus_branch *b, saltus_message *message) {
     return status;
 }
 
-static saltus_status begin(saltus_branch *b, const saltus_branch_start *start, saltus_message *message) {
+static saltus_status begin_at(saltus_branch *b, const saltus_branch_start *start, saltus_message *message) {
     saltus_orbits *o = &b->orbits;
     trace *t = &b->trace;
     saltus_message why = {""};
     int order[SALTUS_MARKS_MAX];
-    *t = (trace){.number = b->starts.next - 1,
+    *t = (trace){.number = b->starts.begun - 1,
                  .parent = start->parent,
                  .depth = start->depth,
                  .step = b->options.step,
@@ -699,6 +709,13 @@ static saltus_status begin(saltus_branch *b, const saltus_branch_start *start, s
     return status;
 }
 
+static saltus_status begin(saltus_branch *b, saltus_message *message) {
+    saltus_branch_start start = saltus_starts_take(&b->starts);
+    saltus_status status = begin_at(b, &start, message);
+    saltus_start_clear(&start);
+    return status;
+}
+
 /* One more point of the locus. */
 static saltus_status advance_locus(saltus_branch *b, saltus_message *message) {
     bool more;
@@ -725,8 +742,8 @@ saltus_status saltus_branch_step(saltus_branch *b, const saltus_branch_point **p
                 return status;
         } else if (b->phase == RUN_FOLLOW) {
             status = advance(b, message);
-        } else if (b->starts.next < b->starts.count) {
-            status = begin(b, &b->starts.start[b->starts.next++], message);
+        } else if (b->starts.count > 0) {
+            status = begin(b, message);
         } else if (b->options.locus) {
             return saltus_fail(message, SALTUS_NO_CONVERGENCE, "no %s point was found along %s = %g to %g",
                                saltus_point_word(b->options.locus), b->options.key[0], b->options.low[0],
@@ -743,84 +760,127 @@ saltus_status saltus_branch_step(saltus_branch *b, const saltus_branch_point **p
     if (status != SALTUS_OK)
         return status;
     b->given = b->queue[b->queue_next++];
+    b->given_count++;
     *point = &b->given;
     return status;
 }
 
-/* Whether points can be of this run, as far as it can be told. */
-static bool are_sound(const saltus_branch *b, const saltus_branch_point *points, int count) {
-    enum { periods_max = 100000 };
+/* Numbers that must be these; false where others are read. */
+static bool archive_same(saltus_archive *a, const double *own, int count) {
+    bool same = true;
     for (int k = 0; k < count; k++) {
-        const saltus_branch_point *p = &points[k];
-        bool sound = p->dimension == b->orbits.n && p->spec.model == b->orbits.family.spec.model &&
-                     p->state && p->kind >= SALTUS_POINT_REGULAR && p->kind < SALTUS_POINT_KINDS &&
-                     p->branch >= 0 && p->branch < b->starts.count + count && p->step >= 0 &&
-                     p->periods >= 1 && p->periods <= periods_max && isfinite(p->value[0]) &&
-                     isfinite(p->arclength) && isfinite(p->heading);
-        for (int i = 0; i < b->orbits.n && sound; i++)
-            sound = isfinite(p->state[i]);
-        if (!sound)
-            return false;
+        double number = own[k];
+        saltus_archive_real(a, &number);
+        same = same && number == own[k];
     }
-    return count > 0;
+    return same;
 }
 
-/* The orbit of a point becomes `here`, heading as it did. */
-static saltus_status restore(saltus_branch *b, const saltus_branch_point *point, saltus_message *message) {
-    saltus_orbits *o = &b->orbits;
-    trace *t = &b->trace;
-    saltus_sequence sequence;
-    saltus_lap lap = {.keeps_events = true};
-    double parameter = saltus_orbits_parameter(o, point->value[0]);
-    double *state = calloc((size_t)o->n, sizeof *state);
-    saltus_status status = state ? saltus_orbits_tune(o, &parameter, message) : no_memory(message);
-    if (status == SALTUS_OK) {
-        memcpy(state, point->state, (size_t)o->n * sizeof *state);
-        status = saltus_sequence_make(o->flow, point->periods, state, &lap, &sequence, message);
+/* Which run it is, as far as it can be told: false where the numbers belong to another one. */
+static bool archive_identity(saltus_branch *b, saltus_archive *a) {
+    const saltus_branch_options *o = &b->options;
+    const saltus_spec *spec = &b->orbits.family.spec;
+    int parameters;
+    saltus_model_parameters(spec->model, &parameters);
+    /* The first number is the version of what follows. */
+    const double own[] = {1,         a->n,         a->faces,    o->low[0],     o->high[0],
+                          o->locus,  o->low[1],    o->high[1],  o->step,       o->step_max,
+                          o->points, o->direction, o->switches, o->value_count};
+    bool same = archive_same(a, own, sizeof own / sizeof own[0]);
+    same = archive_same(a, spec->parameters, parameters) && same;
+    return archive_same(a, o->values, o->value_count) && same;
+}
+
+static void archive_visited(saltus_branch *b, saltus_archive *a) {
+    enum { numbers_min = 6 }; /* of a visited point */
+    size_t count = saltus_archive_length(a, (size_t)b->visited_count, numbers_min);
+    if (a->reading && a->sound) {
+        b->visited = calloc(count + 1, sizeof *b->visited);
+        a->starved = a->starved || !b->visited;
+        b->visited_count = b->visited ? (int)count : 0;
     }
-    if (status == SALTUS_OK)
-        status = saltus_solution_place(o, &sequence, &parameter, state, true, t->here, message);
-    if (status == SALTUS_OK)
-        status = saltus_solution_survey(o, t->here, message);
-    if (status == SALTUS_OK)
-        saltus_solution_head(t->here, point->heading);
-    free(state);
-    saltus_lap_close(&lap);
-    t->number = point->branch;
-    t->parent = point->parent;
-    t->arclength = t->shown = point->arclength;
-    t->regular = point->step + 1;
-    t->step = b->options.step;
-    t->fresh = false;
+    for (int k = 0; k < b->visited_count; k++) {
+        visited *v = &b->visited[k];
+        v->kind = (saltus_point_kind)saltus_archive_whole(a, v->kind, 0, SALTUS_POINT_KINDS - 1);
+        v->branch = (int)saltus_archive_whole(a, v->branch, 0, INT_MAX);
+        v->periods = (int)saltus_archive_whole(a, v->periods, 1, INT_MAX);
+        saltus_archive_label(a, v->label[0]);
+        saltus_archive_label(a, v->label[1]);
+        saltus_archive_finite(a, &v->value, 1);
+        saltus_archive_array(a, &v->state, (size_t)a->n);
+    }
+}
+
+/* The branch under way. */
+static void archive_trace(saltus_branch *b, saltus_archive *a) {
+    trace *t = &b->trace;
+    saltus_lap *first = &t->first;
+    t->number = (int)saltus_archive_whole(a, t->number, 0, INT_MAX);
+    t->parent = (int)saltus_archive_whole(a, t->parent, -1, INT_MAX);
+    t->depth = (int)saltus_archive_whole(a, t->depth, 0, INT_MAX);
+    t->regular = (int)saltus_archive_whole(a, t->regular, 0, INT_MAX);
+    t->made = (int)saltus_archive_whole(a, t->made, 0, INT_MAX);
+    saltus_archive_finite(a, &t->arclength, 1);
+    saltus_archive_finite(a, &t->shown, 1);
+    saltus_archive_finite(a, &t->step, 1);
+    a->sound = a->sound && (!a->reading || (t->step > 0 && t->step <= b->options.step_max));
+    t->fresh = saltus_archive_flag(a, t->fresh);
+    saltus_archive_finite(a, &t->first_value, 1);
+    size_t periods = first->points ? (size_t)first->periods : 0;
+    periods = saltus_archive_length(a, periods, (size_t)a->n);
+    if (a->reading && a->sound && periods && !saltus_lap_reserve(first, (int)periods, a->n))
+        a->starved = true;
+    first->periods = first->points ? (int)periods : 0;
+    saltus_archive_finite(a, first->points, (size_t)first->periods * (size_t)a->n);
+    saltus_archive_shape(a, b->orbits.shooting);
+    saltus_archive_solution(a, t->here);
+    a->sound = a->sound && (!a->reading || saltus_solution_fits(&b->orbits, t->here));
+}
+
+/* All that later steps depend on, between two of them. */
+static saltus_status archive_run(saltus_branch *b, saltus_archive *a, saltus_message *message) {
+    static const char foreign[] = "what the run goes on from is damaged or belongs to another run";
+    saltus_status status = SALTUS_OK;
+    a->n = b->orbits.n;
+    a->faces = saltus_system_face_count(b->orbits.system);
+    a->sound = true;
+    a->sound = archive_identity(b, a) && a->sound;
+    b->given_count = saltus_archive_whole(a, b->given_count, 0, INT_MAX);
+    if (saltus_archive_flag(a, b->locus != NULL)) {
+        status = saltus_locus_archive(&b->orbits.family.spec, &b->options, &b->locus, a, message);
+    } else {
+        b->phase = (run_phase)saltus_archive_whole(a, b->phase, RUN_BEGIN, RUN_FOLLOW);
+        saltus_archive_starts(a, &b->starts);
+        archive_visited(b, a);
+        if (b->phase == RUN_FOLLOW)
+            archive_trace(b, a);
+    }
+    if (status == SALTUS_NO_MEMORY || a->starved)
+        return no_memory(message);
+    bool whole = a->sound && (!a->reading || a->at == a->count);
+    return status == SALTUS_OK && whole ? status : saltus_fail(message, SALTUS_BAD_INPUT, foreign);
+}
+
+saltus_status saltus_branch_save(saltus_branch *b, double **state, int *count, saltus_message *message) {
+    saltus_archive archive = {.reading = false};
+    *state = NULL;
+    *count = 0;
+    if (b->queue_next < b->queue_count || (b->locus && !saltus_locus_rests(b->locus)))
+        return SALTUS_OK;
+    saltus_status status = archive_run(b, &archive, message);
+    if (status != SALTUS_OK) {
+        free(archive.made);
+        return status;
+    }
+    *state = archive.made;
+    *count = (int)archive.count;
     return status;
 }
 
-saltus_status saltus_branch_resume(saltus_branch *b, const saltus_branch_point *points, int count, int *kept,
+saltus_status saltus_branch_resume(saltus_branch *b, const double *state, int count, int *kept,
                                    saltus_message *message) {
-    static const char foreign[] = "the points to resume from are unsound or belong to another run";
-    int last = count - 1;
-    saltus_status status = SALTUS_OK;
-    *kept = 0;
-    if (!are_sound(b, points, count))
-        return saltus_fail(message, SALTUS_BAD_INPUT, foreign);
-    if (b->options.locus || b->options.switches)
-        return status;
-    while (last >= 0 && points[last].kind != SALTUS_POINT_REGULAR && points[last].kind != SALTUS_POINT_EP)
-        last--;
-    *kept = last + 1;
-    if (last < 0)
-        return status;
-    if (points[last].branch >= b->starts.count)
-        return saltus_fail(message, SALTUS_BAD_INPUT, foreign);
-    b->starts.next = points[last].branch + 1;
-    for (int k = 0; k <= last && status == SALTUS_OK; k++) {
-        if (is_kept(points[k].kind))
-            status = remember(b, &points[k], message);
-        b->trace.made += points[k].branch == points[last].branch;
-    }
-    if (status != SALTUS_OK || points[last].kind == SALTUS_POINT_EP)
-        return status;
-    status = restore(b, &points[last], message);
-    b->phase = status == SALTUS_OK ? RUN_FOLLOW : RUN_BEGIN;
+    saltus_archive archive = {.reading = true, .given = state, .count = (size_t)count};
+    saltus_status status = archive_run(b, &archive, message);
+    *kept = status == SALTUS_OK ? (int)b->given_count : 0;
     return status;
 }

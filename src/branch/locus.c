@@ -6,6 +6,7 @@
 #include "branch/point.h"
 #include "branch/sequence.h"
 
+#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -170,9 +171,9 @@ static saltus_status open_first(saltus_locus *l, const saltus_solution *at, cons
     return see_all(l, &l->here, &l->orbit, l->corners, message);
 }
 
-saltus_status saltus_locus_new(const saltus_spec *spec, const saltus_branch_options *options,
-                               const saltus_solution *at, const saltus_sequence *beyond, saltus_locus **locus,
-                               saltus_message *message) {
+/* A locus with orbits of both parameters, on none yet. */
+static saltus_status open_locus(const saltus_spec *spec, const saltus_branch_options *options,
+                                saltus_locus **locus, saltus_message *message) {
     const double tolerance =
         1e-8; /* g is made of the Jacobian's entries, which are less sharp than residuals */
     saltus_locus *l = calloc(1, sizeof *l);
@@ -197,14 +198,29 @@ saltus_status saltus_locus_new(const saltus_spec *spec, const saltus_branch_opti
         status = saltus_spec_direction(spec, options->key[d], &o->family.direction[d],
                                        d ? &l->origin : &o->origin, message);
     }
-    if (status == SALTUS_OK)
-        status = saltus_orbits_open(o, message);
+    return status == SALTUS_OK ? saltus_orbits_open(o, message) : status;
+}
+
+/* Orbits that are their own mirror images are cut in halves where such branch off. */
+static void set_mirrored(saltus_locus *l, bool mirrored) {
+    l->x.mirrored = mirrored;
+    if (mirrored && l->x.kind == SALTUS_POINT_BP)
+        l->x.orbits.options.segments = 2;
+}
+
+saltus_status saltus_locus_new(const saltus_spec *spec, const saltus_branch_options *options,
+                               const saltus_solution *at, const saltus_sequence *beyond, saltus_locus **locus,
+                               saltus_message *message) {
     bool shift;
-    l->x.mirrored = status == SALTUS_OK && saltus_system_mirror_symmetric(o->system, &shift) &&
-                    saltus_solution_half_distance(o, at, true) < (l->x.kind == SALTUS_POINT_BP ? 1e-3 : 1e-7);
-    if (l->x.mirrored && l->x.kind == SALTUS_POINT_BP)
-        o->options.segments = 2;
-    return status == SALTUS_OK ? open_first(l, at, beyond, message) : status;
+    saltus_status status = open_locus(spec, options, locus, message);
+    if (status != SALTUS_OK)
+        return status;
+    saltus_locus *l = *locus;
+    saltus_orbits *o = &l->x.orbits;
+    set_mirrored(l, saltus_system_mirror_symmetric(o->system, &shift) &&
+                        saltus_solution_half_distance(o, at, true) <
+                            (l->x.kind == SALTUS_POINT_BP ? 1e-3 : 1e-7));
+    return open_first(l, at, beyond, message);
 }
 
 void saltus_locus_free(saltus_locus *l) {
@@ -556,19 +572,26 @@ static saltus_status give_corner(saltus_locus *l, const saltus_corner *corner, d
     return status;
 }
 
+/* The curve ends where it is, as it does not go on. */
+static saltus_status give_end(saltus_locus *l, saltus_message *message) {
+    return give(l, &l->orbit, &l->here, SALTUS_POINT_EP, 0,
+                "the curve ends: its orbit changes its events or the curve has a corner", message);
+}
+
 /* One step along the curve under way, with the corners on it. */
 static saltus_status advance(saltus_locus *l, saltus_message *message) {
     int reached;
     bool found, moved = false;
     crossings crossed;
     saltus_status status;
+    if (l->lost)
+        return give_end(l, message);
     for (;;) {
         status = take_step(l, &reached, &found, message);
         if (status != SALTUS_OK)
             return status;
-        if (!found || l->lost)
-            return give(l, &l->orbit, &l->here, SALTUS_POINT_EP, 0,
-                        "the curve ends: its orbit changes its events or the curve has a corner", message);
+        if (!found)
+            return give_end(l, message);
         l->x.sharp = true;
         bool located = find_corners(l, &crossed);
         l->x.sharp = false;
@@ -624,4 +647,78 @@ saltus_status saltus_locus_step(saltus_locus *l, saltus_branch_point *point, boo
     if (status == SALTUS_OK && *more)
         *point = l->points[l->given++];
     return status;
+}
+
+bool saltus_locus_rests(const saltus_locus *l) {
+    return l->given == l->made_count && l->heading != 0 && !l->lost;
+}
+
+/* The sequence of the first point, and its unknowns. */
+static void archive_first(saltus_locus *l, saltus_archive *a) {
+    saltus_archive_sequence(a, &l->first);
+    l->first_mark = (int)saltus_archive_whole(a, l->first_mark, 0, SALTUS_MARKS_MAX - 1);
+    a->sound = a->sound && (l->x.kind != SALTUS_POINT_GR || l->first_mark < l->first.count);
+    saltus_archive_array(a, &l->beginning, (size_t)(l->first.cuts * a->n + l->first.count + 2 + l->x.extra));
+    saltus_archive_finite(a, l->first_plane, 2);
+    saltus_archive_finite(a, l->first_way, 2);
+}
+
+/* The orbit at `here`, and the equations' own vectors there. */
+static saltus_status archive_here(saltus_locus *l, saltus_archive *a, saltus_message *message) {
+    saltus_extended *x = &l->x;
+    x->mark = (int)saltus_archive_whole(a, x->mark, 0, SALTUS_MARKS_MAX - 1);
+    saltus_archive_shape(a, x->orbits.shooting);
+    if (a->reading && a->sound) {
+        saltus_status status = saltus_extended_shape(x, message);
+        if (status != SALTUS_OK)
+            return status;
+    }
+    if (!a->sound)
+        return SALTUS_OK;
+    size_t count = (size_t)x->orbits.equations->count, size = (size_t)x->copies * count;
+    saltus_archive_finite(a, x->b, size);
+    saltus_archive_finite(a, x->c, size);
+    saltus_archive_finite(a, x->anchor, count + 2);
+    saltus_archive_point(a, &l->here);
+    saltus_archive_solution(a, &l->orbit);
+    bool marked = x->kind != SALTUS_POINT_GR || x->mark < l->orbit.sequence.count;
+    a->sound = a->sound && (!a->reading || (marked && l->here.unknowns == x->equations.unknowns &&
+                                            saltus_solution_fits(&x->orbits, &l->orbit)));
+    return SALTUS_OK;
+}
+
+static void archive_corners(saltus_locus *l, saltus_archive *a) {
+    l->corner_count = (int)saltus_archive_whole(a, l->corner_count, 0, SALTUS_CORNERS_MAX);
+    for (int k = 0; k < l->corner_count; k++) {
+        saltus_corner *corner = &l->corners[k];
+        corner->kind = (saltus_point_kind)saltus_archive_whole(a, corner->kind, 0, SALTUS_POINT_KINDS - 1);
+        saltus_archive_real(a, &corner->value.mantissa);
+        saltus_archive_real(a, &corner->value.exponent);
+        corner->ends = saltus_archive_flag(a, corner->ends);
+    }
+    saltus_archive_finite(a, l->second, 2);
+    saltus_archive_finite(a, &l->gap, 1);
+    l->closer = (int)saltus_archive_whole(a, l->closer, 0, INT_MAX);
+}
+
+saltus_status saltus_locus_archive(const saltus_spec *spec, const saltus_branch_options *options,
+                                   saltus_locus **locus, saltus_archive *a, saltus_message *message) {
+    saltus_status status = a->reading ? open_locus(spec, options, locus, message) : SALTUS_OK;
+    if (status != SALTUS_OK)
+        return status;
+    saltus_locus *l = *locus;
+    set_mirrored(l, saltus_archive_flag(a, l->x.mirrored));
+    archive_first(l, a);
+    l->heading = saltus_archive_flag(a, l->heading > 0) ? 1 : -1;
+    l->number = (int)saltus_archive_whole(a, l->number, 0, 1);
+    l->made = (int)saltus_archive_whole(a, l->made, 0, INT_MAX);
+    saltus_archive_finite(a, &l->arclength, 1);
+    saltus_archive_finite(a, &l->step, 1);
+    a->sound = a->sound && (!a->reading || l->step > 0);
+    l->has_left = saltus_archive_flag(a, l->has_left);
+    l->strict = saltus_archive_flag(a, l->strict);
+    l->ended = saltus_archive_flag(a, l->ended);
+    archive_corners(l, a);
+    /* Only the first point matters once the curve has ended. */
+    return l->ended ? SALTUS_OK : archive_here(l, a, message);
 }

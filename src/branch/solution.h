@@ -76,6 +76,8 @@ void saltus_solution_head(saltus_solution *solution, double heading);
 saltus_status saltus_solution_place(saltus_orbits *orbits, const saltus_sequence *sequence,
                                     const double *parameters, const double *state, bool polish,
                                     saltus_solution *out, saltus_message *message);
+/* Whether a solution is one of the sequence that the shooting has. */
+bool saltus_solution_fits(const saltus_orbits *orbits, const saltus_solution *solution);
 /* Fill in what the shooting has just seen at out->at.u: all but the tangent and the survey. */
 saltus_status saltus_solution_see(saltus_orbits *orbits, saltus_solution *out, saltus_message *message);
 /* The point of the curve at arclength `ahead` from another. Errors: no such point near. */

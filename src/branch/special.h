@@ -42,14 +42,19 @@ typedef struct saltus_branch_start {
     saltus_point_kind origin; /* the kind of point it was switched to at; REGULAR: none */
 } saltus_branch_start;
 
+/* Those that no branch has begun at yet, in order. */
 typedef struct saltus_starts {
     saltus_branch_start *start;
-    int count, next;
+    int count;
+    int begun; /* taken out before, or passed over: the number of the next branch */
 } saltus_starts;
 
 /* Keep a copy. Errors: SALTUS_NO_MEMORY. */
 saltus_status saltus_starts_add(saltus_starts *starts, int n, const saltus_branch_start *start,
                                 saltus_message *message);
+/* Take out the first of them; the caller's, to be cleared. */
+saltus_branch_start saltus_starts_take(saltus_starts *starts);
+void saltus_start_clear(saltus_branch_start *start);
 void saltus_starts_clear(saltus_starts *starts);
 
 /* The branches that leave at a flip or branch point `at` are added. `like` has what is common to the starts.

@@ -27,11 +27,23 @@ saltus_status saltus_starts_add(saltus_starts *starts, int n, const saltus_branc
     return SALTUS_OK;
 }
 
+void saltus_start_clear(saltus_branch_start *start) {
+    free(start->state);
+    free(start->tangent);
+    start->state = start->tangent = NULL;
+}
+
+saltus_branch_start saltus_starts_take(saltus_starts *starts) {
+    saltus_branch_start first = starts->start[0];
+    starts->begun++;
+    starts->count--;
+    memmove(starts->start, starts->start + 1, (size_t)starts->count * sizeof *starts->start);
+    return first;
+}
+
 void saltus_starts_clear(saltus_starts *starts) {
-    for (int k = 0; k < starts->count; k++) {
-        free(starts->start[k].state);
-        free(starts->start[k].tangent);
-    }
+    for (int k = 0; k < starts->count; k++)
+        saltus_start_clear(&starts->start[k]);
     free(starts->start);
     *starts = (saltus_starts){.count = 0};
 }

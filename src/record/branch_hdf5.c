@@ -88,7 +88,8 @@ static void put_table(saltus_h5 *w, hid_t group, const table *t, saltus_branch_s
     }
 }
 
-static void put_options(saltus_h5 *w, const saltus_branch_options *options) {
+static void put_options(saltus_h5 *w, const saltus_branch_file *head, bool complete) {
+    const saltus_branch_options *options = &head->options;
     hid_t group = saltus_h5_open_group(w, "continuation", "options of the run");
     for (int k = 0; k < SALTUS_BRANCH_SETTINGS; k++) {
         const saltus_branch_setting *s = &saltus_branch_settings[k];
@@ -102,6 +103,8 @@ static void put_options(saltus_h5 *w, const saltus_branch_options *options) {
     }
     saltus_h5_text(w, group, "locus", saltus_point_word(options->locus));
     saltus_h5_reals(w, group, "values", "where points were asked for", options->values, options->value_count);
+    saltus_h5_reals(w, group, "resume", "what the run goes on from; empty once it is complete", head->resume,
+                    complete ? 0 : head->resume_count);
     saltus_h5_close(group);
 }
 
@@ -116,7 +119,7 @@ static void put_head(saltus_h5 *w, const saltus_branch_output *o, bool complete)
                    saltus_integrator_used(o->system, head->options.orbit.flow.integrator));
     saltus_h5_integer(w, w->file, "complete", complete);
     saltus_h5_parameters(w, &head->spec);
-    put_options(w, &head->options);
+    put_options(w, head, complete);
     hid_t group = saltus_h5_open_group(w, "start", "the orbit that the branch was begun with");
     if (w->sound)
         saltus_h5_integer(w, group, "periods", head->periods);
@@ -253,8 +256,9 @@ static void trim(char *text, size_t room) {
     memset(text + length, 0, room - length);
 }
 
-saltus_status saltus_branch_output_add(saltus_branch_output *o, const saltus_branch_point *point,
-                                       saltus_message *message) {
+/* One row more, in memory. */
+static saltus_status append_point(saltus_branch_output *o, const saltus_branch_point *point,
+                                  saltus_message *message) {
     int n = o->shape.dimension;
     saltus_point_row row = {.point = *point,
                             .event_first = o->events.rows,
@@ -272,9 +276,37 @@ saltus_status saltus_branch_output_add(saltus_branch_output *o, const saltus_bra
         saltus_stop_values(&point->spec.stops[s], row.stops[s]);
     if (!add_events(o, point) || !append(&o->points, o->shape, &row))
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for another point of the branch");
-    if (o->points.rows > 1 && saltus_seconds() - o->written < fmax(least_pause, pause_ratio * o->cost))
-        return SALTUS_OK;
+    return SALTUS_OK;
+}
+
+saltus_status saltus_branch_output_add(saltus_branch_output *o, const saltus_branch_point *point,
+                                       saltus_message *message) {
+    saltus_status status = append_point(o, point, message);
+    if (status != SALTUS_OK ||
+        (o->points.rows > 1 && saltus_seconds() - o->written < fmax(least_pause, pause_ratio * o->cost)))
+        return status;
     return exchange(o, false, message);
+}
+
+void saltus_branch_output_resume(saltus_branch_output *o, double *numbers, int count) {
+    if (count == 0) {
+        free(numbers);
+        return;
+    }
+    free(o->head.resume);
+    o->head.resume = numbers;
+    o->head.resume_count = count;
+}
+
+saltus_status saltus_branch_output_take_over(saltus_branch_output *o, const saltus_branch_file *earlier,
+                                             int kept, saltus_message *message) {
+    double *numbers = copy_reals(earlier->resume, earlier->resume_count);
+    saltus_status status =
+        numbers ? SALTUS_OK : saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the branch file");
+    for (int k = 0; k < kept && status == SALTUS_OK; k++)
+        status = append_point(o, &earlier->points[k], message);
+    saltus_branch_output_resume(o, numbers, numbers ? earlier->resume_count : 0);
+    return status == SALTUS_OK && kept ? exchange(o, false, message) : status;
 }
 
 saltus_status saltus_branch_output_close(saltus_branch_output *output, bool complete,

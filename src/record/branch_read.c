@@ -51,9 +51,28 @@ static bool read_option(hid_t group, const saltus_branch_setting *s, saltus_bran
     return found;
 }
 
+/* A list of numbers in /continuation, at most so many; *values is to be freed. */
+static saltus_status read_reals(const reader *r, const char *name, long long most, double **values,
+                                int *count) {
+    static const int scalar[2] = {0, 0};
+    char path[64];
+    snprintf(path, sizeof path, "continuation/%s", name);
+    hsize_t size[SALTUS_H5_RANK_MAX] = {0}, stored;
+    bool listed = saltus_h5_extent(r->h5.file, path, size, &stored) == 1 && size[0] <= (hsize_t)most &&
+                  saltus_h5_believable(size[0], 1, stored);
+    if (!listed)
+        return saltus_h5_refuse_part(&r->h5, "continuation", name);
+    *values = malloc(((size_t)size[0] + 1) * sizeof **values);
+    if (!*values)
+        return saltus_h5_no_memory(&r->h5);
+    *count = (int)size[0];
+    return saltus_h5_get_dataset(r->h5.file, path, H5T_NATIVE_DOUBLE, *count, scalar, *values)
+               ? SALTUS_OK
+               : saltus_h5_refuse_part(&r->h5, "continuation", name);
+}
+
 static saltus_status read_options(reader *r) {
     saltus_branch_options *options = &r->made->options;
-    static const int scalar[2] = {0, 0};
     char locus[16] = "";
     int kind = 0;
     hid_t group = saltus_h5_find_group(r->h5.file, "continuation");
@@ -72,18 +91,10 @@ static saltus_status read_options(reader *r) {
     if (status != SALTUS_OK)
         return status;
     options->locus = (saltus_point_kind)kind;
-    long long count = saltus_h5_rows(r->h5.file, "continuation/values");
-    if (count < 0 || count > 1000000)
-        return saltus_h5_refuse_part(&r->h5, "continuation", "values");
-    r->made->values = malloc(((size_t)count + 1) * sizeof *r->made->values);
-    if (!r->made->values)
-        return saltus_h5_no_memory(&r->h5);
+    status = read_reals(r, "values", 1000000, &r->made->values, &options->value_count);
     options->values = r->made->values;
-    options->value_count = (int)count;
-    return saltus_h5_get_dataset(r->h5.file, "continuation/values", H5T_NATIVE_DOUBLE, count, scalar,
-                                 r->made->values)
-               ? SALTUS_OK
-               : saltus_h5_refuse_part(&r->h5, "continuation", "values");
+    return status == SALTUS_OK ? read_reals(r, "resume", most_rows, &r->made->resume, &r->made->resume_count)
+                               : status;
 }
 
 static bool all_finite(const double *values, int count) {
@@ -303,6 +314,7 @@ saltus_status saltus_branch_file_read(const char *path, saltus_branch_file *file
 void saltus_branch_file_clear(saltus_branch_file *file) {
     free(file->state);
     free(file->values);
+    free(file->resume);
     free(file->states);
     free(file->events);
     free(file->multipliers);

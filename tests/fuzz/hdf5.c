@@ -19,11 +19,59 @@ typedef struct bench {
     forge_file files[templates];
     saltus_scene scene;
     saltus_sweep *sweep, *plane;
+    saltus_branch_options way; /* of a branch that is gone on with, and what it begins at */
+    saltus_motion motion;
     FILE *nowhere;
 } bench;
 
 static void check(saltus_status status, const saltus_message *message) {
     fuzz_check(status == SALTUS_OK, message->text);
+}
+
+static saltus_branch *open_branch(const bench *b) {
+    saltus_message message = {""};
+    saltus_branch *branch = NULL;
+    check(saltus_branch_new(&b->scene.spec, b->motion.periods, b->motion.state, &b->way, &branch, &message),
+          &message);
+    return branch;
+}
+
+/* What a branch of the oscillator goes on from after a few points. */
+static void save_branch(bench *b, saltus_branch_output *output) {
+    saltus_message message = {""};
+    saltus_system *system = NULL;
+    saltus_classify_options how = saltus_classify_defaults();
+    const saltus_branch_point *point;
+    double *numbers, rest[SALTUS_STATE_MAX] = {0};
+    int count;
+    check(saltus_system_new(&b->scene.spec, &system, &message), &message);
+    check(saltus_classify(system, rest, &how, &b->motion, &message), &message);
+    saltus_system_free(system);
+    b->way = saltus_branch_defaults();
+    strcpy(b->way.key[0], "omega");
+    b->way.low[0] = 0.5;
+    b->way.high[0] = 2;
+    b->way.switches = 1;
+    saltus_branch *branch = open_branch(b);
+    for (int k = 0; k < 30; k++)
+        check(saltus_branch_step(branch, &point, &message), &message);
+    check(saltus_branch_save(branch, &numbers, &count, &message), &message);
+    fuzz_check(count > 0, "a branch cannot be saved");
+    saltus_branch_output_resume(output, numbers, count);
+    saltus_branch_free(branch);
+}
+
+/* Whatever a run is told to go on from, it refuses or takes a step from there. */
+static void go_on(const bench *b, const saltus_branch_file *file) {
+    saltus_message message = {""};
+    const saltus_branch_point *point;
+    int kept;
+    saltus_branch *branch = open_branch(b);
+    saltus_status status = saltus_branch_resume(branch, file->resume, file->resume_count, &kept, &message);
+    fuzz_check_refusal(status, &message);
+    if (status == SALTUS_OK)
+        saltus_branch_step(branch, &point, &message);
+    saltus_branch_free(branch);
 }
 
 /* A short branch of the oscillator, with special points and events. */
@@ -64,7 +112,8 @@ static void make_branch(bench *b, const char *path) {
                                      .grazing_side = k == 2};
         check(saltus_branch_output_add(output, &point, &message), &message);
     }
-    check(saltus_branch_output_close(output, true, &message), &message);
+    save_branch(b, output);
+    check(saltus_branch_output_close(output, false, &message), &message);
 }
 
 static void make_sweep(const saltus_sweep *sweep, bool basins, const char *path) {
@@ -139,6 +188,8 @@ static void use_branch(const bench *b, const char *path, bool draw) {
     fuzz_check_refusal(status, &message);
     if (status == SALTUS_OK)
         saltus_write_branch_text(b->nowhere, &file);
+    if (status == SALTUS_OK && file.resume_count)
+        go_on(b, &file);
     saltus_branch_file_clear(&file);
     for (size_t k = 0; status == SALTUS_OK && k < sizeof parts / sizeof parts[0]; k++) {
         char source[160];

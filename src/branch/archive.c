@@ -1,0 +1,273 @@
+/* What a run goes on from, as numbers.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "branch/archive.h"
+
+#include <limits.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { periods_max = 10000000 };
+
+void saltus_archive_real(saltus_archive *a, double *value) {
+    if (a->reading) {
+        a->sound = a->sound && a->at < a->count;
+        *value = a->sound ? a->given[a->at++] : 0;
+        return;
+    }
+    if (a->count == a->room && !a->starved) {
+        size_t room = a->room ? 2 * a->room : 256;
+        double *grown = realloc(a->made, room * sizeof *grown);
+        a->starved = !grown;
+        a->made = grown ? grown : a->made;
+        a->room = grown ? room : a->room;
+    }
+    if (!a->starved)
+        a->made[a->count++] = *value;
+}
+
+void saltus_archive_finite(saltus_archive *a, double *values, size_t count) {
+    for (size_t k = 0; k < count; k++) {
+        saltus_archive_real(a, &values[k]);
+        if (a->reading && !isfinite(values[k])) {
+            a->sound = false;
+            values[k] = 0;
+        }
+    }
+}
+
+long long saltus_archive_whole(saltus_archive *a, long long value, long long low, long long high) {
+    double number = (double)value;
+    saltus_archive_real(a, &number);
+    if (!a->reading)
+        return value;
+    a->sound = a->sound && number >= (double)low && number <= (double)high && number == floor(number);
+    return a->sound ? (long long)number : low;
+}
+
+size_t saltus_archive_length(saltus_archive *a, size_t length, size_t each) {
+    long long left = a->reading ? (long long)((a->count - a->at) / each) : LLONG_MAX;
+    return (size_t)saltus_archive_whole(a, (long long)length, 0, left);
+}
+
+bool saltus_archive_flag(saltus_archive *a, bool value) {
+    return saltus_archive_whole(a, value, 0, 1);
+}
+
+void saltus_archive_label(saltus_archive *a, char label[SALTUS_LABEL_MAX]) {
+    int length = (int)saltus_archive_whole(a, (long long)strlen(label), 0, SALTUS_LABEL_MAX - 1);
+    for (int k = 0; k < length; k++)
+        label[k] = (char)saltus_archive_whole(a, label[k], 1, CHAR_MAX);
+    label[length] = 0;
+}
+
+/* Memory that reading needs; false without it. */
+static bool found(saltus_archive *a, const void *memory) {
+    a->starved = a->starved || !memory;
+    a->sound = a->sound && memory;
+    return a->sound;
+}
+
+void saltus_archive_array(saltus_archive *a, double **values, size_t count) {
+    if (a->reading) {
+        a->sound = a->sound && count <= a->count - a->at;
+        if (!a->sound)
+            return;
+        free(*values);
+        *values = calloc(count + 1, sizeof **values);
+        if (!found(a, *values))
+            return;
+    }
+    saltus_archive_finite(a, *values, count);
+}
+
+static saltus_event_kind event_kind(saltus_archive *a, saltus_event_kind kind) {
+    kind = (saltus_event_kind)saltus_archive_whole(a, kind, 0, 64);
+    a->sound = a->sound && (kind == SALTUS_IMPACT || kind == SALTUS_STICK || kind == SALTUS_RELEASE);
+    return kind;
+}
+
+static int face_number(saltus_archive *a, int face) {
+    return (int)saltus_archive_whole(a, face, 0, a->faces > 0 ? a->faces - 1 : 0);
+}
+
+/* Bits of faces. */
+static unsigned faces_held(saltus_archive *a, unsigned contacts) {
+    return (unsigned)saltus_archive_whole(a, contacts, 0, (1LL << a->faces) - 1);
+}
+
+/* A time on an orbit, which marks are carried past the end of by a little at most. */
+static void orbit_time(saltus_archive *a, const saltus_sequence *s, double *time) {
+    saltus_archive_finite(a, time, 1);
+    a->sound = a->sound && (!a->reading || (*time >= -1 && *time <= 2.0 * s->periods + 1));
+}
+
+void saltus_archive_sequence(saltus_archive *a, saltus_sequence *s) {
+    s->periods = (int)saltus_archive_whole(a, s->periods, 1, periods_max);
+    orbit_time(a, s, &s->base);
+    s->contacts = faces_held(a, s->contacts);
+    s->driven = saltus_archive_flag(a, s->driven);
+    s->count = (int)saltus_archive_whole(a, s->count, 0, SALTUS_MARKS_MAX);
+    for (int k = 0; k < s->count; k++) {
+        s->mark[k].kind = event_kind(a, s->mark[k].kind);
+        s->mark[k].face = face_number(a, s->mark[k].face);
+        orbit_time(a, s, &s->mark[k].time);
+        s->mark[k].driven = saltus_archive_flag(a, s->mark[k].driven);
+    }
+    s->cuts = (int)saltus_archive_whole(a, s->cuts, 1, SALTUS_CUTS_MAX);
+    for (int k = 0; k < s->cuts; k++)
+        orbit_time(a, s, &s->cut[k]);
+}
+
+static void scaled(saltus_archive *a, saltus_scaled *number) {
+    saltus_archive_real(a, &number->mantissa);
+    saltus_archive_real(a, &number->exponent);
+}
+
+void saltus_archive_point(saltus_archive *a, saltus_curve_point *point) {
+    size_t unknowns = saltus_archive_length(a, (size_t)point->unknowns, 2);
+    a->sound = a->sound && unknowns > 0;
+    if (a->reading && (!a->sound || !saltus_curve_reserve(point, (int)unknowns))) {
+        a->starved = a->starved || a->sound;
+        a->sound = false;
+        return;
+    }
+    saltus_archive_finite(a, point->u, unknowns);
+    saltus_archive_finite(a, point->tangent, unknowns);
+    point->bent = saltus_archive_flag(a, point->bent);
+    if (point->bent)
+        saltus_archive_finite(a, point->bend, 2 * unknowns);
+    saltus_archive_finite(a, &point->ahead, 1);
+    point->iterations = (int)saltus_archive_whole(a, point->iterations, 0, INT_MAX);
+    saltus_archive_real(a, &point->residual);
+    scaled(a, &point->crossing);
+}
+
+static void archive_breach(saltus_archive *a, const saltus_sequence *s, saltus_breach *breach) {
+    breach->kind = (saltus_breach_kind)saltus_archive_whole(a, breach->kind, 0, SALTUS_BREACH_HOLD);
+    saltus_archive_real(a, &breach->value);
+    breach->mark = (int)saltus_archive_whole(a, breach->mark, 0, s->count);
+    breach->face = face_number(a, breach->face);
+    saltus_archive_finite(a, &breach->time, 1);
+}
+
+static void archive_breaches(saltus_archive *a, saltus_solution *s) {
+    size_t count = saltus_archive_length(a, (size_t)s->breach_count, 5);
+    if (a->reading && a->sound) {
+        free(s->breaches);
+        s->breaches = calloc(count + 1, sizeof *s->breaches);
+        s->breach_count = s->breach_room = found(a, s->breaches) ? (int)count : 0;
+    }
+    for (int k = 0; k < s->breach_count; k++) {
+        saltus_breach *breach = &s->breaches[k];
+        archive_breach(a, &s->sequence, breach);
+        bool between = breach->kind == SALTUS_BREACH_GAP || breach->kind == SALTUS_BREACH_FORCE;
+        a->sound = a->sound && (between || breach->mark < s->sequence.count);
+    }
+    archive_breach(a, &s->sequence, &s->worst);
+}
+
+static void archive_events(saltus_archive *a, saltus_lap *lap) {
+    size_t count = saltus_archive_length(a, (size_t)lap->event_count, 7);
+    if (a->reading && a->sound) {
+        free(lap->events);
+        lap->events = calloc(count + 1, sizeof *lap->events);
+        lap->event_count = lap->event_room = found(a, lap->events) ? (int)count : 0;
+    }
+    for (int k = 0; k < lap->event_count; k++) {
+        saltus_event *event = &lap->events[k];
+        event->kind = event_kind(a, event->kind);
+        event->face = face_number(a, event->face);
+        event->time.cycle = saltus_archive_whole(a, event->time.cycle, -(1LL << 50), 1LL << 50);
+        saltus_archive_finite(a, &event->time.phase, 1);
+        saltus_archive_real(a, &event->velocity_before);
+        saltus_archive_real(a, &event->velocity_after);
+        saltus_archive_real(a, &event->displacement);
+    }
+}
+
+static void archive_survey(saltus_archive *a, saltus_survey *survey) {
+    saltus_lap *lap = &survey->lap;
+    survey->follows = saltus_archive_flag(a, survey->follows);
+    survey->walked = saltus_archive_flag(a, survey->walked);
+    survey->impacts = saltus_archive_whole(a, survey->impacts, -1, 1LL << 50);
+    survey->sticking_intervals = (int)saltus_archive_whole(a, survey->sticking_intervals, 0, INT_MAX);
+    saltus_archive_label(a, survey->label);
+    for (int i = 0; i < a->n && a->sound; i++) {
+        saltus_archive_real(a, &survey->multipliers[i].re);
+        saltus_archive_real(a, &survey->multipliers[i].im);
+        saltus_archive_real(a, &survey->multipliers[i].log_modulus);
+    }
+    survey->unstable = (int)saltus_archive_whole(a, survey->unstable, 0, a->n);
+    saltus_archive_real(a, &survey->log_volume);
+    saltus_archive_real(a, &survey->sum_rule);
+    saltus_archive_real(a, &survey->pair);
+    lap->keeps_events = true;
+    lap->periods = (int)saltus_archive_whole(a, lap->periods, 0, periods_max);
+    lap->contact_events = saltus_archive_whole(a, lap->contact_events, 0, 1LL << 50);
+    lap->contacts = faces_held(a, lap->contacts);
+    archive_events(a, lap);
+    if (!saltus_archive_flag(a, lap->points != NULL))
+        return;
+    if (a->reading && a->sound && !saltus_lap_reserve(lap, 1, a->n))
+        found(a, NULL);
+    if (a->sound)
+        saltus_archive_finite(a, lap->points, (size_t)a->n);
+}
+
+void saltus_archive_solution(saltus_archive *a, saltus_solution *s) {
+    saltus_archive_point(a, &s->at);
+    saltus_archive_sequence(a, &s->sequence);
+    saltus_archive_array(a, &s->state, (size_t)a->n);
+    saltus_archive_finite(a, s->parameter, 2);
+    saltus_archive_finite(a, &s->value, 1);
+    scaled(a, &s->flip);
+    saltus_archive_real(a, &s->growth);
+    archive_breaches(a, s);
+    if (a->reading && a->sound && !s->survey.multipliers) {
+        s->survey.multipliers = calloc((size_t)a->n, sizeof *s->survey.multipliers);
+        found(a, s->survey.multipliers);
+    }
+    archive_survey(a, &s->survey);
+}
+
+void saltus_archive_shape(saltus_archive *a, saltus_shooting *shooting) {
+    saltus_sequence sequence = *saltus_shooting_sequence(shooting);
+    saltus_message ignored;
+    saltus_archive_sequence(a, &sequence);
+    if (!a->reading || !a->sound)
+        return;
+    saltus_status status = saltus_shooting_shape(shooting, &sequence, &ignored);
+    a->sound = status == SALTUS_OK;
+    a->starved = a->starved || status == SALTUS_NO_MEMORY;
+}
+
+static void archive_start(saltus_archive *a, saltus_branch_start *start) {
+    saltus_archive_sequence(a, &start->sequence);
+    saltus_archive_finite(a, &start->parameter, 1);
+    saltus_archive_array(a, &start->state, (size_t)a->n);
+    if (saltus_archive_flag(a, start->tangent != NULL)) {
+        start->unknowns = (int)saltus_archive_length(a, (size_t)start->unknowns, 1);
+        a->sound = a->sound && start->unknowns == a->n * start->sequence.cuts + start->sequence.count + 1;
+        saltus_archive_array(a, &start->tangent, (size_t)start->unknowns);
+    }
+    start->heading = (int)saltus_archive_whole(a, start->heading, -1, 1);
+    start->parent = (int)saltus_archive_whole(a, start->parent, -1, INT_MAX);
+    start->depth = (int)saltus_archive_whole(a, start->depth, 0, INT_MAX);
+    start->grazes = saltus_archive_flag(a, start->grazes);
+    start->origin = (saltus_point_kind)saltus_archive_whole(a, start->origin, 0, SALTUS_POINT_KINDS - 1);
+}
+
+void saltus_archive_starts(saltus_archive *a, saltus_starts *starts) {
+    enum { numbers_min = 12 }; /* of a start */
+    int begun = (int)saltus_archive_whole(a, starts->begun, 0, INT_MAX / 2);
+    size_t count = saltus_archive_length(a, (size_t)starts->count, numbers_min);
+    if (a->reading) {
+        saltus_starts_clear(starts);
+        starts->start = a->sound ? calloc(count + 1, sizeof *starts->start) : NULL;
+        starts->count = a->sound && found(a, starts->start) ? (int)count : 0;
+        starts->begun = begun;
+    }
+    for (int k = 0; k < starts->count; k++)
+        archive_start(a, &starts->start[k]);
+}
