@@ -126,13 +126,13 @@ static inline void branch_check_equal(const saltus_branch_point *a, const saltus
                                a->unstable, a->iterations, a->grazing_stop, a->grazing_side, a->event_count},
                               {b->kind, b->branch, b->parent, b->step, b->periods, b->sticking_intervals,
                                b->unstable, b->iterations, b->grazing_stop, b->grazing_side, b->event_count}};
-    const double real[2][10] = {
+    const double real[2][11] = {
         {a->arclength, a->value[0], a->value[1], a->heading, a->residual, a->log_volume, a->sum_rule,
-         a->accuracy, a->grazing_time, (double)a->impacts},
+         a->accuracy, a->grazing_time, (double)a->impacts, a->contact_force},
         {b->arclength, b->value[0], b->value[1], b->heading, b->residual, b->log_volume, b->sum_rule,
-         b->accuracy, b->grazing_time, (double)b->impacts}};
+         b->accuracy, b->grazing_time, (double)b->impacts, b->contact_force}};
     branch_check_bytes(whole[0], whole[1], sizeof whole[0], "a whole number", row);
-    for (int k = 0; k < 10; k++)
+    for (int k = 0; k < 11; k++)
         if (!(isnan(real[0][k]) && isnan(real[1][k])) && real[0][k] != real[1][k])
             fail_msg("row %d: real number %d is %.17g and %.17g", row, k, real[0][k], real[1][k]);
     assert_int_equal(a->stable, b->stable);

@@ -72,9 +72,11 @@ static void make_point(fixture *f, int k) {
                                .log_volume = -287.8,
                                .sum_rule = NAN,
                                .accuracy = 1e-12,
-                               .grazing_time = NAN};
+                               .grazing_time = NAN,
+                               .contact_force = NAN};
     if (p->kind == SALTUS_POINT_GR) {
         p->grazing_time = 3.99;
+        p->contact_force = 0.375;
         p->grazing_stop = p->grazing_side = 1;
     }
     set_parameter(&p->spec, "omega", p->value[0]);
@@ -175,6 +177,7 @@ static void check_point(const saltus_branch_point *a, const saltus_branch_point 
     same(sum_rule);
     same(accuracy);
     same(grazing_time);
+    same(contact_force);
     same(grazing_stop);
     same(grazing_side);
     same(spec.parameters);
@@ -436,7 +439,9 @@ static void unsound_contents_are_named(void **state) {
                    {"events/stop", "an event", false, 7},
                    {"events/kind", "an event", false, 0},
                    {"parameters/stop_1", "an event", true, 0},
+                   {"points/contact_force", "points/contact_force", true, 0},
                    {"continuation", "continuation", true, 0},
+                   {"continuation/resume", "continuation/resume", true, 0},
                    {"start", "start/periods", true, 0},
                    {"events", "events/kind", true, 0},
                    {"parameters", "parameters", true, 0}};

@@ -129,6 +129,33 @@ static void contacts_that_begin_and_end(void **unused) {
     branch_forget(&record);
 }
 
+static double parameter_of(const saltus_spec *spec, const char *name) {
+    return spec->parameters[saltus_model_parameter_index(spec->model, name)];
+}
+
+/* The force by which a mass on its stop, in a scene of held_until_the_force_vanishes, is least pressed to it:
+ * the steady force less the spring's and the forcing's. */
+static double least_force(const saltus_spec *spec) {
+    return parameter_of(spec, "F0") - parameter_of(spec, "k") * spec->stops[0].d -
+           fabs(parameter_of(spec, "F"));
+}
+
+/* Points in contact all the time, and no others, tell the least force; it vanishes where the contact lets go.
+ * Returns how many there are. */
+static int check_least_forces(const branch_record *record) {
+    int held = 0;
+    for (int k = 0; k < record->count; k++) {
+        const saltus_branch_point *p = &record->point[k];
+        bool lasts = strcmp(p->label, "held") == 0;
+        if (lasts != !isnan(p->contact_force) && p->label_after[0] == 0)
+            fail_msg("row %d is %s, with a least force of %g", k, p->label, p->contact_force);
+        if (!isnan(p->contact_force))
+            check_near(p->contact_force, p->kind == SALTUS_POINT_CH ? 0 : least_force(&p->spec), 1e-10);
+        held += lasts;
+    }
+    return held;
+}
+
 /* A mass pressed to its stop stays there until the force has a zero, then leaves it once a period; farther on
  * the chatter is complete no longer, and the impacts die one by one. */
 static void held_until_the_force_vanishes(void **unused) {
@@ -136,16 +163,24 @@ static void held_until_the_force_vanishes(void **unused) {
     static const struct {
         const char *key;
         double low, high, at;
-    } rows[] = {{"F", 0.1, 1.5, 1}, {"d", 0.1, 1.9, 1.5}, {"F0", 1.2, 2.2, 1.5}, {"k", 0.5, 1.8, 1.5}};
-    for (int row = 0; row < 4; row++) {
+    } rows[] = {{"F", 0.1, 1.5, 1},   {"d", 0.1, 1.9, 1.5},     {"F0", 1.2, 2.2, 1.5}, {"k", 0.5, 1.8, 1.5},
+                {"m", 0.5, 1.9, NAN}, {"omega", 0.5, 1.9, NAN}, {"F", 0, 0.9, NAN}};
+    for (int row = 0; row < 7; row++) {
         saltus_spec spec = oscillator_spec(0.1, 1, 0.5, 1);
         set_parameter(&spec, "F0", 2);
         add_stop(&spec, 1, 0.5, SALTUS_UPPER);
         saltus_branch_options options = branch_along(rows[row].key, rows[row].low, rows[row].high);
-        options.direction = row == 2 ? -1 : 1;
+        options.direction = row == 2 || row == 6 ? -1 : 1;
         branch_record record = run_settled(&spec, &options, "held");
         recount_run(&record, &options, 9);
+        assert_true(check_least_forces(&record) > 10);
         int from = 0;
+        /* It lets go nowhere, up to where the force does not change at all. */
+        if (isnan(rows[row].at)) {
+            assert_null(branch_next_special(&record, 0, &from));
+            branch_forget(&record);
+            continue;
+        }
         const saltus_branch_point *point = branch_next_special(&record, 0, &from);
         assert_true(point && point->kind == SALTUS_POINT_CH);
         check_near(point->value[0], rows[row].at, 1e-10);
@@ -185,6 +220,7 @@ static void contacts_that_become_permanent(void **unused) {
                 assert_true(p->admissible && lasts == (p->value[0] < rows[row].at));
         }
         assert_true(held > 10);
+        check_least_forces(&record);
         check_near(record.point[record.count - 1].value[0], rows[row].end, 0);
         branch_forget(&record);
     }

@@ -59,7 +59,8 @@ static void make(made *m, saltus_point_kind locus) {
                                    .log_volume = -1.5 - k,
                                    .sum_rule = -1.25 - k,
                                    .accuracy = k % 4 == 1 ? 2e-5 * (k + 1) : 1e-12,
-                                   .grazing_time = NAN};
+                                   .grazing_time = NAN,
+                                   .contact_force = k % 5 == 2 ? 600.5 + k : NAN};
         if (p->kind == SALTUS_POINT_GR) {
             p->grazing_time = 0.03125 * k;
             p->grazing_stop = 1;
@@ -117,6 +118,8 @@ static int numbers_of(const made *m, int k, double *list) {
     }
     if (p->reason[0])
         list[count++] = 900 + k;
+    if (!isnan(p->contact_force) && !p->label_after[0])
+        list[count++] = p->contact_force;
     return count;
 }
 
@@ -246,7 +249,7 @@ static void stability_beyond_needs_a_plain_point(void **state) {
 static void a_point_is_told_in_json(void **state) {
     (void)state;
     static made m;
-    int touched[2] = {0};
+    int touched[2] = {0}, pressed[2] = {0};
     for (int locus = 0; locus < 2; locus++) {
         make(&m, locus ? SALTUS_POINT_PD : SALTUS_POINT_REGULAR);
         for (int k = 0; k < most; k++) {
@@ -317,6 +320,10 @@ static void a_point_is_told_in_json(void **state) {
                             json_number_at(e, "normal_velocity_before") == event->velocity_before &&
                             json_number_at(e, "normal_velocity_after") == (i ? 0 : event->velocity_after));
             }
+            bool presses = !isnan(p->contact_force);
+            assert_int_equal(json_at(o, "contact_force")->kind, presses ? JSON_NUMBER : JSON_NULL);
+            assert_true(!presses || json_number_at(o, "contact_force") == p->contact_force);
+            pressed[locus] += presses;
             bool grazes = p->kind == SALTUS_POINT_GR;
             const json *touch = json_at(o, "grazing");
             assert_int_equal(touch->kind, grazes ? JSON_OBJECT : JSON_NULL);
@@ -330,7 +337,7 @@ static void a_point_is_told_in_json(void **state) {
             free(lines.text);
         }
         saltus_system_free(m.system);
-        assert_true(touched[locus] > 0);
+        assert_true(touched[locus] > 0 && pressed[locus] > 0);
     }
 }
 

@@ -54,7 +54,8 @@ static void make_branch(void) {
                                    .stable = k % 30 < 12 || k % 30 > 20,
                                    .admissible = true,
                                    .sum_rule = NAN,
-                                   .grazing_time = NAN};
+                                   .grazing_time = NAN,
+                                   .contact_force = NAN};
         set_parameter(&p->spec, "omega", p->value[0]);
         snprintf(p->label, sizeof p->label, "%d/%d", 2 + (k % 30 > 15), p->periods);
         made.state[k][0] = 0.03 * cos(0.1 * k) + 0.1 * p->branch;

@@ -492,7 +492,8 @@ static void the_longest_words_come_back_whole(void **state) {
                                      .dimension = 4,
                                      .state = start,
                                      .multipliers = multipliers,
-                                     .grazing_time = NAN};
+                                     .grazing_time = NAN,
+                                     .contact_force = NAN};
         fill(point.label, sizeof point.label - 1 - less);
         fill(point.label_after, sizeof point.label_after - 1 - less);
         fill(point.reason, sizeof point.reason - 1 - less);

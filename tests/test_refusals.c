@@ -220,11 +220,68 @@ static void another_run_is_not_gone_on_with(void **state) {
     }
 }
 
+/* What a run goes on from is checked before it is used: any number of it out of bounds, fewer numbers, fewer
+ * points than it says, and the file stays as it is. */
+static void what_a_run_goes_on_from_is_checked(void **state) {
+    static const char line[] = "continue impact-oscillator --in omega=0.99:1.01 --resume -o b.h5";
+    static const char damaged[] =
+        "--resume: b.h5: what the run goes on from is damaged or belongs to another run";
+    fixture *f = *state;
+    saltus_message message = {""};
+    saltus_scene scene;
+    saltus_branch_file file;
+    saltus_branch *branch;
+    const saltus_branch_point *point;
+    double *numbers;
+    int count, parameters;
+    char path[sizeof f->path];
+    snprintf(path, sizeof path, "%s", path_in(f, "b.h5"));
+    check_ok(saltus_scene_load("impact-oscillator", &scene, &message), &message);
+    free(told(f, "continue impact-oscillator --in omega=0.99:1.01 -o b.h5"));
+    check_ok(saltus_branch_file_read(path, &file, &message), &message);
+    assert_true(file.complete && file.resume_count == 0);
+    saltus_model_parameters(file.spec.model, &parameters);
+    check_ok(saltus_branch_new(&file.spec, file.periods, file.state, &file.options, &branch, &message),
+             &message);
+    for (int k = 0; k < 5; k++)
+        check_ok(saltus_branch_step(branch, &point, &message), &message);
+    check_ok(saltus_branch_save(branch, &numbers, &count, &message), &message);
+    saltus_branch_free(branch);
+    for (int k = 0; k < 8; k++) {
+        /* The version, a parameter, how many points there are, whether there is a locus, the number of the
+         * next branch; fewer numbers, fewer points, and at last nothing. */
+        const int places[] = {0, 16, 14 + parameters, 15 + parameters, 17 + parameters};
+        saltus_branch_output *output;
+        int points = k == 6 ? 4 : 5, given = k == 5 ? count - 1 : count;
+        double *copy = calloc((size_t)count, sizeof *copy);
+        assert_non_null(copy);
+        memcpy(copy, numbers, (size_t)count * sizeof *copy);
+        if (k < 5)
+            copy[places[k]] = k == 1 ? 0.5 * copy[places[k]] + 1 : NAN;
+        check_ok(saltus_branch_output_open(path, &scene, file.periods, file.state, &file.options, &output,
+                                           &message),
+                 &message);
+        for (int i = 0; i < points; i++)
+            check_ok(saltus_branch_output_add(output, &file.points[i], &message), &message);
+        saltus_branch_output_resume(output, copy, given);
+        check_ok(saltus_branch_output_close(output, false, &message), &message);
+        if (k < 7)
+            check_refused(f, line, 2,
+                          k < 6 ? damaged : "--resume: b.h5: it has 4 points and goes on after the 5th");
+        else
+            free(told(f, line));
+    }
+    free(numbers);
+    saltus_branch_file_clear(&file);
+    remove(path);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(sentences_name_what_is_wrong),
         cmocka_unit_test(ranges_have_one_form),
         cmocka_unit_test(another_run_is_not_gone_on_with),
+        cmocka_unit_test(what_a_run_goes_on_from_is_checked),
     };
     return cmocka_run_group_tests(tests, prepare, close_fixture);
 }

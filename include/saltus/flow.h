@@ -22,6 +22,8 @@ typedef struct saltus_time {
 
 /* cycle + phase as one number. */
 double saltus_time_periods(saltus_time time);
+/* The same the other way: phase in [0, 1). */
+saltus_time saltus_time_of(double periods);
 /* Negative, 0 or positive as `a` is before, at or after `b`. */
 int saltus_time_compare(saltus_time a, saltus_time b);
 

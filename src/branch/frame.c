@@ -3,6 +3,7 @@
 #include "branch/sequence.h"
 #include "branch/solution.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -25,6 +26,43 @@ saltus_status saltus_solution_state_at(saltus_orbits *o, const saltus_solution *
     saltus_shooting_free(shooting);
     free(u);
     return saltus_orbits_noted(o, status);
+}
+
+/* Lower `force` to the smallest of the contacts at a time from the base on, through no event; `extremes` as
+ * saltus_flow_coast has them. */
+static saltus_status weigh(saltus_orbits *o, const saltus_solution *s, saltus_time time,
+                           saltus_extreme *extremes, double *force, saltus_message *message) {
+    double forces[SALTUS_FACES_MAX];
+    saltus_status status = saltus_flow_place(o->flow, 0, saltus_time_of(s->sequence.base), s->state,
+                                             s->sequence.contacts, message);
+    if (status == SALTUS_OK)
+        status = saltus_flow_coast(o->flow, 0, time, extremes, message);
+    if (status != SALTUS_OK)
+        return status;
+    saltus_flow_forces(o->flow, 0, forces);
+    for (int f = 0; f < saltus_system_face_count(o->system); f++)
+        if (s->sequence.contacts >> f & 1)
+            *force = fmin(*force, forces[f]);
+    return status;
+}
+
+saltus_status saltus_solution_contact_force(saltus_orbits *o, const saltus_solution *s, double *force,
+                                            saltus_message *message) {
+    const saltus_sequence *sequence = &s->sequence;
+    saltus_extreme extremes[SALTUS_FACES_MAX];
+    *force = NAN;
+    if (sequence->contacts == 0 || sequence->count > 0 || sequence->driven)
+        return SALTUS_OK;
+    for (int f = 0; f < SALTUS_FACES_MAX; f++)
+        extremes[f].value = -INFINITY;
+    /* At the end of the orbit, and where a force is smallest on the way. */
+    saltus_status status = saltus_orbits_tune(o, s->parameter, message);
+    if (status == SALTUS_OK)
+        status = weigh(o, s, saltus_time_of(sequence->base + sequence->periods), extremes, force, message);
+    for (int f = 0; f < saltus_system_face_count(o->system) && status == SALTUS_OK; f++)
+        if (sequence->contacts >> f & 1 && extremes[f].value > -INFINITY)
+            status = weigh(o, s, extremes[f].time, NULL, force, message);
+    return status;
 }
 
 /* As many segments as are asked for; if that is left open, twice as many where perturbations grow too much

@@ -82,6 +82,7 @@ saltus_status saltus_point_make(saltus_orbits *o, const saltus_solution *s, bool
                                    .log_volume = survey->log_volume,
                                    .sum_rule = survey->sum_rule,
                                    .grazing_time = NAN,
+                                   .contact_force = NAN,
                                    .state = calloc(n, sizeof *point->state),
                                    .events = calloc(events + 1, sizeof *point->events),
                                    .multipliers = calloc(n, sizeof *point->multipliers)};
@@ -94,6 +95,9 @@ saltus_status saltus_point_make(saltus_orbits *o, const saltus_solution *s, bool
     if (status == SALTUS_OK &&
         (found || saltus_solution_state_at(o, s, section, point->state, &ignored) != SALTUS_OK))
         memcpy(point->state, survey->lap.points, n * sizeof *point->state);
+    if (status == SALTUS_OK &&
+        saltus_solution_contact_force(o, s, &point->contact_force, &ignored) == SALTUS_NO_MEMORY)
+        status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch");
     if (status != SALTUS_OK) {
         saltus_branch_point_clear(point);
         return status;

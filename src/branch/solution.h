@@ -96,6 +96,10 @@ void saltus_solution_speeds(const saltus_orbits *orbits, const saltus_solution *
  * Errors: those of the flow, SALTUS_NO_MEMORY. */
 saltus_status saltus_solution_state_at(saltus_orbits *orbits, const saltus_solution *solution, double time,
                                        double *state, saltus_message *message);
+/* The smallest force of a contact over an orbit in contact all the time, as the flow's; NAN for any other.
+ * Errors: those of the flow. */
+saltus_status saltus_solution_contact_force(saltus_orbits *orbits, const saltus_solution *solution,
+                                            double *force, saltus_message *message);
 /* Cut the orbit open elsewhere, into more segments, or with fewer marks, where that is better (sequence.h);
  * `scratch` is overwritten. order (SALTUS_MARKS_MAX entries): where the marks stood before. False: it is as
  * it was, and so is the shooting. */

@@ -24,6 +24,11 @@ saltus_time saltus_time_after(saltus_time time, double periods) {
     return (saltus_time){time.cycle + (long long)whole, phase - whole};
 }
 
+saltus_time saltus_time_of(double periods) {
+    double whole = floor(periods);
+    return (saltus_time){(long long)whole, periods - whole};
+}
+
 int saltus_time_compare(saltus_time a, saltus_time b) {
     if (a.cycle != b.cycle)
         return a.cycle < b.cycle ? -1 : 1;

@@ -5,11 +5,6 @@
 #include <math.h>
 #include <string.h>
 
-static saltus_time as_time(double periods) {
-    double whole = floor(periods);
-    return (saltus_time){(long long)whole, periods - whole};
-}
-
 static saltus_status follow(saltus_flow *flow, saltus_time until, saltus_lap *lap, saltus_cocycle *cocycle,
                             saltus_message *message) {
     return cocycle ? saltus_cocycle_follow(cocycle, flow, until, lap, message)
@@ -31,13 +26,13 @@ saltus_status saltus_sequence_walk(const saltus_sequence *s, saltus_flow *flow, 
         double from = s->cut[cut], to = cut + 1 < s->cuts ? s->cut[cut + 1] : s->base + s->periods;
         if (section == from)
             memcpy(lap->points, state, (size_t)n * sizeof *state);
-        status = saltus_flow_start(flow, 0, as_time(from), state, message);
+        status = saltus_flow_start(flow, 0, saltus_time_of(from), state, message);
         if (status == SALTUS_OK && section > from && section <= to) {
             status = follow(flow, (saltus_time){(long long)section, 0}, lap, cocycle, message);
             saltus_flow_state(flow, 0, lap->points);
         }
         if (status == SALTUS_OK)
-            status = follow(flow, as_time(to), lap, cocycle, message);
+            status = follow(flow, saltus_time_of(to), lap, cocycle, message);
     }
     saltus_flow_state(flow, 0, lap->end);
     return status;
@@ -127,7 +122,7 @@ saltus_status saltus_sequence_make(saltus_flow *flow, int periods, double *state
     if (s->base > 0) {
         status = saltus_flow_start(flow, 0, (saltus_time){0, 0}, state, message);
         if (status == SALTUS_OK)
-            status = saltus_flow_advance(flow, as_time(s->base), 0, &event, message);
+            status = saltus_flow_advance(flow, saltus_time_of(s->base), 0, &event, message);
         saltus_flow_state(flow, 0, state);
         s->contacts = saltus_flow_contacts(flow, 0);
         if (status == SALTUS_OK)

@@ -19,11 +19,6 @@ typedef struct walk {
     double held_since[SALTUS_FACES_MAX]; /* time at which a face began to hold */
 } walk;
 
-static saltus_time as_time(double periods) {
-    double whole = floor(periods);
-    return (saltus_time){(long long)whole, periods - whole};
-}
-
 /* The tangent vectors of a new piece: the identity, and how the state answers to the parameter. */
 static void begin_piece(saltus_shooting *p) {
     int n = p->n;
@@ -70,7 +65,7 @@ static saltus_status coast(walk *w, double until, int mark, saltus_message *mess
     double begin = saltus_time_periods(saltus_flow_time(p->flow, 0));
     for (int f = 0; f < SALTUS_FACES_MAX; f++)
         extremes[f].value = -INFINITY;
-    saltus_status status = saltus_flow_coast(p->flow, 0, as_time(until), extremes, message);
+    saltus_status status = saltus_flow_coast(p->flow, 0, saltus_time_of(until), extremes, message);
     for (int f = 0; f < saltus_system_face_count(p->system) && status == SALTUS_OK; f++)
         /* Just after a release or an impact without rebound the gap is zero: its maximum there is rounding.
          */
@@ -91,7 +86,7 @@ static saltus_status drive(walk *w, double until, int mark, saltus_message *mess
     saltus_event event;
     saltus_status status;
     do {
-        status = saltus_flow_advance(w->p->flow, as_time(until), SALTUS_WATCH_STICK, &event, message);
+        status = saltus_flow_advance(w->p->flow, saltus_time_of(until), SALTUS_WATCH_STICK, &event, message);
         if (status == SALTUS_OK && event.kind == SALTUS_STICK) {
             w->held_since[event.face] = saltus_time_periods(event.time);
             if (event.face == awaited)
@@ -118,8 +113,8 @@ static saltus_status open_segment(walk *w, int cut, unsigned contacts, saltus_me
     /* Where the flow finds its events itself, what the start touches is for it to resolve. */
     saltus_status status =
         w->driven && contacts == 0
-            ? saltus_flow_start(p->flow, 0, as_time(w->time), w->u + cut * n, message)
-            : saltus_flow_place(p->flow, 0, as_time(w->time), w->u + cut * n, contacts, message);
+            ? saltus_flow_start(p->flow, 0, saltus_time_of(w->time), w->u + cut * n, message)
+            : saltus_flow_place(p->flow, 0, saltus_time_of(w->time), w->u + cut * n, contacts, message);
     if (status != SALTUS_OK)
         return status;
     saltus_flow_tangents(p->flow, 0, p->tangents);

@@ -58,7 +58,7 @@ typedef struct saltus_branch_column {
     bool indirect; /* a pointer to the values stands there */
 } saltus_branch_column;
 
-enum { SALTUS_POINT_COLUMNS = 31, SALTUS_EVENT_COLUMNS = 8 };
+enum { SALTUS_POINT_COLUMNS = 32, SALTUS_EVENT_COLUMNS = 8 };
 extern const saltus_branch_column saltus_point_columns[SALTUS_POINT_COLUMNS];
 extern const saltus_branch_column saltus_event_columns[SALTUS_EVENT_COLUMNS];
 

@@ -50,6 +50,7 @@ void saltus_write_point_json(FILE *file, const saltus_scene *scene, const saltus
     saltus_json_key(file, "state");
     saltus_json_vector(file, point->state, point->dimension);
     saltus_json_events(file, system, point->events, point->event_count);
+    saltus_json_member(file, "contact_force", point->contact_force);
     put_grazing(file, point);
     saltus_json_multipliers(file, point->multipliers, point->dimension);
     saltus_json_member(file, "log_volume", point->log_volume);

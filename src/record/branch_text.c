@@ -87,6 +87,16 @@ static void add_value(row_text *line, const saltus_branch_point *point, int k) {
     add(line, value_width, text);
 }
 
+/* Why, and how hard a contact that holds all the time presses where it does least, unless it lets go here. */
+static void add_remark(row_text *line, const saltus_branch_point *point) {
+    char text[SALTUS_REASON_MAX + 64];
+    size_t length = (size_t)snprintf(text, sizeof text, "%s", point->reason);
+    if (!isnan(point->contact_force) && !point->label_after[0])
+        snprintf(text + length, sizeof text - length, "%sleast contact force %.4g", length ? "; " : "",
+                 point->contact_force);
+    add(line, 0, text);
+}
+
 /* The multipliers of a grazing orbit have no limit on one of its sides, so they are left out. */
 static void put_point(FILE *out, const saltus_branch_file *file, int row) {
     const saltus_branch_point *point = &file->points[row];
@@ -107,7 +117,7 @@ static void put_point(FILE *out, const saltus_branch_file *file, int row) {
     add(&line, multiplier_width, text);
     if (!is_locus(file))
         add(&line, beyond_width, stability_beyond(file, row));
-    add(&line, 0, point->reason);
+    add_remark(&line, point);
     put_line(out, &line);
 }
 

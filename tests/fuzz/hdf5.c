@@ -108,6 +108,7 @@ static void make_branch(bench *b, const char *path) {
                                      .stable = true,
                                      .admissible = true,
                                      .grazing_time = k == 2 ? 1.75 : NAN,
+                                     .contact_force = k == 3 ? 0.5 : NAN,
                                      .grazing_stop = k == 2,
                                      .grazing_side = k == 2};
         check(saltus_branch_output_add(output, &point, &message), &message);
