@@ -651,6 +651,8 @@ static double settle(const saltus_system *system, const double *state, long long
     double start[SALTUS_SCENE_STATE_MAX], nearest = INFINITY;
     disturb(system, state, start);
     options.transient = transient;
+    /* A motion without a period is near no orbit, whatever its exponent, which takes minutes. */
+    options.measure = 0;
     check_ok(saltus_classify(system, start, &options, &motion, &message), &message);
     snprintf(label, SALTUS_LABEL_MAX, "%s", motion.label);
     for (int k = 0; k < motion.periods; k++)
