@@ -6,7 +6,7 @@
 #include <stdio.h>
 
 int main(int count, char **arguments) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_scene scene;
     saltus_system *system = NULL;
     saltus_flow *flow = NULL;

@@ -49,7 +49,7 @@ static inline void branch_forget(branch_record *record) {
 /* The points that a branch still has to give, `most` of them at most. */
 static inline branch_record branch_collect(saltus_branch *branch, int most) {
     branch_record record = {0};
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     const saltus_branch_point *point;
     while (record.count < most) {
         check_ok(saltus_branch_step(branch, &point, &message), &message);
@@ -64,7 +64,7 @@ enum { branch_points_max = 20000 };
 
 static inline branch_record branch_run(const saltus_spec *spec, int periods, const double *state,
                                        const saltus_branch_options *options) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_branch *branch = NULL;
     check_ok(saltus_branch_new(spec, periods, state, options, &branch, &message), &message);
     branch_record record = branch_collect(branch, branch_points_max);
@@ -162,7 +162,7 @@ typedef struct branch_saved {
  * whole one to the last bit. Returns how often it was. */
 static inline int branch_check_resumed(const saltus_spec *spec, int periods, const double *state,
                                        const saltus_branch_options *options, int every) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_branch *branch = NULL;
     const saltus_branch_point *point;
     branch_record whole = {0};

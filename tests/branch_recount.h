@@ -91,7 +91,7 @@ static inline void recount_events(const saltus_branch_point *p, const saltus_sys
 static inline void recount_multipliers(const saltus_branch_point *p, const saltus_system *system,
                                        const recount *again) {
     saltus_orbit_options options = saltus_orbit_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_orbit orbit;
     int unstable = 0;
     bool large = p->multipliers[0].log_modulus > log(1e3);
@@ -258,7 +258,7 @@ static inline void recount_closure(const branch_record *record, int end) {
 static inline void recount_place(const branch_record *record, const saltus_branch_options *options, int k) {
     const saltus_branch_point *p = &record->point[k];
     saltus_direction direction;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     double value, unit = options->high[0] - options->low[0];
     check_ok(saltus_spec_direction(&p->spec, options->key[0], &direction, &value, &message), &message);
     /* Joins and ends of chatter are given at a place that is known better than the orbit found beside it. */

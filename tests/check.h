@@ -64,7 +64,7 @@ static inline void add_stop(saltus_spec *spec, double d, double r, saltus_sides 
 }
 
 static inline saltus_system *build(const saltus_spec *spec) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_system *system = NULL;
     check_ok(saltus_system_new(spec, &system, &message), &message);
     return system;
@@ -73,7 +73,7 @@ static inline saltus_system *build(const saltus_spec *spec) {
 /* A flow of one lane, started. */
 static inline saltus_flow *open_flow(const saltus_system *system, const saltus_flow_options *options,
                                      double phase, const double *state) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_flow *flow = NULL;
     check_ok(saltus_flow_new(&system, 1, options, &flow, &message), &message);
     check_ok(saltus_flow_start(flow, 0, (saltus_time){0, phase}, state, &message), &message);
@@ -81,7 +81,7 @@ static inline saltus_flow *open_flow(const saltus_system *system, const saltus_f
 }
 
 static inline saltus_event advance(saltus_flow *flow, double periods, unsigned watch) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_event event;
     double whole = floor(periods);
     check_ok(

@@ -76,7 +76,7 @@ static inline void foreign_check(const char *path, const void *bytes, size_t len
     for (int more = 0; more < 3; more++)
         for (int form = 0; form < FOREIGN_FORMS; form++) {
             char text[600], again[600] = "", limit[80];
-            saltus_message message = {""};
+            saltus_message message = {.text = ""};
             FILE *file = fopen(path, "wb");
             assert_true(file && fwrite(bytes, 1, length, file) == length);
             fclose(file);

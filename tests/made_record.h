@@ -101,7 +101,7 @@ static inline saltus_scene scene_of(const saltus_system *system) {
 }
 
 static inline figure draw(const saltus_system *system, const saltus_diagnosis *diagnosis) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     char path[path_size];
     saltus_scene scene = scene_of(system);
     saltus_flow_options options = saltus_flow_defaults();

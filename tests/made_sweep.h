@@ -36,7 +36,7 @@ static inline saltus_sweep_row made_other(int verdict) {
 static inline void made_write_as(bool basins, const char *path, const saltus_scene *scene,
                                  const saltus_axis *axes, int count, const saltus_sweep_options *options,
                                  made_fill *fill, long long done) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_sweep *sweep = NULL;
     saltus_sweep_output *output = NULL;
     check_ok(saltus_sweep_new(scene, axes, count, options, &sweep, &message), &message);
@@ -74,7 +74,7 @@ static inline void made_write(const char *path, const saltus_scene *scene, const
 }
 
 static inline saltus_sweep_file made_read(const char *path) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_sweep_file file;
     check_ok(saltus_sweep_file_read(path, &file, &message), &message);
     return file;

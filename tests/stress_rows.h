@@ -22,7 +22,7 @@ typedef struct stress_row {
 } stress_row;
 
 static inline void stress_start(stress_case *c, double periods) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_system *system = build(&c->spec);
     check_ok(saltus_system_default_state(system, c->state, &message), &message);
     saltus_system_free(system);
@@ -77,7 +77,7 @@ static inline void row_grazing(stress_case *c, double x) {
     stress_pipe(c, 5, 42, 1, 0.9, SALTUS_UPPER);
     stress_start(c, 20);
     saltus_system *system = build(&c->spec);
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     check_ok(saltus_motion_settle(system, &c->options, 400, c->state, &message), &message);
     saltus_system_free(system);
     c->spec.stops[0].d = stress_summit(c, 20) * (1 - x);

@@ -7,7 +7,7 @@
 
 /* A scene by name with settings, one after the other, separated by blanks. "free" takes the stops away. */
 static inline saltus_scene scene_of(const char *name, const char *settings) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_scene scene;
     char text[256];
     check_ok(saltus_scene_load(name, &scene, &message), &message);
@@ -22,7 +22,7 @@ static inline saltus_scene scene_of(const char *name, const char *settings) {
 
 static inline saltus_sweep *sweep_of(const saltus_scene *scene, const char *first, const char *second,
                                      const saltus_sweep_options *options) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_axis axes[2];
     double *lists[2] = {NULL, NULL};
     saltus_sweep *sweep = NULL;
@@ -79,7 +79,7 @@ static inline saltus_status keep_result(void *context, const saltus_sweep_result
 
 /* Run every step-th task from `first` on, downwards where step is negative. */
 static inline void run_part(outcome *o, long long first, long long step) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_sweep_feed feed = {.context = o, .next = next_task, .take = keep_result};
     long long all = saltus_sweep_tasks(o->sweep);
     o->first = first;
@@ -106,7 +106,7 @@ static inline void check_same_bits(const outcome *a, const outcome *b, const cha
 }
 
 static inline saltus_system *system_at(const saltus_sweep *sweep, long long point) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_scene scene;
     check_ok(saltus_sweep_scene_at(sweep, point, &scene, &message), &message);
     return build(&scene.spec);
@@ -114,7 +114,7 @@ static inline saltus_system *system_at(const saltus_sweep *sweep, long long poin
 
 static inline saltus_motion motion_from(const saltus_system *system, const double *state, int longest) {
     saltus_classify_options options = saltus_classify_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_motion motion;
     options.transient = 2000;
     options.longest = longest;

@@ -68,7 +68,7 @@ static void note_file(trial *t, const char *path) {
 
 /* Scenes: an oscillator that hits a stop twice in a period, and the pipe. */
 static void load(const char *name, saltus_scene *scene) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     long count = allocations, before = failing;
     failing = -1;
     memset(scene, 0, sizeof *scene);

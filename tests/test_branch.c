@@ -646,7 +646,7 @@ static long long patience(void) {
 /* What a trajectory from near a state settles on, and how far that is from the state. */
 static double settle(const saltus_system *system, const double *state, long long transient, char *label) {
     saltus_classify_options options = saltus_classify_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_motion motion;
     double start[SALTUS_SCENE_STATE_MAX], nearest = INFINITY;
     disturb(system, state, start);
@@ -675,7 +675,7 @@ static void check_settles(const saltus_branch_point *point) {
  * one near; its name is one of the two that the point has. */
 static bool settles_beside(const saltus_branch_point *point, const char *key, double aside) {
     saltus_direction direction;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_orbit orbit;
     char label[SALTUS_LABEL_MAX];
     check_ok(saltus_spec_direction(&point->spec, key, &direction, NULL, &message), &message);
@@ -703,7 +703,7 @@ static bool settles_beside(const saltus_branch_point *point, const char *key, do
  * orbit with other impacts that belongs to another part of the same branch. */
 static void check_leaves(const saltus_branch_point *point, const char *key, double aside) {
     saltus_direction direction;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     char label[SALTUS_LABEL_MAX];
     check_ok(saltus_spec_direction(&point->spec, key, &direction, NULL, &message), &message);
     saltus_spec spec = saltus_spec_shifted(&point->spec, &direction, aside);
@@ -831,7 +831,7 @@ static void family_in_d(void **unused) {
 static saltus_motion classified(const saltus_spec *spec) {
     saltus_system *system = build(spec);
     saltus_classify_options options = saltus_classify_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_motion motion;
     double state[SALTUS_SCENE_STATE_MAX];
     check_ok(saltus_system_default_state(system, state, &message), &message);
@@ -878,7 +878,7 @@ static double nearest_maximum(const reference *r, double d) {
     spec.stops[0].d = d;
     saltus_system *system = build(&spec);
     saltus_orbit_options options = saltus_orbit_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_orbit orbit;
     double nearest = INFINITY;
     check_ok(saltus_orbit_find(system, r->periods, r->states[0], &options, &orbit, &message), &message);
@@ -1244,7 +1244,7 @@ static void points_are_limited(void **unused) {
     options.direction = -1;
     options.points = 20;
     saltus_branch *branch = NULL;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     check_ok(saltus_branch_new(&spec, motion.periods, motion.state, &options, &branch, &message), &message);
     branch_record record = branch_collect(branch, 4 * options.points);
     saltus_branch_free(branch);
@@ -1264,7 +1264,7 @@ static void check_refused(const saltus_branch_options *options, const char *word
     assert_true(closed_orbit_at(&o, 1, &orbit));
     saltus_spec spec = closed_spec(&o);
     saltus_branch *branch = NULL;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     double state[2] = {(double)orbit.state[0], (double)orbit.state[1]};
     assert_int_equal(saltus_branch_new(&spec, 1, state, options, &branch, &message), SALTUS_BAD_INPUT);
     assert_null(branch);
@@ -1389,7 +1389,7 @@ static void resumed_from_another_run(void **unused) {
     saltus_spec spec = closed_spec(&o);
     saltus_branch *branch = NULL;
     const saltus_branch_point *point;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     double *numbers;
     int count, kept;
     assert_true(closed_orbit_at(&o, 1, &orbit));

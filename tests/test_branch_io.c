@@ -131,7 +131,7 @@ static const char *path_in(const fixture *f, const char *name, char path[160]) {
 }
 
 static saltus_branch_output *open_output(const fixture *f, const char *path) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_branch_output *output;
     check_ok(saltus_branch_output_open(path, &f->scene, 4, f->states[0], &f->options, &output, &message),
              &message);
@@ -139,7 +139,7 @@ static saltus_branch_output *open_output(const fixture *f, const char *path) {
 }
 
 static void write_branch(const fixture *f, const char *path, int count, bool complete) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_branch_output *output = open_output(f, path);
     for (int k = 0; k < count; k++)
         check_ok(saltus_branch_output_add(output, &f->points[k], &message), &message);
@@ -218,7 +218,7 @@ static void check_options(const saltus_branch_options *a, const saltus_branch_op
 
 static void points_read_back(void **state) {
     const fixture *f = *state;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_branch_file file;
     char path[160];
     write_branch(f, path_in(f, "b.h5", path), point_count, true);
@@ -281,7 +281,7 @@ static void equal_branches_give_equal_files(void **state) {
 /* The file is there from the first point on, and a kill leaves it readable with what it had. */
 static void a_killed_run_leaves_a_readable_file(void **state) {
     const fixture *f = *state;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_branch_file file;
     char path[160];
     int ready[2];
@@ -314,7 +314,7 @@ static void a_killed_run_leaves_a_readable_file(void **state) {
 /* A start that fails, or a path that cannot be written, damages nothing. */
 static void a_good_file_outlives_failures(void **state) {
     const fixture *f = *state;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_branch_output *output;
     char path[160];
     size_t before, after;
@@ -351,7 +351,7 @@ static void a_good_file_outlives_failures(void **state) {
 }
 
 static void refuse_file(const char *path, const char *word) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_branch_file file;
     assert_int_equal(saltus_branch_file_read(path, &file, &message), SALTUS_BAD_INPUT);
     if (!strstr(message.text, word))
@@ -383,7 +383,7 @@ static void damage_is_noticed(void **state) {
 
 static void foreign_files_are_named(void **state) {
     const fixture *f = *state;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_flow_options options = saltus_flow_defaults();
     saltus_trajectory record;
     char path[160];
@@ -472,7 +472,7 @@ static void touches_are_checked(void **state) {
     path_in(f, "b.h5", path);
     for (size_t k = 0; k < sizeof touches / sizeof touches[0]; k++) {
         saltus_branch_file file;
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         p->grazing_time = touches[k].time;
         p->grazing_stop = touches[k].stop;
         p->grazing_side = touches[k].side;
@@ -524,7 +524,7 @@ static void endless_numbers_are_no_points(void **state) {
     for (size_t k = 0; k < sizeof columns / sizeof columns[0]; k++)
         for (int v = 0; v < 3; v++) {
             saltus_branch_file file;
-            saltus_message message = {""};
+            saltus_message message = {.text = ""};
             int row = v == 1 ? point_count - 1 : 3 * v;
             write_all(path, bytes, length);
             change_number(path, columns[k].name, row, values[v]);
@@ -566,7 +566,7 @@ static void long_texts_are_not_cut(void **state) {
                    {"points/reason", SALTUS_REASON_MAX - 1}};
     const fixture *f = *state;
     saltus_branch_file file;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     char path[160], text[600];
     size_t length;
     write_branch(f, path_in(f, "b.h5", path), point_count, true);
@@ -601,7 +601,7 @@ static void long_texts_are_not_cut(void **state) {
 }
 
 static void check_start(const char *source, const saltus_spec *spec, int periods, const double *x) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_start start;
     check_ok(saltus_start_read(source, &start, &message), &message);
     assert_int_equal(start.periods, periods);
@@ -616,7 +616,7 @@ static void check_start(const char *source, const saltus_spec *spec, int periods
 }
 
 static void refuse_start(const char *source, const char *word) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_start start;
     assert_int_equal(saltus_start_read(source, &start, &message), SALTUS_BAD_INPUT);
     if (!strstr(message.text, word))
@@ -646,7 +646,7 @@ static void starts_come_from_branches(void **state) {
 }
 
 static saltus_motion find_motion(const fixture *f, int p) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_orbit_options shooting = saltus_orbit_defaults();
     saltus_classify_options how = saltus_classify_defaults();
     saltus_orbit orbit;
@@ -739,7 +739,7 @@ static void unsound_json_is_named(void **state) {
 
 static void starts_fit_their_scene(void **state) {
     const fixture *f = *state;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_start start = {.spec = f->points[5].spec, .periods = 4, .dimension = dimension};
     saltus_scene scene = f->scene, wrong;
     check_ok(saltus_start_apply(&start, "o.json", &scene, &message), &message);
@@ -759,7 +759,7 @@ static void starts_fit_their_scene(void **state) {
 /* An orbit found by shooting is described as classification describes it, with its least period. */
 static void orbits_are_described_as_classified(void **state) {
     const fixture *f = *state;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_classify_options how = saltus_classify_defaults();
     saltus_motion classified, four = find_motion(f, 4), eight = find_motion(f, 8);
     check_ok(saltus_classify(f->system, f->reference.states[0], &how, &classified, &message), &message);
@@ -782,7 +782,7 @@ static void orbits_are_described_as_classified(void **state) {
 /* The mirror image of a motion of the two-sided scene is a motion; twice mirrored is the same again. */
 static void mirror_images_are_motions(void **state) {
     (void)state;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_flow_options options = saltus_flow_defaults();
     saltus_spec spec = oscillator_spec(0.1, 1, 0.7, 0.8);
     double x[2] = {0.1, 0.2}, image[2];
@@ -805,7 +805,7 @@ static void mirror_images_are_motions(void **state) {
 
 static void refuse_plot(const fixture *f, const char *const *paths, int count, const saltus_plot_options *how,
                         const char *name, const char *word) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     char figure[160];
     assert_int_equal(saltus_plot(paths, count, how, path_in(f, name, figure), &message), SALTUS_BAD_INPUT);
     assert_non_null(strstr(message.text, word));
@@ -820,7 +820,7 @@ static void diagrams_are_drawn(void **state) {
     fixture *f = *state;
     static const char *const names[] = {"d.png", "d.pdf", "d.svg"}, *const heads[] = {"\x89PNG", "%PDF",
                                                                                       "<?xml"};
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     char path[160], figure[160], second[160];
     const char *paths[2] = {path, path};
     saltus_plot_options how = saltus_plot_defaults();
@@ -891,7 +891,7 @@ static void write_locus(fixture *f, const char *path, bool turned) {
 
 static char *draw_text(const fixture *f, const char *const *paths, int count,
                        const saltus_plot_options *how) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     char figure[160];
     size_t length;
     check_ok(saltus_plot(paths, count, how, path_in(f, "d.svg", figure), &message), &message);
@@ -934,7 +934,7 @@ static void curves_share_a_plane(void **state) {
 /* Every special point has its line, none of the others has one, and the next point tells what is beyond. */
 static void special_points_are_listed(void **state) {
     fixture *f = *state;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_branch_file file;
     char path[160], *text = NULL, row[32];
     size_t length;

@@ -17,7 +17,7 @@ static saltus_spec free_masses(void) {
 static const double rest[4] = {0};
 
 static saltus_branch *open_branch(const saltus_spec *spec, const saltus_branch_options *options) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_branch *branch = NULL;
     check_ok(saltus_branch_new(spec, 1, rest, options, &branch, &message), &message);
     return branch;
@@ -25,7 +25,7 @@ static saltus_branch *open_branch(const saltus_spec *spec, const saltus_branch_o
 
 static void check_refused(const saltus_branch_options *options, const char *sentence) {
     saltus_spec spec = free_masses();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_branch *branch = NULL;
     assert_int_equal(saltus_branch_new(&spec, 1, rest, options, &branch, &message), SALTUS_BAD_INPUT);
     assert_null(branch);
@@ -76,7 +76,7 @@ static void refusals_name_their_numbers(void **unused) {
     bad.low[0] = -INFINITY;
     check_refused(&bad, "omega=-inf:1.5: the range must be finite");
     for (int periods = -1; periods <= 0; periods++) {
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         saltus_branch *branch = (saltus_branch *)1;
         assert_int_equal(saltus_branch_new(&spec, periods, rest, &fine, &branch, &message), SALTUS_BAD_INPUT);
         assert_null(branch);
@@ -119,7 +119,7 @@ static void branches_have_their_defaults(void **unused) {
 static void what_is_done_stays_done(void **unused) {
     (void)unused;
     saltus_spec spec = free_masses();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_branch_options options = branch_along("omega", 1.2, 1.4);
     double state[4] = {0};
     branch_record whole = branch_run(&spec, 1, state, &options);
@@ -149,7 +149,7 @@ static void interrupted_and_gone_on(void **unused) {
     (void)unused;
     volatile sig_atomic_t stop = 0;
     saltus_spec spec = free_masses();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_branch_options options = branch_along("omega", 1, 1.5);
     branch_record whole = branch_run(&spec, 1, rest, &options);
     options.orbit.flow.stop = &stop;
@@ -205,7 +205,7 @@ static void damaged_numbers_are_refused(void **unused) {
     (void)unused;
     static const double wrong[] = {NAN, INFINITY, -1, 0.5, 1e9, 1e300};
     saltus_spec spec = free_masses();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_branch_options options = branch_along("omega", 1, 1.5);
     const saltus_branch_point *point;
     double *numbers;
@@ -388,7 +388,7 @@ static void periods_that_are_not_found(void **unused) {
     (void)unused;
     saltus_spec spec = oscillator_spec(0, 0, 0, 1.6), found;
     saltus_orbit_options options = saltus_orbit_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_orbit orbit;
     const double guess[2] = {0, 2};
     add_stop(&spec, 1, 1, SALTUS_BOTH);
@@ -410,7 +410,7 @@ static void nothing_to_rest_on(void **unused) {
     saltus_system *system = build(&spec);
     saltus_equilibrium_options options = saltus_equilibrium_defaults();
     for (int touches = 0; touches < 2; touches++) {
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         saltus_equilibrium e;
         const double guess[2] = {touches ? 0.4 : 0.1, 0};
         assert_int_equal(saltus_equilibrium_find(system, guess, &options, &e, &message),

@@ -8,7 +8,7 @@ static branch_record run_settled(const saltus_spec *spec, const saltus_branch_op
                                  const char *label) {
     saltus_system *system = build(spec);
     saltus_classify_options how = saltus_classify_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_motion motion;
     double state[SALTUS_SCENE_STATE_MAX];
     check_ok(saltus_system_default_state(system, state, &message), &message);
@@ -89,7 +89,7 @@ static void two_masses_and_tori(void **unused) {
     const char *keys[] = {"k2", "c2", "m", "m2", "d", "r", "kz", "tz"};
     for (size_t k = 0; k < sizeof keys / sizeof keys[0]; k++) {
         saltus_direction direction;
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         double value;
         check_ok(saltus_spec_direction(&spec, keys[k], &direction, &value, &message), &message);
         options = branch_along(keys[k], 0.97 * value, 1.02 * value);
@@ -261,7 +261,7 @@ static void domains_are_reached(void **unused) {
         assert_true(family || strcmp(last->reason, "end of the parameter's range") == 0);
         check_near(last->value[0], rows[row].end, family ? 1e-11 : 0);
         saltus_direction direction;
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         double value;
         check_ok(saltus_spec_direction(&last->spec, rows[row].key, &direction, &value, &message), &message);
         check_near(value, rows[row].end, family ? 1e-11 : 1e-15);

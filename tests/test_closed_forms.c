@@ -99,7 +99,7 @@ static void period_one_orbits(void **unused) {
         add_stop(&spec, 1, 0.8, SALTUS_UPPER);
         saltus_system *system = build(&spec);
         saltus_classify_options options = saltus_classify_defaults();
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         saltus_motion motion;
         double start[2] = {0, 0};
         check_ok(saltus_classify(system, start, &options, &motion, &message), &message);
@@ -132,7 +132,7 @@ static void near_grazing_orbits(void **unused) {
         saltus_system *system = build(&spec);
         saltus_flow_options options = saltus_flow_defaults();
         saltus_section section = saltus_section_defaults();
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         saltus_map *map;
         section.kind = SALTUS_SECTION_IMPACT;
         check_ok(saltus_map_new(system, &section, &options, true, &map, &message), &message);
@@ -248,7 +248,7 @@ static void vibrating_table(void **unused) {
         saltus_system *system = build(&spec);
         saltus_flow_options options = saltus_flow_defaults();
         saltus_section section = saltus_section_defaults();
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         saltus_map *map;
         section.kind = SALTUS_SECTION_IMPACT;
         check_ok(saltus_map_new(system, &section, &options, true, &map, &message), &message);

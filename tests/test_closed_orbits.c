@@ -247,7 +247,7 @@ static void check_with_library(const closed_orbit *closed) {
     saltus_spec spec = closed_spec(o);
     saltus_system *system = build(&spec);
     saltus_orbit_options options = saltus_orbit_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_orbit orbit;
     double guess[2] = {(double)closed->state[0] + 1e-7, (double)closed->state[1] - 1e-7};
     assert_true(closed->admissible);
@@ -310,7 +310,7 @@ static void library_agrees_on_table(void **unused) {
         add_stop(&spec, 0, 0.5, SALTUS_LOWER);
         saltus_system *system = build(&spec);
         saltus_orbit_options options = saltus_orbit_defaults();
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         saltus_orbit orbit;
         assert_true(closed_table_orbit(k, 0.5L, k + 0.35L, 1, &closed));
         double guess[2] = {(double)closed.state[0], (double)closed.state[1]};
@@ -345,7 +345,7 @@ static void two_balls_at_once(void **unused) {
         spec.stops[mass].weight[1] = mass == 1;
     }
     saltus_system *system = build(&spec);
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_orbit orbit;
     saltus_orbit_options options = saltus_orbit_defaults();
     double y = (double)closed.state[0], v = (double)closed.state[1], state[4] = {y, y, v, v};

@@ -239,7 +239,7 @@ static void scenes_are_listed_and_printed(void **state) {
     char *list = told(*state, "scenes"), *rest = list;
     for (int k = 0; k < saltus_scene_builtin_count(); k++) {
         const char *name = saltus_scene_builtin_name(k);
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         saltus_scene scene;
         check_ok(saltus_scene_load(name, &scene, &message), &message);
         char *line = strtok_r(rest, "\n", &rest);
@@ -268,7 +268,7 @@ static void a_checked_scene_is_told(void **state) {
     static const char *const sides[] = {"", "upper side", "lower side", "both sides"};
     fixture *f = *state;
     for (int m = 0; m < 2; m++) {
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         saltus_scene scene;
         text_lines lines;
         int count;
@@ -367,7 +367,7 @@ static void fill_kinds(made_place *m) {
 }
 
 static saltus_scene oscillator_scene(void) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_scene scene;
     check_ok(saltus_scene_load("impact-oscillator", &scene, &message), &message);
     return scene;
@@ -560,7 +560,7 @@ static void a_table_of_attractors_has_twelve_lines(void **state) {
         "basins impact-oscillator --set k=0 F=0 c=5 --over q1=-0.6:0.6:7 --over v1=-0.5:0.5:7 "
         "--resume -o b.h5";
     saltus_sweep_options options = saltus_sweep_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_scene scene = oscillator_scene();
     fixture *f = *state;
     options.record = 1;
@@ -636,7 +636,7 @@ static void titles_of_the_paper_are_whole(void **state) {
     for (int k = 0; k < 3; k++) {
         const saltus_axis axis = {.key = "omega", .low = 0.055, .high = 55, .count = 125};
         saltus_sweep_options options = saltus_sweep_defaults();
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         saltus_scene scene;
         char name[16];
         check_ok(saltus_scene_load("fig8", &scene, &message), &message);

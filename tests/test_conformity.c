@@ -26,7 +26,7 @@ typedef struct subject {
 static subject subject_of(int k, bool stops) {
     subject s = {.name = saltus_scene_builtin_name(k), .phase = 0.1};
     saltus_scene scene;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     double start[SALTUS_STATE_MAX];
     check_ok(saltus_scene_load(s.name, &scene, &message), &message);
     s.spec = scene.spec;
@@ -70,7 +70,7 @@ static double distance(const subject *s, const double *a, const double *b) {
 /* The model's field, which is the first order of its series, as GSL wants it. */
 static int field(double time, const double *state, double *derivative, void *context) {
     const subject *s = ((void **)context)[0];
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     double periods = s->phase + time / saltus_system_period(s->system), whole = floor(periods);
     saltus_flow *flow = ((void **)context)[1];
     if (saltus_flow_place(flow, 0, (saltus_time){(long long)whole, periods - whole}, state, 0, &message) !=
@@ -228,7 +228,7 @@ static void parameter_columns_are_derivatives(void **unused) {
         for (int p = 0; p < count + 3; p++) {
             const char *key = p < count ? parameters[p].name : of_stops[p - count];
             saltus_direction direction;
-            saltus_message message = {""};
+            saltus_message message = {.text = ""};
             double value, column[(SALTUS_DIRECTIONS_MAX + 1) * SALTUS_STATE_MAX], expected[SALTUS_STATE_MAX];
             if (saltus_spec_direction(&s.spec, key, &direction, &value, &message) != SALTUS_OK || value == 0)
                 continue;
@@ -287,7 +287,7 @@ static void symmetries_hold(void **unused) {
     for (int k = 0; k < 2 * saltus_scene_builtin_count(); k++) {
         subject s = subject_of(k / 2, k % 2);
         bool shift = false, mirror = saltus_system_mirror_symmetric(s.system, &shift);
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         subject image = s;
         outcome a, b;
         for (int i = 0; i < s.n; i++)
@@ -322,7 +322,7 @@ static void files_tell_the_same_system(void **unused) {
     for (int k = 0; k < saltus_scene_builtin_count(); k++) {
         subject s = subject_of(k, true);
         saltus_scene scene = {.spec = s.spec};
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         saltus_start start;
         snprintf(scene.name, sizeof scene.name, "%s", s.name);
         saltus_motion motion = {.verdict = SALTUS_PERIODIC, .periods = 3, .impacts = 2, .dimension = s.n};

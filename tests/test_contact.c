@@ -39,7 +39,7 @@ static void stops_are_never_passed(void **unused) {
         add_stop(&spec, rows[k][1], rows[k][2], (saltus_sides)rows[k][3]);
         saltus_system *system = build(&spec);
         saltus_flow_options options = saltus_flow_defaults();
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         double state[dimension_max];
         check_ok(saltus_system_default_state(system, state, &message), &message);
         saltus_flow *flow = open_flow(system, &options, 0, state);
@@ -60,7 +60,7 @@ static void several_stops(void **unused) {
     spec.stops[2].xi = 0.7;
     saltus_system *system = build(&spec);
     saltus_flow_options options = saltus_flow_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     double state[dimension_max];
     unsigned together = 0;
     check_ok(saltus_system_default_state(system, state, &message), &message);
@@ -93,7 +93,7 @@ static void coupled_stops(void **unused) {
         spec.stops[1].xi = 0.65;
         saltus_system *system = build(&spec);
         saltus_flow_options options = saltus_flow_defaults();
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         double state[dimension_max];
         check_ok(saltus_system_default_state(system, state, &message), &message);
         saltus_flow *flow = open_flow(system, &options, 0, state);
@@ -202,7 +202,7 @@ static void starts_beyond_are_refused(void **unused) {
     add_stop(&spec, 0.03, 0.9, SALTUS_BOTH);
     saltus_system *system = build(&spec);
     saltus_flow_options options = saltus_flow_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_flow *flow;
     double beyond[2] = {-0.0301, 0}, nan_state[2] = {0, NAN};
     check_ok(saltus_flow_new((const saltus_system *[]){system}, 1, &options, &flow, &message), &message);
@@ -277,7 +277,7 @@ static void mirror_symmetry(void **unused) {
     add_stop(&spec, 0.025, 0.8, SALTUS_BOTH);
     saltus_system *system = build(&spec);
     saltus_flow_options options = saltus_flow_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     double a[dimension_max], b[dimension_max];
     check_ok(saltus_system_default_state(system, a, &message), &message);
     for (int i = 0; i < 8; i++)
@@ -305,7 +305,7 @@ static void chopping_changes_nothing(void **unused) {
     add_stop(&spec, 0.035, 0.9, SALTUS_UPPER);
     saltus_system *system = build(&spec);
     saltus_flow_options options = saltus_flow_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     double start[dimension_max], whole[dimension_max], chopped[dimension_max];
     check_ok(saltus_system_default_state(system, start, &message), &message);
     saltus_flow *flow = open_flow(system, &options, 0, start);
@@ -334,7 +334,7 @@ static void no_section_drift(void **unused) {
     saltus_flow *flow = open_flow(system, &options, 0, state);
     for (long long p = 1; p <= 1000000; p++) {
         saltus_event event;
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         check_ok(saltus_flow_advance(flow, (saltus_time){p, 0}, 0, &event, &message), &message);
         if (p == 1000)
             saltus_flow_state(flow, 0, before);
@@ -379,7 +379,7 @@ static void a_gap_is_zero_for_all_or_none(void **unused) {
     (void)unused;
     saltus_system *system = two_free_masses();
     saltus_flow_options options = saltus_flow_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_flow *flow = NULL;
     int seen[3] = {0};
     check_ok(saltus_flow_single(system, 0, &options, &flow, &message), &message);

@@ -22,7 +22,7 @@ static const double pi = 3.14159265358979323846;
 
 /* A known point of a curve, its tangent on the side of `guide`; NULL: as it comes. */
 static void place(made *m, const double *u, const double *guide, saltus_curve_point *point) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     assert_true(saltus_curve_reserve(point, m->e.unknowns));
     memcpy(point->u, u, (size_t)m->e.unknowns * sizeof *u);
     check_ok(saltus_equations_evaluate(&m->e, u, &message), &message);
@@ -75,7 +75,7 @@ static void a_point_ahead_is_on_its_hyperplane(void **state) {
     (void)state;
     made m;
     saltus_curve_point from = {0}, to = {0};
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     made_open(&m, 2, made_ellipse, 1, 1);
     for (int k = 0; k < 24; k++) {
         double angle = 2 * pi * k / 24 + 0.1, u[2] = {cos(angle), sin(angle)}, guide[2] = {-u[1], u[0]};
@@ -118,7 +118,7 @@ static void around_an_ellipse(void **state) {
         for (int bends = 0; bends < 2; bends++) {
             made m;
             saltus_curve_point here = {0}, next = {0};
-            saltus_message message = {""};
+            saltus_message message = {.text = ""};
             double a = sizes[k][0], b = sizes[k][1], start[2] = {a * cos(1), b * sin(1)},
                    guide[2] = {-start[1], start[0]}, length = 0, step = 0.01, turned = 0;
             int reached, folds = 0;
@@ -161,7 +161,7 @@ static void along_helices(void **state) {
     for (int unknowns = 3; unknowns <= made_unknowns_max; unknowns += 2) {
         made m;
         saltus_curve_point here = {0}, next = {0};
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         double u[made_unknowns_max], tangent[made_unknowns_max], speed = 1, length = 0, step = 0.02;
         int reached;
         made_open_helix(&m, unknowns, &seed);
@@ -194,7 +194,7 @@ static void steps_follow_the_bend(void **state) {
     (void)state;
     made m;
     saltus_curve_point from = {0}, to = {0};
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     int reached;
     for (double radius = 0.01; radius < 100; radius *= 3) {
         double u[2] = {radius, 0}, guide[2] = {0, 1}, step = 1, longest = sin(acos(0.92)) * radius;
@@ -212,7 +212,7 @@ static void steps_follow_the_bend(void **state) {
 
 /* How far the prediction at `ahead` is from the helix. */
 static double missed(made *m, const saltus_curve_point *from, double ahead, saltus_curve_point *to) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     double on[made_unknowns_max], tangent[made_unknowns_max], best = INFINITY;
     int n = m->e.unknowns;
     made_count(m, 0, SALTUS_OK);
@@ -265,7 +265,7 @@ static void curves_meet_borders(void **state) {
     (void)state;
     made m;
     saltus_curve_point from = {0}, to = {0};
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     double u[2] = {2 * cos(0.7), 0.5 * sin(0.7)}, guide[2] = {-1, 0};
     made_open(&m, 2, made_ellipse, 2, 0.5);
     place(&m, u, guide, &from);
@@ -290,7 +290,7 @@ static int follow_to_border(made *m, const double *u, const double *guide, doubl
                             const saltus_curve_bound *bounds, int count, saltus_curve_point *end,
                             int *reached) {
     saltus_curve_point here = {0};
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     double longest = step;
     int steps = 0;
     place(m, u, guide, &here);
@@ -374,7 +374,7 @@ static void crossings_change_the_sign(void **state) {
     for (int parabola = 0; parabola < 2; parabola++) {
         made m;
         saltus_curve_point from = {0}, before = {0}, to = {0};
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         double guide[2] = {1, parabola ? -0.5 : 0.5}, last = -0.15;
         int changes = 0;
         made_open(&m, 2, made_crossing, 1, 2);
@@ -425,7 +425,7 @@ static void corners_end_curves(void **state) {
     for (int way = -1; way <= 1; way += 2) {
         made m;
         saltus_curve_point here = {0}, next = {0};
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         double u[2] = {0.4 - 0.37 * way, -0.1 + 0.185}, guide[2] = {way, -1}, step = 0.1;
         int reached, steps = 0;
         saltus_status status = SALTUS_OK;
@@ -453,7 +453,7 @@ static void places_without_value_end_curves(void **state) {
     (void)state;
     made m;
     saltus_curve_point here = {0}, next = {0};
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     double u[2] = {-1, 0.25}, guide[2] = {1, 0}, step = 0.1;
     int reached, steps = 0;
     saltus_status status = SALTUS_OK;
@@ -479,7 +479,7 @@ static void lack_of_memory(void **state) {
     (void)state;
     made m;
     saltus_curve_point from = {0};
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     double u[2] = {0, 1}, guide[2] = {1, 0};
     saltus_curve_bound bound = {0, -2, 0.05};
     int reached, told = 0, made_it = 0;
@@ -531,7 +531,7 @@ static void crossings_have_no_tangent(void **state) {
     (void)state;
     made m;
     saltus_curve_point point = {0};
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     double u[2] = {1, 2}, guide[2] = {1, 0};
     made_open(&m, 2, made_crossing, 1, 2);
     assert_true(saltus_curve_reserve(&point, 2));

@@ -7,7 +7,7 @@
 
 static saltus_equilibrium rest(const saltus_system *system, const double *guess) {
     saltus_equilibrium_options options = saltus_equilibrium_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_equilibrium found;
     check_ok(saltus_equilibrium_find(system, guess, &options, &found, &message), &message);
     return found;
@@ -259,7 +259,7 @@ static void straight_and_buckled(void **unused) {
             assert_true(other.state[i] == e.state[i]);
         /* What the tolerance is for: the last step before the one that no longer moved anything. */
         saltus_equilibrium_options options = saltus_equilibrium_defaults();
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         saltus_equilibrium loose;
         options.tolerance = 1e-3;
         check_ok(saltus_equilibrium_find(system, guess, &options, &loose, &message), &message);
@@ -287,7 +287,7 @@ static void refused_guesses(void **unused) {
     saltus_spec spec = oscillator_spec(0.1, 1, 0, 1);
     saltus_system *system = build(&spec);
     saltus_equilibrium_options options = saltus_equilibrium_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_equilibrium e;
     for (int i = 0; i < 2; i++) {
         double guess[2] = {0};

@@ -14,7 +14,7 @@ static saltus_system *struck_oscillator(double c, double omega, double d) {
 /* Two masses, settings up to a NULL; the stop limits the second one alone where `second`. */
 static saltus_system *two_masses(const char *const *settings, bool second) {
     saltus_scene scene;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     check_ok(saltus_scene_load("two-mass", &scene, &message), &message);
     for (int k = 0; settings[k]; k++)
         check_ok(saltus_scene_set(&scene, settings[k], &message), &message);
@@ -33,7 +33,7 @@ static const char *const leaving[] = {"omega=1.6467", "d=-0.0687", "r=0.871", "c
 static saltus_motion classify(const saltus_system *system, const double *start, long long transient,
                               long long measure) {
     saltus_classify_options options = saltus_classify_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_motion motion;
     double state[4];
     options.transient = transient;
@@ -48,7 +48,7 @@ static saltus_motion classify(const saltus_system *system, const double *start, 
 
 static saltus_lyapunov measure(const saltus_system *system, const double *state,
                                const saltus_lyapunov_options *options) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_lyapunov l;
     check_ok(saltus_lyapunov_run(system, state, options, &l, &message), &message);
     return l;
@@ -67,7 +67,7 @@ static void events_of_a_run_are_recounted(void **unused) {
     for (int k = 0; k < 5; k++)
         for (int whole = 1; whole <= 3; whole += 2) {
             saltus_lyapunov_options options = saltus_lyapunov_defaults();
-            saltus_message message = {""};
+            saltus_message message = {.text = ""};
             saltus_event event;
             double start[4], end[4];
             options.members = 1;
@@ -300,7 +300,7 @@ static void progress_is_told(void **unused) {
     double start[2] = {-0.3, 0.1};
     for (int stop_after = 0; stop_after < 12; stop_after += 6) {
         saltus_lyapunov l = {0};
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         saltus_lyapunov_options options = saltus_lyapunov_defaults();
         witness w = {
             .result = &l, .period = 2 * M_PI / 0.8, .at_most = 8 * 700 + 5, .stop_after = stop_after};
@@ -396,7 +396,7 @@ static void dimension_of_tori(void **unused) {
     static const double expected[] = {1, 2, 4};
     for (int k = 0; k < 3; k++) {
         saltus_lyapunov_options options = saltus_lyapunov_defaults();
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         double start[4];
         int n = saltus_system_dimension(systems[k]);
         check_ok(saltus_system_default_state(systems[k], start, &message), &message);
@@ -468,7 +468,7 @@ static void drift_is_left_out(void **unused) {
 static double *section_points(const saltus_system *system, const double *state, int count,
                               long long *impacts) {
     saltus_flow_options options = saltus_flow_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     int n = saltus_system_dimension(system);
     double *points = calloc((size_t)(n * count), sizeof *points);
     assert_non_null(points);
@@ -513,7 +513,7 @@ static void opinions_are_repeated(void **unused) {
         saltus_series_chaos chaos;
         saltus_series_curve curve;
         saltus_series_dimension d;
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         check_ok(saltus_series_chaos_test(series, count, &options, &chaos, &message), &message);
         check_ok(saltus_series_closed_curve(&set, &options, &curve, &message), &message);
         check_ok(saltus_series_correlation_dimension(&set, &options, &d, &message), &message);
@@ -575,7 +575,7 @@ static void reasons_tell_the_evidence(void **unused) {
     static const long long measures[] = {16000, 16000, 4000, 16000};
     for (int k = 0; k < 4; k++) {
         saltus_classify_options options = saltus_classify_defaults();
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         saltus_motion m;
         double start[4] = {-0.3, 0.1}, period = saltus_system_period(systems[k]);
         if (k == 2)
@@ -702,7 +702,7 @@ static void laminar_phases_are_recounted(void **unused) {
 /* What has settled on nothing is told where it is: as far as it has been followed from the default state. */
 static void check_course(const saltus_system *system, const saltus_motion *motion) {
     saltus_classify_options options = saltus_classify_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     double state[4];
     check_ok(saltus_system_default_state(system, state, &message), &message);
     saltus_flow *flow = open_flow(system, &options.flow, 0, state);
@@ -750,7 +750,7 @@ static void extremes_are_found_again(void **unused) {
         const double start[2] = {-0.3, 0.1}, *observer = saltus_system_observer(systems[k]);
         saltus_motion m = classify(systems[k], k ? start : NULL, 2000, 16000);
         saltus_flow_options options = saltus_flow_defaults();
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         double largest = -INFINITY, smallest = INFINITY, now[4];
         saltus_flow *flow = open_flow(systems[k], &options, 0, m.state);
         for (int j = 0; j < 400 * samples; j++) {
@@ -799,7 +799,7 @@ static void listeners_hear_of_it(void **unused) {
     double start[2] = {-0.3, 0.1};
     for (int stop_after = 0; stop_after < 4; stop_after += 3) {
         saltus_classify_options options = saltus_classify_defaults();
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         saltus_motion m;
         listener l = {.transient = 2000, .measure = 33333, .stop_after = stop_after};
         options.transient = l.transient;
@@ -834,7 +834,7 @@ static bool interrupt(void *context, long long periods, long long at_most) {
 
 static saltus_motion classify_interrupted(const saltus_system *system, const double *state, interrupter *i) {
     saltus_classify_options options = saltus_classify_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_motion m;
     options.transient = 2000;
     options.measure = 16000;
@@ -879,7 +879,7 @@ static void attractors_until_it_is_stopped(void **unused) {
     saltus_system *system = struck_oscillator(0.1, 1, 1);
     for (int motions = 0; motions < 3; motions++) {
         saltus_classify_options options = saltus_classify_defaults();
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         saltus_attractors found;
         interrupter i = {.stop_at = -1};
         int complete = 0;

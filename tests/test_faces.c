@@ -412,7 +412,7 @@ static void two_held_faces_share_the_load(void **unused) {
         scene s = k ? scene_chain(0.1, 1, 0.5, 1) : scene_pipe(4, 20);
         stress_model m;
         saltus_flow_options options = saltus_flow_defaults();
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         double x[scene_dimension_max], a[64], size[64], reaction[SALTUS_FACES_MAX], forces[SALTUS_FACES_MAX];
         double field[scene_dimension_max];
         scene_stop(&s, 0.01, 0.5, SALTUS_UPPER)->xi = 0.4;

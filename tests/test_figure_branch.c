@@ -74,7 +74,7 @@ static void make_branch(void) {
 }
 
 static void write_branch(const char *name) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_branch_output *output = NULL;
     char path[path_size];
     check_ok(saltus_branch_output_open(path_in(name, path), &made.scene, 1, made.state[0], &made.options,
@@ -92,7 +92,7 @@ static void check_rows_of_legend(const figure_panel *panel, int in_a_row) {
 }
 
 static figure draw_files(const char *const *names, int count, const saltus_plot_options *how) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     char path[4][path_size], out[path_size];
     const char *paths[4];
     for (int k = 0; k < count; k++)
@@ -718,7 +718,7 @@ static void other_structures_have_other_pages(void **state) {
     for (int turned = 0; turned < 2; turned++) {
         const char *const paths[2] = {path_in(turned ? "b.h5" : "a.h5", a),
                                       path_in(turned ? "a.h5" : "b.h5", b)};
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         assert_int_equal(saltus_plot(paths, 2, &how, path_in("b.svg", out), &message), SALTUS_BAD_INPUT);
         if (strncmp(message.text, paths[1], strlen(paths[1])) != 0 || !strstr(message.text, "stops differ"))
             fail_msg("%s", message.text);
@@ -786,7 +786,7 @@ static void branches_lie_over_clouds(void **state) {
     static const saltus_show shows[] = {SALTUS_SHOW_IMPACTS, SALTUS_SHOW_SPEED, SALTUS_SHOW_DISPLACEMENT};
     saltus_axis axis = {.key = "omega", .count = 11, .low = 0.9, .high = 2.1};
     saltus_sweep_options options = saltus_sweep_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     char path[path_size], branch[path_size], out[path_size], mark[16];
     const char *paths[] = {path_in("b.h5", branch)};
     make_branch();

@@ -130,7 +130,7 @@ static void densities_are_those_of_the_points(void **state) {
         values = k == 4 ? 72 : k % 2 ? 500 : 16;
         saltus_axis axis = {.key = "omega", .count = values, .low = 0.5, .high = 1.5};
         saltus_sweep_view how = {.view = SALTUS_VIEW_TURNING, .parts = &part, .part_count = k / 2 == 1};
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         made_write(path_in("s.h5", path), &scene, &axis, 1, &options, fill, 1000);
         saltus_sweep_file file = made_read(path);
         check_ok(saltus_plot_sweep(path, &how, path_in("s.png", out), &message), &message);

@@ -566,7 +566,7 @@ static void the_script_kept_is_the_one_drawn(void **state) {
     make_record(&m, system, 2, two_impacts, 2);
     const saltus_diagnosis diagnosis = {.motion = &motion, .record = &m.record};
     for (int k = 0; k < 3; k++) {
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         char picture[path_size], data[path_size], path[path_size];
         size_t length, other;
         check_ok(saltus_write_sheet(&scene, system, &diagnosis, &options, path_in(names[k][0], picture),
@@ -609,7 +609,7 @@ static void what_is_no_page_is_refused(void **state) {
                  {&other.record, NULL, "s.svg", NULL, "the record does not belong to the system"},
                  {&m.record, &other.record, "s.svg", NULL, "the record does not belong to the system"}};
     for (int k = 0; k < 6; k++) {
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         char picture[path_size], data[path_size];
         const saltus_diagnosis diagnosis = {
             .motion = &motion, .record = cases[k].record, .section = cases[k].section};

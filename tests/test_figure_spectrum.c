@@ -16,7 +16,7 @@ static saltus_scene made_scene(void) {
 /* Spectra */
 
 static figure draw_spectra(const saltus_spectra *spectra, const char *label) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     char path[path_size];
     saltus_scene scene = made_scene();
     saltus_system *system = build(&scene.spec);
@@ -471,7 +471,7 @@ static void spectra_end_where_they_have_nothing_left(void **state) {
 /* Convergence */
 
 static figure draw_convergence(const saltus_lyapunov *l) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     char path[path_size];
     saltus_scene scene = made_scene();
     saltus_system *system = build(&scene.spec);
@@ -957,7 +957,7 @@ static void paper_draws_the_figure_asked_for(void **state) {
     (void)state;
     char path[path_size];
     saltus_sweep_file sweep;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     run("paper --quick --figure 2 -o there/in --format svg --quiet");
     figure f = figure_taken(folder);
     figure_says(&f, "fig2:  displacement diagram in {/:Italic ω}");

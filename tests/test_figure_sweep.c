@@ -14,7 +14,7 @@ static saltus_scene scene_of(double d, saltus_sides sides) {
 }
 
 static figure draw(const char *name, const saltus_sweep_view *view, const char *picture) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     char path[path_size], out[path_size];
     check_ok(saltus_plot_sweep(path_in(name, path), view, path_in(picture, out), &message), &message);
     figure f = figure_taken(folder);
@@ -392,7 +392,7 @@ static void wishes_for_branches_are_refused(void **state) {
                                            "is a sweep, which is drawn alone or with branches"};
         saltus_plot_options how = {.show = k == 0 ? SALTUS_SHOW_PERIOD : SALTUS_SHOW_AUTOMATIC,
                                    .label_count = k == 1};
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         saltus_status status = saltus_plot(paths, k == 4 ? 0 : 1 + (k == 2), &how, picture, &message);
         snprintf(words, sizeof words, "%s: %s", path, k < 3 ? said[k] : "");
         assert_int_equal(status, k == 3 ? SALTUS_OK : SALTUS_BAD_INPUT);
@@ -811,7 +811,7 @@ static void logarithmic_tics_are_round(void **state) {
         saltus_axis axis = {
             .key = "omega", .spacing = SALTUS_LOGARITHMIC, .count = 9, .low = ends[k][0], .high = ends[k][1]};
         made_write(path_in("s.h5", path), &scene, &axis, 1, &options, fill_kinds, 100);
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         char out[path_size];
         size_t length;
         check_ok(saltus_plot_sweep(path, &how, path_in("s.png", out), &message), &message);
@@ -978,7 +978,7 @@ static void views_that_cannot_be_shown_are_named(void **state) {
                            {.key = "d", .count = 2, .low = 0.5, .high = 1}};
     saltus_scene scene = scene_of(1, SALTUS_UPPER);
     saltus_sweep_options options = saltus_sweep_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     char path[path_size], out[path_size];
     options.keep = SALTUS_KEEP_IMPACTS;
     made_write(path_in("one.h5", path), &scene, axes, 1, &options, fill_clouds, 100);

@@ -24,7 +24,7 @@ static const char *path_in(const fixture *f, const char *name, char path[128]) {
 }
 
 static int open_fixture(void **state) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     fixture *f = calloc(1, sizeof *f);
     const double start[4] = {0.1, 0, 0.3, -0.2};
     strcpy(f->folder, "/tmp/saltus-test-XXXXXX");
@@ -233,7 +233,7 @@ static void check_spec(const json *object, const saltus_spec *spec) {
  * for another. */
 static void a_chaotic_motion_reads_back_field_by_field(void **state) {
     const fixture *f = *state;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_scene scene = {.name = "chaos"};
     saltus_motion motion;
     saltus_classify_options how = saltus_classify_defaults();
@@ -343,7 +343,7 @@ static double *reals_of(hid_t file, const char *name, long long count) {
 static void a_trajectory_is_the_same_in_every_format(void **state) {
     const fixture *f = *state;
     const saltus_trajectory *r = &f->record;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     char path[128];
     size_t length;
     int n = r->dimension;
@@ -422,7 +422,7 @@ static void fill(char *text, size_t length) {
  * ends. */
 static void names_and_titles_have_their_limits(void **state) {
     const fixture *f = *state;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_scene scene;
     char title[256], text[512], name[256], path[400];
     enum { title_room = sizeof scene.title, name_room = sizeof scene.name };
@@ -473,7 +473,7 @@ static void names_and_titles_have_their_limits(void **state) {
 static void the_longest_words_come_back_whole(void **state) {
     const fixture *f = *state;
     for (size_t less = 0; less < 2; less++) {
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         saltus_scene scene = f->scene;
         char path[128], line[256];
         size_t length;

@@ -26,7 +26,7 @@ static void phases_are_told_within_a_period(void **unused) {
     saltus_flow_options options = saltus_flow_defaults();
     saltus_flow *flow = open_flow(system, &options, 0, s.state);
     for (size_t k = 0; k < sizeof rows / sizeof rows[0]; k++) {
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         check_ok(saltus_flow_start(flow, 0, rows[k].given, s.state, &message), &message);
         saltus_time now = saltus_flow_time(flow, 0);
         assert_true(now.cycle == rows[k].told.cycle && now.phase == rows[k].told.phase);
@@ -36,7 +36,7 @@ static void phases_are_told_within_a_period(void **unused) {
 }
 
 static bool accepted(const saltus_system *system, const saltus_flow_options *options, const char *word) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_flow *flow = (saltus_flow *)1;
     saltus_status status = saltus_flow_new((const saltus_system *[]){system}, 1, options, &flow, &message);
     assert_true(status == SALTUS_OK || status == SALTUS_BAD_INPUT);
@@ -170,7 +170,7 @@ static void dense_output_is_the_motion(void **unused) {
                 for (int i = 0; i < n && event.kind == SALTUS_STEP; i++)
                     check_near(inside[i], now[i], 1e-9 * (1e-3 + fabs(now[i])));
                 if (contacts == 0) {
-                    saltus_message message = {""};
+                    saltus_message message = {.text = ""};
                     double middle = saltus_time_periods(from) + 0.6 * step / period, whole = floor(middle);
                     if (!other)
                         check_ok(
@@ -207,7 +207,7 @@ static void fields_and_their_derivatives(void **unused) {
                 continue;
             }
             saltus_flow_options options = saltus_flow_defaults();
-            saltus_message message = {""};
+            saltus_message message = {.text = ""};
             saltus_flow *flow = NULL;
             double x[scene_dimension_max], f[scene_dimension_max], a[64], size[64],
                 reaction[SALTUS_FACES_MAX];
@@ -329,7 +329,7 @@ static void an_interrupted_run_goes_on(void **unused) {
     scene s = scene_of(scene_two_sided_mass);
     saltus_system *system = build(&s.spec);
     saltus_flow_options options = saltus_flow_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_event event;
     double whole[2], parts[2];
     int lane = 7;
@@ -414,7 +414,7 @@ static void lanes_are_flows_of_their_own(void **unused) {
         saltus_system *systems[widest];
         const saltus_system *list[widest];
         saltus_flow_options options = saltus_flow_defaults();
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         saltus_event event;
         options.columns = 2;
         options.integrator = SALTUS_TAYLOR;
@@ -506,7 +506,7 @@ static void unlike_lanes_are_refused(void **unused) {
     set_parameter(&t[3].spec, "F", 0); /* other terms */
     saltus_system *system = build(&s.spec);
     saltus_flow_options options = saltus_flow_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     for (int k = 0; k < 5; k++) {
         saltus_flow *flow = (saltus_flow *)1;
         saltus_system *other = build(&t[k].spec);
@@ -552,7 +552,7 @@ static void a_failing_lane_leaves_the_others_alone(void **unused) {
     const saltus_system *list[2];
     const double start[2] = {1e-3, 0};
     saltus_flow_options options = saltus_flow_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_event event;
     for (int l = 0; l < 2; l++) {
         spec[l] = pipe_spec(1, 3);
@@ -616,7 +616,7 @@ static void what_flies_away_stays_where_numbers_end(void **unused) {
         saltus_flow *flow = open_flow(system, &options, 0, start);
         saltus_time time = {0, 0};
         for (int again = 0; again < 3; again++) {
-            saltus_message message = {""};
+            saltus_message message = {.text = ""};
             saltus_event event;
             assert_int_equal(saltus_flow_advance(flow, (saltus_time){5, 0}, 0, &event, &message),
                              SALTUS_STALLED);
@@ -634,7 +634,7 @@ static void what_flies_away_stays_where_numbers_end(void **unused) {
             largest = fmax(largest, fabs(there[i]));
         }
         assert_true(largest > 1e200);
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         check_ok(saltus_flow_start(flow, 0, (saltus_time){0, 0}, start, &message), &message);
         advance(flow, 0.01, 0);
         saltus_flow_state(flow, 0, state);
@@ -656,7 +656,7 @@ static void a_lane_waits_until_it_is_aimed_again(void **unused) {
     saltus_system *systems[2] = {build(&s[0].spec), build(&s[1].spec)};
     const saltus_system *list[2] = {systems[0], systems[1]};
     saltus_flow_options options = saltus_flow_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_event event;
     saltus_flow *flow = NULL;
     double state[2], now[2], tangents[4], later[4], alone[2];
@@ -704,7 +704,7 @@ static void a_started_lane_begins_anew(void **unused) {
         saltus_system *system = build(&s.spec);
         const int n = saltus_system_dimension(system);
         saltus_flow_options options = saltus_flow_defaults();
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         saltus_direction direction;
         double columns[scene_columns_max * scene_dimension_max], forces[SALTUS_FACES_MAX];
         options.directions = 1;
@@ -778,7 +778,7 @@ static void times_are_numbers(void **unused) {
     scene s = scene_of(scene_two_sided_mass);
     saltus_system *system = build(&s.spec);
     saltus_flow_options options = saltus_flow_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_event event;
     double whole[2], state[2], now[2];
     saltus_flow *flow = open_flow(system, &options, s.phase, s.state);
@@ -816,7 +816,7 @@ static void bounces_without_end_are_told(void **unused) {
     add_stop(&spec, 0, 1, SALTUS_UPPER);
     saltus_system *system = build(&spec);
     saltus_flow_options options = saltus_flow_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_event event;
     const double state[2] = {0, 1e-17};
     options.atol = 0;

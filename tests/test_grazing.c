@@ -9,7 +9,7 @@ enum { phases = 1000 };
 static double free_orbit(const saltus_spec *spec, int *periods, double *state) {
     saltus_system *system = build(spec);
     saltus_classify_options options = saltus_classify_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_motion motion;
     options.flow.rtol = 1e-15;
     options.flow.atol = 1e-18;
@@ -38,7 +38,7 @@ static void count_phases(const saltus_spec *free_spec, double d, int periods, co
     saltus_flow *carrier = open_flow(free_system, &fine, 0, state), *flow = NULL;
     *with = *without = 0;
     for (int k = 0; k < phases; k++) {
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         double start = (double)periods * k / phases;
         advance(carrier, start, 0);
         saltus_flow_state(carrier, 0, point);

@@ -5,7 +5,7 @@
 
 static saltus_lyapunov measure(const saltus_system *system, int exponents, double interval, int members) {
     saltus_lyapunov_options options = saltus_lyapunov_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_lyapunov l;
     double rest[4] = {0};
     options.members = members;

@@ -11,7 +11,7 @@ enum { dimension_max = 10 };
 
 static saltus_system *scene_system(const char *name, const char *set) {
     saltus_scene scene;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     check_ok(saltus_scene_load(name, &scene, &message), &message);
     if (set)
         check_ok(saltus_scene_set(&scene, set, &message), &message);
@@ -143,7 +143,7 @@ static void orbits_of_chaos(void **unused) {
     (void)unused;
     saltus_system *system = scene_system("fig7c", NULL);
     saltus_harvest_options options = saltus_harvest_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_harvest harvest;
     options.periods = 400;
     options.tries = 5;
@@ -169,7 +169,7 @@ static void options_of_a_harvest(void **unused) {
     (void)unused;
     saltus_system *system = chaotic_oscillator();
     saltus_harvest_options all = saltus_harvest_defaults(), options;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_harvest harvest, other;
     assert_true(all.longest == 8 && all.transient == 100 && all.periods == 5000 && all.recurrence == 0.1);
     assert_true(all.tries == 40 && all.most == 1000 && all.tolerance == 1e-11 && !all.state && all.seed == 1);
@@ -241,7 +241,7 @@ static void seeds_and_states(void **unused) {
     (void)unused;
     saltus_system *system = chaotic_oscillator();
     saltus_harvest_options options = saltus_harvest_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_harvest by[4];
     double start[2] = {-0.2, 0.1};
     options.periods = 300;
@@ -278,7 +278,7 @@ static void resting_orbits(void **unused) {
         saltus_spec spec = closed_spec(&o);
         saltus_system *system = build(&spec);
         saltus_harvest_options options = saltus_harvest_defaults();
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         saltus_harvest harvest;
         options.transient = 20;
         options.periods = 60;
@@ -322,7 +322,7 @@ static void close_orbits_stay_two(void **unused) {
     saltus_spec spec = closed_spec(&o);
     saltus_system *system = build(&spec);
     saltus_harvest_options options = saltus_harvest_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_harvest harvest;
     double start[2];
     for (int i = 0; i < 2; i++)
@@ -368,7 +368,7 @@ static void mirror_images(void **unused) {
     (void)unused;
     static const char *const settings[] = {"d=0.02", "d=0.0202", "d=0.0204", "d=0.0206", "d=0.0208"};
     saltus_harvest_options options = saltus_harvest_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     int pairs = 0, own = 0;
     options.longest = 4;
     options.periods = 2000;
@@ -412,7 +412,7 @@ static void images_half_a_period_later(void **unused) {
         saltus_spec spec = closed_spec(&o);
         saltus_system *system = build(&spec);
         saltus_harvest_options options = saltus_harvest_defaults();
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         saltus_harvest harvest;
         double start[2] = {(double)at[0].state[0], (double)at[0].state[1] + 0.01};
         options.state = start;
@@ -448,7 +448,7 @@ static void settled_motion(void **unused) {
     (void)unused;
     saltus_system *system = scene_system("fig7d", NULL);
     saltus_harvest_options options = saltus_harvest_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_harvest harvest;
     options.transient = 300;
     options.periods = 60;
@@ -474,7 +474,7 @@ static void progress_is_told(void **unused) {
     (void)unused;
     saltus_system *system = chaotic_oscillator();
     saltus_harvest_options options = saltus_harvest_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_harvest harvest;
     double last = -1;
     volatile sig_atomic_t stop = 1;
@@ -499,7 +499,7 @@ static void options_out_of_range_are_refused(void **unused) {
     saltus_system *system = chaotic_oscillator();
     for (int k = 0; k < 14; k++) {
         saltus_harvest_options o = saltus_harvest_defaults();
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         saltus_harvest harvest;
         bool fine = k >= 10;
         o.periods = 3;
@@ -539,7 +539,7 @@ static void a_refusal_is_final(void **unused) {
     int before = 0;
     for (int k = 0; k < 5; k++) {
         saltus_harvest_options options = saltus_harvest_defaults();
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         saltus_harvest harvest;
         refusal r = {.at = places[k]};
         options.periods = 1000;
@@ -571,7 +571,7 @@ static void columns_of_the_flow_are_ignored(void **unused) {
     (void)unused;
     saltus_system *system = chaotic_oscillator();
     saltus_harvest_options options = saltus_harvest_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_harvest plain, other;
     options.periods = 300;
     options.longest = 3;
@@ -599,7 +599,7 @@ static void what_flies_away_is_given_up(void **unused) {
     saltus_system *system = build(&spec);
     const double *scale = saltus_system_scale(system), start[2] = {0};
     saltus_harvest_options options = saltus_harvest_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_harvest harvest;
     long long given_up = 0;
     int entry = 0;
@@ -630,7 +630,7 @@ static void a_narrow_gap_has_random_starts(void **unused) {
     (void)unused;
     saltus_spec spec = oscillator_spec(0.1, 1, 1, 1);
     saltus_harvest_options options = saltus_harvest_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_harvest harvest;
     add_stop(&spec, 5, 0.5, SALTUS_UPPER);
     add_stop(&spec, -5 + 1e-6, 0.5, SALTUS_LOWER);
@@ -653,7 +653,7 @@ static void limits_are_kept(void **unused) {
     (void)unused;
     saltus_system *system = scene_system("fig3", "d=0.02");
     saltus_harvest_options options = saltus_harvest_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_harvest harvest;
     double seen = 0;
     options.most = 3;

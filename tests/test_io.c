@@ -23,7 +23,7 @@ typedef struct fixture {
 } fixture;
 
 static int open_fixture(void **state) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     fixture *f = calloc(1, sizeof *f);
     strcpy(f->folder, "/tmp/saltus-test-XXXXXX");
     assert_non_null(mkdtemp(f->folder));
@@ -193,7 +193,7 @@ static void impacts_have_two_sides(void **state) {
 /* Samples on both sides of a chatter, a contact and a release; time never runs backwards. */
 static void contacts_are_recorded(void **state) {
     (void)state;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     reference c = read_reference("chatter25");
     saltus_system *system = build(&c.spec);
     saltus_flow_options options = saltus_flow_defaults();
@@ -234,7 +234,7 @@ static void records_have_their_limits(void **state) {
                  {0, 1, 0, "samples per period = 0: must be from 1 to 1000000"},
                  {0, 1, 1000001, "samples per period = 1000001: must be from 1 to 1000000"}};
     for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         saltus_trajectory r, none = {0};
         saltus_status status =
             saltus_trajectory_record(f->system, f->motion.state, &f->options, cases[k].transient,
@@ -251,7 +251,7 @@ static void records_have_their_limits(void **state) {
         assert_memory_equal(&r, &none, sizeof r);
     }
     /* A start behind the stop is an error of the flow, which leaves nothing either. */
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_trajectory r, none = {0};
     double beyond[16] = {10};
     assert_true(saltus_trajectory_record(f->system, beyond, &f->options, 0, 1, 4, &r, &message) != SALTUS_OK);
@@ -269,7 +269,7 @@ static void note_the_alarm(int signal) {
 static void an_interrupted_record_is_a_begin(void **state) {
     (void)state;
     enum { periods = 400000, samples = 2 };
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_scene scene;
     saltus_trajectory part, whole;
     check_ok(saltus_scene_load("impact-oscillator", &scene, &message), &message);
@@ -306,7 +306,7 @@ static void an_interrupted_record_is_a_begin(void **state) {
 
 static void csv_explains_itself(void **state) {
     fixture *f = *state;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     char path[128];
     size_t length;
     check_ok(write_record(f, path_in(f, "run.csv", path), &message), &message);
@@ -339,7 +339,7 @@ static void read_dataset(hid_t file, const char *name, hid_t type, hsize_t count
 static void hdf5_reads_back(void **state) {
     fixture *f = *state;
     const saltus_trajectory *r = &f->record;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     char path[128];
     double omega = 0, speeds[4], *states = malloc((size_t)(r->samples * r->dimension) * sizeof *states);
     long long rows[4];
@@ -368,7 +368,7 @@ static void hdf5_reads_back(void **state) {
 /* Equal records give equal files, and a record without events is a file too. */
 static void hdf5_is_reproducible_and_may_be_empty(void **state) {
     fixture *f = *state;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     char a[128], b[128];
     size_t na, nb;
     check_ok(write_record(f, path_in(f, "a.h5", a), &message), &message);
@@ -416,7 +416,7 @@ static void unwritable_paths_leave_nothing(void **state) {
 
 static void wrong_endings_are_refused(void **state) {
     fixture *f = *state;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     char path[128], data[128];
     assert_int_equal(write_record(f, path_in(f, "run.txt", path), &message), SALTUS_BAD_INPUT);
     assert_non_null(strstr(message.text, ".csv or .h5"));
@@ -431,7 +431,7 @@ static void wrong_endings_are_refused(void **state) {
 /* With no gnuplot on the path the sheet fails in one sentence. */
 static void absent_gnuplot_is_named(void **state) {
     fixture *f = *state;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     char path[128], before[4096];
     snprintf(before, sizeof before, "%s", getenv("PATH"));
     setenv("PATH", f->folder, 1);
@@ -445,7 +445,7 @@ static void absent_gnuplot_is_named(void **state) {
 /* A gnuplot that fails is quoted; what it drew is not kept. */
 static void failing_gnuplot_is_quoted(void **state) {
     fixture *f = *state;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     char path[128], tool[128], before[4096];
     FILE *file = fopen(path_in(f, "gnuplot", tool), "w");
     fputs("#!/bin/sh\necho half a picture\necho '     line 3: unknown or ambiguous terminal name' >&2\nexit "
@@ -471,7 +471,7 @@ static void sheets_are_drawn(void **state) {
     fixture *f = *state;
     static const char *const names[] = {"s.png", "s.pdf", "s.svg"}, *const heads[] = {"\x89PNG", "%PDF",
                                                                                       "<?xml"};
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     char path[128], data[128], command[512];
     size_t length;
     if (!gnuplot_is_there())
@@ -494,7 +494,7 @@ static void sheets_are_drawn(void **state) {
 
 /* Draw a diagnosis and return its script, which every gnuplot must take without a word. */
 static char *script_of(const fixture *f, const saltus_system *drawn, const saltus_diagnosis *diagnosis) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     char path[128], data[128], command[512];
     size_t length;
     saltus_status status = saltus_write_sheet(&f->scene, drawn, diagnosis, &f->options,
@@ -536,7 +536,7 @@ static void check_script(const char *script, const char *const *panels) {
 /* Periodic motion, with its spectrum and without. */
 static void sheets_of_orbits_have_their_panels(void **state) {
     fixture *f = *state;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_spectra spectra = {0};
     saltus_spectrum_options options = saltus_spectrum_defaults();
     options.quantity_count = 1;
@@ -563,7 +563,7 @@ static void sheets_of_orbits_have_their_panels(void **state) {
 /* What is told of a chaotic motion; numbers that are not known are left out. */
 static void sheets_of_chaos_have_their_panels(void **state) {
     fixture *f = *state;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_spectra spectra = {0};
     saltus_spectrum_options options = saltus_spectrum_defaults();
     saltus_lyapunov_progress history[] = {
@@ -627,7 +627,7 @@ static void sheets_of_the_undecided_say_why(void **state) {
 /* A mass that has come to rest: there is nothing to analyse. */
 static void sheets_of_rest_are_short(void **state) {
     fixture *f = *state;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_spec spec = oscillator_spec(0.5, 1, 0, 1);
     saltus_system *mass = build(&spec);
     saltus_classify_options how = saltus_classify_defaults();

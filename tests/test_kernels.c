@@ -100,7 +100,7 @@ static double first_step(const saltus_spec *spec, const saltus_flow_options *opt
                          const double *tangent, const saltus_direction *direction) {
     saltus_system *system = build(spec);
     saltus_flow *flow = open_flow(system, options, 0.1, state);
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     if (direction) {
         saltus_flow_set_directions(flow, direction);
         check_ok(saltus_flow_start(flow, 0, (saltus_time){0, 0.1}, state, &message), &message);
@@ -204,7 +204,7 @@ static void parameter_columns_are_judged_by_their_growth(void **unused) {
     const double rest[5] = {0};
     saltus_spec still = oscillator_spec(0.2, 1.3, 0, 2.1), driven = oscillator_spec(0.2, 1.3, 1, 2.1);
     saltus_flow_options options = saltus_flow_defaults(), loose;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_direction direction;
     double value;
     options.atol = 0;
@@ -247,7 +247,7 @@ static outcome run_pipe(saltus_spec spec, int columns, int directions, bool held
                         saltus_integrator integrator) {
     saltus_system *system = build(&spec);
     saltus_flow_options options = saltus_flow_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_flow *flow = NULL;
     const int dof = saltus_system_dof(system), n = 2 * dof;
     outcome begin = {.state = {0}}, out = begin;

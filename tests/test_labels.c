@@ -6,7 +6,7 @@
 
 static saltus_motion settle_from(const saltus_system *system, const double *state) {
     saltus_classify_options options = saltus_classify_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_motion motion;
     options.measure = 0;
     check_ok(saltus_classify(system, state, &options, &motion, &message), &message);
@@ -17,7 +17,7 @@ static saltus_motion settle_from(const saltus_system *system, const double *stat
 static saltus_motion describe_from(const saltus_system *system, int periods, const double *guess) {
     saltus_orbit_options shooting = saltus_orbit_defaults();
     saltus_classify_options options = saltus_classify_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_orbit orbit;
     saltus_motion motion;
     shooting.tolerance = 1e-11;
@@ -189,7 +189,7 @@ static void loose_tolerances_find_the_same(void **unused) {
         double beside[2] = {(double)orbit.state[0] - 1e-4, (double)orbit.state[1] + 1e-4};
         for (int t = 0; t < 4; t++) {
             saltus_classify_options options = saltus_classify_defaults();
-            saltus_message message = {""};
+            saltus_message message = {.text = ""};
             saltus_motion motion;
             double far = INFINITY;
             options.measure = 0;
@@ -220,7 +220,7 @@ static void pairs_are_each_others_images(void **unused) {
     saltus_spec spec = closed_spec(&one.oscillator);
     saltus_system *system = build(&spec);
     saltus_flow_options flow = saltus_flow_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     double beside[2] = {(double)one.state[0], (double)one.state[1] + 1e-5}, image[2];
     saltus_motion motion = settle_from(system, beside);
     check_closed(system, &one, &motion);
@@ -254,7 +254,7 @@ static void a_pulsation_swings_in_two_periods(void **unused) {
         double start[2] = {0.005, 0}, swung[2];
         saltus_motion motion = settle_from(system, start);
         saltus_flow_options flow = saltus_flow_defaults();
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         check_recount(system, &motion);
         assert_int_equal(motion.periods, 2);
         assert_int_equal(motion.mirror, SALTUS_MIRROR_SELF);
@@ -534,7 +534,7 @@ static void a_least_period_that_is_not_found(void **unused) {
                      found;
         saltus_orbit_options shooting = saltus_orbit_defaults();
         saltus_classify_options options = saltus_classify_defaults();
-        saltus_message finding = {""}, message = {""};
+        saltus_message finding = {.text = ""}, message = {.text = ""};
         saltus_motion motion;
         shooting.tolerance = 1e-11;
         const saltus_status status = saltus_orbit_find(system, 1, state, &shooting, &found, &finding);
@@ -565,7 +565,7 @@ static void branches_say_it_as_classification_does(void **unused) {
     for (int k = 0; k < 6; k++) {
         closed_oscillator o = starts[k];
         saltus_branch_options options = saltus_branch_defaults();
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         saltus_branch *branch;
         const saltus_branch_point *point;
         double start[2];
@@ -689,7 +689,7 @@ static void settling_is_the_flow(void **unused) {
     saltus_spec spec = closed_spec(&o);
     saltus_system *system = build(&spec);
     saltus_flow_options options = saltus_flow_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     double whole[2] = {0.2, 0.1}, parts[2] = {0.2, 0.1}, end[2];
     saltus_flow *flow = open_flow(system, &options, 0, whole);
     check_ok(saltus_motion_settle(system, &options, 0, whole, &message), &message);
@@ -718,7 +718,7 @@ static void what_the_flow_refuses_is_refused(void **unused) {
     saltus_spec spec = closed_spec(&o);
     saltus_system *system = build(&spec);
     saltus_orbit_options shooting = saltus_orbit_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_orbit orbit;
     double state[2] = {(double)closed.state[0], (double)closed.state[1]}, beyond = 2 * (double)o.d;
     check_ok(saltus_orbit_find(system, 1, state, &shooting, &orbit, &message), &message);
@@ -730,7 +730,7 @@ static void what_the_flow_refuses_is_refused(void **unused) {
         options.flow.rtol = k == 1 ? 0 : options.flow.rtol;
         options.flow.atol = k == 2 ? -1 : options.flow.atol;
         const double kept[2] = {state[0], state[1]};
-        message = (saltus_message){""};
+        message = (saltus_message){.text = ""};
         assert_int_equal(saltus_classify(system, state, &options, &motion, &message), SALTUS_BAD_INPUT);
         assert_true(message.text[0] && !motion.state && !motion.events && motion.dimension == 0);
         saltus_motion_clear(&motion);
@@ -739,7 +739,7 @@ static void what_the_flow_refuses_is_refused(void **unused) {
         assert_true(state[0] == kept[0] && state[1] == kept[1]);
         if (k == 0)
             continue;
-        message = (saltus_message){""};
+        message = (saltus_message){.text = ""};
         assert_int_equal(saltus_motion_describe(system, &orbit, &options, &motion, &message),
                          SALTUS_BAD_INPUT);
         assert_true(message.text[0] && !motion.state && motion.dimension == 0);

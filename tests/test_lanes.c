@@ -43,7 +43,7 @@ static void run_alone(saltus_system *const *systems, double (*states)[dimension]
                       const saltus_flow_options *options, outcome *out) {
     for (int k = 0; k < trajectories; k++) {
         saltus_flow *flow = open_flow(systems[k], options, 0, states[k]);
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         saltus_event event;
         check_ok(saltus_flow_advance(flow, target(k), 0, &event, &message), &message);
         finish(flow, 0, &out[k]);
@@ -53,7 +53,7 @@ static void run_alone(saltus_system *const *systems, double (*states)[dimension]
 
 static void set_going(saltus_flow *flow, int lane, int k, saltus_system *const *systems,
                       double (*states)[dimension]) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     check_ok(saltus_flow_retune(flow, lane, systems[k], &message), &message);
     check_ok(saltus_flow_start(flow, lane, (saltus_time){0, 0}, states[k], &message), &message);
     saltus_flow_aim(flow, lane, target(k), 0);
@@ -65,7 +65,7 @@ static void run_side_by_side(saltus_system *const *systems, double (*states)[dim
                              const saltus_flow_options *options, outcome *out) {
     const saltus_system *first[16];
     int width = saltus_flow_width(systems[0]), own[16], next = 0, lane = 0;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_flow *flow;
     assert_true(width <= 16);
     for (int l = 0; l < width; l++)
@@ -152,7 +152,7 @@ static void interleaved_flows(void **unused) {
     saltus_system *systems[2];
     for (int k = 0; k < 2; k++) {
         double state[dimension] = {0};
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         add_stop(&spec[k], 0.03, 0.9, SALTUS_UPPER);
         systems[k] = build(&spec[k]);
         check_ok(saltus_system_default_state(systems[k], state, &message), &message);

@@ -121,7 +121,7 @@ static void check_order(const saltus_branch_options *options, const branch_recor
         double apart[2], length = 0;
         for (int i = 0; i < 2; i++) {
             saltus_direction direction;
-            saltus_message message = {""};
+            saltus_message message = {.text = ""};
             double value, unit = options->high[i] - options->low[i];
             check_ok(saltus_spec_direction(&b->spec, options->key[i], &direction, &value, &message),
                      &message);
@@ -259,7 +259,7 @@ static void no_torus(void **unused) {
     const char *const key[2] = {"omega", "d"};
     saltus_branch_options options = locus_options(SALTUS_POINT_NS, key, low, high);
     saltus_branch *branch = NULL;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     const saltus_branch_point *point;
     o.omega = 1.1L;
     assert_true(closed_orbit_at(&o, 1, &orbit));
@@ -309,7 +309,7 @@ static void check_anew(const saltus_branch_point *point, saltus_point_kind kind)
     saltus_system *system = build(&point->spec);
     double slowest = slowest_contact(system, point->periods, point->state);
     saltus_orbit_options options = saltus_orbit_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_orbit orbit;
     if (kind == SALTUS_POINT_GR) {
         assert_true(slowest < 1e-6);
@@ -383,7 +383,7 @@ static void two_masses(void **unused) {
     spec.stops[0].weight[1] = 1;
     saltus_system *system = build(&spec);
     saltus_classify_options how = saltus_classify_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_motion motion;
     double state[4] = {0};
     check_ok(saltus_classify(system, state, &how, &motion, &message), &message);
@@ -442,7 +442,7 @@ static void folds_have_cusps(void **unused) {
         add_stop(&spec, rows[k].d, rows[k].r, SALTUS_UPPER);
         saltus_system *system = build(&spec);
         saltus_classify_options how = saltus_classify_defaults();
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         saltus_motion motion;
         double state[2] = {0};
         check_ok(saltus_system_default_state(system, state, &message), &message);

@@ -32,7 +32,7 @@ static saltus_lyapunov_options short_options(int members) {
 
 static saltus_lyapunov run_from(const saltus_system *system, const double *state,
                                 const saltus_lyapunov_options *options) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_lyapunov result;
     check_ok(saltus_lyapunov_run(system, state, options, &result, &message), &message);
     return result;
@@ -40,7 +40,7 @@ static saltus_lyapunov run_from(const saltus_system *system, const double *state
 
 /* A built-in scene with settings (separated by blanks). */
 static saltus_system *scene_system(const char *name, const char *settings, double *state) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_scene scene;
     char copy[256];
     check_ok(saltus_scene_load(name, &scene, &message), &message);
@@ -147,7 +147,7 @@ static void scenes_and_shooting(void **unused) {
                                           {"impact-pair", ""}, {"fig7b", ""},    {"fig6", "omega=14"},
                                           {"fig7d", ""},       {"fig2", ""},     {"chatter", ""}};
     for (int k = 0; k < (at_length() ? 9 : 5); k++) {
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         saltus_classify_options classify = saltus_classify_defaults();
         saltus_lyapunov_options options = short_options(2);
         saltus_motion motion;
@@ -755,7 +755,7 @@ static void unfinished_runs(void **unused) {
  * left to themselves for long. */
 static void growth_without_bound(void **unused) {
     (void)unused;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_lyapunov result;
     saltus_lyapunov_options options = saltus_lyapunov_defaults();
     double state[2] = {0.001, 0}, rest[2] = {0};
@@ -793,7 +793,7 @@ static void slow_decay(void **unused) {
 }
 
 static void check_refused(const saltus_lyapunov_options *options, const char *name) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_lyapunov result;
     double state[2] = {0};
     saltus_spec spec = oscillator_spec(0.1, 1, 1, 1);
@@ -848,7 +848,7 @@ static void least_periods(void **unused) {
     saltus_system *system = build(&spec);
     for (size_t k = 0; k < sizeof rows / sizeof rows[0]; k++) {
         saltus_lyapunov_options options = saltus_lyapunov_defaults();
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         saltus_lyapunov l;
         double state[2] = {0.1, 0};
         options.members = rows[k].members;
@@ -873,7 +873,7 @@ static void bad_states(void **unused) {
     saltus_system *system = impactor_system(&(impactor){0.1, 1, 0.5, 0, 1, 1, 0.8});
     for (int k = 0; k < 3; k++) {
         saltus_lyapunov_options options = saltus_lyapunov_defaults();
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         saltus_lyapunov result;
         assert_int_equal(saltus_lyapunov_run(system, states[k], &options, &result, &message),
                          SALTUS_BAD_INPUT);
@@ -893,7 +893,7 @@ static void failing_allocations(void **unused) {
     options.periods = 200;
     options.members = 1;
     for (long k = 1;; k++) {
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         saltus_lyapunov result;
         allocations = 0;
         failing = k;

@@ -4,9 +4,9 @@
 #include "folder.h"
 #include "reference.h"
 
+#include "figure/caption.h"
 #include "figure/convergence.h"
 #include "figure/gnuplot.h"
-#include "figure/caption.h"
 #include "record/lyapunov_words.h"
 
 #include <sys/stat.h>
@@ -293,7 +293,7 @@ static void text_names_lost_directions(void **state) {
 
 static void csv_explains_itself(void **state) {
     fixture *f = *state;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     char path[128];
     size_t length;
     check_ok(write_file(f, path_in(f, "a.csv", path), &message), &message);
@@ -326,7 +326,7 @@ static void paths_are_checked_beforehand(void **state) {
     fixture *f = *state;
     static const char *const bad[] = {"a.bmp", "a.txt", "a", ".png", "png", "a.h5", "a.PNG", "a.csv.gz"},
                              *const good[] = {"a.png", "a.pdf", "a.svg", "a.csv"};
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     char path[128];
     for (size_t k = 0; k < sizeof bad / sizeof bad[0]; k++) {
         path_in(f, bad[k], path);
@@ -359,7 +359,7 @@ static void paths_are_checked_beforehand(void **state) {
 static void full_disks_are_named(void **state) {
     fixture *f = *state;
     static const char *const names[] = {"full.csv", "full.png"};
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     char path[128];
     for (int k = 0; k < 2; k++) {
         assert_int_equal(symlink("/dev/full", path_in(f, names[k], path)), 0);
@@ -418,7 +418,7 @@ static void figures_are_drawn(void **state) {
     fixture *f = *state;
     static const char *const names[] = {"c.png", "c.pdf", "c.svg"}, *const heads[] = {"\x89PNG", "%PDF",
                                                                                       "<?xml"};
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     char path[128];
     size_t length;
     if (system("gnuplot --version >/dev/null 2>&1") != 0)

@@ -8,7 +8,7 @@ static saltus_map *open_map(const saltus_system *system, saltus_section_kind kin
                             bool derivative) {
     saltus_flow_options options = saltus_flow_defaults();
     saltus_section section = saltus_section_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_map *map;
     section.kind = kind;
     section.phase = phase;
@@ -18,7 +18,7 @@ static saltus_map *open_map(const saltus_system *system, saltus_section_kind kin
 }
 
 static void image_of(saltus_map *map, const double *point, double *image) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     check_ok(saltus_map_reset(map, point, &message), &message);
     check_ok(saltus_map_step(map, image, NULL, &message), &message);
 }
@@ -91,7 +91,7 @@ static void turning_points(void **unused) {
     add_stop(&spec, 0.035, 0.9, SALTUS_UPPER);
     saltus_system *system = build(&spec);
     saltus_map *map = open_map(system, SALTUS_SECTION_TURNING, 0, 1, false);
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     double point[dimension_max] = {0};
     int impacts = 0;
     check_ok(saltus_system_default_state(system, point, &message), &message);
@@ -121,7 +121,7 @@ static void any_phase(void **unused) {
     saltus_spec spec = pipe_spec(5, 42);
     add_stop(&spec, 0.035, 0.9, SALTUS_UPPER);
     saltus_system *system = build(&spec);
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_classify_options classify = saltus_classify_defaults();
     saltus_motion motion;
     double state[dimension_max] = {0};
@@ -150,7 +150,7 @@ static void refused_sections(void **unused) {
     saltus_spec spec = pipe_spec(2, 20);
     saltus_system *system = build(&spec);
     saltus_flow_options options = saltus_flow_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_map *map;
     saltus_section section = saltus_section_defaults();
     section.phase = 1;
@@ -180,7 +180,7 @@ static void short_patience(void **unused) {
     add_stop(&spec, 0.5, 0.9, SALTUS_UPPER);
     saltus_system *system = build(&spec);
     saltus_flow_options options = saltus_flow_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_section section = saltus_section_defaults();
     saltus_map *map;
     saltus_event event;
@@ -218,7 +218,7 @@ static void sections_are_checked(void **unused) {
     for (size_t k = 0; k < sizeof rows / sizeof rows[0]; k++) {
         saltus_section section = {(saltus_section_kind)rows[k].kind, rows[k].phase, rows[k].iterate,
                                   rows[k].patience};
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         saltus_map *map = (saltus_map *)1;
         saltus_status status = saltus_map_new(system, &section, &options, false, &map, &message);
         assert_int_equal(status, rows[k].right ? SALTUS_OK : SALTUS_BAD_INPUT);
@@ -232,7 +232,7 @@ static void sections_are_checked(void **unused) {
     saltus_map_free(NULL);
     options.rtol = 1;
     saltus_map *map = NULL;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     assert_int_equal(saltus_map_new(system, &d, &options, true, &map, &message), SALTUS_BAD_INPUT);
     assert_null(map);
     saltus_system_free(system);
@@ -251,7 +251,7 @@ static void patience_is_counted_in_periods(void **unused) {
         spec.stop_count = impact;
         saltus_section section = {impact ? SALTUS_SECTION_IMPACT : SALTUS_SECTION_TURNING, 0, 1,
                                   after + (enough ? 0.01 : -0.01)};
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         saltus_event event;
         saltus_system *system = build(&spec);
         saltus_map *map = NULL;
@@ -283,7 +283,7 @@ static void iterates_are_steps_in_a_row(void **unused) {
                        *three = open_map(system, (saltus_section_kind)kind, 0.4, 3, false);
             const int n = saltus_system_dimension(system), m = saltus_map_dimension(one);
             double point[scene_dimension_max], a[scene_dimension_max], b[scene_dimension_max];
-            saltus_message message = {""};
+            saltus_message message = {.text = ""};
             saltus_event last, event;
             memcpy(point, s.state, sizeof point);
             if (kind > 0)
@@ -327,7 +327,7 @@ static void patience_may_end_with_a_period(void **unused) {
             const double phase = 0.25 * k, patience = 1 - phase + wait;
             saltus_section section = {SALTUS_SECTION_IMPACT, 0, 1, patience};
             saltus_flow_options options = saltus_flow_defaults();
-            saltus_message message = {""};
+            saltus_message message = {.text = ""};
             saltus_event event;
             saltus_system *system = build(&spec);
             saltus_map *map = NULL;
@@ -355,7 +355,7 @@ static void failed_steps_leave_the_point(void **unused) {
     saltus_system *system = build(&spec);
     saltus_section section = {SALTUS_SECTION_IMPACT, 0, 2, 0.375};
     saltus_flow_options options = saltus_flow_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_map *map = NULL;
     double point[3] = {1, 0, 0.125}, twice[2][9];
     const double kept[3] = {1, 0, 0.125};
@@ -403,7 +403,7 @@ static void derivatives_pass_all_events(void **unused) {
             scene s = scene_of((scene_name)name);
             saltus_system *system = build(&s.spec);
             saltus_flow_options options = saltus_flow_defaults();
-            saltus_message message = {""};
+            saltus_message message = {.text = ""};
             const int n = saltus_system_dimension(system);
             double columns[scene_dimension_max * scene_dimension_max], image[2][scene_dimension_max];
             options.integrator = (saltus_integrator)integrator;

@@ -17,7 +17,7 @@ static void stepping_never_allocates(void **unused) {
         add_stop(&spec, 0.025, 0.9, SALTUS_UPPER);
         saltus_system *system = build(&spec);
         saltus_flow_options options = saltus_flow_defaults();
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         double state[10];
         options.columns = 10;
         options.integrator = (saltus_integrator)integrator;
@@ -36,7 +36,7 @@ static void stepping_never_allocates(void **unused) {
 static saltus_status classify_once(void) {
     saltus_spec spec = pipe_spec(2, 42);
     saltus_system *system = NULL;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_motion motion = {0};
     double state[4] = {0.001, 0, 0, 0};
     add_stop(&spec, 0.03, 0.9, SALTUS_UPPER);

@@ -8,7 +8,7 @@ enum { dimension_max = 20 };
 static saltus_motion classify(const saltus_spec *spec, const double *state, long long transient) {
     saltus_system *system = build(spec);
     saltus_classify_options options = saltus_classify_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_motion motion;
     double start[dimension_max];
     options.transient = transient;
@@ -82,7 +82,7 @@ static void a_rest_is_what_newtons_method_finds(void **unused) {
         saltus_system *system = build(&spec);
         saltus_classify_options options = saltus_classify_defaults();
         saltus_orbit_options shooting = saltus_orbit_defaults();
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         saltus_orbit rest;
         double state[4];
         check_ok(saltus_system_default_state(system, state, &message), &message);
@@ -182,7 +182,7 @@ static void seeds_are_reproducible(void **unused) {
     add_stop(&spec, 0.03, 0.9, SALTUS_UPPER);
     saltus_system *system = build(&spec);
     saltus_classify_options options = saltus_classify_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_attractors found, again;
     check_ok(saltus_attractors_find(system, 25, 7, &options, &found, &message), &message);
     assert_int_equal(found.count, 1);
@@ -202,7 +202,7 @@ static void mirror_pairs_are_two(void **unused) {
     add_stop(&spec, 0.035, 0.8, SALTUS_BOTH);
     saltus_system *system = build(&spec);
     saltus_classify_options options = saltus_classify_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_attractors found;
     check_ok(saltus_attractors_find(system, 30, 1, &options, &found, &message), &message);
     assert_int_equal(found.count, 2);
@@ -228,7 +228,7 @@ static void chaos_is_undecided(void **unused) {
     add_stop(&spec, 0.035, 0.9, SALTUS_UPPER);
     saltus_system *system = build(&spec);
     saltus_classify_options options = saltus_classify_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_motion motion;
     long long seen = 0;
     double state[dimension_max];

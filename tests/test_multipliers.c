@@ -217,7 +217,7 @@ static void check_prescribed(const prescribed *p, unsigned long seed, double tol
     int n = p->n;
     double *segments = build_cocycle(p, seed), log_volume, sum = 0;
     saltus_multiplier found[n_max];
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     bool claimed[n_max] = {false};
     check_ok(saltus_cocycle_multipliers(segments, n, p->count, 0, found, &log_volume, &message), &message);
     for (int i = 0; i < n; i++) {
@@ -378,7 +378,7 @@ static void quad_multipliers(const double *segments, int n, int count, saltus_mu
 static saltus_cocycle run_cocycle(const saltus_system *system, int periods, const double *state,
                                   double phase) {
     const saltus_flow_options options = saltus_flow_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_cocycle cocycle = {0};
     saltus_flow *flow = NULL;
     check_ok(saltus_flow_single(system, saltus_system_dimension(system), &options, &flow, &message),
@@ -398,7 +398,7 @@ static void orbits_in_quadruple_precision(void **unused) {
     for (int f = 0; f < 3; f++) {
         reference r = read_reference(names[f]);
         saltus_system *system = build(&r.spec);
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         saltus_multiplier found[n_max], expected[n_max], other[n_max];
         double log_volume, shifted[n_max];
         saltus_cocycle cocycle = run_cocycle(system, r.periods, r.states[0], 0);
@@ -434,7 +434,7 @@ static void sticking_orbit(void **unused) {
     (void)unused;
     reference r = read_reference("chatter25");
     saltus_system *system = build(&r.spec);
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_multiplier mu[n_max];
     double log_volume, sum = 0;
     saltus_cocycle cocycle = run_cocycle(system, r.periods, r.states[0], 0);
@@ -460,7 +460,7 @@ static void uncoupled_modes(void **unused) {
     set_parameter(&spec, "beta", 0);
     set_parameter(&spec, "sigma", 0);
     saltus_system *system = build(&spec);
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_multiplier found[2 * modes];
     double rest[2 * modes] = {0}, log_volume, period = saltus_system_period(system);
     bool claimed[2 * modes] = {false};
@@ -490,7 +490,7 @@ static void impact_without_rebound(void **unused) {
     add_stop(&spec, d, 0, SALTUS_UPPER);
     saltus_system *system = build(&spec);
     saltus_classify_options options = saltus_classify_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_motion motion;
     double state[2];
     check_ok(saltus_system_default_state(system, state, &message), &message);
@@ -507,7 +507,7 @@ static void impact_without_rebound(void **unused) {
 
 static saltus_equilibrium find_equilibrium(const saltus_system *system, const double *guess) {
     saltus_equilibrium_options options = saltus_equilibrium_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_equilibrium found;
     check_ok(saltus_equilibrium_find(system, guess, &options, &found, &message), &message);
     return found;
@@ -567,7 +567,7 @@ static void equilibria_and_multipliers(void **unused) {
         add_stop(&spec, rows[k][1], 0.9, SALTUS_UPPER);
         saltus_system *system = build(&spec);
         saltus_classify_options options = saltus_classify_defaults();
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         saltus_motion motion;
         saltus_multiplier mu[24];
         double guess[24] = {0.03}, log_volume, period = saltus_system_period(system);
@@ -659,7 +659,7 @@ static void maxwell_equilibrium(void **unused) {
 static void refused_equilibria(void **unused) {
     (void)unused;
     saltus_equilibrium_options options = saltus_equilibrium_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_equilibrium found;
     double guess[4] = {0.1, 0, 0, 0};
     for (int masses = 1; masses <= 2; masses++) {

@@ -40,7 +40,7 @@ static void solutions_are_found(void **state) {
     for (int unknowns = 3; unknowns <= made_unknowns_max; unknowns += 2)
         for (int k = 0; k < 20; k++) {
             made m;
-            saltus_message message = {""};
+            saltus_message message = {.text = ""};
             double exact[made_unknowns_max], tangent[made_unknowns_max], u[made_unknowns_max];
             int iterations;
             made_open_helix(&m, unknowns, &seed);
@@ -64,7 +64,7 @@ static void hyperplanes_are_kept_to(void **state) {
     for (int unknowns = 3; unknowns <= made_unknowns_max; unknowns += 2)
         for (int k = 0; k < 20; k++) {
             made m;
-            saltus_message message = {""};
+            saltus_message message = {.text = ""};
             double exact[made_unknowns_max], normal[made_unknowns_max], anchor[made_unknowns_max],
                 u[made_unknowns_max], on[made_unknowns_max], unused[made_unknowns_max];
             int iterations;
@@ -95,7 +95,7 @@ static void arc(const made *m, const double *u, double *residual, double *jacobi
 static void damping_reaches_further(void **state) {
     (void)state;
     made m;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     int iterations;
     made_open(&m, 2, arc, 0, 0);
     for (int damped = 0; damped < 2; damped++) {
@@ -126,7 +126,7 @@ static void tell(void *context, int iteration, double residual, const char *unkn
 static void convergence_is_quadratic(void **state) {
     (void)state;
     made m;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     told t = {.count = 0};
     double u[2] = {0.9, 0.6};
     int iterations, squares = 0;
@@ -152,7 +152,7 @@ static void convergence_is_quadratic(void **state) {
 static void failures_are_told_apart(void **state) {
     (void)state;
     made m;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     int iterations;
     made_open(&m, 2, made_parabola, 1, 0);
     double none[2] = {0.3, -1};
@@ -185,7 +185,7 @@ static void failed_evaluations(void **state) {
     for (int shortest = 0; shortest < 2; shortest++)
         for (int f = 0; f < 4; f++)
             for (int k = 1; k < 4; k++) {
-                saltus_message message = {""};
+                saltus_message message = {.text = ""};
                 double u[2] = {0.9, 0.6}, start[2] = {0.9, 0.6};
                 made_count(&m, k, failures[f]);
                 saltus_status status = shortest
@@ -220,7 +220,7 @@ static void shortest_steps(void **state) {
     (void)state;
     unsigned long long seed = 3;
     made m;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     made_open(&m, 3, sphere, 2, 0);
     m.e.count = 1;
     for (int k = 0; k < 40; k++) {
@@ -270,7 +270,7 @@ static void tangents_and_determinants(void **state) {
     for (int unknowns = 3; unknowns <= made_unknowns_max; unknowns += 2)
         for (int k = 0; k < 20; k++) {
             made m;
-            saltus_message message = {""};
+            saltus_message message = {.text = ""};
             double u[made_unknowns_max], exact[made_unknowns_max], guide[made_unknowns_max],
                 tangent[made_unknowns_max], log_modulus;
             long double rows[made_unknowns_max * made_unknowns_max];
@@ -301,7 +301,7 @@ static void tangents_and_determinants(void **state) {
 static void places_without_tangent(void **state) {
     (void)state;
     made m;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     double tangent[2], log_modulus, guide[2] = {1, 0}, top[2] = {0, 1}, cross[2] = {0.5, -2};
     int sign;
     made_open(&m, 2, made_ellipse, 1, 1);
@@ -325,7 +325,7 @@ static void places_without_tangent(void **state) {
 static void null_planes(void **state) {
     (void)state;
     unsigned long long seed = 5;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     double vectors[2 * made_unknowns_max], values[2];
     made m;
     for (int unknowns = 3; unknowns <= made_unknowns_max; unknowns += 2) {
@@ -359,7 +359,7 @@ static void null_planes(void **state) {
 static void lack_of_memory(void **state) {
     (void)state;
     made m;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     double u[3] = {1, 2, 2}, vectors[6], values[2];
     int iterations;
     made_open(&m, 3, sphere, 2, 0);

@@ -1203,7 +1203,7 @@ static void paper_is_quick_and_resumes(void **state) {
 /* The state after some time from a scene with one setting more; where the scene refuses it, the test fails.
  */
 static void settle(const saltus_scene *scene, const char *setting, double *state) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_scene changed = *scene;
     saltus_trajectory record;
     saltus_flow_options options = saltus_flow_defaults();
@@ -1240,7 +1240,7 @@ static void each_key_of_a_scene_changes_the_motion(void **state) {
                   {"two-mass", masses, sizeof masses / sizeof masses[0]}};
     (void)state;
     for (int s = 0; s < 2; s++) {
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         saltus_scene scene;
         double plain[SALTUS_SCENE_STATE_MAX], moved[SALTUS_SCENE_STATE_MAX];
         int parameters;

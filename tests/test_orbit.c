@@ -41,7 +41,7 @@ static void check_quadratic(const history *h) {
 
 static saltus_orbit find(const saltus_system *system, int periods, const double *guess,
                          const saltus_orbit_options *options) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_orbit orbit;
     check_ok(saltus_orbit_find(system, periods, guess, options, &orbit, &message), &message);
     return orbit;
@@ -178,7 +178,7 @@ static void sticking_orbit(void **unused) {
 /* Newton's method on the stroboscopic map as it stands in textbooks: whole steps, no more. */
 static bool plain_newton(const saltus_system *system, int periods, const double *guess, double *state) {
     saltus_flow_options options = saltus_flow_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_flow *flow = NULL;
     const saltus_time begin = {0, 0}, end = {periods, 0};
     double residual[2] = {INFINITY, 0}, m[4], after[2];
@@ -307,7 +307,7 @@ static void small_multipliers_with_impacts(void **unused) {
         saltus_system *system = build(&spec);
         saltus_classify_options options = saltus_classify_defaults();
         saltus_motion motion;
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         double state[4] = {0}, values[4];
         check_ok(saltus_classify(system, state, &options, &motion, &message), &message);
         assert_int_equal(motion.verdict, SALTUS_PERIODIC);
@@ -339,7 +339,7 @@ static void check_fails(const saltus_spec *spec, int periods, double x, double v
                         const char *cause) {
     saltus_system *system = build(spec);
     saltus_orbit_options options = saltus_orbit_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_orbit orbit;
     double guess[2] = {x, v};
     history h = {0};
@@ -389,7 +389,7 @@ static void families_of_orbits(void **unused) {
             add_stop(&spec, 0, 1, SALTUS_UPPER);
         saltus_system *system = build(&spec);
         saltus_orbit_options options = saltus_orbit_defaults();
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         saltus_orbit orbit;
         double guess[2] = {-0.3, 0.2};
         saltus_status status = saltus_orbit_find(system, 1, guess, &options, &orbit, &message);
@@ -460,7 +460,7 @@ static void searches_at_random(void **unused) {
         saltus_spec spec = closed_spec(&o);
         saltus_system *system = build(&spec);
         saltus_orbit_options options = saltus_orbit_defaults();
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         saltus_orbit orbit;
         double guess[2] = {(double)through.state[0], (double)through.state[1]}, state[2];
         saltus_status status = saltus_orbit_find(system, o.periods, guess, &options, &orbit, &message);
@@ -548,7 +548,7 @@ static void iterations_are_limited(void **unused) {
     double guess[2] = {(double)closed.state[0] + 0.05, (double)closed.state[1] - 0.05};
     history whole = {0};
     saltus_orbit_options options = saltus_orbit_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     options.history = remember;
     options.context = &whole;
     saltus_orbit orbit = find(system, 1, guess, &options);
@@ -597,7 +597,7 @@ static void a_step_that_does_not_help_is_taken_back(void **unused) {
         saltus_spec spec = closed_spec(&o);
         saltus_system *system = build(&spec);
         saltus_orbit_options options = saltus_orbit_defaults();
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         saltus_orbit orbit, again;
         history h = {0};
         const double state[2] = {(double)closed.state[0], (double)closed.state[1]};
@@ -651,7 +651,7 @@ static void requests_out_of_range_are_refused(void **unused) {
         const double guess[2] = {0.2, 0.1};
         for (size_t k = 0; k < sizeof rows / sizeof rows[0]; k++) {
             saltus_orbit_options options = saltus_orbit_defaults();
-            saltus_message message = {""};
+            saltus_message message = {.text = ""};
             saltus_orbit orbit;
             options.iterations = rows[k].iterations;
             options.phase = rows[k].phase;
@@ -693,7 +693,7 @@ static void period_unknown(void **unused) {
         for (int pass = 0; pass < 2; pass++) {
             double x = rows[row].x, v = rows[row].v;
             saltus_orbit_options options = saltus_orbit_defaults();
-            saltus_message message = {""};
+            saltus_message message = {.text = ""};
             saltus_orbit orbit;
             double guess[2] = {x, v};
             history h = {0};
@@ -733,7 +733,7 @@ static void period_unknown(void **unused) {
     }
     saltus_spec spec = oscillator_spec(0.1, 1, 1, 1), found;
     saltus_orbit_options options = saltus_orbit_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_orbit orbit;
     double guess[2] = {0.1, 0};
     assert_int_equal(saltus_orbit_find_period(&spec, 1, guess, &options, &orbit, &found, &message),

@@ -17,7 +17,7 @@ typedef struct family {
 } family;
 
 static void open_family(family *f, const closed_oscillator *o, const char *key, double unit) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     *f = (family){.o = *o, .key = key};
     saltus_orbits *orbits = &f->orbits;
     orbits->options = saltus_orbit_defaults();
@@ -78,7 +78,7 @@ static saltus_sequence sequence_of(const saltus_orbits *orbits, const closed_orb
 /* The orbit at a value of the parameter becomes a solution that heads up or down. */
 static void place_closed(family *f, const closed_orbit *orbit, double share, int heading,
                          saltus_solution *out) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     closed_oscillator o = orbit->oscillator;
     double state[2], parameter = saltus_orbits_parameter(&f->orbits, (double)*closed_value(&o, f->key));
     saltus_sequence s = sequence_of(&f->orbits, orbit, share, state);
@@ -157,7 +157,7 @@ static void solutions_are_the_closed_orbits(void **state) {
         family f;
         closed_orbit orbit;
         saltus_solution s = {0}, to = {0};
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         double beside[2];
         open_begin(k, &f, &orbit);
         for (double share = 0.2; share < 0.9; share += 0.3) {
@@ -225,7 +225,7 @@ static void surveys_tell_the_multipliers(void **state) {
         family f;
         closed_orbit orbit;
         saltus_solution s = {0};
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         char label[SALTUS_LABEL_MAX];
         open_begin(k, &f, &orbit);
         place_closed(&f, &orbit, 0.5, 1, &s);
@@ -260,7 +260,7 @@ static void states_in_between(void **state) {
         family f;
         closed_orbit orbit;
         saltus_solution s = {0};
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         open_begin(k, &f, &orbit);
         place_closed(&f, &orbit, 0.4, 1, &s);
         for (double share = 0; share < 1; share += 0.0625) {
@@ -285,7 +285,7 @@ static void halves_and_images(void **state) {
         family f;
         closed_orbit orbit;
         saltus_solution s = {0}, twice = {0};
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         saltus_sequence both;
         open_begin(k, &f, &orbit);
         place_closed(&f, &orbit, 0.5, 1, &s);
@@ -377,7 +377,7 @@ static void swap(saltus_solution *a, saltus_solution *b) {
 
 /* Steps from a known orbit until a test changes its sign between `from` and `to`. */
 static void step_over(family *f, const known_point *p, saltus_solution *from, saltus_solution *to) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     closed_orbit begin;
     closed_oscillator o = closed_example_of(p->example);
     double step = 0.01;
@@ -436,7 +436,7 @@ static void values_are_met(void **state) {
     family f;
     closed_orbit orbit;
     saltus_solution from = {0}, to = {0}, at = {0};
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     open_begin(0, &f, &orbit);
     place_closed(&f, &orbit, 0.5, 1, &from);
     check_ok(saltus_solution_visit(&f.orbits, &from, 0.02, &to, &message), &message);
@@ -461,7 +461,7 @@ static void all_of_a_step_is_found(void **state) {
         const known_point *p = &known_points[k];
         family f;
         saltus_solution from = {0}, to = {0}, at = {0};
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         saltus_special found[8];
         if (p->test == SALTUS_TEST_BREACH)
             continue;
@@ -508,7 +508,7 @@ static void branches_leave_along_null_vectors(void **state) {
         const known_point *p = &known_points[k];
         family f;
         saltus_solution from = {0}, to = {0}, at = {0}, first = {0};
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         saltus_starts starts = {0};
         saltus_branch_start like = {.parent = 3, .depth = 2};
         bool flips = p->kind == SALTUS_POINT_PD;
@@ -560,7 +560,7 @@ static void grazing_is_passed(void **state) {
         const known_point *p = &known_points[k];
         family f;
         saltus_solution from = {0}, to = {0}, at = {0}, here = {0}, next = {0};
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         saltus_sequence beyond;
         saltus_change change;
         saltus_starts starts = {0};
@@ -622,7 +622,7 @@ static void changes_are_leapt_over(void **state) {
             const known_point *p = &known_points[k];
             family f;
             saltus_solution from = {0}, to = {0}, at = {0}, here = {0}, scratch = {0};
-            saltus_message message = {""};
+            saltus_message message = {.text = ""};
             saltus_change change;
             if (p->kind != SALTUS_POINT_GR || p->example != closed_two_periods)
                 continue;
@@ -670,7 +670,7 @@ static void starts_are_kept(void **state) {
     (void)state;
     enum { count = 20, n = 3, unknowns = 7 };
     saltus_starts starts = {0};
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     double values[n], tangent[unknowns];
     for (int k = 0; k < count; k++) {
         for (int i = 0; i < n; i++)

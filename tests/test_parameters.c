@@ -59,7 +59,7 @@ static void differentiate(const motion *m, const saltus_direction *direction, do
 static saltus_flow *open_columns(const motion *m, const saltus_system *system,
                                  const saltus_direction *directions, int count) {
     saltus_flow_options options = saltus_flow_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_flow *flow = NULL;
     options.rtol = 1e-14;
     options.integrator = m->integrator;
@@ -73,7 +73,7 @@ static saltus_flow *open_columns(const motion *m, const saltus_system *system,
 
 static saltus_direction direction_of(const saltus_spec *spec, const char *key, double *value) {
     saltus_direction direction;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     check_ok(saltus_spec_direction(spec, key, &direction, value, &message), &message);
     return direction;
 }
@@ -415,7 +415,7 @@ static void combined_directions(void **unused) {
 
 /* State and tangent vectors at the end of a motion, in one array. */
 static void record(const motion *m, saltus_flow *flow, double *out) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     check_ok(saltus_flow_start(flow, 0, (saltus_time){0, m->start}, m->state, &message), &message);
     advance(flow, m->end, 0);
     saltus_flow_state(flow, 0, out);
@@ -426,7 +426,7 @@ static void record(const motion *m, saltus_flow *flow, double *out) {
 static void check_retune(const motion *from, const motion *to, const char *key) {
     double fresh[(columns_max + 1) * dimension_max] = {0}, retuned[(columns_max + 1) * dimension_max] = {0};
     saltus_direction direction = direction_of(&to->spec, key, NULL);
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_system *first = build(&from->spec), *second = build(&to->spec);
     for (int count = 0; count < 2; count++) {
         saltus_flow *flow = open_columns(to, second, &direction, count);
@@ -476,7 +476,7 @@ static void retuned_masses(void **unused) {
 static void retuned_lane(void **unused) {
     (void)unused;
     motion one = chattering_mass(), two = one;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_flow_options options = saltus_flow_defaults();
     saltus_flow *flow = NULL;
     saltus_event event;
@@ -503,7 +503,7 @@ static void retuned_lane(void **unused) {
 
 static void unlike_systems_are_refused(void **unused) {
     (void)unused;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_spec spec = pipe_spec(5, 20), other = spec;
     saltus_flow_options options = saltus_flow_defaults();
     saltus_flow *flow = NULL;
@@ -523,7 +523,7 @@ static void unlike_systems_are_refused(void **unused) {
 }
 
 static void refused(const saltus_spec *spec, const char *key, const char *sentence) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_direction direction;
     assert_int_equal(saltus_spec_direction(spec, key, &direction, NULL, &message), SALTUS_BAD_INPUT);
     if (!strstr(message.text, sentence))
@@ -532,7 +532,7 @@ static void refused(const saltus_spec *spec, const char *key, const char *senten
 
 static void directions_by_key(void **unused) {
     (void)unused;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_direction direction;
     double value;
     saltus_spec spec = pipe_spec(5, 20);

@@ -12,13 +12,13 @@ static saltus_time at(double periods) {
 }
 
 static void coast(saltus_flow *flow, double until, saltus_extreme *extremes) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     check_ok(saltus_flow_coast(flow, 0, at(until), extremes, &message), &message);
 }
 
 static saltus_flow *open_placed(const saltus_system *system, const saltus_flow_options *options, double phase,
                                 const double *state, unsigned contacts) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_flow *flow = NULL;
     check_ok(saltus_flow_new(&system, 1, options, &flow, &message), &message);
     check_ok(saltus_flow_place(flow, 0, (saltus_time){0, phase}, state, contacts, &message), &message);
@@ -173,7 +173,7 @@ static void a_coast_only_raises_its_extremes(void **unused) {
     scene s = scene_of(scene_two_sided_mass);
     saltus_system *system = build(&s.spec);
     saltus_flow_options options = saltus_flow_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_extreme extremes[SALTUS_FACES_MAX];
     forget(extremes);
     extremes[0] = (saltus_extreme){.value = 1e3, .time = {-7, 0.5}};
@@ -210,7 +210,7 @@ static void perform(const scene *s, const program *p, saltus_integrator integrat
                     const saltus_direction *directions, int carried, result *r) {
     saltus_system *system = build(&s->spec);
     saltus_flow_options options = saltus_flow_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     const int n = saltus_system_dimension(system);
     options.integrator = integrator;
     options.directions = directions ? 1 : 0;
@@ -333,7 +333,7 @@ static void check_program(const scene *s, const program *p, saltus_integrator in
     int length;
     for (const char *from = keys; sscanf(from, "%15s%n", key, &length) == 1; from += length) {
         saltus_direction direction;
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         double value;
         check_ok(saltus_spec_direction(&s->spec, key, &direction, &value, &message), &message);
         scene moved = *s;
@@ -354,7 +354,7 @@ static void strikes_follow_their_laws(const scene *s, const program *p) {
     stress_model m;
     saltus_system *system = build(&s->spec);
     saltus_flow_options options = saltus_flow_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     const int n = saltus_system_dof(system);
     unsigned contacts = 0;
     double before[scene_dimension_max], after[scene_dimension_max], shift[scene_dimension_max], a[64],
@@ -436,7 +436,7 @@ static void impossible_strikes_are_refused(void **unused) {
     scene s = scene_of(scene_two_sided_mass);
     saltus_system *system = build(&s.spec);
     saltus_flow_options options = saltus_flow_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     double shift[scene_dimension_max];
     saltus_strike strike = {.shift = shift};
     saltus_flow *flow = open_placed(system, &options, s.phase, s.state, 0);
@@ -464,7 +464,7 @@ static void coasts_go_forwards(void **unused) {
     scene s = scene_of(scene_two_sided_mass);
     saltus_system *system = build(&s.spec);
     saltus_flow_options options = saltus_flow_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_extreme extremes[SALTUS_FACES_MAX];
     static const saltus_time until[] = {{2, 0.25}, {2, 0.2}, {1, 0.75}, {2, NAN}};
     double before[2], after[2];
@@ -495,7 +495,7 @@ static void a_placed_lane_begins_anew(void **unused) {
         saltus_system *system = build(&s.spec);
         const int n = saltus_system_dimension(system), dof = saltus_system_dof(system);
         saltus_flow_options options = saltus_flow_defaults();
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         saltus_direction direction;
         saltus_flow *flow = NULL;
         double state[scene_dimension_max], columns[scene_columns_max * scene_dimension_max];

@@ -111,7 +111,7 @@ static void defaults_are_those_of_the_specification(void **unused) {
 }
 
 static void expect(const saltus_spec *spec, bool right, const char *name, double value) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_system *system = (saltus_system *)1;
     saltus_status status = saltus_system_new(spec, &system, &message);
     if ((status == SALTUS_OK) != right || (status != SALTUS_OK && status != SALTUS_BAD_INPUT))
@@ -178,7 +178,7 @@ static void ranges_hold_at_their_ends(void **unused) {
 }
 
 static void refuse(const saltus_spec *spec, const char *word) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_system *system = (saltus_system *)1;
     assert_int_equal(saltus_system_new(spec, &system, &message), SALTUS_BAD_INPUT);
     assert_null(system);
@@ -190,7 +190,7 @@ static void refuse(const saltus_spec *spec, const char *word) {
  * stand on parallel coordinates of another length. */
 static void stops_must_fit_together(void **unused) {
     (void)unused;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_system *system = NULL;
     saltus_spec spec = {.model = NULL};
     refuse(&spec, "model");
@@ -399,7 +399,7 @@ static void nothing_decays_faster_than_the_bound(void **unused) {
  * between pre-loaded stops. Stops that exclude each other are told of. */
 static void default_states_are_admissible(void **unused) {
     (void)unused;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     double state[scene_dimension_max];
     for (int k = 0; k < 40; k++) {
         scene s = k % 2 ? scene_pipe(1 + k % 4, 20) : scene_chain(0.1, 1, 0.5, 1);
@@ -438,7 +438,7 @@ static void states_are_checked(void **unused) {
     (void)unused;
     scene s = scene_of(scene_struck_chain);
     saltus_system *system = build(&s.spec);
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     const double d = s.spec.stops[1].d, weight = s.spec.stops[1].weight[1];
     double state[4] = {0.3, d / weight, 0, 0};
     check_ok(saltus_system_check_state(system, state, &message), &message);
@@ -460,7 +460,7 @@ static void states_are_checked(void **unused) {
 /* A direction moves its key and nothing else; a common key moves all stops. */
 static void directions_move_their_key_alone(void **unused) {
     (void)unused;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     scene s = scene_pipe(3, 20);
     scene_stop(&s, 0.03, 0.9, SALTUS_UPPER);
     scene_stop(&s, 0.03, 0.9, SALTUS_LOWER)->xi = 0.3;
@@ -538,7 +538,7 @@ static void columns_of_the_caller_do_not_matter(void **unused) {
     (void)unused;
     scene s = scene_of(scene_two_sided_mass);
     saltus_system *system = build(&s.spec);
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     double image[2][2], derivative[2][4], found[2][2], settled[2][2];
     for (int asked = 0; asked < 2; asked++) {
         saltus_flow_options options = saltus_flow_defaults();

@@ -64,7 +64,7 @@ static bool runs_stiff(const saltus_system *system, const saltus_flow_options *o
 static outcome run_scene(int scene, tally *all) {
     gsl_rng *rng = gsl_rng_alloc(gsl_rng_mt19937);
     stress_case c;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_system *system = NULL;
     memset(&c, 0, sizeof c);
     gsl_rng_set(rng, (unsigned long)scene + 1);

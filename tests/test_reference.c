@@ -58,7 +58,7 @@ static void shooting_converges(void **unused) {
         reference r = read_reference(names[f]);
         saltus_system *system = build(&r.spec);
         saltus_orbit_options options = saltus_orbit_defaults();
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         saltus_orbit orbit;
         double guess[reference_dimension];
         for (int i = 0; i < r.n; i++)
@@ -98,7 +98,7 @@ static void classification_agrees(void **unused) {
         reference r = read_reference(names[f]);
         saltus_system *system = build(&r.spec);
         saltus_classify_options options = saltus_classify_defaults();
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         saltus_motion motion;
         double start[reference_dimension], closest = INFINITY;
         check_ok(saltus_system_default_state(system, start, &message), &message);

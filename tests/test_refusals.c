@@ -227,7 +227,7 @@ static void what_a_run_goes_on_from_is_checked(void **state) {
     static const char damaged[] =
         "--resume: b.h5: what the run goes on from is damaged or belongs to another run";
     fixture *f = *state;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_scene scene;
     saltus_branch_file file;
     saltus_branch *branch;

@@ -606,7 +606,7 @@ static void spectra_go_where_they_can(void **state) {
     make_spectra(&m, SALTUS_SPECTRUM_LINES);
     assert_non_null(mkdtemp(folder));
     for (size_t k = 0; k < sizeof rows / sizeof rows[0]; k++) {
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         snprintf(path, sizeof path, "%s/%s", folder, rows[k].name);
         saltus_status status =
             saltus_spectra_write(&s.scene, s.system, &made_motion, &m.s, &flow, path, &message);

@@ -53,7 +53,7 @@ static void rows_and_motions_agree(void **unused) {
 /* What a branch through the orbit says of its first point. */
 static void check_branch_label(const saltus_spec *spec, const saltus_motion *motion, const char *label) {
     saltus_branch_options options = saltus_branch_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_branch *branch;
     const saltus_branch_point *point;
     double omega = spec->parameters[saltus_model_parameter_index(spec->model, "omega")];
@@ -92,7 +92,7 @@ static void chatter_is_told_alike(void **unused) {
         check_branch_label(&scene.spec, &motion, motion.label);
         saltus_harvest_options search = saltus_harvest_defaults();
         saltus_harvest harvest;
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         search.longest = 1;
         search.periods = 50;
         search.state = motion.state;

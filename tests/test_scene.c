@@ -17,7 +17,7 @@
 
 static saltus_scene parse(const char *text) {
     saltus_scene scene;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     if (saltus_scene_parse(text, strlen(text), "my.yaml", &scene, &message) != SALTUS_OK)
         fail_msg("%s", message.text);
     return scene;
@@ -25,7 +25,7 @@ static saltus_scene parse(const char *text) {
 
 static saltus_scene load(const char *name) {
     saltus_scene scene;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     if (saltus_scene_load(name, &scene, &message) != SALTUS_OK)
         fail_msg("%s", message.text);
     return scene;
@@ -39,7 +39,7 @@ static void expect_words(const saltus_message *message, const char *words, const
 /* The text is refused, and the message begins with these words. */
 static void refused(const char *text, const char *words) {
     saltus_scene scene, before;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     memset(&scene, 0x5a, sizeof scene);
     before = scene;
     assert_int_equal(saltus_scene_parse(text, strlen(text), "my.yaml", &scene, &message), SALTUS_BAD_INPUT);
@@ -50,14 +50,14 @@ static void refused(const char *text, const char *words) {
 }
 
 static void set(saltus_scene *scene, const char *assignment) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     if (saltus_scene_set(scene, assignment, &message) != SALTUS_OK)
         fail_msg("%s: %s", assignment, message.text);
 }
 
 static void set_refused(const saltus_scene *scene, const char *assignment, const char *words) {
     saltus_scene changed = *scene;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     assert_int_equal(saltus_scene_set(&changed, assignment, &message), SALTUS_BAD_INPUT);
     assert_memory_equal(&changed, scene, sizeof changed);
     expect_words(&message, words, assignment);
@@ -78,7 +78,7 @@ static void builtin_scenes_build(void **state) {
     for (int k = 0; k < saltus_scene_builtin_count(); k++) {
         saltus_scene scene = load(saltus_scene_builtin_name(k));
         saltus_system *system = NULL;
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         double start[SALTUS_SCENE_STATE_MAX];
         assert_string_equal(scene.name, saltus_scene_builtin_name(k));
         assert_true(scene.title[0] != '\0');
@@ -294,7 +294,7 @@ static void bad_initial_states(void **state) {
 static void not_text(void **state) {
     (void)state;
     saltus_scene scene;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     refused("model: pipe\n# \xc3\x28\n", "my.yaml:2: not a text file in UTF-8 (byte 0xc3)");
     refused("model: pipe\n\n# \x1b[31m\n", "my.yaml:3: not a text file (it holds the byte 0x1b)");
     refused("\xff\xfem", "not a text file in UTF-8");
@@ -317,7 +317,7 @@ static void hostile_texts(void **state) {
     assert_non_null(text);
     for (size_t u = 0; u < sizeof units / sizeof units[0]; u++) {
         saltus_scene scene;
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         size_t length = strlen(units[u]);
         for (size_t k = 0; k < size; k++)
             text[k] = units[u][k % length];
@@ -337,7 +337,7 @@ static void write_file(const char *path, const char *text) {
 
 static void load_refused(const char *source, saltus_status status, const char *words) {
     saltus_scene scene;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     assert_int_equal(saltus_scene_load(source, &scene, &message), status);
     expect_words(&message, words, source);
 }

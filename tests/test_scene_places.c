@@ -246,7 +246,7 @@ static bool write_layout(const char *layout, int which, const char *instead, cha
 
 static saltus_scene parse(const char *text) {
     saltus_scene scene;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     if (saltus_scene_parse(text, strlen(text), "my.yaml", &scene, &message) != SALTUS_OK)
         fail_msg("%s\n%s", message.text, text);
     return scene;
@@ -255,7 +255,7 @@ static saltus_scene parse(const char *text) {
 /* The text is refused, with this line and these words next. */
 static void check_refusal(const char *text, int line, const char *words) {
     saltus_scene scene;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     char wanted[256];
     snprintf(wanted, sizeof wanted, "my.yaml:%d: %s", line, words);
     assert_int_equal(saltus_scene_parse(text, strlen(text), "my.yaml", &scene, &message), SALTUS_BAD_INPUT);
@@ -289,7 +289,7 @@ static void damage_value(const char *layout, int which, const site *s) {
         write_layout(layout, which, pair, text, &again);
         check_refusal(text, s->line, "");
         saltus_scene scene;
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         saltus_scene_parse(text, strlen(text), "my.yaml", &scene, &message);
         snprintf(words, sizeof words, "%s = %s: ", s->key, beyond[k].value);
         assert_non_null(strstr(message.text, words));

@@ -9,7 +9,7 @@
 static double apart(const saltus_branch_point *a, const saltus_branch_point *b) {
     saltus_system *system = build(&a->spec);
     saltus_flow_options options = saltus_flow_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     double image[4], direct = 0, mirrored = 0;
     bool shift;
     memcpy(image, b->state, (size_t)b->dimension * sizeof *image);
@@ -124,7 +124,7 @@ static void orbits_that_rest(void **unused) {
         add_stop(&spec, 0, rebounds ? 0.3 : 0, SALTUS_LOWER);
         saltus_system *system = build(&spec);
         saltus_classify_options how = saltus_classify_defaults();
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         saltus_motion motion;
         double state[2] = {0};
         check_ok(saltus_classify(system, state, &how, &motion, &message), &message);
@@ -151,7 +151,7 @@ static void tori(void **unused) {
     spec.stops[0].weight[1] = 1;
     saltus_system *system = build(&spec);
     saltus_classify_options how = saltus_classify_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_motion motion;
     double state[4] = {0};
     check_ok(saltus_classify(system, state, &how, &motion, &message), &message);

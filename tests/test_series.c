@@ -257,7 +257,7 @@ static saltus_series_points points_of(const sample *s) {
 static saltus_series_chaos judge_series(const double *series, long long count) {
     saltus_series_options options = saltus_series_defaults();
     saltus_series_chaos chaos;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     check_ok(saltus_series_chaos_test(series, count, &options, &chaos, &message), &message);
     assert_true(chaos.lower <= chaos.k && chaos.k <= chaos.upper);
     return chaos;
@@ -384,7 +384,7 @@ static void seeds_give_other_angles(void **unused) {
     sample s = make(logistic_397, 1000, 1);
     saltus_series_options options = saltus_series_defaults();
     saltus_series_chaos first, second;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     check_ok(saltus_series_chaos_test(s.values, s.count, &options, &first, &message), &message);
     options.seed = 2;
     check_ok(saltus_series_chaos_test(s.values, s.count, &options, &second, &message), &message);
@@ -409,7 +409,7 @@ static void long_series(void **unused) {
     (void)unused;
     saltus_series_options options = saltus_series_defaults();
     saltus_series_chaos chaos;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     options.frequencies = 5;
     sample s = make(sines, 15000, 1), c = make(logistic_397, 15000, 1);
     check_ok(saltus_series_chaos_test(s.values, s.count, &options, &chaos, &message), &message);
@@ -426,7 +426,7 @@ static saltus_series_dimension measure(const sample *s, const saltus_series_opti
     saltus_series_options defaults = saltus_series_defaults();
     saltus_series_points points = points_of(s);
     saltus_series_dimension dimension;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     check_ok(
         saltus_series_correlation_dimension(&points, options ? options : &defaults, &dimension, &message),
         &message);
@@ -584,7 +584,7 @@ static void weights_undo_scales(void **unused) {
     sample s = make(henon, 4000, 2);
     saltus_series_options options = saltus_series_defaults();
     saltus_series_dimension d = measure(&s, NULL), again = measure(&s, NULL), scaled;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     assert_true(d.dimension == again.dimension && d.error == again.error);
     for (long long i = 0; i < s.count; i++) {
         point(&s, i)[0] = 8 * point(&s, i)[0];
@@ -622,7 +622,7 @@ static void ceiling_is_told(void **unused) {
     assert_true(d.dimension > d.ceiling && !d.decade);
     drop(&s);
     saltus_series_options options = saltus_series_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     s = make(gaussian, SALTUS_SERIES_LEAST, 100);
     saltus_series_points points = points_of(&s);
     for (int k = 0; k < 100; k++) /* few points at distances that none shares: no radius has pairs enough */
@@ -656,7 +656,7 @@ static saltus_series_curve look_at(const sample *s) {
     saltus_series_options options = saltus_series_defaults();
     saltus_series_points points = points_of(s);
     saltus_series_curve curve;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     check_ok(saltus_series_closed_curve(&points, &options, &curve, &message), &message);
     return curve;
 }
@@ -777,7 +777,7 @@ static void angles_fill_their_range(void **unused) {
     (void)unused;
     enum { count = 400 };
     double series[count];
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_series_options options = saltus_series_defaults();
     for (int place = 0; place < 4; place++) {
         const double at[] = {0.61, 0.9 * M_PI, 0.1 * M_PI, 2.5}; /* pi/5 = 0.628, 4 pi/5 = 2.513 */
@@ -808,7 +808,7 @@ static void resolution_is_relative(void **unused) {
             double largest = k ? 1e7 : 1e-5;
             saltus_series_options options = saltus_series_defaults();
             saltus_series_chaos chaos;
-            saltus_message message = {""};
+            saltus_message message = {.text = ""};
             sample s = make(logistic_397, 1000, 1);
             values_of(&s, -largest, 1e-6 * largest);
             options.resolution = fine ? 0.8e-6 : 1.2e-6;
@@ -834,7 +834,7 @@ static void recurring_pairs_are_counted(void **unused) {
     saltus_series_options options = saltus_series_defaults();
     saltus_series_points points = points_of(&s);
     saltus_series_dimension d;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     long long same = 0, pairs = 0;
     points.weights = weights;
     options.window = 4;
@@ -950,7 +950,7 @@ static void weights_of_zero(void **unused) {
     saltus_series_options options = saltus_series_defaults();
     saltus_series_dimension d, of_circle = measure(&flat, NULL);
     saltus_series_curve curve;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     for (long long i = 0; i < s.count; i++) {
         point(&s, i)[0] = point(&flat, i)[0];
         point(&s, i)[1] = point(&flat, i)[1];
@@ -1054,7 +1054,7 @@ static void curves_by_definition(void **unused) {
         saltus_series_options options = saltus_series_defaults();
         saltus_series_points points = points_of(&s);
         saltus_series_curve c;
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         options.window = window;
         check_ok(saltus_series_closed_curve(&points, &options, &c, &message), &message);
         check_near(c.thickness, few, 1e-3 * few);
@@ -1113,7 +1113,7 @@ static void neighbours_that_part(void **unused) {
 static void check_refused(const saltus_series_points *points, const saltus_series_options *options) {
     saltus_series_dimension dimension;
     saltus_series_curve curve;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     assert_int_equal(saltus_series_correlation_dimension(points, options, &dimension, &message),
                      SALTUS_BAD_INPUT);
     assert_true(message.text[0] != 0);
@@ -1247,7 +1247,7 @@ static void unsuitable_options(void **unused) {
     options.frequencies = 0;
     check_refused(&points, &options);
     saltus_series_chaos chaos;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     options.frequencies = 100001;
     assert_int_equal(saltus_series_chaos_test(s.values, s.count, &options, &chaos, &message),
                      SALTUS_BAD_INPUT);
@@ -1293,7 +1293,7 @@ static void equal_input_gives_equal_results(void **unused) {
     sample s = make(henon, 1000, 2);
     saltus_series_options options = saltus_series_defaults();
     saltus_series_points points = points_of(&s);
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_series_chaos chaos[2];
     saltus_series_dimension dimension[2];
     saltus_series_curve curve[2];
@@ -1321,7 +1321,7 @@ static void unsuitable_series(void **unused) {
     sample s = make(henon, 1000, 1);
     saltus_series_options options = saltus_series_defaults();
     saltus_series_chaos chaos;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     assert_int_equal(saltus_series_chaos_test(s.values, SALTUS_SERIES_LEAST - 1, &options, &chaos, &message),
                      SALTUS_BAD_INPUT);
     options.frequencies = 0;

@@ -9,7 +9,7 @@
 
 static saltus_motion classify(const saltus_system *system, const double *state,
                               const saltus_classify_options *options) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_motion motion;
     check_ok(saltus_classify(system, state, options, &motion, &message), &message);
     return motion;
@@ -262,7 +262,7 @@ static void options_take_effect(void **unused) {
     options.progress = NULL;
     options.flow.stop = &stop;
     motion = (saltus_motion){0};
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_status status = saltus_classify(system, start, &options, &motion, &message);
     assert_true(status == SALTUS_INTERRUPTED || (status == SALTUS_OK && motion.verdict == SALTUS_UNDECIDED));
     saltus_motion_clear(&motion);
@@ -352,7 +352,7 @@ static void options_out_of_range_are_refused(void **unused) {
     for (int k = 0; k < 6; k++) {
         saltus_classify_options options = saltus_classify_defaults();
         saltus_motion motion;
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         options.transient = k == 0 ? 0 : 1;
         options.longest = k == 1 ? 0 : k == 2 ? 1025 : k == 3 ? 1024 : 1;
         options.measure = k == 4 ? -1 : 0;
@@ -432,7 +432,7 @@ static void shares_are_those_of_single_states(void **unused) {
             o = chaotic;
         saltus_system *system = closed_system(&o);
         saltus_classify_options options = saltus_classify_defaults();
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         saltus_attractors found;
         int shares[seeds] = {0}, sum = 0;
         double state[2];
@@ -497,7 +497,7 @@ static void a_refusal_ends_the_search_for_attractors(void **unused) {
         saltus_system *system = closed_system(k ? &chaotic : &settling);
         for (int at = 1; at <= 5; at += 2) {
             saltus_classify_options options = saltus_classify_defaults();
-            saltus_message message = {""};
+            saltus_message message = {.text = ""};
             saltus_attractors found;
             refusal r = {.refuse_at = at, .last = -1};
             int sum = 0;
@@ -527,7 +527,7 @@ static void seeds_are_within_limits(void **unused) {
     saltus_system *system = closed_system(&o);
     saltus_classify_options options = saltus_classify_defaults();
     saltus_attractors found;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     volatile sig_atomic_t stop = 1;
     assert_int_equal(saltus_attractors_find(system, 0, 1, &options, &found, &message), SALTUS_BAD_INPUT);
     assert_int_equal(saltus_attractors_find(system, 1000001, 1, &options, &found, &message),
@@ -561,7 +561,7 @@ static void the_closest_recurrence_is_recounted(void **unused) {
     saltus_flow *flow = open_flow(system, &options.flow, 0, start);
     for (int k = 1; k <= periods; k++) {
         saltus_event event;
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         check_ok(saltus_flow_advance(flow, (saltus_time){k, 0}, 0, &event, &message), &message);
         saltus_flow_state(flow, 0, points[k]);
     }

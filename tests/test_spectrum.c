@@ -25,7 +25,7 @@ static double *room(long long count) {
 
 static saltus_spectrum orbits_of(const double *samples, long long count, int per_period, int periods) {
     saltus_signal signal = {.samples = samples, .count = count, .per_period = per_period};
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_spectrum spectrum;
     check_ok(saltus_signal_orbits(&signal, periods, &spectrum, &message), &message);
     return spectrum;
@@ -33,14 +33,14 @@ static saltus_spectrum orbits_of(const double *samples, long long count, int per
 
 static saltus_spectrum welch_of(const double *samples, long long count, int per_period, long long segment) {
     saltus_signal signal = {.samples = samples, .count = count, .per_period = per_period};
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_spectrum spectrum;
     check_ok(saltus_signal_welch(&signal, segment, 0.95, &spectrum, &message), &message);
     return spectrum;
 }
 
 static double broadband_of(const double *samples, long long count) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     double fraction = -1;
     check_ok(saltus_series_broadband(samples, count, &fraction, &message), &message);
     return fraction;
@@ -306,7 +306,7 @@ static void incommensurate_lines(void **unused) {
     for (int noisy = 0; noisy < 2; noisy++) {
         double sigma = noisy ? 1e-4 : 0, broadband, tolerance = noisy ? 1e-4 : 1e-8;
         saltus_spectral_line found[most];
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         int line_count;
         for (int j = 0; j < count; j++) {
             samples[j] = -2 + gsl_ran_gaussian(rng, sigma);
@@ -517,7 +517,7 @@ static void bands_have_their_confidence(void **unused) {
     fill_mixed(samples, count, 16);
     for (size_t k = 0; k < sizeof confidences / sizeof confidences[0]; k++) {
         saltus_signal signal = {.samples = samples, .count = count, .per_period = 16};
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         saltus_spectrum s;
         double outside = (1 - confidences[k]) / 2;
         check_ok(saltus_signal_welch(&signal, 8, confidences[k], &s, &message), &message);
@@ -671,7 +671,7 @@ static void trust_in_densities_by_definition(void **unused) {
         check_near(s.trustworthy, (double)trusted / segment, 1e-12);
         saltus_signal signal = {.samples = samples, .count = count, .per_period = per_period};
         saltus_spectral_line lines[256];
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         double fraction;
         int line_count;
         check_ok(saltus_signal_lines(&signal, s.trustworthy, 256, lines, &line_count, &fraction, &message),
@@ -705,7 +705,7 @@ static void short_signals(void **unused) {
                              0.05 * cos(2 * M_PI * other * j / count + 1);
             saltus_signal signal = {.samples = samples, .count = count, .per_period = 4};
             saltus_spectral_line lines[most];
-            saltus_message message = {""};
+            saltus_message message = {.text = ""};
             check_ok(saltus_signal_lines(&signal, 0, most, lines, &found, &fraction, &message), &message);
             assert_int_equal(found, 2);
             check_near(lines[0].frequency, 4 * bin / count, 1e-4 / count);
@@ -733,7 +733,7 @@ static void lines_within_limits(void **unused) {
     enum { count = 1024, per_period = 8, most = 8 };
     double samples[count], fraction;
     saltus_spectral_line lines[most + 1];
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_signal signal = {.samples = samples, .count = count, .per_period = per_period};
     int found;
     gsl_rng *rng = gsl_rng_alloc(gsl_rng_mt19937);
@@ -826,7 +826,7 @@ static void near_lines_are_told_apart(void **unused) {
     double samples[count], fraction;
     saltus_spectral_line lines[most];
     saltus_signal signal = {.samples = samples, .count = count, .per_period = 1};
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     int found;
     for (int several = 0; several <= 1; several++)
         for (int eighths = 0; eighths < 8; eighths++)
@@ -909,7 +909,7 @@ static void unsuitable_input(void **unused) {
     saltus_spectral_line lines[4];
     saltus_signal signal = {.samples = samples, .count = count, .per_period = 16};
     saltus_spectrum s;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     int line_count;
     samples[7] = 1;
     assert_int_equal(saltus_signal_orbits(&signal, 3, &s, &message), SALTUS_BAD_INPUT);
@@ -949,7 +949,7 @@ static void unsuitable_input(void **unused) {
 
 static saltus_motion classify(const saltus_system *system, long long transient) {
     saltus_classify_options options = saltus_classify_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_motion motion;
     double state[20];
     options.transient = transient;
@@ -971,7 +971,7 @@ static void figure_7d(void **unused) {
     saltus_system *system = pipe_with_stop(42, 0.035);
     saltus_motion motion = classify(system, 20000);
     saltus_spectrum_options options = saltus_spectrum_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_spectra spectra;
     assert_string_equal(motion.label, "4/4");
     check_ok(saltus_motion_spectra(system, &motion, &options, &spectra, &message), &message);
@@ -1005,7 +1005,7 @@ static void closed_form_response(void **unused) {
     saltus_system *system = build(&spec);
     saltus_motion motion = classify(system, 20000);
     saltus_spectrum_options options = saltus_spectrum_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_spectra spectra;
     check_ok(saltus_quantity_parse(system, "q1", &options.quantities[0], &message), &message);
     check_ok(saltus_quantity_parse(system, "v1", &options.quantities[1], &message), &message);
@@ -1030,7 +1030,7 @@ static void chaos_has_a_continuum(void **unused) {
     (void)unused;
     saltus_system *system = pipe_with_stop(10, 0.035);
     saltus_spectrum_options options = saltus_spectrum_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_spectra spectra, again;
     double state[10];
     check_ok(saltus_system_default_state(system, state, &message), &message);
@@ -1060,7 +1060,7 @@ static void unstable_orbits_begin_anew(void **unused) {
     saltus_system *system = build(&spec);
     saltus_orbit_options shooting = saltus_orbit_defaults();
     saltus_spectrum_options options = saltus_spectrum_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_orbit orbit;
     double guess[10] = {1e-9};
     /* The straight pipe, disturbed by less than rounding shows, under a load that buckles it. */
@@ -1092,7 +1092,7 @@ static void held_pipe(void **unused) {
     saltus_system *system = build(&spec);
     saltus_motion motion = classify(system, 20000);
     saltus_spectrum_options options = saltus_spectrum_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_spectra spectra;
     check_ok(saltus_quantity_parse(system, "q2", &options.quantities[1], &message), &message);
     check_ok(saltus_motion_spectra(system, &motion, &options, &spectra, &message), &message);
@@ -1115,7 +1115,7 @@ static saltus_system *struck_oscillator(double c, double omega) {
 static void samples_are_those_of_the_flow(void **unused) {
     (void)unused;
     enum { per_period = 64, periods = 48, count = per_period * periods };
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     for (int chaos = 0; chaos < 2; chaos++) {
         saltus_system *system = struck_oscillator(0.1, chaos ? 0.8 : 1);
         saltus_spectrum_options options = saltus_spectrum_defaults();
@@ -1172,7 +1172,7 @@ static void a_sample_at_a_jump_is_the_mean(void **unused) {
     enum { per_period = 32, periods = 2, count = per_period * periods };
     saltus_spec spec = oscillator_spec(0, 0, 0, 2 * M_PI);
     saltus_spectrum_options options = saltus_spectrum_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_spectra spectra;
     double start[2] = {0, 1}, samples[count], jump[2] = {0};
     add_stop(&spec, 0.25, 1, SALTUS_BOTH);
@@ -1243,7 +1243,7 @@ static void lengths_are_chosen(void **unused) {
                  {3, 16, 0, 15, 5, 0},   {3, 6, 0, 6, 2, 0},   {1, 32, 4, 32, 0, 4},   {0, 64, 0, 64, 0, 4},
                  {0, 64, 64, 64, 0, 64}, {0, 20, 0, 20, 0, 1}, {0, 0, 0, 2048, 0, 128}};
     saltus_system *system = struck_oscillator(0.1, 1);
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
         saltus_spectrum_options options = saltus_spectrum_defaults();
         saltus_spectra spectra;
@@ -1269,7 +1269,7 @@ static void lengths_are_chosen(void **unused) {
 static void samples_are_chosen(void **unused) {
     (void)unused;
     saltus_system *system = struck_oscillator(0.1, 1);
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     double state[2] = {0.2, 0.3};
     saltus_spectrum_options options = saltus_spectrum_defaults();
     check_ok(saltus_motion_settle(system, &options.flow, 300, state, &message), &message);
@@ -1318,7 +1318,7 @@ static void samples_are_chosen(void **unused) {
  * which begins anew; rest by one period; what has no period by Welch's method. */
 static void kinds_have_their_spectra(void **unused) {
     (void)unused;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_spectrum_options options = saltus_spectrum_defaults();
     options.per_period = 32;
     options.periods = 64;
@@ -1365,7 +1365,7 @@ static void resting_systems(void **unused) {
     add_stop(&spec, 1, 0.8, SALTUS_UPPER);
     saltus_system *system = build(&spec);
     saltus_spectrum_options options = saltus_spectrum_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     options.per_period = 32;
     options.periods = 8;
     for (int k = 0; k < 4; k++) {
@@ -1385,7 +1385,7 @@ static void resting_systems(void **unused) {
 static void quantities_of_two_masses(void **unused) {
     (void)unused;
     saltus_scene scene;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     check_ok(saltus_scene_load("two-mass", &scene, &message), &message);
     saltus_system *system = build(&scene.spec);
     saltus_spectrum_options options = saltus_spectrum_defaults();
@@ -1419,7 +1419,7 @@ static void quantities_of_two_masses(void **unused) {
 static void quantities_have_names(void **unused) {
     (void)unused;
     saltus_system *system = pipe_with_stop(42, 0.035);
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_quantity quantity;
     static const char *const words[] = {
         "", "q", "q0", "q6", "v6", "q1x", "speed", "q-1", "q99999999999999999999"};
@@ -1450,7 +1450,7 @@ static void unsuitable_wishes(void **unused) {
     (void)unused;
     saltus_system *system = pipe_with_stop(42, 0.035);
     saltus_spectrum_options good = saltus_spectrum_defaults(), options;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_spectra spectra;
     double state[10] = {0.001};
     static const int per_period[] = {12, 18, 65540, -16};
@@ -1497,7 +1497,7 @@ static void unsuitable_wishes(void **unused) {
 static saltus_status all_of_it(void) {
     saltus_spec spec = oscillator_spec(0.1, 1, 0.5, 1.5);
     saltus_system *system = NULL;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_spectrum_options options = saltus_spectrum_defaults();
     saltus_spectra spectra = {0};
     double state[2] = {0.3, 0};

@@ -17,7 +17,7 @@ static saltus_system *build_struck(const struck *s) {
 static saltus_motion classify_struck(const saltus_system *system, double x, long long transient,
                                      long long measure) {
     saltus_classify_options options = saltus_classify_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_motion motion;
     double start[2] = {x, 0.1};
     options.transient = transient;
@@ -29,7 +29,7 @@ static saltus_motion classify_struck(const saltus_system *system, double x, long
 /* Whether some trajectory settles on a stable orbit of that name. */
 static bool is_attractor(const saltus_system *system, const char *label) {
     saltus_classify_options options = saltus_classify_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_attractors found;
     bool seen = false;
     options.transient = 500;

@@ -91,7 +91,7 @@ static void check_start(const fixture *f, const char *source, int orbit) {
 
 /* The sentence begins with the source, then says this. */
 static void check_refused(const char *source, const char *words) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_start start;
     char wanted[300];
     snprintf(wanted, sizeof wanted, "%s: %s", source, words);

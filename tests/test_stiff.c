@@ -11,7 +11,7 @@ static double compare(int modes, double omega, double d, double r, double settle
     add_stop(&spec, d, r, SALTUS_UPPER);
     saltus_system *system = build(&spec);
     saltus_flow_options options = saltus_flow_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     double start[dimension_max], state[2][dimension_max], worst = 0;
     static double tangents[2][4 * dimension_max];
     check_ok(saltus_system_default_state(system, start, &message), &message);
@@ -73,7 +73,7 @@ static void tolerance_at_many_modes(void **unused) {
     saltus_spec spec = pipe_spec(32, 42);
     add_stop(&spec, 0.035, 0.9, SALTUS_UPPER);
     saltus_system *system = build(&spec);
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     double start[dimension_max], state[2][dimension_max];
     assert_string_equal(saltus_system_integrator(system), "radau");
     check_ok(saltus_system_default_state(system, start, &message), &message);
@@ -216,7 +216,7 @@ static void the_linear_part_takes_one_sweep(void **unused) {
             }
             saltus_system *system = build(&spec);
             saltus_flow_options options = saltus_flow_defaults();
-            saltus_message message = {""};
+            saltus_message message = {.text = ""};
             saltus_flow *flow = NULL;
             double state[dimension_max] = {0}, projected[dimension_max] = {0}, tangents[2 * dimension_max];
             options.integrator = SALTUS_RADAU;

@@ -16,7 +16,7 @@ static bool refuse(void) {
 
 static void axes_have_their_values(void **unused) {
     (void)unused;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_axis axis;
     double *list;
     check_ok(saltus_axis_read("omega=0.1:55:1000", &axis, &list, &message), &message);
@@ -80,7 +80,7 @@ static void bad_axes_are_refused(void **unused) {
                                         "omega=1:2:-3",
                                         "omega=1:2:"};
     for (size_t k = 0; k < sizeof texts / sizeof texts[0]; k++) {
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         saltus_axis axis;
         double *list;
         if (saltus_axis_read(texts[k], &axis, &list, &message) != SALTUS_BAD_INPUT)
@@ -93,7 +93,7 @@ static void bad_axes_are_refused(void **unused) {
 static void check_refused(const char *scene_name, const char *settings, const char *first, const char *second,
                           const saltus_sweep_options *options) {
     saltus_scene scene = scene_of(scene_name, settings);
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_axis axes[2];
     double *lists[2] = {NULL, NULL};
     saltus_sweep *sweep = NULL;
@@ -560,7 +560,7 @@ static void verdicts_are_those_of_classification(void **unused) {
     int chaotic = 0;
     for (size_t k = 0; k < sizeof points / sizeof points[0]; k++) {
         char settings[96];
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         saltus_classify_options how = saltus_classify_defaults();
         saltus_motion motion;
         snprintf(settings, sizeof settings, "c=0.02 r=0.8 d=%.9g", points[k][1]);
@@ -696,7 +696,7 @@ static void extremes_where_another_stop_is_hit(void **unused) {
  * scene's initial state. */
 static saltus_scene on_the_branch(double omega) {
     enum { steps = 16 };
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_scene scene = scene_of("pipe", "d=0.035 omega=42");
     saltus_orbit_options shooting = saltus_orbit_defaults();
     saltus_system *system = build(&scene.spec);
@@ -1007,7 +1007,7 @@ static void a_flow_recovers_from_overflow(void **unused) {
     saltus_scene usual = scene_of("pipe", "N=2 omega=20 d=0.02");
     saltus_system *system = build(&usual.spec), *unbounded = build(&growing.spec);
     saltus_flow_options options = saltus_flow_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_event event;
     double start[4], fresh[4], reused[4];
     check_ok(saltus_system_default_state(system, start, &message), &message);
@@ -1063,7 +1063,7 @@ static void an_error_of_the_taker_ends_the_run(void **unused) {
     for (int threads = 1; threads <= 3; threads += 2) {
         saltus_scene scene = scene_of("impact-oscillator", "");
         saltus_sweep_options options = saltus_sweep_defaults();
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         options.seeds = 2;
         options.passes = 3;
         options.keep = 7;
@@ -1107,7 +1107,7 @@ static saltus_status keep_rows(void *context, const saltus_sweep_result *result,
 /* A small sweep without a check on the way. Its rows, 12 of them, are zero where it did not get there. */
 static saltus_status small_sweep(saltus_sweep_row *rows) {
     saltus_scene scene;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_axis axis;
     saltus_sweep *sweep = NULL;
     double *list = NULL;

@@ -100,7 +100,7 @@ static void numbers_of_rows_have_their_bounds(void **state) {
     }
     for (size_t k = 0; k < sizeof bound / sizeof bound[0]; k++)
         for (int beyond = 0; beyond < 2; beyond++) {
-            saltus_message message = {""};
+            saltus_message message = {.text = ""};
             saltus_sweep_file file;
             save(path, whole[bound[k].verdict == SALTUS_HELD], length[bound[k].verdict == SALTUS_HELD]);
             spoil(path, bound[k].name, beyond ? bound[k].beyond : bound[k].last);

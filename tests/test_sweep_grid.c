@@ -33,7 +33,7 @@ static outcome run_all(const saltus_sweep *sweep) {
 static saltus_status make(const saltus_scene *scene, const saltus_axis *axes, int count,
                           const saltus_sweep_options *options) {
     saltus_sweep *sweep = NULL;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_status status = saltus_sweep_new(scene, axes, count, options, &sweep, &message);
     assert_true((status == SALTUS_OK) == (sweep != NULL));
     assert_true(status == SALTUS_OK || strlen(message.text) > 10);
@@ -43,7 +43,7 @@ static saltus_status make(const saltus_scene *scene, const saltus_axis *axes, in
 
 static void axes_are_even_in_values_or_in_their_logarithms(void **unused) {
     (void)unused;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_axis axis;
     double *list;
     for (int count = 2; count < 9; count++) {
@@ -77,7 +77,7 @@ static void axes_are_read_up_to_their_limits(void **unused) {
                  {"d=0:1:1", false},         {"abcdefghijklmno=1", true}, {"abcdefghijklmnop=1", false},
                  {"d=1e-300:1:3:log", true}, {"d=0:1:3:log", false},      {"d=1:0:3:log", false}};
     for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         saltus_axis axis;
         double *list;
         saltus_status status = saltus_axis_read(cases[k].text, &axis, &list, &message);
@@ -107,7 +107,7 @@ static void refusals_tell_what_was_given(void **unused) {
                                        "110000 points with 2 passes and 9000 seeds: more than 1000000000"};
     for (int k = 0; k < 10; k++) {
         saltus_sweep_options o = good;
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         saltus_sweep *sweep = NULL;
         o.passes = k == 0 ? 8 : k == 9 ? 3 : 1;
         o.seeds = k == 1 ? 10001 : k == 2 ? 0 : k == 9 ? 9000 : 1;
@@ -194,7 +194,7 @@ static void a_sweep_keeps_what_it_was_given(void **unused) {
         {.key = "r", .count = 4, .low = 0.9, .high = 0.6}};
     saltus_sweep_options options = frame_options(7, 6, 2);
     saltus_sweep *sweep = NULL;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     sig_atomic_t stop = 1;
     options.flow.columns = 2;
     options.flow.directions = 1;
@@ -331,7 +331,7 @@ static const line_case lines[] = {{"impact-oscillator", "", "omega=1.1:1.5:4", "
 
 /* One point of a reset pass, from a scene's own state. */
 static outcome run_point(const saltus_sweep *sweep, long long point) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     outcome one = open_outcome(sweep);
     one.first = point;
     one.step = one.tasks = 1;
@@ -449,7 +449,7 @@ static void an_axis_moves_the_force_of_a_maxwell_element(void **unused) {
     saltus_sweep_options options = at_once(1, 1, 1);
     saltus_sweep *sweep = sweep_of(&scene, "z1=-1:1:5", "q1=0.25,0.75", &options);
     saltus_basins *basins = NULL;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     outcome o = run_all(sweep);
     assert_int_equal(saltus_sweep_dimension(sweep), 3);
     for (int k = 0; k < 10; k++) {
@@ -783,7 +783,7 @@ static void the_feed_is_asked_and_told_in_order(void **unused) {
     saltus_scene scene = scene_of("fig3", "");
     for (int way = 0; way < 4; way++) {
         saltus_sweep_options options = frame_options(15, 7, 2);
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         options.threads = way % 2 ? 3 : 1;
         options.transient = 60;
         options.measure = 100;
@@ -855,7 +855,7 @@ static void basins_need_a_plane_of_initial_states(void **unused) {
     for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
         saltus_sweep_options options = frame_options(0, 1, cases[k].seeds);
         saltus_sweep *sweep = sweep_of(&scene, cases[k].first, cases[k].second, &options);
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         saltus_basins *basins = NULL;
         saltus_status status = saltus_basins_new(sweep, &basins, &message);
         assert_int_equal(status, cases[k].good ? SALTUS_OK : SALTUS_BAD_INPUT);
@@ -878,7 +878,7 @@ static int check_basins(const char *name, const char *settings, const char *firs
     options.flow.atol = 1e-4 * rtol;
     saltus_sweep *sweep = sweep_of(&scene, first, second, &options);
     outcome o = run_all(sweep);
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_basins *basins = NULL;
     saltus_system *system = system_at(sweep, 0);
     int unsettled = 0, count = 0;
@@ -933,7 +933,7 @@ static void states_near_an_attractor_belong_to_it(void **unused) {
     saltus_sweep *sweep = sweep_of(&scene, "q1=0.01:0.02:2", "v1=0:1:2", &options);
     saltus_system *system = system_at(sweep, 0);
     int n = saltus_system_dimension(system);
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_basins *basins = NULL;
     double state[SALTUS_SCENE_STATE_MAX] = {0.01}, near[SALTUS_SCENE_STATE_MAX] = {0};
     const saltus_sweep_row row = {.verdict = SALTUS_PERIODIC, .periods = 2, .impacts = 2},

@@ -54,7 +54,7 @@ static void fill(made_place *m) {
 static void check_difference(recipe *changed, const char *const path[2], const char *name) {
     saltus_sweep *sweep = make(changed);
     for (int k = 0; k < 2; k++) {
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         saltus_sweep_output *output = NULL;
         char there[301] = "", now[301] = "";
         assert_int_equal(saltus_sweep_output_open(path[k], sweep, changed->basins, true, &output, &message),
@@ -84,7 +84,7 @@ static void check_numbers(recipe *changed, const char *const path[2], const char
     snprintf(words, sizeof words, "%s is %.17g there and %.17g now", name, there, now);
     saltus_sweep *sweep = make(changed);
     for (int k = 0; k < 2; k++) {
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         saltus_sweep_output *output = NULL;
         assert_int_equal(saltus_sweep_output_open(path[k], sweep, changed->basins, true, &output, &message),
                          SALTUS_BAD_INPUT);

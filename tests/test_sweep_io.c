@@ -43,7 +43,7 @@ static void full_axes(saltus_axis axes[2]) {
 
 static saltus_sweep *make_sweep(const saltus_scene *scene, const saltus_axis *axes, int count,
                                 const saltus_sweep_options *options) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_sweep *sweep = NULL;
     check_ok(saltus_sweep_new(scene, axes, count, options, &sweep, &message), &message);
     return sweep;
@@ -173,19 +173,19 @@ static void make_result(const saltus_sweep *sweep, long long place, made_up *m) 
 }
 
 static saltus_sweep_output *open_output(const char *path, const saltus_sweep *sweep, bool resume) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_sweep_output *output = NULL;
     check_ok(saltus_sweep_output_open(path, sweep, false, resume, &output, &message), &message);
     return output;
 }
 
 static void close_output(saltus_sweep_output *output) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     check_ok(saltus_sweep_output_close(output, &message), &message);
 }
 
 static void take(saltus_sweep_output *output, const saltus_sweep *sweep, long long place) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     made_up m;
     make_result(sweep, place, &m);
     check_ok(saltus_sweep_output_take(output, &m.result, &message), &message);
@@ -279,7 +279,7 @@ static void check_clouds(const saltus_sweep_file *file, const saltus_sweep *swee
 
 static void results_read_back(void **state) {
     const fixture *f = *state;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_sweep_file file;
     saltus_axis axes[2];
     char path[path_size];
@@ -370,7 +370,7 @@ static void order_does_not_matter(void **state) {
 
 static void results_that_do_not_fit_are_refused(void **state) {
     const fixture *f = *state;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     char path[path_size];
     made_up m;
     saltus_sweep_output *output = open_output(path_in(f, "a.h5", path), f->sweep, false);
@@ -392,7 +392,7 @@ static void results_that_do_not_fit_are_refused(void **state) {
  * several chunks. */
 static void large_grids_are_written_in_parts(void **state) {
     const fixture *f = *state;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_sweep_options options = saltus_sweep_defaults();
     saltus_axis axes[2] = {{.key = "omega", .count = 151, .low = 0.5, .high = 1},
                            {.key = "d", .count = 127, .low = 0.5, .high = 1}};
@@ -428,7 +428,7 @@ static void large_grids_are_written_in_parts(void **state) {
 
 static void interrupted_runs_lose_nothing(void **state) {
     const fixture *f = *state;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_sweep_file file;
     char path[path_size];
     size_t length;
@@ -464,7 +464,7 @@ static void killed_runs_lose_nothing(void **state) {
         pid_t child = fork();
         assert_true(child >= 0);
         if (child == 0) {
-            saltus_message message = {""};
+            saltus_message message = {.text = ""};
             saltus_sweep_output *output;
             if (saltus_sweep_output_open(path, f->sweep, false, run > 0, &output, &message) == SALTUS_OK)
                 take_some(output, f->sweep, 20, run);
@@ -504,7 +504,7 @@ static void torn_journals_are_cut_back(void **state) {
     for (unsigned k = 0; k < 24; k++) {
         size_t cut = k == 0 ? 0 : (size_t)(mix(77, k) % whole);
         write_all(journal, bytes, cut);
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         saltus_sweep_output *output = NULL;
         saltus_status status = saltus_sweep_output_open(path, f->sweep, false, true, &output, &message);
         if (status != SALTUS_OK) {
@@ -537,7 +537,7 @@ static void damaged_journals_do_no_harm(void **state) {
         unsigned char kept = bytes[place];
         bytes[place] ^= (unsigned char)(1u << mix(6, k) % 8);
         write_all(journal, bytes, whole);
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         saltus_sweep_output *output = NULL;
         if (saltus_sweep_output_open(path, f->sweep, false, true, &output, &message) != SALTUS_OK) {
             assert_non_null(strstr(message.text, "b.h5.journal: "));
@@ -571,7 +571,7 @@ static void lengths_beyond_the_file_are_seen(void **state) {
     for (size_t torn = 0; torn < 6; torn += 5) {
         size_t record = head_bytes + (size_t)(text + 7) / 8 * 8;
         for (int k = -9; k < 10; k++) {
-            saltus_message message = {""};
+            saltus_message message = {.text = ""};
             saltus_sweep_output *output = NULL;
             memcpy(copy, bytes, whole);
             left = whole - torn - head_bytes;
@@ -612,7 +612,7 @@ static void lengths_beyond_the_file_are_seen(void **state) {
 /* Opening fails with a sentence in which all the words stand. */
 static void check_refused(const char *path, const saltus_sweep *sweep, bool basins, bool resume,
                           saltus_status expected, const char *const words[3]) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_sweep_output *output = NULL;
     saltus_status status = saltus_sweep_output_open(path, sweep, basins, resume, &output, &message);
     if (status != expected || output)
@@ -797,7 +797,7 @@ static void full_disks_lose_nothing_in_the_journal(void **state) {
     for (unsigned k = 0; k < 8; k++) {
         free(journal_bytes(f, path, journal, &whole));
         saltus_sweep_output *output = open_output(path, f->sweep, true);
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         saltus_status status = SALTUS_OK;
         long long place = 0;
         made_up m;
@@ -829,7 +829,7 @@ static void full_disks_lose_nothing_in_the_journal(void **state) {
 
 static void full_disks_leave_the_file_as_it_was(void **state) {
     const fixture *f = *state;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_sweep_file file;
     char path[path_size];
     size_t length;
@@ -921,7 +921,7 @@ static void spoil_number(const char *path, const char *group, const char *name, 
 }
 
 static void check_unsound(const char *path, const char *what) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     assert_int_equal(read_status(path, &message), SALTUS_BAD_INPUT);
     if (!strstr(message.text, "is not a sound sweep file") || !strstr(message.text, what))
         fail_msg("\"%s\" does not say \"%s\"", message.text, what);
@@ -1084,7 +1084,7 @@ static void files_of_before(void **state) {
     static const int verdicts[] = {SALTUS_PERIODIC, SALTUS_EQUILIBRIUM, SALTUS_HELD, SALTUS_UNDECIDED,
                                    SALTUS_FAILED};
     const fixture *f = *state;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_sweep_file file;
     char path[path_size], journal[path_size];
     size_t length, whole;
@@ -1193,7 +1193,7 @@ static void check_table(const fixture *f, char *const *lines, int count) {
 
 static void tables_hold_all_rows(void **state) {
     const fixture *f = *state;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_sweep *sweep = plain_sweep(f);
     saltus_sweep_file file;
     char path[path_size], table[path_size];
@@ -1280,7 +1280,7 @@ static void tables_that_are_lacking_are_refused(void **state) {
     full_axes(axes);
     saltus_sweep *sweep = make_sweep(&f->scene, axes, 2, &options);
     saltus_sweep_file file;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     close_output(open_output(path_in(f, "a.h5", path), sweep, false));
     check_ok(saltus_sweep_file_read(path, &file, &message), &message);
     for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
@@ -1301,7 +1301,7 @@ static void tables_that_are_lacking_are_refused(void **state) {
 /* A place that is there already is left as it is; what is nothing can be closed and cleared. */
 static void a_place_is_taken_once(void **state) {
     const fixture *f = *state;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     char path[path_size], journal[path_size];
     made_up first, second;
     size_t once, twice;
@@ -1337,7 +1337,7 @@ static void clouds_go_to_tables(void **state) {
     const fixture *f = *state;
     static const char *const names[] = {"omega,d,pass,seed,displacement",
                                         "omega,d,pass,seed,phase,speed,face", "omega,d,pass,seed,q1,v1"};
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_sweep_file file;
     char path[path_size], table[path_size];
     size_t length;
@@ -1394,7 +1394,7 @@ static saltus_status take_result(void *context, const saltus_sweep_result *resul
 }
 
 static void run_basins(const saltus_sweep *sweep, const char *path, bool resume, long long most) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     feeding feed = {.sweep = sweep, .most = most};
     check_ok(saltus_sweep_output_open(path, sweep, true, resume, &feed.output, &message), &message);
     const saltus_sweep_feed link = {.context = &feed, .next = next_task, .take = take_result};
@@ -1405,7 +1405,7 @@ static void run_basins(const saltus_sweep *sweep, const char *path, bool resume,
 /* A stop that is reached from far starts only: the motion without impacts lives beside one with them. */
 static void basins_tell_attractors_apart(void **state) {
     const fixture *f = *state;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_sweep_options options = saltus_sweep_defaults();
     saltus_axis axes[2] = {{.key = "q1", .count = 4, .low = -1, .high = 0.1},
                            {.key = "v1", .count = 3, .low = -0.5, .high = 0.5}};

@@ -323,7 +323,7 @@ static void the_way_to_the_verdict_is_counted(void **unused) {
             for (int adaptive = 0; adaptive < 2; adaptive++) {
                 saltus_scene scene = scene_of(ways[k].scene, ways[k].settings);
                 saltus_sweep_options options = everything();
-                saltus_message message = {""};
+                saltus_message message = {.text = ""};
                 double start[dimension_max];
                 options.adaptive = adaptive;
                 options.transient = transient;

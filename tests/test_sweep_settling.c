@@ -93,7 +93,7 @@ static void orbits_with_impacts_are_near_too(void **unused) {
                  {closed_two_periods_light, 0.9}, {closed_mirrored, 3.6}};
     for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
         closed_oscillator o = closed_example_of(cases[k].example);
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         o.omega = cases[k].omega;
         saltus_spec spec = closed_spec(&o);
         saltus_scene scene = scene_with(&spec);

@@ -4,7 +4,7 @@
 #include "system/state.h"
 
 static void expect_refusal(const saltus_spec *spec, const char *word) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_system *system = (saltus_system *)1;
     assert_int_equal(saltus_system_new(spec, &system, &message), SALTUS_BAD_INPUT);
     assert_null(system);
@@ -120,7 +120,7 @@ static void refusals_tell_the_numbers(void **unused) {
     /* One stop alone has no number. */
     spec.stop_count = 1;
     spec.stops[0].r = 1.5;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_system *system = NULL;
     assert_int_equal(saltus_system_new(&spec, &system, &message), SALTUS_BAD_INPUT);
     assert_int_equal(strncmp(message.text, "r = 1.5: ", 9), 0);
@@ -216,7 +216,7 @@ static void default_states_keep_their_distance(void **unused) {
     double first = 0;
     for (int k = 0; k < 12; k++) {
         saltus_spec spec = k < 6 ? pipe_spec(1, 20) : oscillator_spec(0.1, 1, 1, 1);
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         double state[2];
         add_stop(&spec, k % 2 ? -0.004 : 0, 0.5, k % 3 ? SALTUS_UPPER : SALTUS_LOWER);
         spec.stops[0].xi = 0.02 + 0.09 * k;
@@ -367,7 +367,7 @@ static void flow_options_are_checked(void **unused) {
     (void)unused;
     saltus_spec spec = pipe_spec(2, 20);
     saltus_system *system = build(&spec);
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_flow *flow;
     const saltus_system *const one[] = {system};
     saltus_flow_options options = saltus_flow_defaults();
@@ -396,7 +396,7 @@ static void forced_instruction_sets(void **unused) {
     saltus_system *system = build(&spec);
     saltus_flow_options options = saltus_flow_defaults();
     for (int k = 0; k < 5; k++) {
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         saltus_flow *flow = NULL;
         setenv("SALTUS_ISA", names[k], 1);
         saltus_status status =

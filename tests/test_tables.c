@@ -96,7 +96,7 @@ static void write_tables(const saltus_scene *scene, const saltus_system *system,
         .analysed = 7,
         .spectra = {{.kind = SALTUS_SPECTRUM_CONSTANT, .density = density, .mean = 0.25}}};
     saltus_motion motion = {.verdict = SALTUS_HELD, .label = "held"};
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     char path[path_size];
     size_t length;
     make_record(&m, system, 1, NULL, 0);
@@ -330,7 +330,7 @@ static void what_does_not_fit_leaves_nothing(void **state) {
     assert_int_equal(getrlimit(RLIMIT_FSIZE, &before), 0);
     void (*action)(int) = signal(SIGXFSZ, SIG_IGN);
     for (int there = 0; there < 2; there++) {
-        saltus_message message = {""};
+        saltus_message message = {.text = ""};
         path_in("full.csv", path);
         if (there) {
             FILE *file = fopen(path, "w");

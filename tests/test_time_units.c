@@ -19,7 +19,7 @@ enum { unit_count = sizeof units / sizeof units[0] };
 static saltus_motion classify(const saltus_spec *spec, double s, const saltus_classify_options *options) {
     saltus_spec fast = faster(*spec, s);
     saltus_system *system = build(&fast);
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_motion motion;
     double state[4];
     check_ok(saltus_system_default_state(system, state, &message), &message);
@@ -79,7 +79,7 @@ static void quasi_periodic_motions(void **unused) {
     static const char *const settings[] = {"omega=1.7133", "d=-0.1797", "r=0.323", "c=0.07",
                                            "c2=0.07",      "m2=1.57",   "k2=2.51"};
     saltus_scene scene;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_classify_options options = saltus_classify_defaults();
     options.transient = 2000;
     options.measure = 8000;
@@ -184,7 +184,7 @@ static void measured_exponents(void **unused) {
             saltus_spec fast = faster(specs[k], s);
             saltus_system *system = build(&fast);
             saltus_lyapunov_options options = saltus_lyapunov_defaults();
-            saltus_message message = {""};
+            saltus_message message = {.text = ""};
             saltus_lyapunov l;
             options.exponents = 0;
             options.transient = 200;
@@ -229,7 +229,7 @@ static void spectra(void **unused) {
             saltus_spec fast = faster(spec, s);
             saltus_system *system = build(&fast);
             saltus_spectrum_options options = saltus_spectrum_defaults();
-            saltus_message message = {""};
+            saltus_message message = {.text = ""};
             saltus_spectra found;
             options.per_period = 32;
             options.periods = 32;

@@ -154,7 +154,7 @@ static void coasts_are_the_same_in_any_units(void **unused) {
             const units *u = &others[stiff ? k - 2 : k];
             saltus_flow_options options = saltus_flow_defaults();
             saltus_extreme extremes[2][SALTUS_FACES_MAX];
-            saltus_message message = {""};
+            saltus_message message = {.text = ""};
             int faces = 0;
             options.atol = 0;
             options.integrator = stiff ? SALTUS_RADAU : SALTUS_TAYLOR;

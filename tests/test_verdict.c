@@ -5,7 +5,7 @@
 /* A built-in scene with settings, up to a NULL. */
 static saltus_spec scene_spec(const char *name, const char *const *settings) {
     saltus_scene scene;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     check_ok(saltus_scene_load(name, &scene, &message), &message);
     for (int k = 0; settings[k]; k++)
         check_ok(saltus_scene_set(&scene, settings[k], &message), &message);
@@ -14,7 +14,7 @@ static saltus_spec scene_spec(const char *name, const char *const *settings) {
 
 static saltus_motion judge(const saltus_spec *spec, const saltus_classify_options *options) {
     saltus_system *system = build(spec);
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_motion motion;
     double start[64];
     check_ok(saltus_system_default_state(system, start, &message), &message);

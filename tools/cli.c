@@ -205,7 +205,7 @@ int cli_report(saltus_status status, const saltus_message *message) {
 
 saltus_status cli_apply_settings(const cli_request *request, saltus_scene *scene, saltus_message *message) {
     for (int k = 0; k < request->setting_count; k++) {
-        saltus_message reason = {""};
+        saltus_message reason = {.text = ""};
         saltus_status status = saltus_scene_set(scene, request->settings[k], &reason);
         if (status != SALTUS_OK)
             return saltus_fail(message, status, "--set %.100s: %.380s", request->settings[k], reason.text);
@@ -264,7 +264,7 @@ static saltus_status initial_state(const saltus_scene *scene, const saltus_syste
 }
 
 int cli_build(const cli_request *request, cli_setup *setup) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     setup->system = NULL;
     setup->start.periods = 0;
     saltus_status status = load_scene(request, &setup->scene, &message);

@@ -32,7 +32,7 @@ static bool read_axes(const cli_request *request) {
 
 static int run(const cli_request *request) {
     saltus_scene scene;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     if (!read_axes(request))
         return CLI_BAD_INPUT;
     saltus_sweep_options how = sweep_read_options(request);

@@ -40,7 +40,7 @@ static saltus_status classify_seeds(const cli_request *request, const cli_setup 
 
 static int run(const cli_request *request) {
     cli_setup setup;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     bool cut = false;
     int code = cli_build(request, &setup);
     if (code != CLI_DONE)

@@ -245,7 +245,7 @@ static saltus_status follow(run_state *run, saltus_message *message) {
 /* The points of the interrupted run that stand go into the new file first. */
 static saltus_status take_over(run_state *run, saltus_message *message) {
     const saltus_branch_file *file = &run->earlier;
-    saltus_message why = {""};
+    saltus_message why = {.text = ""};
     int kept = file->complete ? file->point_count : 0;
     saltus_status status = SALTUS_OK;
     if (!file->complete && file->resume_count)
@@ -293,7 +293,7 @@ static saltus_status print_table(const run_state *run, saltus_message *message) 
 }
 
 static int compute(run_state *run) {
-    saltus_message message = {""}, closing = {""};
+    saltus_message message = {.text = ""}, closing = {.text = ""};
     int code = run->request->resume ? begin_again(run, &message) : begin_anew(run, &message);
     if (code == CLI_DONE)
         code = open_branch(run, &message);

@@ -87,7 +87,7 @@ static saltus_status diagnose(const cli_request *request, const cli_setup *setup
 
 static int run(const cli_request *request) {
     cli_setup setup;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     if (!request->output) {
         fprintf(stderr, "saltus: diagnose: needs -o file.png, file.pdf or file.svg\n");
         return CLI_BAD_INPUT;

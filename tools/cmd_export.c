@@ -10,7 +10,7 @@ static const cli_option *const options[] = {&table, &cli_output, NULL};
 static int run(const cli_request *request) {
     static const char *const tables[] = {"rows", "turning", "impacts", "stroboscopic",
                                          NULL}; /* saltus_table */
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     int wanted = SALTUS_TABLE_ROWS;
     if (!request->input_count || !request->output) {
         fprintf(stderr, "saltus: export: needs a file and -o table.csv\n");

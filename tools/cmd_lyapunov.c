@@ -90,7 +90,7 @@ static saltus_status deliver(const cli_request *request, const cli_setup *setup,
 
 static int run(const cli_request *request) {
     cli_setup setup;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_lyapunov_options how;
     watch w = {.shown = cli_shows_progress(request)};
     int code = cli_build(request, &setup);

@@ -128,7 +128,7 @@ static saltus_status harvest(const cli_request *request, const cli_setup *setup,
 
 static int run(const cli_request *request) {
     cli_setup setup;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     int code = cli_build(request, &setup);
     if (code != CLI_DONE)
         return code;

@@ -76,7 +76,7 @@ static bool read_wishes(const cli_request *request, plot_wishes *wishes) {
 
 /* What only a sweep can be asked for. */
 static int draw_sweep(const cli_request *request, const plot_wishes *wishes) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_sweep_view how = {.title = request->title,
                              .parts = wishes->parts,
                              .part_count = request->parts.count,
@@ -98,7 +98,7 @@ static int draw_sweep(const cli_request *request, const plot_wishes *wishes) {
 }
 
 static int run(const cli_request *request) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_plot_options how = saltus_plot_defaults();
     plot_wishes wishes;
     int chosen = -1;

@@ -8,7 +8,7 @@ static const cli_option *const no_options[] = {NULL};
 static const cli_option *const check_options[] = {&cli_set, NULL};
 
 static int list_scenes(const cli_request *request) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     for (int k = 0; k < saltus_scene_builtin_count(); k++) {
         const char *name = saltus_scene_builtin_name(k), *text = saltus_scene_builtin_text(k);
         saltus_scene scene;

@@ -10,7 +10,7 @@ static const cli_option *const options[] = {&cli_set,     &cli_periods,    &cli_
 
 static int run(const cli_request *request) {
     cli_setup setup;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_trajectory record = {0};
     if (!request->output || !request->periods) {
         fprintf(stderr, "saltus: simulate: needs --periods n and -o file.h5 or file.csv\n");

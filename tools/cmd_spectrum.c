@@ -39,7 +39,7 @@ static saltus_status read_wishes(const cli_request *request, const saltus_system
         return saltus_fail(message, SALTUS_BAD_INPUT, "--of %.40s: only %d can be given",
                            request->of.items[2], SALTUS_QUANTITIES_MAX);
     for (int k = 0; k < request->of.count; k++) {
-        saltus_message reason = {""};
+        saltus_message reason = {.text = ""};
         if (saltus_quantity_parse(system, request->of.items[k], &wishes->quantities[k], &reason) != SALTUS_OK)
             return saltus_fail(message, SALTUS_BAD_INPUT, "--of %s", reason.text);
     }
@@ -78,7 +78,7 @@ static saltus_status analyse(const cli_request *request, const cli_setup *setup,
 
 static int run(const cli_request *request) {
     cli_setup setup;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     int code = cli_build(request, &setup);
     if (code != CLI_DONE)
         return code;

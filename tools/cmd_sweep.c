@@ -102,7 +102,7 @@ static bool read_options(const cli_request *request, saltus_sweep_options *o) {
 static int run(const cli_request *request) {
     saltus_scene scene;
     saltus_sweep_options how;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     if (!read_options(request, &how))
         return CLI_BAD_INPUT;
     saltus_status status = cli_load_scene(request, &scene, &message);

@@ -280,7 +280,7 @@ static int conclude(sweep_exchange *exchange, saltus_status status, const saltus
 
 static int run_exchange(sweep_exchange *exchange, saltus_status status, saltus_message *message,
                         sweep_report *report) {
-    saltus_message closing = {""};
+    saltus_message closing = {.text = ""};
     unsigned char *marks = NULL;
     bool together = exchange->ranks > 1;
     /* A signal that came before: what is in the file stays. */

@@ -45,7 +45,7 @@ saltus_status sweep_make(const cli_request *request, const saltus_scene *scene,
         status = saltus_fail(message, SALTUS_BAD_INPUT, "--over %.100s: only two axes can be given",
                              request->over.items[SALTUS_AXES_MAX]);
     for (int k = 0; k < count && status == SALTUS_OK; k++) {
-        saltus_message reason = {""};
+        saltus_message reason = {.text = ""};
         status = saltus_axis_read(request->over.items[k], &axes[k], &lists[k], &reason);
         if (status != SALTUS_OK)
             saltus_fail(message, status, "--over %.490s", reason.text);

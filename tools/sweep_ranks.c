@@ -35,7 +35,7 @@ static void nap(void) {
 
 /* Out of memory for a few bytes: the packet is lost, and the run with it. */
 static void send_packet(sweep_exchange *exchange, int to, int kind, const void *bytes, size_t size) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_status status = ranks_send(&exchange->sending, to, kind, bytes, size, &message);
     if (status != SALTUS_OK)
         sweep_exchange_stop(exchange, status, &message);
@@ -143,7 +143,7 @@ static void answer_wish(sweep_exchange *exchange, int rank, int wish) {
 
 static void accept_result(sweep_exchange *exchange, const ranks_packet *packet) {
     saltus_sweep_result result;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_status status = SALTUS_OK;
     exchange->received++;
     if (!saltus_sweep_unpack(exchange->sweep, packet->bytes, packet->size, &result))
@@ -228,7 +228,7 @@ static void measure_outbox(sweep_exchange *exchange) {
 
 /* Send what the computing threads have put out. */
 static bool empty_outbox(sweep_exchange *exchange) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_status status = SALTUS_OK;
     pthread_mutex_lock(&exchange->lock);
     sweep_packed *packed = exchange->outbox;

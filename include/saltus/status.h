@@ -37,9 +37,21 @@ typedef enum saltus_status {
     SALTUS_INTERRUPTED = -7     /* the caller asked to stop (saltus_flow_options.stop) */
 } saltus_status;
 
-/* One clear sentence about a failure, written by the call that failed. Owned by the caller. */
+/* What exactly went wrong, where callers go on differently. */
+typedef enum saltus_cause {
+    SALTUS_CAUSE_OTHER = 0, /* the status says all that a caller needs */
+    SALTUS_CAUSE_CUT_OFF,   /* a text ends within a value that is not closed */
+    SALTUS_CAUSE_SEVERAL    /* a text goes on behind its only value */
+} saltus_cause;
+
+/* One clear sentence about a failure, and what it is about, written by the call that failed. Owned by the
+ * caller. */
 typedef struct saltus_message {
     char text[512];
+    saltus_cause cause;
+    char key[32]; /* the key at fault; "" where the fault is not in one key's value */
+    int stop;     /* the stop that the key belongs to, from 1; 0: none */
+    int line;     /* of the text that was read, from 1; 0: none */
 } saltus_message;
 
 /* The name of a status, for messages ("no convergence"). Never NULL. */
@@ -50,6 +62,21 @@ const char *saltus_status_name(saltus_status status);
 saltus_status saltus_fail(saltus_message *message, saltus_status status, const char *format, ...)
 #if defined(__GNUC__)
     __attribute__((format(printf, 3, 4)))
+#endif
+    ;
+
+/* What a message is about, beside its sentence: the fields of saltus_message (`key` may be NULL). */
+typedef struct saltus_fault {
+    saltus_cause cause;
+    const char *key;
+    int stop, line;
+} saltus_fault;
+
+/* As saltus_fail, with these fields; saltus_fail leaves them zero. */
+saltus_status saltus_fail_at(saltus_message *message, saltus_status status, saltus_fault fault,
+                             const char *format, ...)
+#if defined(__GNUC__)
+    __attribute__((format(printf, 4, 5)))
 #endif
     ;
 

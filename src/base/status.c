@@ -48,20 +48,44 @@ static void shorten(saltus_message *message, const char *whole, size_t length) {
     snprintf(message->text, sizeof message->text, "%.*s...%s", (int)begin, whole, whole + end);
 }
 
+__attribute__((format(printf, 2, 0))) static void write_sentence(saltus_message *message, const char *format,
+                                                                 va_list arguments) {
+    va_list again;
+    va_copy(again, arguments);
+    int length = vsnprintf(message->text, sizeof message->text, format, arguments);
+    char *whole = length >= (int)sizeof message->text ? malloc((size_t)length + 1) : NULL;
+    if (whole) {
+        vsnprintf(whole, (size_t)length + 1, format, again);
+        shorten(message, whole, (size_t)length);
+        free(whole);
+    }
+    va_end(again);
+}
+
 saltus_status saltus_fail(saltus_message *message, saltus_status status, const char *format, ...) {
     va_list arguments;
     if (!message)
         return status;
     va_start(arguments, format);
-    int length = vsnprintf(message->text, sizeof message->text, format, arguments);
+    write_sentence(message, format, arguments);
     va_end(arguments);
-    char *whole = length >= (int)sizeof message->text ? malloc((size_t)length + 1) : NULL;
-    if (whole) {
-        va_start(arguments, format);
-        vsnprintf(whole, (size_t)length + 1, format, arguments);
-        va_end(arguments);
-        shorten(message, whole, (size_t)length);
-        free(whole);
-    }
+    message->cause = SALTUS_CAUSE_OTHER;
+    message->key[0] = '\0';
+    message->stop = message->line = 0;
+    return status;
+}
+
+saltus_status saltus_fail_at(saltus_message *message, saltus_status status, saltus_fault fault,
+                             const char *format, ...) {
+    va_list arguments;
+    if (!message)
+        return status;
+    va_start(arguments, format);
+    write_sentence(message, format, arguments);
+    va_end(arguments);
+    message->cause = fault.cause;
+    snprintf(message->key, sizeof message->key, "%s", fault.key ? fault.key : "");
+    message->stop = fault.stop;
+    message->line = fault.line;
     return status;
 }

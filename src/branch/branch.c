@@ -359,7 +359,7 @@ static void drop_starts(saltus_branch *b, const saltus_branch_point *point) {
 static saltus_status add_starts(saltus_branch *b, const saltus_solution *at, saltus_point_kind kind,
                                 const saltus_sequence *beyond, saltus_message *message) {
     saltus_branch_start like = {.parent = b->trace.number, .depth = b->trace.depth + 1};
-    saltus_message why = {""};
+    saltus_message why = {.text = ""};
     if (b->trace.depth >= b->options.switches || b->phase != RUN_FOLLOW)
         return SALTUS_OK;
     saltus_status status = kind == SALTUS_POINT_GR
@@ -376,7 +376,7 @@ static saltus_status add_starts(saltus_branch *b, const saltus_solution *at, sal
 /* A locus begins at `at`: the points on the way to it are not wanted. */
 static saltus_status open_locus(saltus_branch *b, const saltus_solution *at, const saltus_sequence *beyond,
                                 saltus_message *message) {
-    saltus_message why = {""};
+    saltus_message why = {.text = ""};
     drop_queue(b);
     saltus_status status = saltus_locus_new(&b->orbits.family.spec, &b->options, at, beyond, &b->locus, &why);
     return status == SALTUS_OK
@@ -574,7 +574,7 @@ static saltus_status advance(saltus_branch *b, saltus_message *message) {
     trace *t = &b->trace;
     const saltus_curve_bound bound = {o->equations->count, b->range[0], b->range[1]};
     saltus_zero breach = {.accuracy = NAN};
-    saltus_message why = {""};
+    saltus_message why = {.text = ""};
     int reached;
     saltus_status status =
         saltus_curve_step(o->equations, &t->here->at, &t->step, &bound, 1, &b->next->at, &reached, &why);
@@ -668,7 +668,7 @@ static saltus_status keep_first(saltus_branch *b, saltus_message *message) {
 static saltus_status begin_at(saltus_branch *b, const saltus_branch_start *start, saltus_message *message) {
     saltus_orbits *o = &b->orbits;
     trace *t = &b->trace;
-    saltus_message why = {""};
+    saltus_message why = {.text = ""};
     int order[SALTUS_MARKS_MAX];
     *t = (trace){.number = b->starts.begun - 1,
                  .parent = start->parent,

@@ -382,7 +382,7 @@ static saltus_status pass_grazing(saltus_locus *l, bool *passed, saltus_message 
     const double ahead = 1e-4;
     int order[SALTUS_MARKS_MAX], worst = -1;
     saltus_sequence old = l->located.sequence, fresh;
-    saltus_message why = {""};
+    saltus_message why = {.text = ""};
     const double value = saltus_corner_breach(&l->x, &l->located);
     *passed = false;
     for (int k = 0; k < l->located.breach_count; k++)
@@ -422,7 +422,7 @@ static saltus_status take_step(saltus_locus *l, int *reached, bool *found, saltu
          (l->options.high[0] - l->x.orbits.origin) / l->x.orbits.family.unit[0]},
         {c + 1, (l->options.low[1] - l->origin) / l->x.orbits.family.unit[1],
          (l->options.high[1] - l->origin) / l->x.orbits.family.unit[1]}};
-    saltus_message why = {""};
+    saltus_message why = {.text = ""};
     for (*found = false; !*found && l->step > stride_min; l->step *= *found ? 1 : 0.5) {
         saltus_status status =
             saltus_curve_step(&l->x.equations, &l->here, &l->step, bounds, 2, &l->next, reached, &why);

@@ -205,7 +205,7 @@ void saltus_solution_speeds(const saltus_orbits *o, const saltus_solution *s, do
 static saltus_status go_around(saltus_orbits *o, saltus_solution *s, saltus_cocycle *cocycle,
                                saltus_message *message) {
     saltus_survey *survey = &s->survey;
-    saltus_message why = {""};
+    saltus_message why = {.text = ""};
     survey->follows = survey->walked = false;
     survey->lap.keeps_events = true;
     saltus_status status = saltus_orbits_tune(o, s->parameter, message);

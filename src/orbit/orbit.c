@@ -163,7 +163,7 @@ static int find_passing(search *s, const double *guess) {
  * orbit found that passes through a stop says more than a residual. */
 static saltus_status find(search *s, const double *guess, saltus_message *message) {
     saltus_sequence driven = {.periods = s->periods, .base = s->options->phase, .driven = true};
-    saltus_message plain = {""}, ignored;
+    saltus_message plain = {.text = ""}, ignored;
     saltus_status first = SALTUS_OK;
     int passing = -1;
     memcpy(s->state, guess, (size_t)s->n * sizeof *guess);

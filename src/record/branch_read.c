@@ -22,7 +22,7 @@ typedef struct reader {
 static saltus_status read_head(reader *r) {
     saltus_branch_file *made = r->made;
     saltus_h5_head head;
-    saltus_message sentence = {""};
+    saltus_message sentence = {.text = ""};
     saltus_status status = saltus_h5_get_head(&r->h5, "branch", "branch of orbits", &head);
     if (status != SALTUS_OK)
         return status;

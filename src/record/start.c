@@ -215,7 +215,7 @@ static saltus_status read_parameters(const source *s, saltus_json object, saltus
     if (!text)
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for reading %.300s", s->path);
     saltus_scene scene;
-    saltus_message reason = {""};
+    saltus_message reason = {.text = ""};
     saltus_status status = saltus_scene_parse(text, strlen(text), "parameters", &scene, &reason);
     free(text);
     if (status != SALTUS_OK)

@@ -37,7 +37,7 @@ typedef struct worker {
 static bool open_flow(const worker *w, int lanes, int columns, saltus_flow **flow) {
     const saltus_system *systems[SALTUS_LANES_MAX];
     saltus_flow_options options = w->sweep->options.flow;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     options.columns = columns;
     for (int l = 0; l < lanes; l++)
         systems[l] = w->sweep->system;

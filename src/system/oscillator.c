@@ -39,9 +39,9 @@ static saltus_status shape(const saltus_spec *spec, int *dof, int *extra, saltus
     if (*dof == 1)
         for (int s = 0; s < spec->stop_count; s++)
             if (spec->stops[s].weight[1] != 0)
-                return saltus_fail(message, SALTUS_BAD_INPUT,
-                                   "stop %d: weight names mass 2, but the oscillator has one mass (N = 1)",
-                                   s + 1);
+                return saltus_fail_at(
+                    message, SALTUS_BAD_INPUT, (saltus_fault){.key = "weight", .stop = s + 1},
+                    "stop %d: weight names mass 2, but the oscillator has one mass (N = 1)", s + 1);
     return SALTUS_OK;
 }
 

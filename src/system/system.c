@@ -48,17 +48,19 @@ bool saltus_spec_equal(const saltus_spec *a, const saltus_spec *b) {
     return equal;
 }
 
-static saltus_status check_range(const saltus_parameter *p, const char *owner, double value,
+/* `stop`: of which stop the value is, from 1, 0 if of none; `owner` begins the sentence. */
+static saltus_status check_range(const saltus_parameter *p, int stop, const char *owner, double value,
                                  saltus_message *message) {
+    const saltus_fault fault = {.key = p->name, .stop = stop};
     bool low = p->open_min ? !(value > p->min) : !(value >= p->min);
     bool high = p->open_max ? !(value < p->max) : !(value <= p->max);
     if (p->integer && value != floor(value))
-        return saltus_fail(message, SALTUS_BAD_INPUT, "%s%s = %g: must be a whole number (%s)", owner,
-                           p->name, value, p->meaning);
+        return saltus_fail_at(message, SALTUS_BAD_INPUT, fault, "%s%s = %g: must be a whole number (%s)",
+                              owner, p->name, value, p->meaning);
     if (low || high)
-        return saltus_fail(message, SALTUS_BAD_INPUT, "%s%s = %g: must be %s %g and %s %g (%s)", owner,
-                           p->name, value, p->open_min ? "greater than" : "at least", p->min,
-                           p->open_max ? "less than" : "at most", p->max, p->meaning);
+        return saltus_fail_at(message, SALTUS_BAD_INPUT, fault, "%s%s = %g: must be %s %g and %s %g (%s)",
+                              owner, p->name, value, p->open_min ? "greater than" : "at least", p->min,
+                              p->open_max ? "less than" : "at most", p->max, p->meaning);
     return SALTUS_OK;
 }
 
@@ -71,20 +73,22 @@ static saltus_status check_stop(const saltus_spec *spec, int s, saltus_message *
     if (spec->stop_count > 1)
         snprintf(owner, sizeof owner, "stop %d: ", s + 1);
     for (int k = by_xi ? SALTUS_STOP_XI : SALTUS_STOP_D; k < SALTUS_STOP_NUMBERS; k++) {
-        saltus_status status = check_range(&stop_parameters[k], owner, values[k], message);
+        saltus_status status = check_range(&stop_parameters[k], s + 1, owner, values[k], message);
         if (status != SALTUS_OK)
             return status;
     }
     if (!by_xi && !(isfinite(stop->weight[0]) && isfinite(stop->weight[1])))
-        return saltus_fail(message, SALTUS_BAD_INPUT, "%sweight: must be finite numbers", owner);
+        return saltus_fail_at(message, SALTUS_BAD_INPUT, (saltus_fault){.key = "weight", .stop = s + 1},
+                              "%sweight: must be finite numbers", owner);
     if (!by_xi && stop->weight[0] == 0 && stop->weight[1] == 0)
-        return saltus_fail(message, SALTUS_BAD_INPUT,
-                           "%sweight = [0, 0]: a stop must limit at least one mass", owner);
+        return saltus_fail_at(message, SALTUS_BAD_INPUT, (saltus_fault){.key = "weight", .stop = s + 1},
+                              "%sweight = [0, 0]: a stop must limit at least one mass", owner);
     if (stop->sides < SALTUS_UPPER || stop->sides > SALTUS_BOTH)
-        return saltus_fail(message, SALTUS_BAD_INPUT, "%ssides: must be upper, lower or both", owner);
+        return saltus_fail_at(message, SALTUS_BAD_INPUT, (saltus_fault){.key = "sides", .stop = s + 1},
+                              "%ssides: must be upper, lower or both", owner);
     if (stop->sides == SALTUS_BOTH && !(stop->d > 0))
-        return saltus_fail(
-            message, SALTUS_BAD_INPUT,
+        return saltus_fail_at(
+            message, SALTUS_BAD_INPUT, (saltus_fault){.key = "d", .stop = s + 1},
             "%sd = %g: must be greater than 0 with sides: both (no room is left between the stops)", owner,
             stop->d);
     return SALTUS_OK;
@@ -92,13 +96,13 @@ static saltus_status check_stop(const saltus_spec *spec, int s, saltus_message *
 
 static saltus_status check_spec(const saltus_spec *spec, saltus_message *message) {
     if (!spec->model)
-        return saltus_fail(message, SALTUS_BAD_INPUT, "model: missing");
+        return saltus_fail_at(message, SALTUS_BAD_INPUT, (saltus_fault){.key = "model"}, "model: missing");
     if (spec->stop_count < 0 || spec->stop_count > SALTUS_STOPS_MAX)
-        return saltus_fail(message, SALTUS_BAD_INPUT, "stops: %d given, at most %d are possible",
-                           spec->stop_count, SALTUS_STOPS_MAX);
+        return saltus_fail_at(message, SALTUS_BAD_INPUT, (saltus_fault){.key = "stops"},
+                              "stops: %d given, at most %d are possible", spec->stop_count, SALTUS_STOPS_MAX);
     saltus_status status = SALTUS_OK;
     for (int k = 0; k < spec->model->parameter_count && status == SALTUS_OK; k++)
-        status = check_range(&spec->model->parameters[k], "", spec->parameters[k], message);
+        status = check_range(&spec->model->parameters[k], 0, "", spec->parameters[k], message);
     for (int s = 0; s < spec->stop_count && status == SALTUS_OK; s++)
         status = check_stop(spec, s, message);
     return status;
@@ -153,6 +157,7 @@ static double parallel(const double *a, const double *b, int n) {
 
 /* Faces on the same coordinate must leave room between them, and none may repeat another. */
 static saltus_status check_faces(const saltus_system *system, saltus_message *message) {
+    const saltus_fault fault = {.key = "stops"};
     for (int f = 0; f < system->face_count; f++)
         for (int g = 0; g < f; g++) {
             saltus_face a = system->faces[f], b = system->faces[g];
@@ -160,14 +165,14 @@ static saltus_status check_faces(const saltus_system *system, saltus_message *me
             if (factor == 0)
                 continue;
             if (a.side * b.side * factor > 0 && fabs(a.d - fabs(factor) * b.d) <= 1e-9 * fabs(a.d))
-                return saltus_fail(
-                    message, SALTUS_BAD_INPUT,
+                return saltus_fail_at(
+                    message, SALTUS_BAD_INPUT, fault,
                     "stops %d and %d limit the same coordinate on the same side; keep one of them",
                     b.stop + 1, a.stop + 1);
             if (a.side * b.side * factor < 0 && !(a.d / fabs(factor) + b.d > 0))
-                return saltus_fail(message, SALTUS_BAD_INPUT,
-                                   "stops %d and %d: d = %g and d = %g leave no room between them",
-                                   b.stop + 1, a.stop + 1, b.d, a.d);
+                return saltus_fail_at(message, SALTUS_BAD_INPUT, fault,
+                                      "stops %d and %d: d = %g and d = %g leave no room between them",
+                                      b.stop + 1, a.stop + 1, b.d, a.d);
         }
     return SALTUS_OK;
 }
@@ -180,9 +185,9 @@ static saltus_status build_normals(saltus_system *system, saltus_message *messag
         for (int i = 0; i < system->dof; i++)
             size = fmax(size, fabs(system->stop_normal[s][i]));
         if (size < 1e-6)
-            return saltus_fail(message, SALTUS_BAD_INPUT,
-                               "stop %d: xi = %g: no mode moves there; a stop needs a place that moves",
-                               s + 1, stop->xi);
+            return saltus_fail_at(message, SALTUS_BAD_INPUT, (saltus_fault){.key = "xi", .stop = s + 1},
+                                  "stop %d: xi = %g: no mode moves there; a stop needs a place that moves",
+                                  s + 1, stop->xi);
     }
     return SALTUS_OK;
 }

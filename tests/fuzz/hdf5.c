@@ -29,7 +29,7 @@ static void check(saltus_status status, const saltus_message *message) {
 }
 
 static saltus_branch *open_branch(const bench *b) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_branch *branch = NULL;
     check(saltus_branch_new(&b->scene.spec, b->motion.periods, b->motion.state, &b->way, &branch, &message),
           &message);
@@ -38,7 +38,7 @@ static saltus_branch *open_branch(const bench *b) {
 
 /* What a branch of the oscillator goes on from after a few points. */
 static void save_branch(bench *b, saltus_branch_output *output) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_system *system = NULL;
     saltus_classify_options how = saltus_classify_defaults();
     const saltus_branch_point *point;
@@ -63,7 +63,7 @@ static void save_branch(bench *b, saltus_branch_output *output) {
 
 /* Whatever a run is told to go on from, it refuses or takes a step from there. */
 static void go_on(const bench *b, const saltus_branch_file *file) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     const saltus_branch_point *point;
     int kept;
     saltus_branch *branch = open_branch(b);
@@ -76,7 +76,7 @@ static void go_on(const bench *b, const saltus_branch_file *file) {
 
 /* A short branch of the oscillator, with special points and events. */
 static void make_branch(bench *b, const char *path) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_branch_output *output = NULL;
     double state[2] = {0.25, -0.5};
     const double values[] = {1.25, 1.5};
@@ -118,7 +118,7 @@ static void make_branch(bench *b, const char *path) {
 }
 
 static void make_sweep(const saltus_sweep *sweep, bool basins, const char *path) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     feeder f = {.sweep = sweep};
     const saltus_sweep_feed feed = {.context = &f, .next = next_task, .take = take_result};
     check(saltus_sweep_output_open(path, sweep, basins, false, &f.output, &message), &message);
@@ -127,7 +127,7 @@ static void make_sweep(const saltus_sweep *sweep, bool basins, const char *path)
 }
 
 static void open_sweeps(bench *b) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_sweep_options options = saltus_sweep_defaults();
     const saltus_axis over[] = {{.key = "omega", .count = 2, .low = 1, .high = 1.5},
                                 {.key = "d", .count = 2, .low = 0.5, .high = 1}};
@@ -144,7 +144,7 @@ static void open_sweeps(bench *b) {
 /* Forged without a change, all of them must be taken. */
 static void check_unchanged(const bench *b, const char *path) {
     forge_stream none = {NULL, NULL};
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     for (int k = 0; k < templates; k++) {
         saltus_branch_file branch = {.point_count = 0};
         saltus_sweep_file sweep = {.row_count = 0};
@@ -162,7 +162,7 @@ static void check_unchanged(const bench *b, const char *path) {
 static bench *open_bench(void) {
     bench *b = calloc(1, sizeof *b);
     char path[128];
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     fuzz_check(b != NULL, "no memory");
     b->nowhere = fopen("/dev/null", "w");
     fuzz_check(b->nowhere != NULL, "/dev/null cannot be opened");
@@ -183,7 +183,7 @@ static bench *open_bench(void) {
 /* Whatever a file says that is taken must be fit for use. Figures take long: few inputs make one. */
 static void use_branch(const bench *b, const char *path, bool draw) {
     static const char *const parts[] = {":1", ":4", ":PD1", ":GR", ":9"};
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_branch_file file;
     saltus_status status = saltus_branch_file_read(path, &file, &message);
     fuzz_check_refusal(status, &message);
@@ -208,7 +208,7 @@ static void use_branch(const bench *b, const char *path, bool draw) {
 }
 
 static void use_sweep(const char *path, unsigned view, bool draw) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_sweep_file file;
     saltus_status status = saltus_sweep_file_read(path, &file, &message);
     fuzz_check_refusal(status, &message);
@@ -230,7 +230,7 @@ static void use_sweep(const char *path, unsigned view, bool draw) {
 static void damage(const bench *b, forge_stream *stream) {
     char path[128];
     forge_stream none = {NULL, NULL};
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_branch_file file;
     fuzz_check(forge_write(&b->files[sealed_branch], &none, fuzz_path(path)), "a file cannot be written");
     FILE *there = fopen(path, "r+b");

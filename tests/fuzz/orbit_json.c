@@ -8,7 +8,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     char path[128], source[160];
     saltus_start start;
     saltus_scene scene;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     /* HDF5 files have a target of their own. */
     if (size < 1 || (size > 8 && memcmp(data + 1, hdf5, 8) == 0))
         return 0;

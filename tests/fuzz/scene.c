@@ -5,7 +5,7 @@
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     saltus_scene scene;
     saltus_system *system = NULL;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     double state[SALTUS_SCENE_STATE_MAX];
     saltus_status status = saltus_scene_parse((const char *)data, size, "fuzz.yaml", &scene, &message);
     fuzz_check_refusal(status, &message);

@@ -7,7 +7,7 @@ enum { settings_max = 64 };
 
 /* A refused setting leaves the scene as it was; an accepted one may still make no system, but says why. */
 static void apply(saltus_scene *scene, const char *setting) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_scene before = *scene;
     saltus_system *system = NULL;
     saltus_status status = saltus_scene_set(scene, setting, &message);
@@ -22,7 +22,7 @@ static void apply(saltus_scene *scene, const char *setting) {
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_scene scene;
     memset(&scene, 0, sizeof scene);
     if (size < 2)

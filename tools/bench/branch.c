@@ -51,7 +51,7 @@ static void note(measured *m, const saltus_branch_point *point) {
 
 static bool run(const reference *r, double step_max, measured *m) {
     saltus_branch_options options = saltus_branch_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_branch *branch = NULL;
     const saltus_branch_point *point = NULL;
     *m = (measured){0};

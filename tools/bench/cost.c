@@ -135,7 +135,7 @@ static bool measure_run(const saltus_spec *spec, const asked *a, const double *s
                         spent *s) {
     saltus_system *system = NULL;
     saltus_flow *flow = NULL;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     double state[SALTUS_SCENE_STATE_MAX];
     bool done =
         saltus_system_new(spec, &system, &message) == SALTUS_OK &&

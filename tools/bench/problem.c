@@ -88,7 +88,7 @@ static void set_scene(problem *p) {
 }
 
 bool problem_open(const char *folder, const char *name, const char *what, problem *p) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     *p = (problem){.name = name, .what = what};
     if (!reference_read(folder, name, &p->orbit)) {
         free(p->orbit.text);

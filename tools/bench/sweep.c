@@ -199,7 +199,7 @@ static bool check(sweep *s) {
         .lanes = lanes, .threads = 1, .rtol = exact, .impacts = true, .step_max = capped_step};
     program list[rows_max];
     const bool all = s->count == omegas_max;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     sweep_cost cost;
     int wrong = 0;
     if (own_sweep(s->stopped, s->count, &capped, s->reference, &cost, &message) != SALTUS_OK) {
@@ -293,7 +293,7 @@ static bool compare(sweep *s, bool rivals) {
 
 int main(int count, char **arguments) {
     static sweep s;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     int part = 4;
     bool rivals = false, checking = false, calibrating = false;
     for (int k = 1; k < count; k++)

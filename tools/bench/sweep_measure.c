@@ -162,7 +162,7 @@ static void judge(sweep *s, const program *p, row *r) {
 
 static bool run_saltus(sweep *s, const program *p, row *r) {
     saltus_system *const *systems = p->stopped ? s->stopped : s->unstopped;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     const sweep_cost before = r->cost;
     saltus_status status = p->kind == program_engine
                                ? engine_sweep(&p->engine, s->found, &r->cost, &message)

@@ -112,7 +112,7 @@ static char **read_options(char **arguments, trial_request *request) {
 
 int main(int count, char **arguments) {
     trial_bench bench = {.request = {.quick = false}};
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     saltus_status status = SALTUS_OK;
     char **words = count > 1 ? read_options(arguments + 1, &bench.request) : NULL;
     if (!words || !*words) {
