@@ -4,8 +4,8 @@
  * and leaves no other file behind.
  *
  * Only calls of our own code come here: allocations within GSL, LAPACKE, FFTW, HDF5 and LibYAML do not fail.
- * What libcyaml allocates goes through our own function and does. Where there are very many allocations, as
- * many as there is time for are tried, with equal gaps; SALTUS_LONG_TESTS tries all.
+ * Where there are very many allocations, as many as there is time for are tried, with equal gaps;
+ * SALTUS_LONG_TESTS tries all.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "allocations.h"
 #include "feeder.h"

@@ -312,7 +312,7 @@ static void damage_kind(const char *layout, int which, const site *s) {
 
 /* The pair twice: the second one is named. A strange key before it: that one is. */
 static void add_keys(const char *layout, int which, const site *s) {
-    char text[text_size], pair[600], words[64], between[80];
+    char text[text_size], pair[600], words[96], between[80];
     site again;
     int inner = 0;
     for (const char *c = s->value; *c; c++)
@@ -320,19 +320,23 @@ static void add_keys(const char *layout, int which, const site *s) {
     snprintf(between, sizeof between, s->flow ? ",\n\n%*s" : "\n\n%*s", s->column, "");
     snprintf(pair, sizeof pair, "%s:%s%s%s: %s", s->written, s->value, between, s->written, s->value);
     write_layout(layout, which, pair, text, &again);
-    snprintf(words, sizeof words, "%s: given twice", s->key);
+    snprintf(words, sizeof words, "%s: given twice, first in line %d; keep one of them", s->key, s->line);
     check_refusal(text, s->line + inner + 2, words);
     snprintf(pair, sizeof pair, "%s:%s%sweird: 1", s->written, s->value, between);
     write_layout(layout, which, pair, text, &again);
     check_refusal(text, s->line + inner + 2, "\"weird\": unknown key; the keys here are ");
-    /* Of two faults the first is told, though its key comes again. */
-    snprintf(pair, sizeof pair, "weird: 1%sweird: 2%s%s:%s", between, between, s->written, s->value);
+    /* Of two strange keys the first is told. That a key is there twice comes before what is wrong with it. */
+    snprintf(pair, sizeof pair, "weird: 1%sstrange: 2%s%s:%s", between, between, s->written, s->value);
     write_layout(layout, which, pair, text, &again);
     check_refusal(text, s->line, "\"weird\": unknown key; the keys here are ");
+    snprintf(pair, sizeof pair, "weird: 1%sweird: 2%s%s:%s", between, between, s->written, s->value);
+    write_layout(layout, which, pair, text, &again);
+    snprintf(words, sizeof words, "weird: given twice, first in line %d; ", s->line);
+    check_refusal(text, s->line + 2, words);
     snprintf(pair, sizeof pair, "%s: {a: 1}%s%s:%s", s->written, between, s->written, s->value);
     write_layout(layout, which, pair, text, &again);
-    snprintf(words, sizeof words, "%s: must be a ", s->key);
-    check_refusal(text, s->line, words);
+    snprintf(words, sizeof words, "%s: given twice, first in line %d; ", s->key, s->line);
+    check_refusal(text, s->line + 2, words);
 }
 
 static void check_same(const saltus_scene *a, const saltus_scene *b) {
@@ -435,7 +439,7 @@ static void stops_without_clearance_are_placed(void **state) {
     }
     check_refusal("model: oscillator\nstop:\n\n  weight: [1]\n", 4, "stop: d is missing");
     check_refusal("model: pipe\n\nstop: {}\n", 3, "stop: d is missing");
-    check_refusal("model: pipe\n\nstops:\n- d: 1\n- {}\n", 3, "stop 2: d is missing");
+    check_refusal("model: pipe\n\nstops:\n- d: 1\n- {}\n", 5, "stop 2: d is missing");
     /* A default that cannot be, of a key that is not there: the stop is named. */
     check_refusal("model: pipe\nN: 2\n\nstops:\n- d: 0.1\n- d: 0.1\n", 4, "stops 1 and 2 limit the same");
 }

@@ -23,7 +23,7 @@ unpack() {
         -o APT::Architecture=arm64 -o APT::Architectures::=arm64
     apt-get "$@" update
     apt-get "$@" install -y --no-install-recommends --download-only libc6-dev libgomp1 libgsl-dev liblapacke-dev \
-        libfftw3-dev libhdf5-dev libcyaml-dev libyaml-dev libcmocka-dev
+        libfftw3-dev libhdf5-dev libyaml-dev libcmocka-dev
     for name in lib bin sbin; do
         ln -sfn "usr/$name" "$root/$name"
     done

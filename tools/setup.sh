@@ -3,7 +3,7 @@
 # MPI is optional: sweeps run over several machines where it is there (libopenmpi-dev, openmpi-bin) before the build.
 # SPDX-License-Identifier: GPL-3.0-or-later
 set -eu
-needed="gcc cmake ninja-build pkgconf libgsl-dev libfftw3-dev liblapacke-dev libcyaml-dev libhdf5-dev gnuplot-nox fonts-dejavu-core"
+needed="gcc cmake ninja-build pkgconf libgsl-dev libfftw3-dev liblapacke-dev libyaml-dev libhdf5-dev gnuplot-nox fonts-dejavu-core"
 missing=""
 for package in $needed ${extra_packages:-}; do
     dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q "ok installed" || missing="$missing $package"

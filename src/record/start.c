@@ -1,12 +1,12 @@
 /* Reading an orbit to start from: JSON that this program wrote, or a point of a branch file.
  *
- * The parameters of a JSON object are handed to the scene reader as a scene of their own, so their checks and
- * their sentences are those of scenes.
+ * The parameters of a JSON object are read as a scene of their own, so their checks and their sentences are
+ * those of scenes.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "record/describe.h"
 #include "record/hdf5.h"
-#include "record/json_read.h"
 #include "saltus/record.h"
+#include "scene/scene.h"
 
 #include <errno.h>
 #include <math.h>
@@ -140,145 +140,157 @@ static bool find_line(const char **text, size_t *length, long number) {
     return *length > 0;
 }
 
-/* The object that describes the orbit: the whole text, one of its lines, or one of a list of attractors. */
-static saltus_status find_object(const source *s, const char *text, size_t length, saltus_json *object,
+/* A JSON text: the whole file, or one of its lines. */
+static saltus_source json_source(const source *s, const char *text, size_t length, int lines_before,
                                  saltus_message *message) {
-    const char *rest, *end = text + length;
+    return (saltus_source){.text = text,
+                           .length = length,
+                           .origin = s->path,
+                           .language = "JSON",
+                           .lines_before = lines_before,
+                           .message = message};
+}
+
+/* Read a text that is an object. */
+static saltus_status read_document(const source *s, const saltus_source *json, saltus_document *document) {
+    const char *end = json->text + json->length, *begin = json->text;
+    while (begin < end && strchr(" \t\r\n", *begin) && *begin)
+        begin++;
+    if (begin == end || *begin != '{')
+        return refuse(s, json->message, "is no orbit: neither a JSON object nor an HDF5 file");
+    saltus_status status = saltus_document_read(json, document);
+    if (status != SALTUS_OK && json->message->cause == SALTUS_CAUSE_CUT_OFF) {
+        refuse(s, json->message, "is cut off: the JSON object does not end");
+        json->message->cause = SALTUS_CAUSE_CUT_OFF;
+    }
+    return status;
+}
+
+/* Whether a text's line begins with another object. */
+static bool object_begins(const char *text, size_t length, int line) {
+    return find_line(&text, &length, line) && *text == '{';
+}
+
+/* Read the object that describes the orbit: the whole text, one of its lines, or one of a list of attractors.
+ * *json says what was read. */
+static saltus_status find_object(const source *s, saltus_source *json, saltus_document *document,
+                                 const saltus_node **object, saltus_message *message) {
+    const char *text = json->text;
+    size_t length = json->length;
     long number = part_number(s->part);
-    saltus_json list, entry;
     if (s->part[0] && !number)
         return refuse(s, message, "in a JSON file orbits are named by their number, from 1");
-    bool good = saltus_json_parse(text, length, object, &rest);
-    if (good && rest == end && saltus_json_member_of(*object, "attractors", &list)) {
+    saltus_status status = read_document(s, json, document);
+    const saltus_node *list = status == SALTUS_OK ? saltus_node_member(document->root, "attractors") : NULL;
+    *object = document->root;
+    if (list) {
         if (!number)
             return refuse(s, message, "holds a list of attractors; name one, as in FILE:1");
-        if (!saltus_json_element(list, (int)number - 1, &entry) ||
-            !saltus_json_member_of(entry, "motion", object))
-            return refuse(s, message, "there is no such attractor in the file");
-        return SALTUS_OK;
+        *object = saltus_node_member(saltus_node_child(list, (int)number - 1), "motion");
+        return *object ? SALTUS_OK : refuse(s, message, "there is no such attractor in the file");
     }
-    if (good && rest < end && *rest == '{' && !number)
-        return refuse(s, message, "holds several orbits; name one by its line, as in FILE:1");
-    if (number > 1 || (number && rest < end)) {
+    if (number > 1 || (number && status != SALTUS_OK)) {
+        saltus_document_close(document);
         if (!find_line(&text, &length, number))
             return refuse(s, message, "there is no such line in the file");
-        end = text + length;
-        good = saltus_json_parse(text, length, object, &rest);
-    }
-    if (good && rest == end && *object->at == '{')
-        return SALTUS_OK;
-    bool begun = object->at < end && *object->at == '{';
-    return refuse(s, message,
-                  !begun               ? "is no orbit: neither a JSON object nor an HDF5 file"
-                  : object->end >= end ? "is cut off: the JSON object does not end"
-                                       : "is no sound JSON");
+        *json = json_source(s, text, length, (int)number - 1, message);
+        status = read_document(s, json, document);
+        *object = document->root;
+    } else if (status != SALTUS_OK && message->cause == SALTUS_CAUSE_SEVERAL &&
+               object_begins(text, length, message->line))
+        return refuse(s, message, "holds several orbits; name one by its line, as in FILE:1");
+    return status;
 }
 
-/* The object's member `parameters` as the text of a scene, to be freed; NULL when there is no memory. */
-static char *scene_text(saltus_json parameters, const saltus_model *model) {
-    char *text = NULL;
-    size_t length = 0;
-    FILE *stream = open_memstream(&text, &length);
-    saltus_json value;
+/* The word behind a key of an object; NULL when there is none. */
+static const char *word_of(const saltus_node *object, const char *key) {
+    const saltus_node *node = saltus_node_member(object, key);
+    return node && node->kind == SALTUS_NODE_SCALAR && node->quoted ? node->text : NULL;
+}
+
+/* A finite number; false for anything else. */
+static bool number_of(const saltus_node *node, double *number) {
+    return node && node->kind == SALTUS_NODE_SCALAR && !node->quoted &&
+           !saltus_read_number(node->text, number);
+}
+
+static saltus_status read_parameters(const source *s, const saltus_source *json, const saltus_node *object,
+                                     saltus_start *start) {
+    const saltus_node *parameters = saltus_node_member(object, "parameters");
+    const char *name = word_of(parameters, "model");
+    const saltus_model *model = name ? saltus_model_find(name) : NULL;
+    if (!model)
+        return refuse(s, json->message, "parameters: must be an object that names a known model");
     int count;
     const saltus_parameter *p = saltus_model_parameters(model, &count);
-    if (!stream)
-        return NULL;
-    fprintf(stream, "{model: %s", saltus_model_name(model));
     for (int k = 0; k <= count; k++) {
         const char *key = k < count ? p[k].name : "stops";
-        if (saltus_json_member_of(parameters, key, &value))
-            fprintf(stream, ", %s: %.*s", key, (int)(value.end - value.at), value.at);
+        if (!saltus_node_member(parameters, key))
+            return refuse(s, json->message, "parameters: %s is missing", key);
     }
-    fputs("}\n", stream);
-    if (fclose(stream) == 0)
-        return text;
-    free(text);
-    return NULL;
-}
-
-static saltus_status read_parameters(const source *s, saltus_json object, saltus_start *start,
-                                     saltus_message *message) {
-    saltus_json parameters, value;
-    char word[word_size];
-    int count;
-    if (!saltus_json_member_of(object, "parameters", &parameters) ||
-        !saltus_json_member_of(parameters, "model", &value) || !saltus_json_word(value, word, sizeof word) ||
-        !saltus_model_find(word))
-        return refuse(s, message, "parameters: must be an object that names a known model");
-    const saltus_model *model = saltus_model_find(word);
-    const saltus_parameter *p = saltus_model_parameters(model, &count);
-    for (int k = 0; k <= count; k++)
-        if (!saltus_json_member_of(parameters, k < count ? p[k].name : "stops", &value))
-            return refuse(s, message, "parameters: %s is missing", k < count ? p[k].name : "stops");
-    char *text = scene_text(parameters, model);
-    if (!text)
-        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for reading %.300s", s->path);
     saltus_scene scene;
-    saltus_message reason = {.text = ""};
-    saltus_status status = saltus_scene_parse(text, strlen(text), "parameters", &scene, &reason);
-    free(text);
-    if (status != SALTUS_OK)
-        return saltus_fail(message, status, "%.200s: %.280s", s->path, reason.text);
-    start->spec = scene.spec;
-    return SALTUS_OK;
+    saltus_status status = saltus_scene_read(json, parameters, true, &scene);
+    if (status == SALTUS_OK)
+        start->spec = scene.spec;
+    return status;
 }
 
-static saltus_status read_state(const source *s, saltus_json object, saltus_start *start,
+static saltus_status read_state(const source *s, const saltus_node *object, saltus_start *start,
                                 saltus_message *message) {
-    saltus_json state, entry;
+    const saltus_node *state = saltus_node_member(object, "state");
     saltus_system *system = NULL;
     saltus_status status = saltus_system_new(&start->spec, &system, message);
     if (status != SALTUS_OK)
         return status;
     start->dimension = saltus_system_dimension(system);
     saltus_system_free(system);
-    if (!saltus_json_member_of(object, "state", &state) || *state.at != '[')
+    if (!state || state->kind != SALTUS_NODE_LIST)
         return refuse(s, message, "state: must be a list of numbers");
-    int count = saltus_json_count(state);
-    if (count != start->dimension || count > SALTUS_SCENE_STATE_MAX)
-        return refuse(s, message, "state: has %d entries, its parameters make it %d", count,
+    if (state->count != start->dimension || state->count > SALTUS_SCENE_STATE_MAX)
+        return refuse(s, message, "state: has %d entries, its parameters make it %d", state->count,
                       start->dimension);
-    for (int i = 0; i < count; i++)
-        if (!saltus_json_element(state, i, &entry) || !saltus_json_number(entry, &start->state[i]))
+    int i = 0;
+    for (const saltus_node *entry = state->first; entry; entry = entry->next, i++)
+        if (!number_of(entry, &start->state[i]))
             return refuse(s, message, "state: entry %d must be a finite number", i + 1);
     return SALTUS_OK;
 }
 
-static saltus_status read_object(const source *s, saltus_json object, saltus_start *start,
-                                 saltus_message *message) {
-    saltus_json value;
-    char word[word_size] = "";
+static saltus_status read_object(const source *s, const saltus_source *json, const saltus_node *object,
+                                 saltus_start *start) {
+    saltus_message *message = json->message;
     double periods = 0;
-    if (!saltus_json_member_of(object, "version", &value) || !saltus_json_word(value, word, sizeof word))
+    if (!word_of(object, "version"))
         return refuse(s, message,
                       "is not an orbit of classify, orbit or continue --json: it has no key version");
     /* A point of a branch keeps its n/p under `motion`, and its own label under `label`. */
-    if ((saltus_json_member_of(object, "motion", &value) || saltus_json_member_of(object, "label", &value)) &&
-        saltus_json_word(value, word, sizeof word))
-        snprintf(start->label, sizeof start->label, "%.31s", word);
-    if (!saltus_json_member_of(object, "periods", &value) || !saltus_json_number(value, &periods) ||
-        periods != floor(periods) || periods < 0 || periods > 1e6)
+    const char *motion = word_of(object, "motion"), *label = motion ? motion : word_of(object, "label");
+    if (label)
+        snprintf(start->label, sizeof start->label, "%s", label);
+    if (!number_of(saltus_node_member(object, "periods"), &periods) || periods != floor(periods) ||
+        periods < 0 || periods > 1e6)
         return refuse(s, message, "periods: must be a whole number from 1 to 1000000");
     if (periods == 0)
-        return refuse(s, message, "holds no periodic orbit (the motion is %.31s, periods is 0)",
-                      start->label);
+        return refuse(s, message, "holds no periodic orbit (the motion is %s, periods is 0)", start->label);
     start->periods = (int)periods;
-    saltus_status status = read_parameters(s, object, start, message);
+    saltus_status status = read_parameters(s, json, object, start);
     return status == SALTUS_OK ? read_state(s, object, start, message) : status;
 }
 
 static saltus_status read_json(const source *s, saltus_start *start, saltus_message *message) {
     char *text;
     size_t length = 0;
-    saltus_json object;
+    const saltus_node *object = NULL;
+    saltus_document document = {NULL, NULL};
     saltus_status status = read_text(s, &text, &length, message);
+    saltus_source json = json_source(s, text, length, 0, message);
     if (status == SALTUS_OK && length == 0)
         status = refuse(s, message, "is empty");
     if (status == SALTUS_OK)
-        status = find_object(s, text, length, &object, message);
+        status = find_object(s, &json, &document, &object, message);
     if (status == SALTUS_OK)
-        status = read_object(s, object, start, message);
+        status = read_object(s, &json, object, start);
+    saltus_document_close(&document);
     free(text);
     return status;
 }
@@ -295,6 +307,8 @@ static bool is_hdf5(const char *path) {
 
 saltus_status saltus_start_read(const char *text, saltus_start *start, saltus_message *message) {
     source s;
+    saltus_message own; /* what went wrong decides how to go on */
+    message = message ? message : &own;
     *start = (saltus_start){0};
     saltus_status status = split_source(text, &s, message);
     if (status != SALTUS_OK)

@@ -10,43 +10,6 @@
 
 enum { largest_file = 1 << 20 };
 
-/* Bytes of the UTF-8 character at `p`, or 0 when it is none (overlong forms and surrogates included). */
-static size_t utf8_length(const unsigned char *p, size_t left) {
-    size_t length = p[0] < 0x80                   ? 1
-                    : p[0] >= 0xc2 && p[0] < 0xe0 ? 2
-                    : p[0] >= 0xe0 && p[0] < 0xf0 ? 3
-                    : p[0] >= 0xf0 && p[0] < 0xf5 ? 4
-                                                  : 0;
-    if (length == 0 || length > left)
-        return 0;
-    for (size_t k = 1; k < length; k++)
-        if ((p[k] & 0xc0) != 0x80)
-            return 0;
-    bool overlong = (p[0] == 0xe0 && p[1] < 0xa0) || (p[0] == 0xf0 && p[1] < 0x90);
-    bool outside = (p[0] == 0xed && p[1] > 0x9f) || (p[0] == 0xf4 && p[1] > 0x8f);
-    return overlong || outside ? 0 : length;
-}
-
-static saltus_status check_text(const saltus_source *source) {
-    const unsigned char *p = (const unsigned char *)source->text;
-    int line = 1;
-    if (source->length > largest_file)
-        return saltus_source_fail(source, 0, SALTUS_BAD_INPUT, "too large for a scene (more than 1 MiB)");
-    for (size_t k = 0; k < source->length;) {
-        size_t step = utf8_length(p + k, source->length - k);
-        bool control = p[k] < 0x20 && p[k] != '\t' && p[k] != '\n' && p[k] != '\r';
-        if (control || p[k] == 0x7f)
-            return saltus_source_fail(source, line, SALTUS_BAD_INPUT,
-                                      "not a text file (it holds the byte 0x%02x)", p[k]);
-        if (step == 0)
-            return saltus_source_fail(source, line, SALTUS_BAD_INPUT,
-                                      "not a text file in UTF-8 (byte 0x%02x)", p[k]);
-        line += p[k] == '\n';
-        k += step;
-    }
-    return SALTUS_OK;
-}
-
 /* The file's name without folder and ending; a long one is cut between two characters. */
 static void set_name(saltus_scene *scene, const char *origin) {
     const char *slash = strrchr(origin, '/'), *base = slash ? slash + 1 : origin, *dot = strrchr(base, '.');
@@ -59,19 +22,25 @@ static void set_name(saltus_scene *scene, const char *origin) {
 
 saltus_status saltus_scene_parse(const char *text, size_t length, const char *origin, saltus_scene *scene,
                                  saltus_message *message) {
-    saltus_source source = {text ? text : "", text ? length : 0, origin ? origin : "scene", message};
-    saltus_reading reading;
-    saltus_scene made = {.initial_count = 0};
-    saltus_status status = check_text(&source);
-    if (status == SALTUS_OK)
-        status = saltus_reading_open(&source, &reading);
+    saltus_source source = {.text = text ? text : "",
+                            .length = text ? length : 0,
+                            .origin = origin ? origin : "scene",
+                            .language = "YAML",
+                            .message = message};
+    saltus_document document;
+    if (source.length > largest_file)
+        return saltus_source_fail(&source, 0, SALTUS_BAD_INPUT, "too large for a scene (more than 1 MiB)");
+    saltus_status status = saltus_document_read(&source, &document);
     if (status != SALTUS_OK)
         return status;
-    set_name(&made, source.origin);
-    status = saltus_scene_fill(&source, &reading, &made);
-    saltus_reading_close(&reading);
+    if (document.root)
+        status = saltus_scene_read(&source, document.root, false, scene);
+    else
+        status = saltus_source_fail(&source, 0, SALTUS_BAD_INPUT,
+                                    "is empty; a scene names at least its model (model: pipe, say)");
+    saltus_document_close(&document);
     if (status == SALTUS_OK)
-        *scene = made;
+        set_name(scene, source.origin);
     return status;
 }
 
@@ -91,7 +60,7 @@ static saltus_words suggest(const char *name) {
 }
 
 static saltus_status fail_to_open(const char *source, int error, saltus_message *message) {
-    saltus_source place = {NULL, 0, source, message};
+    const saltus_source place = {.origin = source, .message = message};
     bool path = strpbrk(source, "/.") != NULL;
     if (error == EISDIR)
         return saltus_source_fail(&place, 0, SALTUS_IO, "is a directory, not a scene file");
@@ -106,7 +75,7 @@ static saltus_status fail_to_open(const char *source, int error, saltus_message 
 }
 
 saltus_status saltus_scene_load(const char *source, saltus_scene *scene, saltus_message *message) {
-    const saltus_source place = {NULL, 0, source, message};
+    const saltus_source place = {.origin = source, .message = message};
     struct stat info;
     if (!source || !source[0])
         return saltus_fail(message, SALTUS_BAD_INPUT,

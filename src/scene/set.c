@@ -17,23 +17,24 @@ typedef struct setting {
     char value[value_size];
 } setting;
 
-static saltus_status split(const char *assignment, setting *s, const saltus_source *source) {
+static saltus_status split(const char *assignment, setting *s, saltus_message *message) {
     saltus_quoted quoted = saltus_quote(assignment);
     const char *equals = strchr(assignment, '=');
     if (!equals || equals == assignment)
-        return saltus_source_fail(source, 0, SALTUS_BAD_INPUT, "%s: must have the form key=value",
-                                  quoted.text);
+        return saltus_fail(message, SALTUS_BAD_INPUT, "%s: must have the form key=value", quoted.text);
     size_t key = (size_t)(equals - assignment), value = strlen(equals + 1);
     if (key >= key_size || value >= value_size)
-        return saltus_source_fail(source, 0, SALTUS_BAD_INPUT, "%s: too long for a setting", quoted.text);
+        return saltus_fail(message, SALTUS_BAD_INPUT, "%s: too long for a setting", quoted.text);
     memcpy(s->key, assignment, key);
     s->key[key] = '\0';
     memcpy(s->value, equals + 1, value + 1);
     return SALTUS_OK;
 }
 
-static saltus_place place_of(const setting *s) {
-    return (saltus_place){NULL, 0, s->key};
+static saltus_status refuse_value(const setting *s, const char *complaint, saltus_message *message) {
+    saltus_quoted quoted = saltus_quote(s->value);
+    return saltus_fail_at(message, SALTUS_BAD_INPUT, (saltus_fault){.key = s->key}, "%s = %s: %s", s->key,
+                          quoted.text, complaint);
 }
 
 static saltus_status check_alone(const saltus_spec *spec, saltus_message *message) {
@@ -53,15 +54,15 @@ static int dimension_of(const saltus_spec *spec, int *dof) {
 }
 
 static saltus_status set_parameter(saltus_scene *scene, int index, const setting *s,
-                                   const saltus_source *source) {
+                                   saltus_message *message) {
     double value;
     int dof = 0;
     const char *complaint = saltus_read_number(s->value, &value);
     if (complaint)
-        return saltus_value_fail(source, place_of(s), s->value, complaint);
+        return refuse_value(s, complaint, message);
     saltus_spec alone = saltus_spec_defaults(scene->spec.model);
     alone.parameters[index] = value;
-    saltus_status status = check_alone(&alone, source->message);
+    saltus_status status = check_alone(&alone, message);
     if (status != SALTUS_OK)
         return status;
     scene->spec.parameters[index] = value;
@@ -69,8 +70,8 @@ static saltus_status set_parameter(saltus_scene *scene, int index, const setting
         return SALTUS_OK;
     int dimension = dimension_of(&scene->spec, &dof);
     if (dimension != scene->initial_count)
-        return saltus_place_fail(
-            source, place_of(s),
+        return saltus_fail_at(
+            message, SALTUS_BAD_INPUT, (saltus_fault){.key = s->key},
             "%s = %s: the scene's initial state has %d entries, but the system would have %d; "
             "change the initial state in the scene",
             s->key, s->value, scene->initial_count, dimension);
@@ -78,7 +79,7 @@ static saltus_status set_parameter(saltus_scene *scene, int index, const setting
 }
 
 /* "1" or "1,-1". */
-static saltus_status read_weight(const setting *s, double weight[2], const saltus_source *source) {
+static saltus_status read_weight(const setting *s, double weight[2], saltus_message *message) {
     static const char *const form = "must be 1 or 2 numbers, such as 1,-1";
     char first[value_size];
     size_t length = strcspn(s->value, ",");
@@ -87,61 +88,64 @@ static saltus_status read_weight(const setting *s, double weight[2], const saltu
     weight[1] = 0;
     if (saltus_read_number(first, &weight[0]) ||
         (s->value[length] && saltus_read_number(s->value + length + 1, &weight[1])))
-        return saltus_value_fail(source, place_of(s), s->value, form);
+        return refuse_value(s, form, message);
     if (weight[0] == 0 && weight[1] == 0)
-        return saltus_value_fail(source, place_of(s), s->value, "a stop must limit at least one mass");
+        return refuse_value(s, "a stop must limit at least one mass", message);
     return SALTUS_OK;
 }
 
 /* Give one key of a stop its value, without any check of its range. */
-static saltus_status assign(saltus_stop *stop, int key, const setting *s, const saltus_source *source) {
+static saltus_status assign(saltus_stop *stop, int key, const setting *s, saltus_message *message) {
     if (key == stop_weight)
-        return read_weight(s, stop->weight, source);
+        return read_weight(s, stop->weight, message);
     const char *complaint = saltus_read_stop(stop, key, s->value);
-    return complaint ? saltus_value_fail(source, place_of(s), s->value, complaint) : SALTUS_OK;
+    return complaint ? refuse_value(s, complaint, message) : SALTUS_OK;
 }
 
 /* `number`: the stop that is meant, from 1; 0 for all. */
 static saltus_status set_stop(saltus_scene *scene, int key, int number, const setting *s,
-                              const saltus_source *source) {
+                              saltus_message *message) {
     saltus_spec *spec = &scene->spec, alone = saltus_spec_defaults(spec->model);
-    saltus_status status = saltus_check_placing(source, place_of(s), spec->model, key);
-    if (status != SALTUS_OK)
-        return status;
+    if (!saltus_model_has_stop_key(spec->model, key))
+        return saltus_fail_at(message, SALTUS_BAD_INPUT, (saltus_fault){.key = s->key},
+                              "%s: a stop of the model %s is placed by %s", s->key, spec->model->name,
+                              spec->model->stop_key);
     if (key == stop_sides && number == 0 && strcmp(s->value, "none") == 0) {
         spec->stop_count = 0;
         return SALTUS_OK;
     }
     if (spec->stop_count == 0 && (key != stop_d || number > 1))
-        return saltus_place_fail(source, place_of(s),
-                                 "%s: the scene has no stop; d=... makes one, so set d first", s->key);
+        return saltus_fail_at(message, SALTUS_BAD_INPUT, (saltus_fault){.key = s->key},
+                              "%s: the scene has no stop; d=... makes one, so set d first", s->key);
     if (number > spec->stop_count && spec->stop_count > 0)
-        return saltus_place_fail(source, place_of(s), "%s: the scene has %d stop%s", s->key, spec->stop_count,
-                                 spec->stop_count > 1 ? "s" : "");
+        return saltus_fail_at(message, SALTUS_BAD_INPUT, (saltus_fault){.key = s->key},
+                              "%s: the scene has %d stop%s", s->key, spec->stop_count,
+                              spec->stop_count > 1 ? "s" : "");
     alone.stops[0] = saltus_stop_defaults();
     alone.stop_count = 1;
-    status = assign(&alone.stops[0], key, s, source);
+    saltus_status status = assign(&alone.stops[0], key, s, message);
     if (status == SALTUS_OK && key != stop_weight)
-        status = check_alone(&alone, source->message);
+        status = check_alone(&alone, message);
     if (status == SALTUS_OK && spec->stop_count == 0)
         spec->stops[spec->stop_count++] = saltus_stop_defaults();
     for (int k = 0; k < spec->stop_count && status == SALTUS_OK; k++)
         if (number == 0 || number == k + 1)
-            status = assign(&spec->stops[k], key, s, source);
+            status = assign(&spec->stops[k], key, s, message);
     return status;
 }
 
 static saltus_status set_initial(saltus_scene *scene, int list, int number, const setting *s,
-                                 const saltus_source *source) {
+                                 saltus_message *message) {
     double value;
     int dof = 0, dimension = dimension_of(&scene->spec, &dof);
     const char *complaint = saltus_read_number(s->value, &value);
     if (complaint)
-        return saltus_value_fail(source, place_of(s), s->value, complaint);
+        return refuse_value(s, complaint, message);
     int room[initial_lists] = {dof, dof, dimension - 2 * dof}, first[initial_lists] = {0, dof, 2 * dof};
     if (number > room[list])
-        return saltus_place_fail(source, place_of(s), "%s: the initial state has %d entr%s %s", s->key,
-                                 room[list], room[list] == 1 ? "y" : "ies", saltus_initial_keys[list]);
+        return saltus_fail_at(message, SALTUS_BAD_INPUT, (saltus_fault){.key = s->key},
+                              "%s: the initial state has %d entr%s %s", s->key, room[list],
+                              room[list] == 1 ? "y" : "ies", saltus_initial_keys[list]);
     if (scene->initial_count == 0)
         memset(scene->initial, 0, sizeof scene->initial);
     scene->initial_count = dimension;
@@ -149,32 +153,32 @@ static saltus_status set_initial(saltus_scene *scene, int list, int number, cons
     return SALTUS_OK;
 }
 
-static saltus_status apply(saltus_scene *scene, const setting *s, const saltus_source *source) {
+static saltus_status apply(saltus_scene *scene, const setting *s, saltus_message *message) {
     const saltus_model *model = scene->spec.model;
     int number = 0, index = saltus_model_parameter_index(model, s->key);
     if (index >= 0)
-        return set_parameter(scene, index, s, source);
+        return set_parameter(scene, index, s, message);
     for (int k = 0; k < stop_keys; k++)
         if (saltus_key_numbered(s->key, saltus_stop_keys[k], &number))
-            return set_stop(scene, k, number, s, source);
+            return set_stop(scene, k, number, s, message);
     for (int k = 0; k < initial_lists; k++)
         if (saltus_key_numbered(s->key, saltus_initial_keys[k], &number) && number > 0)
-            return set_initial(scene, k, number, s, source);
+            return set_initial(scene, k, number, s, message);
     const char *keys[SALTUS_PARAMETERS_MAX + stop_keys];
     int count = model->parameter_count;
     for (int k = 0; k < count; k++)
         keys[k] = model->parameters[k].name;
     count += saltus_model_stop_keys(model, keys + count);
-    return saltus_unknown_key(source, 0, s->key, keys, count);
+    const saltus_source none = {.message = message};
+    return saltus_unknown_key(&none, 0, s->key, keys, count);
 }
 
 saltus_status saltus_scene_set(saltus_scene *scene, const char *assignment, saltus_message *message) {
-    saltus_source source = {.text = "", .message = message};
     saltus_scene changed = *scene;
     setting s;
-    saltus_status status = split(assignment, &s, &source);
+    saltus_status status = split(assignment, &s, message);
     if (status == SALTUS_OK)
-        status = apply(&changed, &s, &source);
+        status = apply(&changed, &s, message);
     if (status == SALTUS_OK)
         *scene = changed;
     return status;

@@ -4,7 +4,6 @@
 #include "system/system.h"
 
 #include <math.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -33,51 +32,9 @@ int saltus_model_stop_keys(const saltus_model *model, const char **keys) {
     return count;
 }
 
-__attribute__((format(printf, 4, 0))) static saltus_status
-fail_at(const saltus_source *source, int line, saltus_status status, const char *format, va_list arguments) {
-    enum { origin_shown = 160 };
-    saltus_message sentence;
-    vsnprintf(sentence.text, sizeof sentence.text, format, arguments);
-    if (!source->origin)
-        return saltus_fail(source->message, status, "%s", sentence.text);
-    size_t length = strlen(source->origin);
-    const char *origin = length > origin_shown ? source->origin + length - origin_shown : source->origin;
-    const char *dots = origin == source->origin ? "" : "...";
-    if (line > 0)
-        return saltus_fail(source->message, status, "%s%s:%d: %s", dots, origin, line, sentence.text);
-    return saltus_fail(source->message, status, "%s%s: %s", dots, origin, sentence.text);
-}
-
-saltus_status saltus_source_fail(const saltus_source *source, int line, saltus_status status,
-                                 const char *format, ...) {
-    va_list arguments;
-    va_start(arguments, format);
-    fail_at(source, line, status, format, arguments);
-    va_end(arguments);
-    return status;
-}
-
-saltus_status saltus_place_fail(const saltus_source *source, saltus_place place, const char *format, ...) {
-    va_list arguments;
-    va_start(arguments, format);
-    fail_at(source, saltus_place_line(source, place, false), SALTUS_BAD_INPUT, format, arguments);
-    va_end(arguments);
-    return SALTUS_BAD_INPUT;
-}
-
-saltus_status saltus_value_fail(const saltus_source *source, saltus_place place, const char *value,
-                                const char *complaint) {
-    saltus_quoted quoted = saltus_quote(value);
-    return saltus_place_fail(source, place, "%s = %s: %s", place.key, quoted.text, complaint);
-}
-
-saltus_status saltus_check_placing(const saltus_source *source, saltus_place place, const saltus_model *model,
-                                   int key) {
+bool saltus_model_has_stop_key(const saltus_model *model, int key) {
     bool places = key == stop_xi || key == stop_weight;
-    if (!places || strcmp(saltus_stop_keys[key], model->stop_key) == 0)
-        return SALTUS_OK;
-    return saltus_place_fail(source, place, "%s: a stop of the model %s is placed by %s", place.key,
-                             model->name, model->stop_key);
+    return !places || strcmp(saltus_stop_keys[key], model->stop_key) == 0;
 }
 
 const char *saltus_read_number(const char *text, double *value) {
@@ -180,8 +137,12 @@ saltus_status saltus_unknown_key(const saltus_source *source, int line, const ch
     saltus_quoted name = saltus_quote(key);
     const char *nearest = saltus_nearest_word(key, keys, count);
     if (nearest)
-        return saltus_source_fail(source, line, SALTUS_BAD_INPUT, "%s: unknown key; did you mean %s?",
-                                  name.text, nearest);
-    return saltus_source_fail(source, line, SALTUS_BAD_INPUT, "%s: unknown key; the keys here are %s",
-                              name.text, saltus_words_of(keys, count).text);
+        saltus_source_fail(source, line, SALTUS_BAD_INPUT, "%s: unknown key; did you mean %s?", name.text,
+                           nearest);
+    else
+        saltus_source_fail(source, line, SALTUS_BAD_INPUT, "%s: unknown key; the keys here are %s", name.text,
+                           saltus_words_of(keys, count).text);
+    if (source->message)
+        snprintf(source->message->key, sizeof source->message->key, "%s", key);
+    return SALTUS_BAD_INPUT;
 }
