@@ -87,7 +87,7 @@ static void null_vectors_and_least_squares(void **unused) {
     for (int j = 0; j < n; j++)
         a[2 * n + j] = a[j] - 2 * a[n + j];
     memcpy(copy, a, sizeof a);
-    assert_true(saltus_dense_null_vectors(copy, m, n, k, vectors, values));
+    assert_int_equal(saltus_dense_null_vectors(copy, m, n, k, vectors, values), SALTUS_OK);
     assert_true(values[0] == 0 && values[1] == 0 && values[2] < 1e-15 && values[3] > 0.1);
     for (int v = 0; v < k; v++)
         for (int i = 0; i < m + v; i++) {
@@ -108,7 +108,7 @@ static void null_vectors_and_least_squares(void **unused) {
     }
     int rank = 0;
     memcpy(copy, a, sizeof a);
-    assert_true(saltus_dense_least_squares(copy, m, n, b, 1e-12, &rank));
+    assert_int_equal(saltus_dense_least_squares(copy, m, n, b, 1e-12, &rank), SALTUS_OK);
     assert_int_equal(rank, 2);
     for (int j = 0; j < n; j++)
         check_near(b[j], known[j], 1e-14);

@@ -116,30 +116,40 @@ void saltus_dense_resolve(saltus_dense_lu *lu, bool transposed, int count, doubl
             b[k * n + i] *= after[i];
 }
 
+/* What a call of LAPACKE returned, which allocates what LAPACK works in. */
+static saltus_status status_of(lapack_int info) {
+    bool memory = info == LAPACK_WORK_MEMORY_ERROR || info == LAPACK_TRANSPOSE_MEMORY_ERROR;
+    return info == 0 ? SALTUS_OK : memory ? SALTUS_NO_MEMORY : SALTUS_NO_CONVERGENCE;
+}
+
 /* Right singular vectors of a are the left ones of its transpose, which is what LAPACK sees. */
-bool saltus_dense_null_vectors(double *a, int m, int n, int k, double *vectors, double *values) {
+saltus_status saltus_dense_null_vectors(double *a, int m, int n, int k, double *vectors, double *values) {
     size_t size = (size_t)n;
     double *left = calloc(size * size + 2 * size, sizeof *left), unused = 0;
-    double *singular = left ? left + size * size : NULL, *rest = left ? singular + size : NULL;
-    bool found = left && LAPACKE_dgesvd(LAPACK_COL_MAJOR, 'A', 'N', n, m, a, n, singular, left, n, &unused, 1,
-                                        rest) == 0;
-    for (int i = 0; i < k && found; i++) {
+    if (!left)
+        return SALTUS_NO_MEMORY;
+    double *singular = left + size * size, *rest = singular + size;
+    saltus_status status = status_of(
+        LAPACKE_dgesvd(LAPACK_COL_MAJOR, 'A', 'N', n, m, a, n, singular, left, n, &unused, 1, rest));
+    for (int i = 0; i < k && status == SALTUS_OK; i++) {
         values[i] = singular[n - 1 - i];
         memcpy(vectors + (size_t)i * size, left + (size_t)(n - 1 - i) * size, size * sizeof *vectors);
     }
     free(left);
-    return found;
+    return status;
 }
 
-bool saltus_dense_least_squares(double *a, int m, int n, double *b, double threshold, int *rank) {
+saltus_status saltus_dense_least_squares(double *a, int m, int n, double *b, double threshold, int *rank) {
     double *singular = calloc((size_t)(m < n ? m : n) + 1, sizeof *singular);
     lapack_int found = 0;
-    bool solved =
-        singular && LAPACKE_dgelsd(LAPACK_ROW_MAJOR, m, n, 1, a, n, b, 1, singular, threshold, &found) == 0;
+    if (!singular)
+        return SALTUS_NO_MEMORY;
+    saltus_status status =
+        status_of(LAPACKE_dgelsd(LAPACK_ROW_MAJOR, m, n, 1, a, n, b, 1, singular, threshold, &found));
     if (rank)
         *rank = (int)found;
     free(singular);
-    return solved;
+    return status;
 }
 
 /* Rows [from, n) of a, from column `from` on, times I - tau v v^T; v = (1, ...) stands in `column` of v. */

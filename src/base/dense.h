@@ -5,6 +5,7 @@
 #define SALTUS_BASE_DENSE_H
 
 #include "base/memory.h"
+#include "saltus/status.h"
 
 #include <stdbool.h>
 
@@ -50,14 +51,14 @@ void saltus_dense_resolve(saltus_dense_lu *lu, bool transposed, int count, doubl
 
 /* The right singular vectors of an m x n matrix (m <= n, overwritten) that belong to its k <= n smallest
  * singular values, as rows of `vectors` (k x n), smallest first, and these values (k; exact zeros for the n -
- * m that only the shape makes). With k = n - m the rows span the null space of a matrix of full rank. False
- * if there is no memory or the iteration fails. */
-bool saltus_dense_null_vectors(double *a, int m, int n, int k, double *vectors, double *values);
+ * m that only the shape makes). With k = n - m the rows span the null space of a matrix of full rank.
+ * Errors: SALTUS_NO_MEMORY, SALTUS_NO_CONVERGENCE. */
+saltus_status saltus_dense_null_vectors(double *a, int m, int n, int k, double *vectors, double *values);
 
 /* The shortest x that minimises |a x - b| for an m x n matrix (overwritten). `b` has max(m, n) entries, the
  * first m given, and becomes x. Singular values below `threshold` times the largest count as zero; *rank (may
- * be NULL) receives the number of the others. False if there is no memory or the iteration fails. */
-bool saltus_dense_least_squares(double *a, int m, int n, double *b, double threshold, int *rank);
+ * be NULL) receives the number of the others. Errors: SALTUS_NO_MEMORY, SALTUS_NO_CONVERGENCE. */
+saltus_status saltus_dense_least_squares(double *a, int m, int n, double *b, double threshold, int *rank);
 
 /* QR factorisation of an n x n matrix: a becomes the upper triangle with a diagonal that is not negative, q
  * the orthogonal factor. `work` has 2 n entries. Never allocates: made for the many small matrices around an

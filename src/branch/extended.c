@@ -69,7 +69,7 @@ saltus_status saltus_extended_choose(saltus_extended *x, double theta, saltus_me
     if (!a)
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a locus");
     fill_singular(x, theta, a, size);
-    bool found = saltus_dense_null_vectors(a, size, size, 1, x->c, &value);
+    saltus_status status = saltus_dense_null_vectors(a, size, size, 1, x->c, &value);
     fill_singular(x, theta, a, size);
     for (int i = 0; i < size; i++)
         for (int j = 0; j < i; j++) {
@@ -77,10 +77,14 @@ saltus_status saltus_extended_choose(saltus_extended *x, double theta, saltus_me
             a[i * size + j] = a[j * size + i];
             a[j * size + i] = swap;
         }
-    found = found && saltus_dense_null_vectors(a, size, size, 1, x->b, &value);
+    if (status == SALTUS_OK)
+        status = saltus_dense_null_vectors(a, size, size, 1, x->b, &value);
     free(a);
-    return found ? SALTUS_OK
-                 : saltus_fail(message, SALTUS_NO_CONVERGENCE, "no null vectors at the first point");
+    return status == SALTUS_OK
+               ? status
+               : saltus_fail(message, status,
+                             status == SALTUS_NO_MEMORY ? "no memory for a locus"
+                                                        : "no null vectors at the first point");
 }
 
 /* Solve the bordered systems at the point last evaluated: v, g and w. */

@@ -236,7 +236,8 @@ static bool contact_basis(const newton *w, double *basis, int *rows) {
         if (w->contacts >> f & 1)
             memcpy(normals + dof * row++, w->system->stop_normal[w->system->faces[f].stop],
                    (size_t)dof * sizeof *normals);
-    if (held > 0 && width > 0 && !saltus_dense_null_vectors(normals, held, dof, width, free_rows, values))
+    if (held > 0 && width > 0 &&
+        saltus_dense_null_vectors(normals, held, dof, width, free_rows, values) != SALTUS_OK)
         return false;
     *rows = 2 * width + w->system->extra;
     for (int i = 0; i < width; i++)

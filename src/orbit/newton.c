@@ -2,7 +2,6 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "orbit/newton.h"
 
-#include <errno.h>
 #include <math.h>
 #include <string.h>
 
@@ -137,11 +136,9 @@ saltus_status saltus_newton(saltus_equations *e, double *u, const double *normal
     return judge(e, status, message);
 }
 
-/* What a decomposition lacked: memory, of which errno tells, or convergence. */
-static saltus_status dense_failure(const char *what, saltus_message *message) {
-    if (errno == ENOMEM)
-        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for shooting");
-    return saltus_fail(message, SALTUS_NO_CONVERGENCE, "%s", what);
+/* What a decomposition lacked, memory or convergence. */
+static saltus_status dense_failure(saltus_status status, const char *what, saltus_message *message) {
+    return saltus_fail(message, status, "%s", status == SALTUS_NO_MEMORY ? "no memory for shooting" : what);
 }
 
 saltus_status saltus_newton_shortest(saltus_equations *e, double *u, int *iterations,
@@ -157,9 +154,9 @@ saltus_status saltus_newton_shortest(saltus_equations *e, double *u, int *iterat
         for (int i = 0; i < e->unknowns; i++)
             e->step[i] = i < e->count ? -e->residual[i] : 0;
         memcpy(e->matrix, e->jacobian, (size_t)(e->count * e->unknowns) * sizeof(double));
-        errno = 0;
-        if (!saltus_dense_least_squares(e->matrix, e->count, e->unknowns, e->step, open_direction, &rank))
-            return dense_failure("no shortest Newton step can be computed", message);
+        status = saltus_dense_least_squares(e->matrix, e->count, e->unknowns, e->step, open_direction, &rank);
+        if (status != SALTUS_OK)
+            return dense_failure(status, "no shortest Newton step can be computed", message);
         status = take_step(e, u, true, before, &taken, message);
         if (status != SALTUS_OK)
             return status;
@@ -193,8 +190,7 @@ saltus_status saltus_curve_tangent(saltus_equations *e, const double *guide, dou
 saltus_status saltus_null_plane(saltus_equations *e, double *vectors, double values[2],
                                 saltus_message *message) {
     memcpy(e->matrix, e->jacobian, (size_t)(e->count * e->unknowns) * sizeof(double));
-    errno = 0;
-    if (!saltus_dense_null_vectors(e->matrix, e->count, e->unknowns, 2, vectors, values))
-        return dense_failure("no singular values at a branch point", message);
-    return SALTUS_OK;
+    saltus_status status = saltus_dense_null_vectors(e->matrix, e->count, e->unknowns, 2, vectors, values);
+    return status == SALTUS_OK ? status
+                               : dense_failure(status, "no singular values at a branch point", message);
 }
