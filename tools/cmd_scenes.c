@@ -28,14 +28,16 @@ static int list_scenes(const cli_request *request) {
     return CLI_BAD_INPUT;
 }
 
-static void print_stop(const saltus_stop *stop, int number, bool by_xi) {
+static void print_stop(const saltus_model *model, const saltus_stop *stop, int number) {
     static const char *const sides[] = {"", "upper", "lower", "both"};
     printf("stop %d: %s side%s, d = %g, r = %g, ", number, sides[stop->sides],
            stop->sides == SALTUS_BOTH ? "s" : "", stop->d, stop->r);
-    if (by_xi)
-        printf("xi = %g\n", stop->xi);
-    else
-        printf("weight = [%g, %g]\n", stop->weight[0], stop->weight[1]);
+    int count;
+    const double *place = saltus_stop_place(model, stop, &count);
+    printf("%s = %s", saltus_model_stop_key(model), count > 1 ? "[" : "");
+    for (int k = 0; k < count; k++)
+        printf("%s%g", k ? ", " : "", place[k]);
+    puts(count > 1 ? "]" : "");
 }
 
 static int check_scene(const cli_request *request) {
@@ -50,7 +52,7 @@ static int check_scene(const cli_request *request) {
     for (int k = 0; k < count; k++)
         printf("  %-6s %-12.9g %s\n", table[k].name, spec->parameters[k], table[k].meaning);
     for (int s = 0; s < spec->stop_count; s++)
-        print_stop(&spec->stops[s], s + 1, strcmp(saltus_model_name(spec->model), "pipe") == 0);
+        print_stop(spec->model, &spec->stops[s], s + 1);
     printf("forcing period T = %.15g, integrator %s\n", saltus_system_period(setup.system),
            saltus_system_integrator(setup.system));
     saltus_system_free(setup.system);

@@ -31,6 +31,8 @@ typedef struct saltus_parameter {
     bool open_min;       /* min itself is not admissible */
     bool open_max;       /* max itself is not admissible */
     const char *meaning; /* one phrase, with the unit where there is one */
+    const char *given;   /* it has an effect only where the parameter of this name (NULL: always) ... */
+    double above;        /* ... is greater than this */
 } saltus_parameter;
 
 typedef struct saltus_model saltus_model;
@@ -46,6 +48,26 @@ const char *saltus_model_summary(const saltus_model *model);
 const saltus_parameter *saltus_model_parameters(const saltus_model *model, int *count);
 /* Index of a parameter in the model's table, or -1. */
 int saltus_model_parameter_index(const saltus_model *model, const char *name);
+
+/* What a model's displacements belong to. */
+typedef enum saltus_structure {
+    SALTUS_STRUCTURE_LINE,  /* a line, which has a displacement at every place xi of it: a pipe, a beam */
+    SALTUS_STRUCTURE_BODIES /* separate bodies */
+} saltus_structure;
+
+/* How texts and figures speak of a model; symbols in UTF-8. */
+typedef struct saltus_notation {
+    saltus_structure structure;
+    const char
+        *displacement;      /* symbol of the displacement: of the line at a place, of a body by its number */
+    const char *coordinate; /* symbol of the state's displacements, with their number */
+    const char *part;       /* what the k-th of them is called: "mode", "mass" */
+    const char *time;       /* symbol */
+    int response;           /* forcing periods of a response cycle: 2 where the forcing is parametric */
+} saltus_notation;
+
+/* Static storage. */
+const saltus_notation *saltus_model_notation(const saltus_model *model);
 
 typedef enum saltus_sides { SALTUS_UPPER = 1, SALTUS_LOWER = 2, SALTUS_BOTH = 3 } saltus_sides;
 
@@ -70,10 +92,17 @@ typedef struct saltus_spec {
     int stop_count;
 } saltus_spec;
 
+/* The key that places a stop of the model, xi or weight, and its numbers in a stop: *count of them, where one
+ * is written as a number and more as a list. */
+const char *saltus_model_stop_key(const saltus_model *model);
+const double *saltus_stop_place(const saltus_model *model, const saltus_stop *stop, int *count);
+
 /* The model's defaults without any stop. */
 saltus_spec saltus_spec_defaults(const saltus_model *model);
 /* The value of a parameter by name; NaN when the model has none of that name. */
 double saltus_spec_get(const saltus_spec *spec, const char *name);
+/* Whether the k-th parameter has an effect, given the others. */
+bool saltus_spec_matters(const saltus_spec *spec, int k);
 /* Whether two specifications describe the same system: equal models, parameters and stops. */
 bool saltus_spec_equal(const saltus_spec *a, const saltus_spec *b);
 /* A stop with the defaults xi = 1/2, weight = (1, 0), d = 1, r = 0.9, upper side. */

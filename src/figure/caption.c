@@ -78,11 +78,14 @@ static void add_stop(saltus_line *l, const saltus_system *system, int s, const c
     const saltus_stop *stop = &spec->stops[s];
     static const char *const side[] = {"", "upper", "lower", "both sides"};
     saltus_line_add(l, spec->stop_count > 1 ? "stop %d: " : "stop: ", s + 1);
-    if (saltus_is_pipe(system) && !varies(varied, "xi", s)) {
-        saltus_line_symbol(l, "xi");
-        saltus_line_add(l, " = %.6g, ", stop->xi);
-    } else if (saltus_system_dof(system) > 1 && !saltus_is_pipe(system)) {
-        add_weights(l, stop->weight);
+    const char *key = saltus_model_stop_key(spec->model);
+    int count;
+    const double *place = saltus_stop_place(spec->model, stop, &count);
+    if (count == 1 && !varies(varied, key, s)) {
+        saltus_line_symbol(l, key);
+        saltus_line_add(l, " = %.6g, ", *place);
+    } else if (count > 1 && saltus_system_dof(system) > 1) {
+        add_weights(l, place);
         saltus_line_add(l, ", ");
     }
     if (!varies(varied, "d", s)) {
@@ -176,18 +179,20 @@ void saltus_observed_name(const saltus_system *system, bool velocity, char *text
     char place[32] = "½";
     if (xi != 0.5)
         snprintf(place, sizeof place, "%.4g", xi);
-    if (saltus_is_pipe(system))
-        snprintf(text, room,
-                 velocity ? "velocity ∂{/:Italic η}/∂{/:Italic τ} (%s, {/:Italic τ})"
-                          : "displacement {/:Italic η}(%s, {/:Italic τ})",
-                 place);
+    const saltus_notation *n = saltus_notation_of(system);
+    const char *x = n->displacement, *t = n->time;
+    if (n->structure == SALTUS_STRUCTURE_LINE && velocity)
+        snprintf(text, room, "velocity ∂{/:Italic %s}/∂{/:Italic %s} (%s, {/:Italic %s})", x, t, place, t);
+    else if (n->structure == SALTUS_STRUCTURE_LINE)
+        snprintf(text, room, "displacement {/:Italic %s}(%s, {/:Italic %s})", x, place, t);
+    else if (single_mass && velocity)
+        snprintf(text, room, "velocity d{/:Italic %s}_%d/d{/:Italic %s}", x, observer[0] == 1 ? 1 : 2, t);
     else if (single_mass)
-        snprintf(text, room,
-                 velocity ? "velocity d{/:Italic x}_%d/d{/:Italic t}" : "displacement {/:Italic x}_%d",
-                 observer[0] == 1 ? 1 : 2);
+        snprintf(text, room, "displacement {/:Italic %s}_%d", x, observer[0] == 1 ? 1 : 2);
+    else if (velocity)
+        snprintf(text, room, "velocity d{/:Italic g}/d{/:Italic %s}", t);
     else
-        snprintf(text, room, "%s",
-                 velocity ? "velocity d{/:Italic g}/d{/:Italic t}" : "contact coordinate {/:Italic g}");
+        snprintf(text, room, "contact coordinate {/:Italic g}");
 }
 
 void saltus_line_parameter(saltus_line *line, const saltus_spec *spec, const char *key) {

@@ -143,7 +143,7 @@ void saltus_course_panel(FILE *file, const saltus_system *system, const saltus_c
     fprintf(file,
             "set logscale x\nset xlabel 'time {/:Italic %s} measured, all trajectories together'\n"
             "set xrange [%.9g:%.9g]\n",
-            saltus_is_pipe(system) ? "τ" : "t", time.low, time.high);
+            saltus_notation_of(system)->time, time.low, time.high);
     put_time_tics(file, time);
     double origin = choose_origin(file, c, &exponent);
     put_levels(file, c->exponent, origin, exponent);

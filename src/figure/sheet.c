@@ -256,8 +256,13 @@ static saltus_range shape_range(const saltus_sheet *sheet) {
 static void put_shapes(const saltus_sheet *sheet, const place *at) {
     const place beside = {{at->across[0], at->across[1] - 0.05}, {at->up[0], at->up[1]}, at->letter};
     saltus_range range = shape_range(sheet), unit = {0, 1}, time = {0, saltus_sheet_shape_time(sheet)};
-    open_panel(sheet->file, &beside, "shapes of the pipe; grey: all swept");
-    put_axes(sheet->file, &beside, "position {/:Italic ξ}", unit, "displacement {/:Italic η}", range);
+    const saltus_notation *n = saltus_notation_of(sheet->system);
+    char heading[96], displacement[64];
+    snprintf(heading, sizeof heading, "shapes of the %.40s; grey: all swept",
+             saltus_model_name(saltus_system_spec(sheet->system)->model));
+    snprintf(displacement, sizeof displacement, "displacement {/:Italic %s}", n->displacement);
+    open_panel(sheet->file, &beside, heading);
+    put_axes(sheet->file, &beside, "position {/:Italic ξ}", unit, displacement, range);
     for (int f = 0; f < saltus_system_face_count(sheet->system); f++) {
         saltus_face face = saltus_system_face(sheet->system, f);
         put_block(sheet->file, saltus_system_spec(sheet->system)->stops[face.stop].xi, face.side * face.d,
@@ -265,8 +270,8 @@ static void put_shapes(const saltus_sheet *sheet, const place *at) {
     }
     fprintf(sheet->file,
             "set colorbox user origin screen %g,%g size 0.010,%g noborder\n"
-            "set label '{/:Italic τ}/{/:Italic T}' at screen %g, graph 0 offset 0,-1.05 tc rgb '#303030'\n",
-            beside.across[1] + 0.012, at->up[0], at->up[1] - at->up[0], beside.across[1] + 0.012);
+            "set label '{/:Italic %s}/{/:Italic T}' at screen %g, graph 0 offset 0,-1.05 tc rgb '#303030'\n",
+            beside.across[1] + 0.012, at->up[0], at->up[1] - at->up[0], n->time, beside.across[1] + 0.012);
     fprintf(sheet->file, "set cbrange [0:%g]\nset cbtics %g scale 0.4 offset -0.6,0\n", time.high,
             tic_step(time, 5));
     fputs("plot $envelope using 1:2:3 with filledcurves fc rgb '#f0f0f0', \\\n"
@@ -327,7 +332,8 @@ static void put_convergence(const saltus_sheet *sheet, const place *at) {
 /* Which panels a motion gets: a panel for everything that is known of it. The structure's shapes come only
  * where that leaves room for them, which it always does for an orbit. */
 static int choose_panels(const saltus_sheet *sheet, panel *chosen[panels_most]) {
-    bool pipe = saltus_is_pipe(sheet->system), settled = saltus_verdict_settled(sheet->motion->verdict);
+    bool line = saltus_notation_of(sheet->system)->structure == SALTUS_STRUCTURE_LINE,
+         settled = saltus_verdict_settled(sheet->motion->verdict);
     bool multipliers = settled && sheet->motion->multiplier_count > 0;
     int count = 0, last = (sheet->spectrum != NULL) + (sheet->course.count > 0);
     chosen[count++] = put_portrait;
@@ -336,8 +342,8 @@ static int choose_panels(const saltus_sheet *sheet, panel *chosen[panels_most]) 
         chosen[count++] = put_section;
     if (saltus_sheet_impacts(sheet->section, sheet->mapped) > 0)
         chosen[count++] = put_impact_map;
-    if (count + last < panels_most && (pipe || saltus_system_dof(sheet->system) > 1))
-        chosen[count++] = pipe ? put_shapes : put_masses;
+    if (count + last < panels_most && (line || saltus_system_dof(sheet->system) > 1))
+        chosen[count++] = line ? put_shapes : put_masses;
     if (sheet->spectrum)
         chosen[count++] = put_spectrum;
     if (sheet->course.count > 0)

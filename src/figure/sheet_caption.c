@@ -107,7 +107,7 @@ static void add_motion(saltus_line *l, const saltus_sheet *sheet) {
     else
         saltus_line_add(l, "%lld impact%s in %d {/:Italic T}, %.4g per response cycle%s", m->impacts,
                         m->impacts == 1 ? "" : "s", m->periods, saltus_impacts_per_response(sheet->system, m),
-                        saltus_is_pipe(sheet->system) ? " 2{/:Italic T}" : "");
+                        saltus_notation_of(sheet->system)->response == 2 ? " 2{/:Italic T}" : "");
     if (m->verdict == SALTUS_PERIODIC && m->mirror != SALTUS_MIRROR_NONE)
         saltus_line_add(l, ";  %s",
                         m->mirror == SALTUS_MIRROR_SELF ? "its own mirror image" : "one of a mirror pair");

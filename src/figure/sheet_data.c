@@ -294,7 +294,7 @@ void saltus_sheet_data(saltus_sheet *sheet) {
         put_multipliers(sheet);
     else
         put_section(sheet);
-    if (saltus_is_pipe(sheet->system))
+    if (saltus_notation_of(sheet->system)->structure == SALTUS_STRUCTURE_LINE)
         put_shapes(sheet);
     else if (saltus_system_dof(sheet->system) > 1)
         put_masses(sheet);

@@ -38,10 +38,11 @@ static void add_name(const row *r, saltus_line *line) {
     if (k == 0) {
         saltus_observed_name(r->source->system, r->quantity.velocity, name, sizeof name);
         saltus_line_add(line, "%s", name);
-    } else if (saltus_is_pipe(r->source->system))
-        saltus_line_add(line, "mode %d, {/:Italic q}%s_{%d}", k, r->quantity.velocity ? "′" : "", k);
-    else
-        saltus_line_add(line, "mass %d, {/:Italic x}%s_{%d}", k, r->quantity.velocity ? "′" : "", k);
+        return;
+    }
+    const saltus_notation *n = saltus_notation_of(r->source->system);
+    saltus_line_add(line, "%s %d, {/:Italic %s}%s_{%d}", n->part, k, n->coordinate,
+                    r->quantity.velocity ? "′" : "", k);
 }
 
 /* Data */

@@ -6,12 +6,17 @@
 #include <stdlib.h>
 #include <string.h>
 
-const char *saltus_number(double value, char *text) {
-    snprintf(text, SALTUS_NUMBER_MAX, "%.17g", value);
+/* A number with so many digits, as saltus_number. */
+static const char *write_number(double value, int digits, char *text) {
+    snprintf(text, SALTUS_NUMBER_MAX, "%.*g", digits, value);
     char *comma = strchr(text, ',');
     if (comma)
         *comma = '.';
     return text;
+}
+
+const char *saltus_number(double value, char *text) {
+    return write_number(value, 17, text);
 }
 
 void saltus_put_number(FILE *file, double value) {
@@ -62,22 +67,20 @@ void saltus_motion_summary(const saltus_motion *motion, char text[64]) {
     snprintf(text, 64, "%s%s", motion->label, !known ? "" : motion->stable ? ", stable" : ", unstable");
 }
 
-bool saltus_is_pipe(const saltus_system *system) {
-    return strcmp(saltus_model_name(saltus_system_spec(system)->model), "pipe") == 0;
+const saltus_notation *saltus_notation_of(const saltus_system *system) {
+    return saltus_model_notation(saltus_system_spec(system)->model);
 }
 
 double saltus_impacts_per_response(const saltus_system *system, const saltus_motion *motion) {
     if (motion->verdict != SALTUS_PERIODIC || motion->impacts < 0 || motion->periods < 1)
         return NAN;
-    return (saltus_is_pipe(system) ? 2.0 : 1.0) * (double)motion->impacts / motion->periods;
+    return saltus_notation_of(system)->response * (double)motion->impacts / motion->periods;
 }
 
 bool saltus_parameter_shown(const saltus_spec *spec, int k) {
     int count;
     const saltus_parameter *p = saltus_model_parameters(spec->model, &count);
-    bool one_mass = strstr(p[k].meaning, "(N = 2)") && saltus_spec_get(spec, "N") < 2;
-    bool no_element = strcmp(p[k].name, "tz") == 0 && saltus_spec_get(spec, "kz") == 0;
-    return !(one_mass || no_element || (spec->parameters[k] == 0 && p[k].fallback == 0));
+    return saltus_spec_matters(spec, k) && !(spec->parameters[k] == 0 && p[k].fallback == 0);
 }
 
 void saltus_put_parameters(FILE *file, const saltus_spec *spec, const char *prefix) {
@@ -105,13 +108,20 @@ void saltus_put_table_head(FILE *file, const char *what, const saltus_scene *sce
     fputc('\n', file);
 }
 
+void saltus_put_place(FILE *file, const saltus_model *model, const saltus_stop *stop, int digits) {
+    int count;
+    char text[SALTUS_NUMBER_MAX];
+    const double *place = saltus_stop_place(model, stop, &count);
+    fprintf(file, "%s = %s", saltus_model_stop_key(model), count > 1 ? "[" : "");
+    for (int k = 0; k < count; k++)
+        fprintf(file, "%s%s", k ? ", " : "", write_number(place[k], digits, text));
+    fputs(count > 1 ? "]" : "", file);
+}
+
 void saltus_put_stop(FILE *file, const saltus_spec *spec, int stop) {
     const saltus_stop *s = &spec->stops[stop];
-    char a[SALTUS_NUMBER_MAX], b[SALTUS_NUMBER_MAX], d[SALTUS_NUMBER_MAX], r[SALTUS_NUMBER_MAX];
-    if (strcmp(saltus_model_name(spec->model), "pipe") == 0)
-        fprintf(file, "xi = %s", saltus_number(s->xi, a));
-    else
-        fprintf(file, "weight = [%s, %s]", saltus_number(s->weight[0], a), saltus_number(s->weight[1], b));
+    char d[SALTUS_NUMBER_MAX], r[SALTUS_NUMBER_MAX];
+    saltus_put_place(file, spec->model, s, 17);
     fprintf(file, ", d = %s, r = %s, sides = %s", saltus_number(s->d, d), saltus_number(s->r, r),
             saltus_sides_word(s->sides));
 }

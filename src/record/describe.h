@@ -27,7 +27,8 @@ double saltus_event_after(const saltus_event *event);
 
 /* The label with the word stable or unstable where that is known; fits 64 bytes. */
 void saltus_motion_summary(const saltus_motion *motion, char text[64]);
-bool saltus_is_pipe(const saltus_system *system);
+/* How texts and figures speak of the system's model. */
+const saltus_notation *saltus_notation_of(const saltus_system *system);
 /* Whether a key of --set, which may end in the number of a stop, is the property `name` of stop s. */
 bool saltus_key_means(const char *key, const char *name, int s);
 /* Whether a stop limits the observed coordinate itself. */
@@ -38,6 +39,8 @@ double saltus_impacts_per_response(const saltus_system *system, const saltus_mot
 /* Whether a parameter has an effect worth a caption: not a zero that is the default, nothing of a mass not
  * there. */
 bool saltus_parameter_shown(const saltus_spec *spec, int k);
+/* Where a stop sits, as `key = value` with so many digits. */
+void saltus_put_place(FILE *file, const saltus_model *model, const saltus_stop *stop, int digits);
 /* A stop as `key = value` phrases with all digits. */
 void saltus_put_stop(FILE *file, const saltus_spec *spec, int stop);
 /* All parameters in the same form, then a line for each stop that begins with `prefix`; no newline at the

@@ -179,6 +179,16 @@ void saltus_h5_reals(saltus_h5 *w, hid_t group, const char *name, const char *de
     saltus_h5_dataset(w, group, &column, count, (const int[2]){0, 0});
 }
 
+/* What the k-th of `count` numbers that place a stop is called: the key, with a number where there are
+ * several. */
+static const char *place_name(const saltus_model *model, int k, int count, char name[32]) {
+    if (count > 1)
+        snprintf(name, 32, "%s%d", saltus_model_stop_key(model), k + 1);
+    else
+        snprintf(name, 32, "%s", saltus_model_stop_key(model));
+    return name;
+}
+
 void saltus_h5_parameters(saltus_h5 *w, const saltus_spec *spec) {
     int count;
     const saltus_parameter *p = saltus_model_parameters(spec->model, &count);
@@ -190,12 +200,10 @@ void saltus_h5_parameters(saltus_h5 *w, const saltus_spec *spec) {
         char name[32];
         snprintf(name, sizeof name, "parameters/stop_%d", s + 1);
         group = saltus_h5_open_group(w, name, "a rigid stop");
-        if (strcmp(saltus_model_name(spec->model), "pipe") == 0)
-            saltus_h5_double(w, group, "xi", spec->stops[s].xi);
-        else {
-            saltus_h5_double(w, group, "weight1", spec->stops[s].weight[0]);
-            saltus_h5_double(w, group, "weight2", spec->stops[s].weight[1]);
-        }
+        int numbers;
+        const double *place = saltus_stop_place(spec->model, &spec->stops[s], &numbers);
+        for (int k = 0; k < numbers; k++)
+            saltus_h5_double(w, group, place_name(spec->model, k, numbers, name), place[k]);
         saltus_h5_double(w, group, "d", spec->stops[s].d);
         saltus_h5_double(w, group, "r", spec->stops[s].r);
         saltus_h5_text(w, group, "sides", saltus_sides_word(spec->stops[s].sides));
@@ -404,16 +412,17 @@ hid_t saltus_h5_find_group(hid_t file, const char *name) {
     return H5Lexists(file, name, H5P_DEFAULT) > 0 ? H5Gopen2(file, name, H5P_DEFAULT) : -1;
 }
 
-static bool get_stop(hid_t file, const char *name, bool pipe, saltus_stop *stop) {
-    char sides[16] = "";
-    int k = SALTUS_UPPER;
+static bool get_stop(hid_t file, const char *name, const saltus_model *model, saltus_stop *stop) {
+    char sides[16] = "", number[32];
+    int k = SALTUS_UPPER, numbers;
     hid_t group = H5Gopen2(file, name, H5P_DEFAULT);
     if (group < 0)
         return false;
     *stop = saltus_stop_defaults();
-    bool whole = pipe ? saltus_h5_get_double(group, "xi", &stop->xi)
-                      : saltus_h5_get_double(group, "weight1", &stop->weight[0]) &&
-                            saltus_h5_get_double(group, "weight2", &stop->weight[1]);
+    double *place = (double *)saltus_stop_place(model, stop, &numbers);
+    bool whole = true;
+    for (int i = 0; i < numbers && whole; i++)
+        whole = saltus_h5_get_double(group, place_name(model, i, numbers, number), &place[i]);
     whole = whole && saltus_h5_get_double(group, "d", &stop->d) &&
             saltus_h5_get_double(group, "r", &stop->r) &&
             saltus_h5_get_text(group, "sides", sides, sizeof sides);
@@ -477,8 +486,7 @@ static saltus_status get_parameters(const saltus_h5_reader *r, const saltus_mode
         snprintf(name, sizeof name, "parameters/stop_%d", spec->stop_count + 1);
         if (H5Lexists(r->file, name, H5P_DEFAULT) <= 0)
             break;
-        if (!get_stop(r->file, name, strcmp(saltus_model_name(model), "pipe") == 0,
-                      &spec->stops[spec->stop_count]))
+        if (!get_stop(r->file, name, model, &spec->stops[spec->stop_count]))
             return saltus_h5_refuse_part(r, name, "d, r, sides");
     }
     return SALTUS_OK;

@@ -154,21 +154,20 @@ void saltus_json_contact_force(FILE *file, const saltus_system *system, const do
 }
 
 /* The keys of a stop, first without a comma before it. */
-static void put_stop(FILE *file, const saltus_stop *stop, bool pipe) {
-    if (pipe) {
-        fputs("\"xi\": ", file);
-        saltus_json_value(file, stop->xi);
-    } else {
-        fputs("\"weight\": ", file);
-        saltus_json_vector(file, stop->weight, 2);
-    }
+static void put_stop(FILE *file, const saltus_model *model, const saltus_stop *stop) {
+    int count;
+    const double *place = saltus_stop_place(model, stop, &count);
+    fprintf(file, "\"%s\": ", saltus_model_stop_key(model));
+    if (count == 1)
+        saltus_json_value(file, *place);
+    else
+        saltus_json_vector(file, place, count);
     saltus_json_member(file, "d", stop->d);
     saltus_json_member(file, "r", stop->r);
     saltus_json_text(file, "sides", saltus_sides_word(stop->sides));
 }
 
 void saltus_json_parameters(FILE *file, const saltus_spec *spec) {
-    bool pipe = strcmp(saltus_model_name(spec->model), "pipe") == 0;
     int count;
     const saltus_parameter *p = saltus_model_parameters(spec->model, &count);
     saltus_json_key(file, "parameters");
@@ -178,13 +177,13 @@ void saltus_json_parameters(FILE *file, const saltus_spec *spec) {
         saltus_json_member(file, p[k].name, spec->parameters[k]);
     if (spec->stop_count) {
         fputs(", ", file);
-        put_stop(file, &spec->stops[0], pipe);
+        put_stop(file, spec->model, &spec->stops[0]);
     }
     saltus_json_key(file, "stops");
     fputc('[', file);
     for (int s = 0; s < spec->stop_count; s++) {
         fputs(s ? ", {" : "{", file);
-        put_stop(file, &spec->stops[s], pipe);
+        put_stop(file, spec->model, &spec->stops[s]);
         fputc('}', file);
     }
     fputs("]}", file);

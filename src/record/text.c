@@ -31,10 +31,7 @@ void saltus_put_scene(FILE *file, const saltus_scene *scene, const saltus_system
     for (int s = 0; s < spec->stop_count; s++) {
         const saltus_stop *stop = &spec->stops[s];
         fprintf(file, "  stop %-9d", s + 1);
-        if (saltus_is_pipe(system))
-            fprintf(file, "xi = %.10g", stop->xi);
-        else
-            fprintf(file, "weight = [%.10g, %.10g]", stop->weight[0], stop->weight[1]);
+        saltus_put_place(file, spec->model, stop, 10);
         fprintf(file, ", d = %.10g, r = %.10g, %s\n", stop->d, stop->r,
                 stop->sides == SALTUS_BOTH    ? "both sides"
                 : stop->sides == SALTUS_UPPER ? "upper side"
@@ -61,7 +58,8 @@ static void put_motion(FILE *file, const saltus_system *system, const saltus_mot
     else
         fprintf(file, "%lld impact%s in %d forcing period%s, %.6g per response cycle%s\n", motion->impacts,
                 plural(motion->impacts), motion->periods, plural(motion->periods),
-                saltus_impacts_per_response(system, motion), saltus_is_pipe(system) ? " (2 T)" : "");
+                saltus_impacts_per_response(system, motion),
+                saltus_notation_of(system)->response == 2 ? " (2 T)" : "");
 }
 
 static void put_faces(FILE *file, const saltus_system *system, const saltus_motion *motion) {

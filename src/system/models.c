@@ -37,6 +37,19 @@ const saltus_parameter *saltus_model_parameters(const saltus_model *model, int *
     return model->parameters;
 }
 
+const saltus_notation *saltus_model_notation(const saltus_model *model) {
+    return &model->notation;
+}
+
+const char *saltus_model_stop_key(const saltus_model *model) {
+    return model->stop_key;
+}
+
+const double *saltus_stop_place(const saltus_model *model, const saltus_stop *stop, int *count) {
+    *count = model->stop_numbers;
+    return (const double *)(const void *)((const char *)stop + model->stop_place);
+}
+
 int saltus_model_parameter_index(const saltus_model *model, const char *name) {
     for (int k = 0; k < model->parameter_count; k++)
         if (strcmp(model->parameters[k].name, name) == 0)

@@ -9,13 +9,15 @@
 enum { p_N, p_alpha, p_beta, p_kappa, p_u0, p_sigma, p_omega };
 
 static const saltus_parameter parameters[] = {
-    [p_N] = {"N", true, 5, 1, SALTUS_MODES_MAX, false, false, "number of Galerkin modes"},
-    [p_alpha] = {"alpha", false, 0.005, 0, 10, false, false, "Kelvin-Voigt material damping"},
-    [p_beta] = {"beta", false, 0.64, 0, 1, false, true, "fluid mass over total mass"},
-    [p_kappa] = {"kappa", false, 5000, 0, 1e9, false, false, "axial-stretching stiffness A L^2 / (2 I)"},
-    [p_u0] = {"u0", false, 4.5, -100, 100, false, false, "mean flow velocity"},
-    [p_sigma] = {"sigma", false, 0.2, -10, 10, false, false, "pulsation amplitude over mean velocity"},
-    [p_omega] = {"omega", false, 42, 0, 1e5, true, false, "pulsation frequency, T = 2 pi / omega"},
+    [p_N] = {"N", true, 5, 1, SALTUS_MODES_MAX, false, false, "number of Galerkin modes", NULL, 0},
+    [p_alpha] = {"alpha", false, 0.005, 0, 10, false, false, "Kelvin-Voigt material damping", NULL, 0},
+    [p_beta] = {"beta", false, 0.64, 0, 1, false, true, "fluid mass over total mass", NULL, 0},
+    [p_kappa] = {"kappa", false, 5000, 0, 1e9, false, false, "axial-stretching stiffness A L^2 / (2 I)", NULL,
+                 0},
+    [p_u0] = {"u0", false, 4.5, -100, 100, false, false, "mean flow velocity", NULL, 0},
+    [p_sigma] = {"sigma", false, 0.2, -10, 10, false, false, "pulsation amplitude over mean velocity", NULL,
+                 0},
+    [p_omega] = {"omega", false, 42, 0, 1e5, true, false, "pulsation frequency, T = 2 pi / omega", NULL, 0},
 };
 
 static saltus_status shape(const saltus_spec *spec, int *dof, int *extra, saltus_message *message) {
@@ -146,7 +148,15 @@ const saltus_model saltus_pipe = {
     .summary = "pinned pipe conveying pulsating fluid, N Galerkin modes",
     .parameters = parameters,
     .parameter_count = sizeof parameters / sizeof parameters[0],
+    .notation = {.structure = SALTUS_STRUCTURE_LINE,
+                 .displacement = "η",
+                 .coordinate = "q",
+                 .part = "mode",
+                 .time = "τ",
+                 .response = 2},
     .stop_key = "xi",
+    .stop_place = offsetof(saltus_stop, xi),
+    .stop_numbers = 1,
     .shape = shape,
     .normal = normal,
     .reserve = reserve,

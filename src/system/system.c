@@ -10,9 +10,9 @@
 #include <string.h>
 
 static const saltus_parameter stop_parameters[SALTUS_STOP_NUMBERS] = {
-    [SALTUS_STOP_XI] = {"xi", false, 0.5, 0, 1, true, true, "position of the stop along the pipe"},
-    [SALTUS_STOP_D] = {"d", false, 1, -1e9, 1e9, false, false, "clearance; negative is a pre-load"},
-    [SALTUS_STOP_R] = {"r", false, 0.9, 0, 1, false, false, "coefficient of restitution"},
+    [SALTUS_STOP_XI] = {"xi", false, 0.5, 0, 1, true, true, "position of the stop along the pipe", NULL, 0},
+    [SALTUS_STOP_D] = {"d", false, 1, -1e9, 1e9, false, false, "clearance; negative is a pre-load", NULL, 0},
+    [SALTUS_STOP_R] = {"r", false, 0.9, 0, 1, false, false, "coefficient of restitution", NULL, 0},
 };
 
 const saltus_parameter *saltus_stop_parameters(int *count) {
@@ -34,6 +34,11 @@ saltus_spec saltus_spec_defaults(const saltus_model *model) {
 double saltus_spec_get(const saltus_spec *spec, const char *name) {
     int k = saltus_model_parameter_index(spec->model, name);
     return k < 0 ? NAN : spec->parameters[k];
+}
+
+bool saltus_spec_matters(const saltus_spec *spec, int k) {
+    const saltus_parameter *p = &spec->model->parameters[k];
+    return !p->given || saltus_spec_get(spec, p->given) > p->above;
 }
 
 bool saltus_spec_equal(const saltus_spec *a, const saltus_spec *b) {

@@ -89,7 +89,10 @@ struct saltus_model {
     const char *summary;
     const saltus_parameter *parameters;
     int parameter_count;
+    saltus_notation notation;
     const char *stop_key; /* which key places a stop: "xi" or "weight" */
+    size_t stop_place;    /* offset of its numbers in a saltus_stop, and how many they are */
+    int stop_numbers;
     /* Checks that no single range can express; the sizes. */
     saltus_status (*shape)(const saltus_spec *spec, int *dof, int *extra, saltus_message *message);
     /* Row vector n of a stop. */
