@@ -140,10 +140,24 @@ static void refusals_have_their_line(void **state) {
     refused("\"b\\u0000\": 1\n", 1, "a text with the character NUL");
     refused("a: 1\n\nb: \xc2\x80\n", 3, "not valid JSON: the character U+0080");
     refused("a: 1\n\xef\xbf\xbe\n", 2, "not valid JSON: the character U+FFFE");
-    refused("a: [1, 2\nb: 3\n", 2, "not valid JSON here or below: a key is not possible here");
+    refused("a: [1, 2\nb: 3\n", 2,
+            "not valid JSON here or below: a comma is missing, or the [ of line 1 is not");
+    refused("{\"a\": 1\n\"b\": 2}", 2,
+            "not valid JSON here or below: a comma is missing, or the { of line 1");
+    refused("a: 1\nb 2\nc: 3\n", 2, "not valid JSON here or below: line 2 has no value; write key: value");
+    refused("a: 1\nb: \"\\q\"\n", 2, "not valid JSON here or below: what follows the backslash is no escape");
+    refused("a: 1\nb: [x] + 1\n", 2,
+            "not valid JSON here or below: no value goes on like this; put one that");
+    refused("a: 1\nb: 'x' + 1\n", 2, "not valid JSON here or below: no value goes on like this");
+    refused("a: 1\nb: [x]]\n", 2, "not valid JSON here or below: found ], but no bracket is open");
+    refused("a: 1\n b: 2\n", 2, "not valid JSON here or below: this does not go with what stands above");
+    refused("a:\n- b: 1\n c: 2\n", 3,
+            "not valid JSON here or below: this does not go with what stands above");
+    refused("a:\n  - 1\n - 2\n", 3, "not valid JSON here or below: this does not go with what stands above");
+    refused("a: - 1\n", 1, "not valid JSON here or below: no value goes on like this");
     refused("a: 1\nb: [1,\n\n {c: 2]\n", 4,
             "not valid JSON here or below: found ], but the { of line 4 is not");
-    refused("a: b: c\n", 1, "not valid JSON here or below: a key is not possible here; begin all keys");
+    refused("a: b: c\n", 1, "not valid JSON here or below: no value goes on like this");
     refused("a: 1\nb: 'x\n\n", 2, "not valid JSON here or below: the quotation mark (') of line 2 is not");
     refused("a: 1\nb: `x\n", 2, "not valid JSON here or below: no value begins with `; put it in quotation");
     refused("a: 1\n\tb: 2\n", 2, "not valid JSON here or below: found a tab; indent with spaces");

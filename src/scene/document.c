@@ -194,6 +194,14 @@ static bool breaks_off(const builder *b, size_t place) {
     return begin < b->length && strchr("[{", b->text[begin]) && place == b->length;
 }
 
+/* Whether nothing but the word of a key stands before `place` in its line. */
+static bool opens_line(const builder *b, size_t place) {
+    while (place > 0 && b->text[place - 1] != '\n')
+        if (strchr(":\"'[]{}", b->text[--place]))
+            return false;
+    return true;
+}
+
 /* A character that YAML has, but as nothing that could stand in a text. */
 static saltus_status fail_character(const builder *b) {
     int line = 1;
@@ -203,51 +211,72 @@ static saltus_status fail_character(const builder *b) {
                               b->source->language, (unsigned)b->parser.problem_value);
 }
 
-/* Say what libyaml's parser stumbled over. Its own words are kept for what is seldom. */
+/* What is wrong where libyaml's parser stumbled, and what would be right, from the signs that stand there.
+ * Its own words are kept for what is seldom. May move *line to where the fault begins. */
+static void explain_syntax(const builder *b, size_t place, int *line, char *what, size_t room) {
+    const yaml_parser_t *p = &b->parser;
+    const container *inner = b->depth ? &b->open[b->depth - 1] : NULL;
+    size_t begin = byte_of(b, p->context_mark);
+    bool scanning = p->error == YAML_SCANNER_ERROR;
+    char found = place < b->length ? b->text[place] : '\0';
+    char context = p->context && begin < b->length ? b->text[begin] : '\0';
+    bool quotes = scanning && (context == '"' || context == '\'');
+    char sign = (char)(found && strchr("@`%", found)         ? found
+                       : context && strchr("*&!|>", context) ? context
+                                                             : 0);
+    char bracket[64] = "";
+    if (inner && inner->bracket)
+        snprintf(bracket, sizeof bracket, "the %c of line %d is not closed", inner->bracket,
+                 inner->node->line + b->source->lines_before);
+    if (quotes && !found) {
+        *line = line_of(p->context_mark);
+        snprintf(what, room, "the quotation mark (%c) of line %d is not closed", context,
+                 *line + b->source->lines_before);
+    } else if (quotes)
+        snprintf(what, room, "what follows the backslash is no escape; write \\\\ for a backslash itself");
+    else if (sign)
+        snprintf(what, room, "no value begins with %c; put it in quotation marks", sign);
+    else if (bracket[0] && !found)
+        snprintf(what, room, "%s", bracket);
+    else if (bracket[0] && strchr("]}", found))
+        snprintf(what, room, "found %c, but %s", found, bracket);
+    else if (bracket[0])
+        snprintf(what, room, "a comma is missing, or %s", bracket);
+    else if (found == '\t')
+        snprintf(what, room, "found a tab; indent with spaces");
+    else if (scanning && p->context && p->context_mark.line < p->problem_mark.line) {
+        *line = line_of(p->context_mark);
+        snprintf(what, room, "line %d has no value; write key: value, with a blank behind the colon",
+                 *line + b->source->lines_before);
+    } else if (found && strchr("]}", found))
+        snprintf(what, room, "found %c, but no bracket is open", found);
+    else if (found && (!scanning || strchr(":-?", found)))
+        snprintf(
+            what, room, "%s",
+            opens_line(b, place)
+                ? "this does not go with what stands above; begin all keys of a mapping, and all dashes of "
+                  "a list, in one column"
+                : "no value goes on like this; put one that holds ': ', begins with '- ' or goes on "
+                  "behind a bracket or a quotation mark wholly in quotation marks");
+    else
+        snprintf(what, room, "%s", p->problem ? p->problem : "cannot be parsed");
+}
+
 static saltus_status fail_syntax(const builder *b) {
     const yaml_parser_t *p = &b->parser;
+    char what[300];
     if (p->error == YAML_MEMORY_ERROR)
         return no_memory(b);
     if (p->error == YAML_READER_ERROR)
         return fail_character(b);
-    const container *inner = b->depth ? &b->open[b->depth - 1] : NULL;
-    const char *language = b->source->language;
-    size_t place = byte_of(b, p->problem_mark), begin = byte_of(b, p->context_mark);
-    char found = place < b->length ? b->text[place] : '\0';
-    char context = p->context && begin < b->length ? b->text[begin] : '\0';
     int line = line_of(p->problem_mark);
-    bool in_quotes = p->error == YAML_SCANNER_ERROR && (context == '"' || context == '\'') && !found;
     if (b->complete && p->error == YAML_PARSER_ERROR)
         return fail_because(b, SALTUS_CAUSE_SEVERAL, line,
                             "holds more than one %s document: what stands here does not belong to the first");
-    char what[240], bracket[64] = "";
-    if (inner && inner->bracket)
-        snprintf(bracket, sizeof bracket, "the %c of line %d is not closed", inner->bracket,
-                 inner->node->line + b->source->lines_before);
-    /* Signs that make more of a value than a word. */
-    char sign = (char)(found && strchr("@`%", found)         ? found
-                       : context && strchr("*&!|>", context) ? context
-                                                             : 0);
-    if (in_quotes) {
-        line = line_of(p->context_mark);
-        snprintf(what, sizeof what, "the quotation mark (%c) of line %d is not closed", context,
-                 line + b->source->lines_before);
-    } else if (sign)
-        snprintf(what, sizeof what, "no value begins with %c; put it in quotation marks", sign);
-    else if (bracket[0] && !found)
-        snprintf(what, sizeof what, "%s", bracket);
-    else if (bracket[0] && strchr("]}", found))
-        snprintf(what, sizeof what, "found %c, but %s", found, bracket);
-    else if (found == '\t')
-        snprintf(what, sizeof what, "found a tab; indent with spaces");
-    else if (found == ':')
-        snprintf(what, sizeof what,
-                 "a key is not possible here; begin all keys of a mapping in one column, and put a value "
-                 "that contains ': ' in quotation marks");
-    else
-        snprintf(what, sizeof what, "%.120s", p->problem ? p->problem : "cannot be parsed");
+    size_t place = byte_of(b, p->problem_mark);
+    explain_syntax(b, place, &line, what, sizeof what);
     saltus_status status = saltus_source_fail(b->source, line, SALTUS_BAD_INPUT,
-                                              "not valid %s here or below: %s", language, what);
+                                              "not valid %s here or below: %s", b->source->language, what);
     if (b->source->message && breaks_off(b, place))
         b->source->message->cause = SALTUS_CAUSE_CUT_OFF;
     return status;
