@@ -648,7 +648,7 @@ static void titles_of_the_paper_are_whole(void **state) {
     }
     snprintf(path, sizeof path, "%s:%s", f->folder, usual);
     setenv("PATH", path, 1);
-    char *text = told(f, "paper --quick --figure 8 --resume --quiet -o ."), *scripts = said(f, "scripts");
+    char *text = told(f, "paper --quick --figure 8 --resume -o ."), *scripts = said(f, "scripts");
     setenv("PATH", usual, 1);
     const char *at = text, *title = scripts;
     for (int k = 0; k < 3; k++)

@@ -156,7 +156,8 @@ static void an_extent_without_storage_is_refused(void **state) {
     static const char *const clouds[] = {"turning/displacement", "impacts/speed"};
     for (int k = 0; k < 3; k++) {
         saltus_branch_file file;
-        assert_int_equal(run(f, "continue impact-oscillator --in omega=0.99:1.01 --points 2 -o x.h5"), 0);
+        assert_int_equal(run(f, "continue impact-oscillator --in omega=0.99:1.01 --points 2 --force -o x.h5"),
+                         0);
         forge_extent(path_in(f, "x.h5", path), points[k], k ? 100000000 : 5000);
         message.text[0] = '\0';
         assert_int_equal(saltus_branch_file_read(path, &file, &message), SALTUS_BAD_INPUT);
@@ -164,7 +165,7 @@ static void an_extent_without_storage_is_refused(void **state) {
     }
     for (int k = 0; k < 2; k++) {
         saltus_sweep_file file;
-        assert_int_equal(run(f, "sweep impact-oscillator --over omega=0.9:1.1:3 --quiet -o x.h5"), 0);
+        assert_int_equal(run(f, "sweep impact-oscillator --over omega=0.9:1.1:3 --quiet --force -o x.h5"), 0);
         forge_extent(path_in(f, "x.h5", path), clouds[k], k ? 100000000 : 50000);
         message.text[0] = '\0';
         assert_int_equal(saltus_sweep_file_read(path, &file, &message), SALTUS_BAD_INPUT);
@@ -681,16 +682,17 @@ static void lists_of_the_command_line_have_their_limits(void **state) {
         int most;
         const char *first, *named; /* one of them alone; a part of the refusal */
     } lists[] = {
-        {"plot x.h5 -o x.svg ", "--range omega=0.9:1.1 ", "--show nothing", 64, "--show nothing", "--range"},
-        {"plot x.h5 -o x.svg ", "--label omega=1,d=1,n ", "--show nothing", 64, "--show nothing", "--label"},
+        {"plot x.h5 -o x.svg ", "--range o%d=0.9:1.1 ", "--show nothing", 64, "--show nothing", "--range"},
+        {"plot x.h5 -o x.svg ", "--label omega=1,d=1,%d ", "--show nothing", 64, "--show nothing", "--label"},
         {"plot ", "x.h5 ", "-o x.svg --show nothing", 256, "--show nothing", "256 files"},
-        {"check impact-oscillator ", "--set F=0.6 ", "--set F=x", 255, "F=x", "--set F=x: only 256"},
-        {"check --set ", "F=0.6 ", "F=x impact-oscillator", 255, "--set F=x: F = \"x\"",
+        {"check impact-oscillator ", "--set w%d=0.6 ", "--set F=x", 255, "--set w1=0.6: \"w1\": unknown key",
          "--set F=x: only 256"},
-        {"plot x.h5 -o x.svg ", "--over y.h5 ", "--view nothing", 64, "--view nothing", "--over"},
-        {"sweep impact-oscillator -o y.h5 ", "--over d=1,2 ", "--over d=x", 1, "--over d=x: the values",
+        {"check --set ", "w%d=0.6 ", "F=x impact-oscillator", 255, "--set w1=0.6: \"w1\": unknown key",
+         "--set F=x: only 256"},
+        {"plot x.h5 -o x.svg ", "--over y%d.h5 ", "--view nothing", 64, "--view nothing", "--over"},
+        {"sweep impact-oscillator -o y.h5 ", "--over d%d=1,2 ", "--over d=x", 1, "--over d=x: the values",
          "--over d=x: only two axes"},
-        {"spectrum impact-oscillator ", "--of displacement ", "--of nothing", 1, "--of nothing",
+        {"spectrum impact-oscillator ", "--of v%d ", "--of nothing", 1, "--of nothing",
          "--of nothing: only 2"},
         {"continue impact-oscillator -o x.h5 --in omega=0.9:1.1 --direction both --at ", "1,", "1,2", 254,
          "outside", "only 256"}};
@@ -701,7 +703,7 @@ static void lists_of_the_command_line_have_their_limits(void **state) {
             char command[16400], path[128];
             size_t used = (size_t)snprintf(line, sizeof line, "%s", lists[k].begin), length;
             for (int i = 0; i < count; i++)
-                used += (size_t)snprintf(line + used, sizeof line - used, "%s", lists[k].each);
+                used += (size_t)snprintf(line + used, sizeof line - used, lists[k].each, i + 1);
             snprintf(line + used, sizeof line - used, "%s", lists[k].end);
             snprintf(command, sizeof command, "cd %s && %s %s >out 2>err", f->folder, SALTUS_COMMAND, line);
             assert_int_equal(WEXITSTATUS(system(command)), 2);

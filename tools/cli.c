@@ -2,6 +2,9 @@
 #include "cli.h"
 
 #include "interrupt.h"
+#include "progress.h"
+#include "ranks.h"
+#include "target.h"
 
 #include <errno.h>
 #include <math.h>
@@ -12,8 +15,8 @@
 const cli_option cli_set = {
     "--set", CLI_SETTINGS, 0, 0, 0, 0, "key=value ...", "change parameters of the scene"};
 const cli_option cli_json = CLI_FLAG_OPTION("--json", json, "one JSON object on stdout");
-const cli_option cli_quiet = CLI_FLAG_OPTION("--quiet", quiet, "no progress line");
-const cli_option cli_output = CLI_TEXT_OPTION("-o", output, "file", "where the result goes");
+const cli_option cli_output =
+    CLI_TEXT_OPTION("-o", output, "file", "where the result goes; - is standard output (not for HDF5)");
 const cli_option cli_data =
     CLI_TEXT_OPTION("--data", data, "file.h5", "keep the data there, and gnuplot's script beside it (.gp)");
 const cli_option cli_integrator =
@@ -45,8 +48,55 @@ const cli_option cli_loose_atol =
     CLI_REAL_OPTION("--atol", atol, "x", 1e-14, 0, 1, "absolute tolerance of the flow, in displacements");
 const cli_option cli_resume =
     CLI_FLAG_OPTION("--resume", resume, "go on with the interrupted run in the file of -o");
+const cli_option cli_force = CLI_FLAG_OPTION(
+    "--force", force, "replace what is there, also an interrupted run or another kind of file");
 const cli_option cli_from = CLI_TEXT_OPTION(
     "--from", from, "orbit", "start from this orbit: file.json, branch.h5:12 or branch.h5:PD1");
+
+const char *const cli_figures[] = {".png", ".pdf", ".svg", NULL};
+const char *const cli_figures_or_table[] = {".png", ".pdf", ".svg", ".csv", NULL};
+const char *const cli_records[] = {".h5", ".csv", NULL};
+
+static const cli_option quiet =
+    CLI_FLAG_OPTION("--quiet", quiet, "no progress line, and no word on what was written");
+static const cli_option format = CLI_TEXT_OPTION("--format", format, "ending",
+                                                 "with -o -: png, pdf, svg or csv, as far as -o can have it");
+
+/* The options of a command one after the other, those that go without saying at the end; NULL after them. */
+static const cli_option *option_at(const cli_command *command, int k) {
+    const cli_option *const common[] = {&quiet, command->endings ? &cli_force : NULL,
+                                        command->endings ? &format : NULL, NULL};
+    int own = 0;
+    while (own < k && command->options[own])
+        own++;
+    return command->options[own] ? command->options[own] : common[k - own];
+}
+
+/* Whether a text has the key, what stands before '=', of one of the others. */
+static bool has_key_of(const char *text, const char *const *others, int count) {
+    size_t length = strcspn(text, "=");
+    for (int k = 0; k < count; k++)
+        if (strcspn(others[k], "=") == length && strncmp(text, others[k], length) == 0)
+            return true;
+    return false;
+}
+
+static bool parse_list_item(const cli_option *option, const char *text, cli_list *list) {
+    if (list->count == CLI_LIST_MAX) {
+        fprintf(stderr, "saltus: %s %s: only %d can be given\n", option->name, text, CLI_LIST_MAX);
+        return false;
+    }
+    bool twice = option->kind == CLI_KEYS && has_key_of(text, list->items, list->count);
+    for (int k = 0; k < list->count && option->kind == CLI_LIST; k++)
+        twice = twice || strcmp(text, list->items[k]) == 0;
+    if (twice) {
+        fprintf(stderr, "saltus: %s %s: %.*s is given twice\n", option->name, text,
+                (int)(option->kind == CLI_KEYS ? strcspn(text, "=") : strlen(text)), text);
+        return false;
+    }
+    list->items[list->count++] = text;
+    return true;
+}
 
 static bool parse_value(const cli_option *option, const char *text, cli_request *request) {
     char *place = (char *)request + option->offset, *end = NULL;
@@ -54,15 +104,8 @@ static bool parse_value(const cli_option *option, const char *text, cli_request 
         *(const char **)(void *)place = text;
         return true;
     }
-    if (option->kind == CLI_LIST) {
-        cli_list *list = (cli_list *)(void *)place;
-        if (list->count == CLI_LIST_MAX) {
-            fprintf(stderr, "saltus: %s %s: only %d can be given\n", option->name, text, CLI_LIST_MAX);
-            return false;
-        }
-        list->items[list->count++] = text;
-        return true;
-    }
+    if (option->kind == CLI_LIST || option->kind == CLI_KEYS)
+        return parse_list_item(option, text, (cli_list *)(void *)place);
     double value = strtod(text, &end);
     bool number = end != text && *end == '\0' && isfinite(value);
     bool whole = option->kind != CLI_WHOLE || (number && value == floor(value));
@@ -80,8 +123,8 @@ static bool parse_value(const cli_option *option, const char *text, cli_request 
 
 static void set_defaults(const cli_command *command, cli_request *request) {
     *request = (cli_request){.rtol = cli_rtol.fallback, .atol = cli_atol.fallback};
-    for (int k = 0; command->options[k]; k++) {
-        const cli_option *option = command->options[k];
+    for (int k = 0; option_at(command, k); k++) {
+        const cli_option *option = option_at(command, k);
         char *place = (char *)request + option->offset;
         if (option->kind == CLI_WHOLE)
             *(long *)(void *)place = (long)option->fallback;
@@ -98,6 +141,11 @@ static int take_settings(int count, char **arguments, cli_request *request) {
             fprintf(stderr, "saltus: --set %s: only %d can be given\n", arguments[taken], CLI_SETTINGS_MAX);
             return 0;
         }
+        if (has_key_of(arguments[taken], request->settings, request->setting_count)) {
+            fprintf(stderr, "saltus: --set %s: %.*s is given twice\n", arguments[taken],
+                    (int)strcspn(arguments[taken], "="), arguments[taken]);
+            return 0;
+        }
         request->settings[request->setting_count++] = arguments[taken];
     }
     if (taken == 0)
@@ -106,20 +154,34 @@ static int take_settings(int count, char **arguments, cli_request *request) {
     return taken;
 }
 
-/* Take one option and its value; returns the number of arguments used, 0 after a message. */
-static int take_option(const cli_command *command, int count, char **arguments, cli_request *request) {
+/* Whether the option may be given once only, and has been. */
+static bool is_second(const cli_option *option, int number, unsigned long long *given) {
+    unsigned long long bit = 1ull << number;
+    bool second = option->kind < CLI_SETTINGS && *given & bit;
+    *given |= bit;
+    return second;
+}
+
+/* Take one option and its value; returns the number of arguments used, 0 after a message. `given` has a bit
+ * for each option of the command that was there before. */
+static int take_option(const cli_command *command, int count, char **arguments, cli_request *request,
+                       unsigned long long *given) {
     const char *name = arguments[0];
     if (strcmp(name, "--help") == 0 || strcmp(name, "-h") == 0) {
         request->help = true;
         return 1;
     }
-    const cli_option *const *place = command->options;
-    while (*place && strcmp((*place)->name, name) != 0)
-        place++;
-    const cli_option *option = *place;
+    int number = 0;
+    while (option_at(command, number) && strcmp(option_at(command, number)->name, name) != 0)
+        number++;
+    const cli_option *option = option_at(command, number);
     if (!option) {
         fprintf(stderr, "saltus: %s: unknown option of saltus %s; see saltus %s --help\n", name,
                 command->name, command->name);
+        return 0;
+    }
+    if (is_second(option, number, given)) {
+        fprintf(stderr, "saltus: %s: is given twice\n", name);
         return 0;
     }
     if (option->kind == CLI_FLAG) {
@@ -152,10 +214,11 @@ static bool take_input(const cli_command *command, const char *text, cli_request
 }
 
 bool cli_parse(const cli_command *command, int count, char **arguments, cli_request *request) {
+    unsigned long long given = 0;
     set_defaults(command, request);
     for (int k = 0; k < count;) {
         if (arguments[k][0] == '-' && arguments[k][1] != '\0') {
-            int used = take_option(command, count - k, arguments + k, request);
+            int used = take_option(command, count - k, arguments + k, request, &given);
             if (used == 0)
                 return false;
             k += used;
@@ -172,10 +235,9 @@ bool cli_parse(const cli_command *command, int count, char **arguments, cli_requ
 
 void cli_help(const cli_command *command) {
     printf("saltus %s %s\n\n%s\n", command->name, command->usage, command->help);
-    if (command->options[0])
-        printf("\noptions\n");
-    for (int k = 0; command->options[k]; k++) {
-        const cli_option *option = command->options[k];
+    printf("\noptions\n");
+    for (int k = 0; option_at(command, k); k++) {
+        const cli_option *option = option_at(command, k);
         char head[64];
         snprintf(head, sizeof head, "%s %s", option->name, option->argument ? option->argument : "");
         printf("  %-24s %s", head, option->help);
@@ -185,6 +247,17 @@ void cli_help(const cli_command *command) {
             printf(" (default %g)", option->fallback);
         printf("\n");
     }
+}
+
+int cli_run(const cli_command *command, cli_request *request) {
+    target out = {.descriptor = -1};
+    /* What the first rank finds out holds for all. */
+    int code = ranks_here() == 0 ? target_open(command, request, &out) : CLI_DONE;
+    if (command->together)
+        code = ranks_agree(code);
+    if (code == CLI_DONE)
+        code = command->run(request);
+    return target_close(&out, code);
 }
 
 int cli_code(saltus_status status) {
@@ -320,6 +393,11 @@ bool cli_choose(const cli_option *option, const char *text, const char *const *w
     return false;
 }
 
+void cli_tell_written(const cli_request *request, const char *what) {
+    if (!request->quiet && !request->to_stdout)
+        printf("%s: %s\n", what, request->output);
+}
+
 bool cli_ends_in(const char *path, const char *ending) {
     size_t length = strlen(path), part = strlen(ending);
     return length >= part && strcmp(path + length - part, ending) == 0;
@@ -343,14 +421,13 @@ bool cli_shows_progress(const cli_request *request) {
 
 static bool show_periods(void *context, long long periods, long long at_most) {
     (void)context;
-    fprintf(stderr, "\r%lld of at most %lld periods ", periods, at_most);
-    fflush(stderr);
+    progress_line("%lld of at most %lld periods", periods, at_most);
     return true;
 }
 
 void cli_progress_end(const cli_request *request) {
     if (cli_shows_progress(request))
-        fprintf(stderr, "\r%60s\r", "");
+        progress_line("%s", "");
 }
 
 saltus_classify_options cli_classify_options(const cli_request *request) {

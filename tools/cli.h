@@ -27,7 +27,8 @@ typedef struct cli_request {
     int input_count;
     const char *settings[CLI_SETTINGS_MAX];
     int setting_count;
-    bool json, quiet, help, unstable, mirror, verbose, resume, quick, all;
+    bool json, quiet, help, unstable, mirror, verbose, resume, force, quick, all;
+    bool to_stdout; /* -o -: the result goes to standard output, `output` is where it is made */
     const char *output, *data, *integrator, *from, *range, *second_range, *locus, *direction, *values, *show;
     const char *start, *what, *table, *figure, *format, *view, *title;
     cli_list parts, labels, over, of;
@@ -36,7 +37,9 @@ typedef struct cli_request {
     double rtol, atol, step, step_max, precision, interval;
 } cli_request;
 
-typedef enum cli_kind { CLI_FLAG, CLI_TEXT, CLI_WHOLE, CLI_REAL, CLI_SETTINGS, CLI_LIST } cli_kind;
+/* Of all kinds but the last three an option is given once. The keys of --set and of a CLI_KEYS option, what
+ * stands before '=', are given once each; so are the texts of a CLI_LIST option. */
+typedef enum cli_kind { CLI_FLAG, CLI_TEXT, CLI_WHOLE, CLI_REAL, CLI_SETTINGS, CLI_KEYS, CLI_LIST } cli_kind;
 
 /* One option: it gives the parser, the range check, the default and a line of --help. */
 typedef struct cli_option {
@@ -56,6 +59,8 @@ typedef struct cli_option {
     { name, CLI_TEXT, offsetof(cli_request, member), 0, 0, 0, argument, help }
 #define CLI_LIST_OPTION(name, member, argument, help)                                                        \
     { name, CLI_LIST, offsetof(cli_request, member), 0, 0, 0, argument, help }
+#define CLI_KEYS_OPTION(name, member, argument, help)                                                        \
+    { name, CLI_KEYS, offsetof(cli_request, member), 0, 0, 0, argument, help }
 #define CLI_WHOLE_OPTION(name, member, argument, fallback, min, max, help)                                   \
     { name, CLI_WHOLE, offsetof(cli_request, member), fallback, min, max, argument, help }
 #define CLI_REAL_OPTION(name, member, argument, fallback, min, max, help)                                    \
@@ -69,16 +74,23 @@ typedef struct cli_command {
     bool needs_scene;
     bool together;                    /* several ranks share its work */
     int inputs;                       /* how many files it takes; 0: one */
-    const cli_option *const *options; /* NULL-terminated */
+    const char *const *endings;       /* that the file of -o may have, NULL-terminated; NULL: no such file */
+    const char *kind;                 /* of its HDF5 files, as saltus_file_identify tells it */
+    bool resumes;                     /* goes on with an interrupted run */
+    const cli_option *const *options; /* NULL-terminated; --quiet, and with -o --force and --format, go
+                                         without saying */
     int (*run)(const cli_request *request);
 } cli_command;
 
 extern const cli_command cmd_classify, cmd_diagnose, cmd_simulate, cmd_scenes, cmd_check, cmd_orbit,
     cmd_continue, cmd_lyapunov, cmd_plot, cmd_spectrum, cmd_sweep, cmd_basins, cmd_export, cmd_paper;
 
-extern const cli_option cli_set, cli_json, cli_quiet, cli_output, cli_data, cli_integrator, cli_seeds,
-    cli_seed, cli_transient, cli_longest, cli_periods, cli_samples, cli_settle, cli_measure, cli_rtol,
-    cli_atol, cli_loose_rtol, cli_loose_atol, cli_from, cli_resume;
+extern const cli_option cli_set, cli_json, cli_output, cli_data, cli_integrator, cli_seeds, cli_seed,
+    cli_transient, cli_longest, cli_periods, cli_samples, cli_settle, cli_measure, cli_rtol, cli_atol,
+    cli_loose_rtol, cli_loose_atol, cli_from, cli_resume, cli_force;
+
+/* Endings of figures; of figures that may be tables; of records. */
+extern const char *const cli_figures[], *const cli_figures_or_table[], *const cli_records[];
 
 /* What most subcommands work on. */
 typedef struct cli_setup {
@@ -90,6 +102,9 @@ typedef struct cli_setup {
 /* Fill a request from the arguments after the subcommand; false after a message on stderr. */
 bool cli_parse(const cli_command *command, int count, char **arguments, cli_request *request);
 void cli_help(const cli_command *command);
+/* Run a command whose arguments have been parsed, once it is certain that it may write where it is to. The
+ * exit code. */
+int cli_run(const cli_command *command, cli_request *request);
 /* The exit code that belongs to a status. */
 int cli_code(saltus_status status);
 /* "saltus: ..." on stderr, of a failure after a signal that it was interrupted; returns the exit code that
@@ -111,6 +126,8 @@ bool cli_parse_range(const cli_option *option, const char *text, char key[SALTUS
 /* Which of the words (NULL-terminated) the option's text is; *which stays as it is where the text is NULL.
  * False after a message that lists the words. */
 bool cli_choose(const cli_option *option, const char *text, const char *const *words, int *which);
+/* "figure: file" on stdout, unless --quiet says otherwise or the result itself goes there. */
+void cli_tell_written(const cli_request *request, const char *what);
 bool cli_ends_in(const char *path, const char *ending);
 /* With the program's flag for signals as `stop`. */
 saltus_flow_options cli_flow_options(const cli_request *request);

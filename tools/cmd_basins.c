@@ -6,10 +6,9 @@
 
 #include <string.h>
 
-static const cli_option *const options[] = {&cli_set,        &sweep_over, &sweep_at_most,  &sweep_longest,
-                                            &cli_output,     &cli_resume, &sweep_lanes,    &sweep_threads,
-                                            &cli_quiet,      &sweep_json, &cli_loose_rtol, &cli_loose_atol,
-                                            &cli_integrator, NULL};
+static const cli_option *const options[] = {
+    &cli_set,       &sweep_over, &sweep_at_most,  &sweep_longest,  &cli_output,     &cli_resume, &sweep_lanes,
+    &sweep_threads, &sweep_json, &cli_loose_rtol, &cli_loose_atol, &cli_integrator, NULL};
 
 /* Whether an axis moves an entry of the initial state: q1, v1, z1, ... */
 static bool moves_start(const char *axis) {
@@ -51,6 +50,9 @@ const cli_command cmd_basins = {
             "the way. An interrupted run is finished by --resume; saltus plot draws the file.",
     .needs_scene = true,
     .together = true,
+    .endings = cli_records,
+    .kind = "basins",
+    .resumes = true,
     .options = options,
     .run = run,
 };

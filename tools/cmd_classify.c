@@ -3,10 +3,11 @@
 #include "cli.h"
 
 #include "interrupt.h"
+#include "progress.h"
 
 static const cli_option *const options[] = {&cli_set,       &cli_json,       &cli_seeds,   &cli_seed,
                                             &cli_transient, &cli_longest,    &cli_measure, &cli_rtol,
-                                            &cli_atol,      &cli_integrator, &cli_quiet,   NULL};
+                                            &cli_atol,      &cli_integrator, NULL};
 
 static saltus_status classify_once(const cli_request *request, const cli_setup *setup, bool *cut,
                                    saltus_message *message) {
@@ -23,10 +24,33 @@ static saltus_status classify_once(const cli_request *request, const cli_setup *
     return SALTUS_OK;
 }
 
+/* How many initial states are done, for the progress line. */
+typedef struct seed_watch {
+    int done, seeds;
+} seed_watch;
+
+static bool show_seeds(void *context, long long periods, long long at_most) {
+    const seed_watch *watch = context;
+    progress_line("%d of %d seeds done, %lld of at most %lld periods", watch->done, watch->seeds, periods,
+                  at_most);
+    return true;
+}
+
+static void show_next_seed(void *context, int done, int seeds) {
+    *(seed_watch *)context = (seed_watch){done, seeds};
+    progress_line("%d of %d seeds done", done, seeds);
+}
+
 static saltus_status classify_seeds(const cli_request *request, const cli_setup *setup, bool *cut,
                                     saltus_message *message) {
     saltus_classify_options how = cli_classify_options(request);
     saltus_attractors found;
+    seed_watch watch = {0};
+    if (cli_shows_progress(request)) {
+        how.progress = show_seeds;
+        how.next_seed = show_next_seed;
+        how.context = &watch;
+    }
     saltus_status status = saltus_attractors_find(setup->system, (int)request->seeds,
                                                   (unsigned long)request->seed, &how, &found, message);
     cli_progress_end(request);

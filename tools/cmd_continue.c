@@ -3,6 +3,7 @@
 #include "cli.h"
 
 #include "interrupt.h"
+#include "progress.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -34,10 +35,11 @@ static const cli_option values =
 static const cli_option json = CLI_FLAG_OPTION("--json", json, "one JSON object for each point on stdout");
 
 static const cli_option *const options[] = {
-    &cli_set,    &cli_from,      &range,          &locus,     &second_range, &periods,
-    &step,       &step_max,      &points,         &direction, &switches,     &values,
-    &cli_resume, &cli_transient, &cli_longest,    &json,      &cli_quiet,    &cli_output,
-    &cli_rtol,   &cli_atol,      &cli_integrator, NULL};
+    &cli_set,     &cli_from, &range,      &locus,    &second_range, &periods,        &step,
+    &step_max,    &points,   &direction,  &switches, &values,       &cli_resume,     &cli_transient,
+    &cli_longest, &json,     &cli_output, &cli_rtol, &cli_atol,     &cli_integrator, NULL};
+
+static const char *const endings[] = {".h5", NULL};
 
 /* One run: what it starts from, where it goes and what it has made. */
 typedef struct run_state {
@@ -198,10 +200,9 @@ static void show_progress(const run_state *run, const saltus_branch_point *point
     if (!cli_shows_progress(run->request))
         return;
     double largest = point->dimension ? exp(point->multipliers[0].log_modulus) : 0;
-    fprintf(stderr, "\rbranch %d  step %d  %s = %.9g  %s  largest multiplier %.4g%s%s\033[K", point->branch,
-            point->step, run->options.key[0], point->value[0], point->label, largest,
-            point->kind == SALTUS_POINT_REGULAR ? "" : "  ", saltus_point_word(point->kind));
-    fflush(stderr);
+    progress_line("branch %d  step %d  %s = %.9g  %s  largest multiplier %.4g%s%s", point->branch,
+                  point->step, run->options.key[0], point->value[0], point->label, largest,
+                  point->kind == SALTUS_POINT_REGULAR ? "" : "  ", saltus_point_word(point->kind));
 }
 
 /* One point counted and, if wished, onto stdout. */
@@ -238,7 +239,7 @@ static saltus_status follow(run_state *run, saltus_message *message) {
     } while (status == SALTUS_OK && point && !ferror(stdout));
     run->interrupted = status == SALTUS_INTERRUPTED;
     if (cli_shows_progress(run->request))
-        fprintf(stderr, "\r\033[K");
+        progress_line("%s", "");
     return run->interrupted ? SALTUS_OK : status;
 }
 
@@ -351,6 +352,9 @@ const cli_command cmd_continue = {
             "those of the\n"
             "interrupted run, and the file becomes the one that it would have left.",
     .needs_scene = true,
+    .endings = endings,
+    .kind = "branch",
+    .resumes = true,
     .options = options,
     .run = run,
 };

@@ -6,7 +6,7 @@
 
 static const cli_option *const options[] = {&cli_set,        &cli_output,  &cli_data, &cli_transient,
                                             &cli_longest,    &cli_measure, &cli_rtol, &cli_atol,
-                                            &cli_integrator, &cli_quiet,   NULL};
+                                            &cli_integrator, NULL};
 
 /* A motion and what its page shows. */
 typedef struct page {
@@ -77,7 +77,7 @@ static saltus_status diagnose(const cli_request *request, const cli_setup *setup
     if (status == SALTUS_OK || (classified && interrupt_asked()))
         saltus_write_motion_text(stdout, scene, system, &p.motion);
     if (status == SALTUS_OK)
-        printf("figure: %s\n", request->output);
+        cli_tell_written(request, "figure");
     saltus_spectra_clear(&p.spectra);
     saltus_trajectory_clear(&p.section);
     saltus_trajectory_clear(&p.record);
@@ -111,6 +111,8 @@ const cli_command cmd_diagnose = {
             "stroboscopic\n"
             "section and the convergence of the largest exponent.",
     .needs_scene = true,
+    .endings = cli_figures,
+    .kind = "trajectory",
     .options = options,
     .run = run,
 };

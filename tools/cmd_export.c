@@ -7,6 +7,8 @@ static const cli_option table =
 
 static const cli_option *const options[] = {&table, &cli_output, NULL};
 
+static const char *const endings[] = {".csv", NULL};
+
 static int run(const cli_request *request) {
     static const char *const tables[] = {"rows", "turning", "impacts", "stroboscopic",
                                          NULL}; /* saltus_table */
@@ -25,7 +27,7 @@ static int run(const cli_request *request) {
     status = saltus_sweep_file_csv(&file, (saltus_table)wanted, request->output, &message);
     saltus_sweep_file_clear(&file);
     if (status == SALTUS_OK)
-        printf("%s\n", request->output);
+        cli_tell_written(request, "table");
     return cli_report(status, &message);
 }
 
@@ -35,6 +37,7 @@ const cli_command cmd_export = {
     .help = "Write a table of a file of saltus sweep or saltus basins as CSV: one line for each trajectory, "
             "or for each\n"
             "point of a cloud, with the values of the axes, the pass and the seed before it.",
+    .endings = endings,
     .options = options,
     .run = run,
 };

@@ -3,6 +3,7 @@
 #include "cli.h"
 
 #include "interrupt.h"
+#include "progress.h"
 
 static const cli_option all = CLI_FLAG_OPTION("--all", all, "all exponents, not the largest one alone");
 static const cli_option exponents =
@@ -23,9 +24,8 @@ static const cli_option seed =
     CLI_WHOLE_OPTION("--seed", seed, "s", 0, 0, 4294967295.0,
                      "seed of the first directions; other than 0 the start is disturbed, too");
 static const cli_option *const options[] = {
-    &cli_set,    &all,  &exponents, &precision, &transient,      &periods,        &members,
-    &interval,   &seed, &cli_json,  &cli_quiet, &cli_loose_rtol, &cli_loose_atol, &cli_integrator,
-    &cli_output, NULL};
+    &cli_set, &all,      &exponents,      &precision,      &transient,      &periods,    &members, &interval,
+    &seed,    &cli_json, &cli_loose_rtol, &cli_loose_atol, &cli_integrator, &cli_output, NULL};
 
 /* A measurement under way. */
 typedef struct watch {
@@ -39,12 +39,12 @@ static bool show(void *context, long long done, long long at_most) {
     const saltus_lyapunov *l = &w->result;
     w->interrupted = interrupt_asked();
     if (w->shown) {
-        fprintf(stderr, "\rmeasuring: %lld of at most %lld periods", done, at_most);
+        char found[64] = "";
         if (l->history_count > 0)
-            fprintf(stderr, ", exponent %.5g +- %.2g", l->history[l->history_count - 1].exponent,
-                    l->history[l->history_count - 1].standard_error);
-        fputs("\033[K", stderr);
-        fflush(stderr);
+            snprintf(found, sizeof found, ", exponent %.5g +- %.2g",
+                     l->history[l->history_count - 1].exponent,
+                     l->history[l->history_count - 1].standard_error);
+        progress_line("measuring: %lld of at most %lld periods%s", done, at_most, found);
     }
     return !w->interrupted;
 }
@@ -84,7 +84,7 @@ static saltus_status deliver(const cli_request *request, const cli_setup *setup,
     saltus_status status =
         saltus_write_convergence(&setup->scene, setup->system, how, result, request->output, message);
     if (status == SALTUS_OK && !request->json)
-        printf("convergence: %s\n", request->output);
+        cli_tell_written(request, "convergence");
     return status;
 }
 
@@ -97,14 +97,12 @@ static int run(const cli_request *request) {
     if (code != CLI_DONE)
         return code;
     saltus_status status = choose(request, setup.system, &w, &how, &message);
-    if (status == SALTUS_OK && request->output)
-        status = saltus_convergence_check(request->output, &message);
     if (status == SALTUS_OK) {
         if (w.shown)
-            fprintf(stderr, "settling: %lld periods", how.transient);
+            progress_line("settling: %lld periods", how.transient);
         status = saltus_lyapunov_run(setup.system, setup.start.state, &how, &w.result, &message);
         if (w.shown)
-            fputs("\r\033[K", stderr);
+            progress_line("%s", "");
     }
     if (status == SALTUS_OK)
         status = deliver(request, &setup, &how, &w.result, &message);
@@ -125,6 +123,7 @@ const cli_command cmd_lyapunov = {
             "stroboscopic map; impacts, chatter and sticking are taken along exactly. -o shows how the "
             "estimate converged.",
     .needs_scene = true,
+    .endings = cli_figures_or_table,
     .options = options,
     .run = run,
 };

@@ -3,6 +3,7 @@
 #include "cli.h"
 
 #include "interrupt.h"
+#include "progress.h"
 
 static const cli_option periods =
     CLI_WHOLE_OPTION("--periods", periods, "p", 0, 1, 1e6, "period of the orbit, in forcing periods");
@@ -81,8 +82,7 @@ static saltus_status find_equilibrium(const cli_request *request, const cli_setu
 
 static bool show_share(void *context, double done) {
     (void)context;
-    fprintf(stderr, "\rsearching: %3.0f %%", 100 * done);
-    fflush(stderr);
+    progress_line("searching: %3.0f %%", 100 * done);
     return true;
 }
 
@@ -117,7 +117,10 @@ static saltus_status harvest(const cli_request *request, const cli_setup *setup,
     how.progress = terminal ? show_share : NULL;
     saltus_status status = saltus_harvest_run(setup->system, &how, &found, message);
     if (terminal)
-        fprintf(stderr, "\r%20s\r", "");
+        progress_line("%s", "");
+    if (status == SALTUS_OK && request->json && found.count == 0)
+        fprintf(stderr, "saltus: orbit: no periodic orbit of a period up to %d T was found in %ld periods\n",
+                how.longest, request->search);
     if (status == SALTUS_OK && request->json)
         status = write_lines(setup, &how.flow, &found, message);
     else if (status == SALTUS_OK)

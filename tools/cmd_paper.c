@@ -21,7 +21,7 @@ static const cli_option quick = CLI_FLAG_OPTION("--quick", quick, "fewer values 
 static const cli_option resume =
     CLI_FLAG_OPTION("--resume", resume, "go on where an earlier run was interrupted");
 
-static const cli_option *const options[] = {&figure, &folder, &format, &quick, &resume, &cli_quiet, NULL};
+static const cli_option *const options[] = {&figure, &folder, &format, &quick, &resume, &cli_force, NULL};
 
 /* Commands that the list may use. */
 static const cli_command *const known[] = {&cmd_sweep, &cmd_basins, &cmd_plot, &cmd_diagnose, &cmd_simulate};
@@ -104,7 +104,8 @@ static int run_line(const cli_request *request, command_line *c) {
     inner.quiet = request->quiet;
     /* One that has not been begun begins. */
     inner.resume = request->resume && command->together;
-    return command->run(&inner);
+    inner.force = request->force || (request->resume && !inner.resume);
+    return cli_run(command, &inner);
 }
 
 /* The number of the figure that a line begins, or 0. */

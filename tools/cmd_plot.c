@@ -10,7 +10,7 @@ static const cli_option show = CLI_TEXT_OPTION(
     "--show", show, "what",
     "speed (largest of an orbit), impacts (the speed of each), displacement, velocity or period");
 
-static const cli_option range = CLI_LIST_OPTION(
+static const cli_option range = CLI_KEYS_OPTION(
     "--range", parts, "key=lo:hi",
     "part of a parameter's range to draw; once for each parameter, and for a sweep's view (its name as key)");
 
@@ -93,7 +93,7 @@ static int draw_sweep(const cli_request *request, const plot_wishes *wishes) {
     }
     saltus_status status = saltus_plot_sweep(request->inputs[0], &how, request->output, &message);
     if (status == SALTUS_OK)
-        printf("figure: %s\n", request->output);
+        cli_tell_written(request, "figure");
     return cli_report(status, &message);
 }
 
@@ -118,7 +118,7 @@ static int run(const cli_request *request) {
     saltus_status status =
         saltus_plot(request->inputs, request->input_count, &how, request->output, &message);
     if (status == SALTUS_OK)
-        printf("figure: %s\n", request->output);
+        cli_tell_written(request, "figure");
     return cli_report(status, &message);
 }
 
@@ -135,6 +135,7 @@ const cli_command cmd_plot = {
         "where\n"
         "they bound stable orbits, dotted where not. Several files of one sort are laid over each other.",
     .inputs = CLI_INPUTS_MAX,
+    .endings = cli_figures,
     .options = options,
     .run = run,
 };

@@ -3,10 +3,21 @@
 #include "cli.h"
 
 #include "interrupt.h"
+#include "progress.h"
 
 static const cli_option *const options[] = {&cli_set,     &cli_periods,    &cli_settle,
                                             &cli_samples, &cli_output,     &cli_rtol,
                                             &cli_atol,    &cli_integrator, NULL};
+
+static bool show(void *context, long long periods, long long at_most) {
+    static const double pause = 0.1; /* seconds between two lines */
+    double *told = context, now = progress_clock();
+    if (*told == 0 || now - *told > pause) {
+        progress_line("%lld of %lld periods", periods, at_most);
+        *told = now;
+    }
+    return true;
+}
 
 static int run(const cli_request *request) {
     cli_setup setup;
@@ -20,14 +31,20 @@ static int run(const cli_request *request) {
     if (code != CLI_DONE)
         return code;
     saltus_flow_options flow = cli_flow_options(request);
+    double told = 0;
+    const saltus_trajectory_plan plan = {.transient = request->transient,
+                                         .periods = request->periods,
+                                         .per_period = (int)request->samples,
+                                         .progress = cli_shows_progress(request) ? show : NULL,
+                                         .context = &told};
     saltus_status status =
-        saltus_trajectory_record(setup.system, setup.start.state, &flow, request->transient, request->periods,
-                                 (int)request->samples, &record, &message);
+        saltus_trajectory_follow(setup.system, setup.start.state, &flow, &plan, &record, &message);
+    cli_progress_end(request);
     bool cut = status == SALTUS_INTERRUPTED && record.samples > 0;
     if (status == SALTUS_OK || cut)
         status =
             saltus_write_trajectory(&record, &setup.scene, setup.system, &flow, request->output, &message);
-    if (status == SALTUS_OK)
+    if (status == SALTUS_OK && !request->quiet && !request->to_stdout)
         printf("%s: %lld samples, %lld events over %.9g periods\n", request->output, record.samples,
                record.event_count, record.time[record.samples - 1]);
     saltus_trajectory_clear(&record);
@@ -42,6 +59,8 @@ const cli_command cmd_simulate = {
     .usage = "SCENE [--set key=value ...] --periods n [--transient m] -o run.h5|csv",
     .help = "Run the flow from the scene's initial state and write states, events and stroboscopic points.",
     .needs_scene = true,
+    .endings = cli_records,
+    .kind = "trajectory",
     .options = options,
     .run = run,
 };

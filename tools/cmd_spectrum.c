@@ -16,8 +16,8 @@ static const cli_option samples =
     CLI_WHOLE_OPTION("--samples", samples, "k", 0, 16, 65536,
                      "samples per period, a multiple of 4; otherwise chosen by what aliases");
 static const cli_option *const options[] = {
-    &cli_set,  &of,       &periods,       &segment,     &samples,        &cli_json,  &cli_output,
-    &cli_rtol, &cli_atol, &cli_transient, &cli_longest, &cli_integrator, &cli_quiet, NULL};
+    &cli_set,  &of,       &periods,       &segment,     &samples,        &cli_json, &cli_output,
+    &cli_rtol, &cli_atol, &cli_transient, &cli_longest, &cli_integrator, NULL};
 
 /* What is asked for, checked before anything is computed. */
 static saltus_status read_wishes(const cli_request *request, const saltus_system *system,
@@ -27,11 +27,6 @@ static saltus_status read_wishes(const cli_request *request, const saltus_system
     wishes->per_period = (int)request->samples;
     wishes->periods = request->periods;
     wishes->segment = request->segment;
-    const char *output = request->output;
-    if (output && !cli_ends_in(output, ".png") && !cli_ends_in(output, ".pdf") &&
-        !cli_ends_in(output, ".svg") && !cli_ends_in(output, ".csv"))
-        return saltus_fail(message, SALTUS_BAD_INPUT,
-                           "-o %.300s: the ending must be .png, .pdf, .svg or .csv", output);
     if (request->samples % 4)
         return saltus_fail(message, SALTUS_BAD_INPUT, "--samples %ld: must be a multiple of 4",
                            request->samples);
@@ -70,7 +65,7 @@ static saltus_status analyse(const cli_request *request, const cli_setup *setup,
         (request->json ? saltus_write_spectra_json : saltus_write_spectra_text)(stdout, scene, system,
                                                                                 &motion, &spectra);
     if (status == SALTUS_OK && request->output && !request->json)
-        printf("written: %s\n", request->output);
+        cli_tell_written(request, "written");
     saltus_spectra_clear(&spectra);
     saltus_motion_clear(&motion);
     return status;
@@ -96,6 +91,7 @@ const cli_command cmd_spectrum = {
         "omega/p; otherwise the power spectral density by Welch's method with its confidence band, and the\n"
         "lines that stand out. Says up to which frequency aliasing leaves it trustworthy.",
     .needs_scene = true,
+    .endings = cli_figures_or_table,
     .options = options,
     .run = run,
 };

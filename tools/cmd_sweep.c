@@ -24,12 +24,11 @@ static const cli_option measure =
                      "with --what lyapunov: periods at most to measure a motion without a period; chaos is "
                      "asserted from an eighth of them on (at least 500), 0: undecided");
 
-static const cli_option *const options[] = {&cli_set,    &sweep_over,     &start,          &seeds,
-                                            &cli_seed,   &what,           &sweep_at_most,  &sweep_longest,
-                                            &transient,  &sweep_record,   &measure,        &cli_output,
-                                            &cli_resume, &sweep_lanes,    &sweep_threads,  &cli_quiet,
-                                            &sweep_json, &cli_loose_rtol, &cli_loose_atol, &cli_integrator,
-                                            NULL};
+static const cli_option *const options[] = {&cli_set,        &sweep_over,     &start,          &seeds,
+                                            &cli_seed,       &what,           &sweep_at_most,  &sweep_longest,
+                                            &transient,      &sweep_record,   &measure,        &cli_output,
+                                            &cli_resume,     &sweep_lanes,    &sweep_threads,  &sweep_json,
+                                            &cli_loose_rtol, &cli_loose_atol, &cli_integrator, NULL};
 
 /* The words of a list with commas, as bits; false after a message. */
 static bool read_what(const char *text, unsigned *keep) {
@@ -132,6 +131,9 @@ const cli_command cmd_sweep = {
         "file, saltus export writes its tables.",
     .needs_scene = true,
     .together = true,
+    .endings = cli_records,
+    .kind = "sweep",
+    .resumes = true,
     .options = options,
     .run = run,
 };

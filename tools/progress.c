@@ -2,7 +2,9 @@
 #include "progress.h"
 
 #include <math.h>
+#include <stdarg.h>
 #include <stdio.h>
+#include <sys/ioctl.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -51,14 +53,34 @@ static void describe_left(const progress *p, long long done, double rate, char t
         snprintf(text, 48, "time left unknown");
 }
 
+/* Columns of the terminal that stderr is; many where it does not say. */
+static int columns(void) {
+    struct winsize size;
+    return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : 1000;
+}
+
+void progress_line(const char *format, ...) {
+    char text[512];
+    int room = columns() - 1;
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    fprintf(stderr, "\r%.*s\033[K", room, text);
+    fflush(stderr);
+}
+
+/* Where there is no room for the bar and all the numbers, the numbers that are waited for. */
 static void draw_bar(double part, double rate, const char *left) {
-    enum { cells = 30 };
+    enum { cells = 30, beside = 50 };
     char bar[cells + 1];
     for (int k = 0; k < cells; k++)
         bar[k] = part * cells >= k + 1 ? '#' : '.';
     bar[cells] = '\0';
-    fprintf(stderr, "\r[%s] %5.1f %%  %.4g points/s  %s\033[K", bar, 100 * part, rate, left);
-    fflush(stderr);
+    if (columns() > cells + beside)
+        progress_line("[%s] %5.1f %%  %.4g points/s  %s", bar, 100 * part, rate, left);
+    else
+        progress_line("%.1f %%, %s", 100 * part, left);
 }
 
 void progress_show(progress *p, long long done) {
@@ -84,6 +106,5 @@ void progress_show(progress *p, long long done) {
 void progress_wipe(const progress *p, const char *text) {
     if (!p->shown || !p->terminal)
         return;
-    fprintf(stderr, "\r\033[K%s", text ? text : "");
-    fflush(stderr);
+    progress_line("%s", text ? text : "");
 }

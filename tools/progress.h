@@ -14,6 +14,9 @@ typedef struct progress {
     double work, time; /* points and seconds of late; their quotient is the rate */
 } progress;
 
+/* Put one line in place of the last one, where stderr is a terminal: what comes first counts most, as the
+ * line is cut to the terminal's width. An empty one wipes. */
+__attribute__((format(printf, 1, 2))) void progress_line(const char *format, ...);
 /* Seconds that have passed since some time in the past. */
 double progress_clock(void);
 

@@ -125,6 +125,12 @@ static void count_cores(MPI_Comm machine, int *own, int *all) {
 }
 #endif
 
+int ranks_agree(int number) {
+    if (joined())
+        MPI_Bcast(&number, 1, MPI_INT, 0, MPI_COMM_WORLD);
+    return number;
+}
+
 int ranks_threads(void) {
     MPI_Comm machine;
     int neighbours = 1, own = 1, all = 1;
@@ -204,6 +210,10 @@ int ranks_count(void) {
 
 int ranks_here(void) {
     return 0;
+}
+
+int ranks_agree(int number) {
+    return number;
 }
 
 int ranks_threads(void) {

@@ -18,6 +18,9 @@ void ranks_leave(void);
 /* How many there are, and which of them this is, from 0. */
 int ranks_count(void);
 int ranks_here(void);
+/* The first rank's number, on all of them, once all have called this. Without other ranks the number itself.
+ */
+int ranks_agree(int number);
 /* Threads that each should use: the cores of this machine are shared by the ranks on it. 0: started alone. */
 int ranks_threads(void);
 

@@ -273,8 +273,9 @@ static int conclude(sweep_exchange *exchange, saltus_status status, const saltus
         return cli_report_cause(written, closing);
     if (exchange->done == exchange->places)
         return CLI_DONE;
-    fprintf(stderr, "saltus: interrupted; %s holds %lld of %lld points so far, --resume goes on\n",
-            exchange->order->path, exchange->done, exchange->places);
+    fprintf(stderr, "saltus: interrupted; %s holds %lld of %lld points so far%s\n",
+            exchange->order->to_stdout ? "standard output" : exchange->order->path, exchange->done,
+            exchange->places, exchange->order->to_stdout ? "" : ", --resume goes on");
     return CLI_FAILED;
 }
 

@@ -10,6 +10,7 @@ typedef struct sweep_order {
     const saltus_sweep *sweep; /* NULL where this rank could not make one */
     const char *path;
     bool basins, resume, quiet;
+    bool to_stdout; /* the file is copied to standard output and does not last */
 } sweep_order;
 
 /* How many trajectories have which name. */

@@ -31,7 +31,7 @@ static int run_command(const cli_command *command, int count, char **arguments) 
         cli_help(command);
         return cli_finish();
     }
-    int code = command->run(&request), written = cli_finish();
+    int code = cli_run(command, &request), written = cli_finish();
     return code ? code : written;
 }
 

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-const cli_option sweep_over = CLI_LIST_OPTION(
+const cli_option sweep_over = CLI_KEYS_OPTION(
     "--over", over, "key=values",
     "an axis: key=lo:hi:n, key=lo:hi:n:log or key=v1,v2,...; once or twice, the first runs fastest");
 const cli_option sweep_at_most = CLI_WHOLE_OPTION(

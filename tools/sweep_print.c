@@ -126,7 +126,7 @@ static void print_table(const sweep_order *order, const sweep_report *report, co
                         const share *shares) {
     const saltus_sweep *sweep = order->sweep;
     printf("%s: %lld points, %lld trajectories in %s\n", saltus_sweep_scene(sweep)->name,
-           saltus_sweep_points(sweep), report->rows, order->path);
+           saltus_sweep_points(sweep), report->rows, order->to_stdout ? "standard output" : order->path);
     if (shares)
         print_attractors(file, shares);
     else if (report->tally.count)
@@ -220,7 +220,8 @@ int sweep_command(const cli_request *request, bool basins, saltus_status status,
                                .path = request->output,
                                .basins = basins,
                                .resume = request->resume,
-                               .quiet = request->quiet};
+                               .quiet = request->quiet,
+                               .to_stdout = request->to_stdout};
     int code = run_sweep(&order, status, message, &report);
     if (code == CLI_DONE && report.first)
         code = cli_report(print_report(&order, &report, request->json, message), message);

@@ -46,6 +46,9 @@ typedef struct saltus_classify_options {
     /* Called now and then with the number of periods simulated; may be NULL. Returning false stops the
      * search. */
     bool (*progress)(void *context, long long periods, long long at_most);
+    /* Called by saltus_attractors_find before each initial state with the number of those done; may be NULL.
+     */
+    void (*next_seed)(void *context, int done, int seeds);
     void *context;
 } saltus_classify_options;
 

@@ -58,6 +58,17 @@ saltus_status saltus_write_trajectory(const saltus_trajectory *record, const sal
                                       const saltus_system *system, const saltus_flow_options *options,
                                       const char *path, saltus_message *message);
 
+/* What a file is, as its beginning tells. */
+typedef struct saltus_file_facts {
+    /* "branch", "sweep", "basins" or "trajectory" (HDF5 files of Saltus), "table" (CSV of Saltus, and scripts
+     * for gnuplot), "picture" (PNG, PDF, SVG), "empty"; "" for any other file, and where it cannot be read.
+     */
+    char kind[32];
+    bool complete; /* false: an interrupted run left it */
+} saltus_file_facts;
+/* Only the head is read: whether the rest is sound is found out by reading it. */
+saltus_file_facts saltus_file_identify(const char *path);
+
 /* A periodic orbit to start from, as a file tells it. */
 typedef struct saltus_start {
     saltus_spec spec; /* parameters and stops */

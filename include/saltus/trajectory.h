@@ -30,6 +30,25 @@ saltus_status saltus_trajectory_record(const saltus_system *system, const double
                                        const saltus_flow_options *options, long long transient,
                                        long long periods, int per_period, saltus_trajectory *record,
                                        saltus_message *message);
+/* What is recorded, for saltus_trajectory_follow. */
+typedef struct saltus_trajectory_plan {
+    long long transient, periods; /* forcing periods before the record, and of it */
+    int per_period;               /* samples in each */
+    /* A periodic orbit's points at phase 0, `orbit` states one after the other, or 0 of them. The record is
+     * then taken up anew from its point at each period, and so stays on the orbit also where that is
+     * unstable; the state is not looked at, and there is no transient. */
+    const double *points;
+    int orbit;
+    /* Called at each new period with the number of those done, the transient's included; may be NULL.
+     * Returning false ends the record: SALTUS_INTERRUPTED. */
+    bool (*progress)(void *context, long long periods, long long at_most);
+    void *context;
+} saltus_trajectory_plan;
+
+/* As saltus_trajectory_record. */
+saltus_status saltus_trajectory_follow(const saltus_system *system, const double *state,
+                                       const saltus_flow_options *options, const saltus_trajectory_plan *plan,
+                                       saltus_trajectory *record, saltus_message *message);
 void saltus_trajectory_clear(saltus_trajectory *record);
 
 SALTUS_API_END

@@ -51,6 +51,8 @@ saltus_status saltus_attractors_find(const saltus_system *system, int seeds, uns
     for (int k = 0; k < attractors->seeds && status == SALTUS_OK; k++) {
         saltus_motion motion = {0};
         bool stopped = false;
+        if (options->next_seed)
+            options->next_seed(options->context, k, seeds);
         status = saltus_state_random(system, rng, state, message);
         if (status == SALTUS_OK)
             status = saltus_motion_classify(system, state, options, &motion, &stopped, message);

@@ -13,6 +13,7 @@
 typedef struct recorder {
     saltus_trajectory *record;
     const saltus_system *system;
+    const saltus_trajectory_plan *plan;
     saltus_flow *flow;
     long long rows_room, events_room;
     long long next, last; /* sample to be taken next, last sample */
@@ -133,20 +134,27 @@ static bool take_event(recorder *self, const saltus_event *event) {
     return true;
 }
 
-static saltus_status run(recorder *self, const double *state, long long transient, long long periods,
-                         saltus_message *message) {
+/* Tell of a new period; false where the record is to end. */
+static bool go_on(const recorder *self, long long *told) {
+    const saltus_trajectory_plan *plan = self->plan;
+    long long cycle = saltus_flow_time(self->flow, 0).cycle;
+    if (!plan->progress || cycle == *told)
+        return true;
+    *told = cycle;
+    return plan->progress(plan->context, plan->transient + cycle, plan->transient + plan->periods);
+}
+
+/* From a state at the begin of a period to a later one, with samples and events. */
+static saltus_status record_stretch(recorder *self, long long until, long long *told,
+                                    saltus_message *message) {
     enum { watch = SALTUS_WATCH_STEP | SALTUS_WATCH_CONTACT };
     saltus_event event = {.kind = SALTUS_STEP};
-    saltus_time start = {-transient, 0}, origin = {0, 0}, end = {periods, 0};
-    saltus_status status = saltus_flow_start(self->flow, 0, start, state, message);
-    if (status == SALTUS_OK && transient > 0)
-        status = saltus_flow_advance(self->flow, origin, 0, &event, message);
-    if (status != SALTUS_OK)
-        return status;
+    const saltus_time end = {until, 0};
     bool room = take_samples(self, false);
-    event.kind = SALTUS_STEP;
     while (room && event.kind != SALTUS_REACHED) {
-        status = saltus_flow_advance(self->flow, end, watch, &event, message);
+        saltus_status status = saltus_flow_advance(self->flow, end, watch, &event, message);
+        if (status == SALTUS_OK && !go_on(self, told))
+            status = saltus_fail(message, SALTUS_INTERRUPTED, "interrupted");
         if (status != SALTUS_OK)
             return status;
         bool contact = 1u << event.kind & SALTUS_WATCH_CONTACT;
@@ -155,22 +163,58 @@ static saltus_status run(recorder *self, const double *state, long long transien
     return room ? SALTUS_OK : saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the record");
 }
 
-saltus_status saltus_trajectory_record(const saltus_system *system, const double *state,
-                                       const saltus_flow_options *options, long long transient,
-                                       long long periods, int per_period, saltus_trajectory *record,
-                                       saltus_message *message) {
+static saltus_status run_transient(recorder *self, const double *state, long long *told,
+                                   saltus_message *message) {
+    const saltus_time start = {-self->plan->transient, 0}, origin = {0, 0};
+    saltus_event event = {.kind = SALTUS_STEP};
+    saltus_status status = saltus_flow_start(self->flow, 0, start, state, message);
+    if (status != SALTUS_OK || self->plan->transient == 0)
+        return status;
+    unsigned watch = self->plan->progress ? SALTUS_WATCH_STEP : 0;
+    do {
+        status = saltus_flow_advance(self->flow, origin, watch, &event, message);
+        if (status == SALTUS_OK && !go_on(self, told))
+            status = saltus_fail(message, SALTUS_INTERRUPTED, "interrupted");
+    } while (status == SALTUS_OK && event.kind != SALTUS_REACHED);
+    return status;
+}
+
+static saltus_status run(recorder *self, const double *state, saltus_message *message) {
+    const saltus_trajectory_plan *plan = self->plan;
+    long long told = LLONG_MIN;
+    if (!plan->orbit) {
+        saltus_status status = run_transient(self, state, &told, message);
+        return status == SALTUS_OK ? record_stretch(self, plan->periods, &told, message) : status;
+    }
+    saltus_status status = SALTUS_OK;
+    for (long long k = 0; k < plan->periods && status == SALTUS_OK; k++) {
+        const double *point = plan->points + (size_t)(k % plan->orbit) * (size_t)self->record->dimension;
+        status = saltus_flow_start(self->flow, 0, (saltus_time){k, 0}, point, message);
+        if (status == SALTUS_OK)
+            status = record_stretch(self, k + 1, &told, message);
+    }
+    return status;
+}
+
+saltus_status saltus_trajectory_follow(const saltus_system *system, const double *state,
+                                       const saltus_flow_options *options, const saltus_trajectory_plan *plan,
+                                       saltus_trajectory *record, saltus_message *message) {
     enum { most = 1000000000 };
+    const long long transient = plan->transient, periods = plan->periods;
     *record = (saltus_trajectory){0};
     if (transient < 0 || transient > LLONG_MAX / 2)
         return saltus_fail(message, SALTUS_BAD_INPUT, "transient = %lld: must be at least 0 periods",
                            transient);
     if (periods < 1 || periods > most)
         return saltus_fail(message, SALTUS_BAD_INPUT, "periods = %lld: must be from 1 to %d", periods, most);
-    if (per_period < 1 || per_period > 1000000)
+    if (plan->per_period < 1 || plan->per_period > 1000000)
         return saltus_fail(message, SALTUS_BAD_INPUT, "samples per period = %d: must be from 1 to 1000000",
-                           per_period);
-    recorder self = {
-        .record = record, .system = system, .per_period = per_period, .last = periods * per_period};
+                           plan->per_period);
+    recorder self = {.record = record,
+                     .system = system,
+                     .plan = plan,
+                     .per_period = plan->per_period,
+                     .last = periods * plan->per_period};
     saltus_status status = saltus_flow_single(system, 0, options, &self.flow, message);
     record->dimension = saltus_system_dimension(system);
     if (status == SALTUS_OK &&
@@ -179,9 +223,18 @@ saltus_status saltus_trajectory_record(const saltus_system *system, const double
         status =
             saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a record of %lld samples", self.last + 1);
     if (status == SALTUS_OK)
-        status = run(&self, state, transient, periods, message);
+        status = run(&self, state, message);
     saltus_flow_free(self.flow);
     if (status != SALTUS_OK && status != SALTUS_INTERRUPTED)
         saltus_trajectory_clear(record);
     return status;
+}
+
+saltus_status saltus_trajectory_record(const saltus_system *system, const double *state,
+                                       const saltus_flow_options *options, long long transient,
+                                       long long periods, int per_period, saltus_trajectory *record,
+                                       saltus_message *message) {
+    const saltus_trajectory_plan plan = {
+        .transient = transient, .periods = periods, .per_period = per_period};
+    return saltus_trajectory_follow(system, state, options, &plan, record, message);
 }

@@ -1,0 +1,41 @@
+/* What a file is, told from its first bytes, and of HDF5 from two attributes.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "record/hdf5.h"
+#include "saltus/record.h"
+
+#include <string.h>
+
+/* Kind and completeness of an HDF5 file; what has no `complete` is written in one piece. */
+static void look_into(const char *path, saltus_file_facts *facts) {
+    saltus_h5_reader reader = {.path = path};
+    long long complete = 1;
+    if (saltus_h5_reader_open(&reader) == SALTUS_OK) {
+        if (!saltus_h5_get_text(reader.file, "kind", facts->kind, sizeof facts->kind))
+            facts->kind[0] = '\0';
+        if (saltus_h5_get_integer(reader.file, "complete", &complete))
+            facts->complete = complete != 0;
+    }
+    saltus_h5_reader_close(&reader);
+}
+
+saltus_file_facts saltus_file_identify(const char *path) {
+    static const struct {
+        const char *begin, *kind;
+    } known[] = {{"\x89HDF\r\n\x1a\n", "hdf5"}, {"\x89PNG\r\n", "picture"}, {"%PDF-", "picture"},
+                 {"<?xml", "picture"},          {"<svg", "picture"},        {"# Saltus ", "table"}};
+    saltus_file_facts facts = {.kind = "", .complete = true};
+    char head[16] = "";
+    FILE *file = fopen(path, "rb");
+    if (!file)
+        return facts;
+    size_t length = fread(head, 1, sizeof head, file);
+    fclose(file);
+    if (length == 0)
+        strcpy(facts.kind, "empty");
+    for (size_t k = 0; k < sizeof known / sizeof known[0]; k++)
+        if (length >= strlen(known[k].begin) && memcmp(head, known[k].begin, strlen(known[k].begin)) == 0)
+            strcpy(facts.kind, known[k].kind);
+    if (strcmp(facts.kind, "hdf5") == 0)
+        look_into(path, &facts);
+    return facts;
+}

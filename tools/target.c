@@ -1,0 +1,266 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "target.h"
+
+#include <errno.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+/* A file that is to be written, and what the user calls it. */
+typedef struct place {
+    const char *option, *path;
+    const char *const *endings;
+} place;
+
+static const char *const data_endings[] = {".h5", NULL};
+
+__attribute__((format(printf, 3, 4))) static int refuse(int code, const place *p, const char *format, ...) {
+    va_list arguments;
+    va_start(arguments, format);
+    fprintf(stderr, "saltus: %s %s: ", p->option, p->path);
+    vfprintf(stderr, format, arguments);
+    fputc('\n', stderr);
+    va_end(arguments);
+    return code;
+}
+
+static bool has_ending(const char *path, const char *const *endings) {
+    const char *slash = strrchr(path, '/');
+    const char *name = slash ? slash + 1 : path;
+    for (; *endings; endings++)
+        if (strlen(name) > strlen(*endings) && cli_ends_in(name, *endings))
+            return true;
+    return false;
+}
+
+/* ".png, .pdf or .svg". */
+static void list_endings(const char *const *endings, char text[64]) {
+    size_t used = 0;
+    for (int k = 0; endings[k]; k++)
+        used += (size_t)snprintf(text + used, 64 - used, "%s%s",
+                                 k == 0           ? ""
+                                 : endings[k + 1] ? ", "
+                                                  : " or ",
+                                 endings[k]);
+}
+
+/* The folder that a file would be made in. */
+static int check_folder(const place *p) {
+    struct stat facts;
+    char folder[4096] = ".";
+    const char *slash = strrchr(p->path, '/');
+    if (slash && (size_t)(slash - p->path) + 1 >= sizeof folder)
+        return refuse(CLI_FAILED, p, "the name is too long");
+    if (slash)
+        snprintf(folder, sizeof folder, "%.*s", (int)(slash > p->path ? slash - p->path : 1), p->path);
+    const char *called = slash ? folder : "that it is in";
+    if (stat(folder, &facts) != 0)
+        return refuse(CLI_FAILED, p, "the folder %s cannot be used: %s", called, strerror(errno));
+    if (!S_ISDIR(facts.st_mode))
+        return refuse(CLI_FAILED, p, "%s is no folder", folder);
+    if (access(folder, W_OK | X_OK) != 0)
+        return refuse(CLI_FAILED, p, "in the folder %s nothing can be written: %s", called, strerror(errno));
+    return CLI_DONE;
+}
+
+/* Whether an input, which may be followed by a colon and a part of it, is the file. */
+static bool is_file(const char *input, const struct stat *file) {
+    struct stat facts;
+    char path[4096];
+    const char *colon = strrchr(input, ':');
+    bool there = strcmp(input, "-") == 0 ? fstat(STDIN_FILENO, &facts) == 0 : stat(input, &facts) == 0;
+    if (!there && colon && (size_t)(colon - input) < sizeof path) {
+        snprintf(path, sizeof path, "%.*s", (int)(colon - input), input);
+        there = stat(path, &facts) == 0;
+    }
+    return there && facts.st_dev == file->st_dev && facts.st_ino == file->st_ino;
+}
+
+/* The input that is the file, by device and inode; NULL where none is. */
+static const char *input_that_is(const cli_request *request, const struct stat *file) {
+    for (int k = 0; k < request->input_count; k++)
+        if (is_file(request->inputs[k], file))
+            return request->inputs[k];
+    for (int k = 0; k < request->over.count; k++)
+        if (is_file(request->over.items[k], file))
+            return request->over.items[k];
+    return request->from && is_file(request->from, file) ? request->from : NULL;
+}
+
+/* The kind of file that a command writes under a name of this ending, as saltus_file_identify tells it. */
+static const char *kind_of(const cli_command *command, const char *path) {
+    return cli_ends_in(path, ".h5")                                ? command->kind
+           : cli_ends_in(path, ".csv") || cli_ends_in(path, ".gp") ? "table"
+                                                                   : "picture";
+}
+
+static bool has_journal(const char *path) {
+    char name[4096];
+    int length = snprintf(name, sizeof name, "%s.journal", path);
+    return length > 0 && (size_t)length < sizeof name && access(name, F_OK) == 0;
+}
+
+/* What is there already may be replaced if it is of the kind that is written, and finished. */
+static int check_earlier(const cli_command *command, const cli_request *request, const place *p, bool there) {
+    saltus_file_facts facts = {.kind = "empty", .complete = true};
+    if (request->resume || request->force)
+        return CLI_DONE;
+    if (there)
+        facts = saltus_file_identify(p->path);
+    const char *kind = kind_of(command, p->path);
+    if (strcmp(facts.kind, "empty") != 0 && strcmp(facts.kind, kind) != 0)
+        return refuse(
+            CLI_BAD_INPUT, p,
+            "is there and another kind of file (%s, not %s); another name, or --force to replace it",
+            facts.kind[0] ? facts.kind : "not one of Saltus", kind);
+    if (!facts.complete || has_journal(p->path))
+        return refuse(CLI_BAD_INPUT, p, "holds an interrupted run; %s--force begins anew",
+                      command->resumes ? "--resume goes on with it, " : "");
+    return CLI_DONE;
+}
+
+static int check_place(const cli_command *command, const cli_request *request, const place *p) {
+    struct stat facts;
+    char endings[64];
+    bool there = stat(p->path, &facts) == 0;
+    if (there && S_ISDIR(facts.st_mode))
+        return refuse(CLI_FAILED, p, "is a folder, not a file that can be written");
+    if (p->endings && !has_ending(p->path, p->endings)) {
+        list_endings(p->endings, endings);
+        return refuse(CLI_BAD_INPUT, p, "the ending must be %s", endings);
+    }
+    const char *input = there ? input_that_is(request, &facts) : NULL;
+    if (input)
+        return refuse(CLI_BAD_INPUT, p, "is the same file as the input %s, which would be lost", input);
+    /* A device or a pipe is written to as it is. */
+    if (there && !S_ISREG(facts.st_mode))
+        return CLI_DONE;
+    if (there && access(p->path, W_OK) != 0)
+        return refuse(CLI_FAILED, p, "cannot be written: %s", strerror(errno));
+    int code = check_folder(p);
+    return code == CLI_DONE ? check_earlier(command, request, p, there) : code;
+}
+
+/* --data, and gnuplot's script beside it. */
+static int check_data(const cli_command *command, const cli_request *request) {
+    char script[4096];
+    struct stat one, other;
+    const char *path = request->data;
+    const place data = {"--data", path, data_endings};
+    int code = check_place(command, request, &data);
+    if (code != CLI_DONE)
+        return code;
+    if ((size_t)snprintf(script, sizeof script, "%.*s.gp", (int)(strlen(path) - strlen(".h5")), path) >=
+        sizeof script)
+        return refuse(CLI_FAILED, &data, "the name is too long");
+    if (stat(path, &one) == 0 && stat(request->output, &other) == 0 && one.st_dev == other.st_dev &&
+        one.st_ino == other.st_ino)
+        return refuse(CLI_BAD_INPUT, &data, "is the same file as -o %s", request->output);
+    const place beside = {"--data", script, NULL};
+    return check_place(command, request, &beside);
+}
+
+/* The ending of what goes to standard output: the one of --format, or the first that can. */
+static int choose_ending(const cli_command *command, const cli_request *request, const char **ending) {
+    const char *format = request->format;
+    const place p = {"-o", "-", NULL};
+    *ending = NULL;
+    for (int k = 0; command->endings[k] && !*ending; k++)
+        if (format ? strcmp(command->endings[k] + 1, format) == 0 : strcmp(command->endings[k], ".h5") != 0)
+            *ending = command->endings[k];
+    if (!*ending && format) {
+        char endings[64];
+        list_endings(command->endings, endings);
+        fprintf(stderr, "saltus: --format %s: the formats of saltus %s are %s\n", format, command->name,
+                endings);
+        return CLI_BAD_INPUT;
+    }
+    if (!*ending || strcmp(*ending, ".h5") == 0)
+        return refuse(CLI_BAD_INPUT, &p,
+                      "HDF5 cannot be written to standard output, only to a file that can be gone back in; "
+                      "name one");
+    if (request->json)
+        return refuse(CLI_BAD_INPUT, &p, "--json writes to standard output, too; one of them");
+    if (request->resume)
+        return refuse(CLI_BAD_INPUT, &p, "--resume needs the file of the interrupted run");
+    return CLI_DONE;
+}
+
+static int divert(const cli_command *command, cli_request *request, target *out) {
+    const char *ending, *base = getenv("TMPDIR");
+    int code = choose_ending(command, request, &ending);
+    if (code != CLI_DONE)
+        return code;
+    if (!base || !*base || strlen(base) > sizeof out->folder - 16)
+        base = "/tmp";
+    snprintf(out->folder, sizeof out->folder, "%s/saltus-XXXXXX", base);
+    fflush(stdout);
+    if (!mkdtemp(out->folder)) {
+        fprintf(stderr, "saltus: -o -: no temporary folder can be made in %s: %s\n", base, strerror(errno));
+        out->folder[0] = '\0';
+        return CLI_FAILED;
+    }
+    snprintf(out->path, sizeof out->path, "%s/result%s", out->folder, ending);
+    out->descriptor = dup(STDOUT_FILENO);
+    dup2(STDERR_FILENO, STDOUT_FILENO);
+    request->output = out->path;
+    request->to_stdout = true;
+    return CLI_DONE;
+}
+
+int target_open(const cli_command *command, cli_request *request, target *out) {
+    *out = (target){.descriptor = -1};
+    if (request->resume && request->force) {
+        fprintf(stderr, "saltus: --resume and --force: one of them\n");
+        return CLI_BAD_INPUT;
+    }
+    if (!command->endings)
+        return CLI_DONE;
+    bool to_stdout = request->output && strcmp(request->output, "-") == 0;
+    if (request->format && !to_stdout) {
+        fprintf(stderr, "saltus: --format %s: is of -o - only; the ending of a file says its format\n",
+                request->format);
+        return CLI_BAD_INPUT;
+    }
+    if (!request->output)
+        return CLI_DONE;
+    const place result = {"-o", request->output, command->endings};
+    int code = to_stdout ? divert(command, request, out) : check_place(command, request, &result);
+    return code == CLI_DONE && request->data ? check_data(command, request) : code;
+}
+
+/* The file as it is. False, with errno, where it could not be read or written. */
+static bool copy(const char *path) {
+    char block[65536];
+    size_t length;
+    FILE *file = fopen(path, "rb");
+    if (!file)
+        return errno == ENOENT;
+    while ((length = fread(block, 1, sizeof block, file)) > 0)
+        if (fwrite(block, 1, length, stdout) != length)
+            break;
+    bool good = !ferror(file);
+    fclose(file);
+    return good;
+}
+
+int target_close(target *out, int code) {
+    if (!out->folder[0])
+        return code;
+    fflush(stdout);
+    dup2(out->descriptor, STDOUT_FILENO);
+    close(out->descriptor);
+    if (!copy(out->path)) {
+        fprintf(stderr, "saltus: %s could not be read back: %s\n", out->path, strerror(errno));
+        code = code ? code : CLI_FAILED;
+    }
+    unlink(out->path);
+    /* What a sweep that was interrupted would go on from. */
+    char journal[sizeof out->path + 16];
+    snprintf(journal, sizeof journal, "%s.journal", out->path);
+    unlink(journal);
+    rmdir(out->folder);
+    return code;
+}
