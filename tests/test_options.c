@@ -114,6 +114,10 @@ static const option_case cases[] = {
     {"orbit", "--periods", "", "orbit " TWICE " --periods 1 --json", "--periods 2", "json:periods=2"},
     {"orbit", "--from", "", "orbit impact-oscillator --periods 1 --json", "--from ../in/orbit.json",
      "json:parameters.omega=1.01"},
+    {"diagnose", "--from", "", DIAGNOSE, "--from ../in/orbit.json", "differs:script"},
+    {"simulate", "--from", "", SIMULATE, "--from ../in/orbit.json", "differs:r.h5"},
+    {"lyapunov", "--from", "", LYAPUNOV " --set c=0.1", "--from ../in/chaotic.json", "json:members=0"},
+    {"spectrum", "--from", "", SPECTRUM_JSON, "--from ../in/orbit.json", "json:parameters.omega=1.01"},
     {"orbit", "--transient", "", "orbit impact-oscillator --periods 1 --verbose", "--transient 3",
      "differs:err"},
     {"orbit", "--mirror", "", "orbit ../in/sides.yaml --periods 1 --json", "--mirror", "differs:out"},
@@ -361,6 +365,7 @@ static void prepare(const fixture *f) {
     put_text(f, "in/sides.yaml",
              "model: oscillator\nc: 0.1\nF: 0.5\nomega: 1\nstop: {d: 1, r: 0.8, sides: both}\n");
     must(f, "orbit impact-oscillator --set omega=1.01 --periods 1 --json >orbit.json");
+    must(f, "orbit chaos.yaml --periods 1 --json >chaotic.json");
     must(f, "orbit flip.yaml --periods 1 --json >flip.json");
     must(f, "continue impact-oscillator --in omega=0.99:1.01 -o branch.h5");
     must(f,

@@ -117,7 +117,6 @@ static void what_is_there_is_kept(void **state) {
         {"export sweep.h5 -o sweep.h5/x.csv", 1, "-o sweep.h5/x.csv: ", "sweep.h5 is no folder"},
         {"export sweep.h5 -o folder.csv", 1, "-o folder.csv: ", "is a folder"},
         /* the scene is not there, but the place is looked at first */
-        {"classify nothere", 2, "nothere", ""},
         {"diagnose nothere -o nowhere/x.png", 1, "-o nowhere/x.png: ", "the folder nowhere"},
         {"lyapunov nothere -o nowhere/x.png", 1, "-o nowhere/x.png: ", "the folder nowhere"},
         {"spectrum nothere -o nowhere/x.png", 1, "-o nowhere/x.png: ", "the folder nowhere"},

@@ -51,7 +51,8 @@ const cli_option cli_resume =
 const cli_option cli_force = CLI_FLAG_OPTION(
     "--force", force, "replace what is there, also an interrupted run or another kind of file");
 const cli_option cli_from = CLI_TEXT_OPTION(
-    "--from", from, "orbit", "start from this orbit: file.json, branch.h5:12 or branch.h5:PD1");
+    "--from", from, "orbit",
+    "start from this orbit: file.json, branch.h5:12 (row), branch.h5:PD1, sweep.h5:12 or basins.h5:12");
 
 const char *const cli_figures[] = {".png", ".pdf", ".svg", NULL};
 const char *const cli_figures_or_table[] = {".png", ".pdf", ".svg", ".csv", NULL};
@@ -322,7 +323,7 @@ static saltus_status read_start(const cli_request *request, saltus_scene *scene,
         status = saltus_start_apply(start, request->from, scene, message);
     if (status == SALTUS_OK)
         status = cli_apply_settings(request, scene, message);
-    if (status == SALTUS_OK && scene->initial_count)
+    if (status == SALTUS_OK && scene->initial_count && start->dimension)
         status = saltus_fail(message, SALTUS_BAD_INPUT,
                              "--set of an initial state is not possible with --from, which gives the state");
     return status;
@@ -339,13 +340,13 @@ static saltus_status initial_state(const saltus_scene *scene, const saltus_syste
 int cli_build(const cli_request *request, cli_setup *setup) {
     saltus_message message = {.text = ""};
     setup->system = NULL;
-    setup->start.periods = 0;
+    setup->start = (saltus_start){.periods = 0};
     saltus_status status = load_scene(request, &setup->scene, &message);
     if (status == SALTUS_OK && request->from)
         status = read_start(request, &setup->scene, &setup->start, &message);
     if (status == SALTUS_OK)
         status = saltus_system_new(&setup->scene.spec, &setup->system, &message);
-    if (status == SALTUS_OK && !request->from)
+    if (status == SALTUS_OK && !setup->start.dimension)
         status = initial_state(&setup->scene, setup->system, setup->start.state, &message);
     if (status == SALTUS_OK)
         status = check_integrator(request, &message);
@@ -354,6 +355,37 @@ int cli_build(const cli_request *request, cli_setup *setup) {
         setup->system = NULL;
     }
     return cli_report(status, &message);
+}
+
+bool cli_on_orbit(const cli_setup *setup) {
+    return setup->start.periods > 0 && setup->start.dimension > 0;
+}
+
+saltus_status cli_motion(const cli_request *request, const cli_setup *setup,
+                         const saltus_classify_options *how, saltus_motion *motion, saltus_message *message) {
+    const saltus_start *start = &setup->start;
+    *motion = (saltus_motion){0};
+    if (!cli_on_orbit(setup)) {
+        saltus_status status = saltus_classify(setup->system, start->state, how, motion, message);
+        cli_progress_end(request);
+        return status;
+    }
+    saltus_orbit_options shooting = saltus_orbit_defaults();
+    saltus_orbit orbit = {0};
+    saltus_message reason = {""};
+    shooting.flow = how->flow;
+    shooting.tolerance = fmax(shooting.tolerance, 100 * how->flow.rtol);
+    saltus_status status =
+        saltus_orbit_find(setup->system, start->periods, start->state, &shooting, &orbit, &reason);
+    if (status == SALTUS_NO_CONVERGENCE || status == SALTUS_SINGULAR)
+        status = SALTUS_BAD_INPUT;
+    if (status != SALTUS_OK)
+        saltus_fail(message, status, "--from %.200s: is no orbit of period %d T here: %.200s", request->from,
+                    start->periods, reason.text);
+    else
+        status = saltus_motion_describe(setup->system, &orbit, how, motion, message);
+    saltus_orbit_clear(&orbit);
+    return status;
 }
 
 bool cli_parse_range(const cli_option *option, const char *text, char key[SALTUS_KEY_MAX], double *low,

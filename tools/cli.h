@@ -96,7 +96,8 @@ extern const char *const cli_figures[], *const cli_figures_or_table[], *const cl
 typedef struct cli_setup {
     saltus_scene scene; /* with all --set applied */
     saltus_system *system;
-    saltus_start start; /* the orbit of --from; without it only its state is given, the initial one */
+    saltus_start start; /* the motion of --from; without it, or where that tells no state, its state is the
+                           initial one and `dimension` is 0 */
 } cli_setup;
 
 /* Fill a request from the arguments after the subcommand; false after a message on stderr. */
@@ -116,6 +117,13 @@ int cli_report_cause(saltus_status status, const saltus_message *message);
  * --set does not say otherwise. On success setup->system is to be freed; otherwise the message has been
  * printed and the exit code is returned. */
 int cli_build(const cli_request *request, cli_setup *setup);
+/* Whether --from has told a periodic orbit with a state on it. */
+bool cli_on_orbit(const cli_setup *setup);
+/* The motion that a command is about: with --from a periodic orbit this very orbit, stable or not, polished
+ * at the parameters that hold; otherwise what the start settles on. To be cleared. Errors: those of
+ * saltus_orbit_find (a start that is no orbit is SALTUS_BAD_INPUT) and of saltus_classify. */
+saltus_status cli_motion(const cli_request *request, const cli_setup *setup,
+                         const saltus_classify_options *how, saltus_motion *motion, saltus_message *message);
 /* The scene with all --set applied; --integrator is checked too. */
 saltus_status cli_load_scene(const cli_request *request, saltus_scene *scene, saltus_message *message);
 /* Apply all --set to a scene. */

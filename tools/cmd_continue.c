@@ -141,7 +141,7 @@ static int begin_anew(run_state *run, saltus_message *message) {
     int code = cli_build(r, &run->setup);
     if (code != CLI_DONE)
         return code;
-    saltus_status status = r->from ? SALTUS_OK : classify_start(run, message);
+    saltus_status status = cli_on_orbit(&run->setup) ? SALTUS_OK : classify_start(run, message);
     if (r->periods)
         run->setup.start.periods = (int)r->periods;
     return cli_report(status, message);

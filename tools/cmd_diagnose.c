@@ -4,9 +4,9 @@
 
 #include "interrupt.h"
 
-static const cli_option *const options[] = {&cli_set,        &cli_output,  &cli_data, &cli_transient,
-                                            &cli_longest,    &cli_measure, &cli_rtol, &cli_atol,
-                                            &cli_integrator, NULL};
+static const cli_option *const options[] = {&cli_set,       &cli_from,       &cli_output,  &cli_data,
+                                            &cli_transient, &cli_longest,    &cli_measure, &cli_rtol,
+                                            &cli_atol,      &cli_integrator, NULL};
 
 /* A motion and what its page shows. */
 typedef struct page {
@@ -30,8 +30,12 @@ static saltus_status record_motion(const saltus_system *system, const saltus_flo
     bool settled = saltus_verdict_settled(motion->verdict);
     long long periods = motion->periods ? motion->periods : settled ? resting_periods : unsettled_periods;
     int per_period = periods * samples < orbit_samples ? orbit_samples / (int)periods : samples;
-    saltus_status status =
-        saltus_trajectory_record(system, motion->state, flow, 0, periods, per_period, &p->record, message);
+    /* A trajectory would leave an orbit that is not stable. */
+    const saltus_trajectory_plan plan = {.periods = periods,
+                                         .per_period = per_period,
+                                         .points = motion->section_states,
+                                         .orbit = motion->stable ? 0 : motion->periods};
+    saltus_status status = saltus_trajectory_follow(system, motion->state, flow, &plan, &p->record, message);
     p->sectioned = !settled;
     if (status == SALTUS_OK && p->sectioned)
         status =
@@ -59,8 +63,7 @@ static saltus_status diagnose(const cli_request *request, const cli_setup *setup
     const saltus_system *system = setup->system;
     saltus_classify_options how = cli_classify_options(request);
     page p = {.sectioned = false};
-    saltus_status status = saltus_classify(system, setup->start.state, &how, &p.motion, message);
-    cli_progress_end(request);
+    saltus_status status = cli_motion(request, setup, &how, &p.motion, message);
     bool classified = status == SALTUS_OK;
     if (classified && interrupt_asked())
         status = SALTUS_INTERRUPTED;
@@ -104,12 +107,13 @@ static int run(const cli_request *request) {
 
 const cli_command cmd_diagnose = {
     .name = "diagnose",
-    .usage = "SCENE [--set key=value ...] -o sheet.png|pdf|svg [--data out.h5]",
+    .usage = "SCENE [--set key=value ...] [--from orbit] -o sheet.png|pdf|svg [--data out.h5]",
     .help = "Classify the motion and draw it on one page: phase portrait with stroboscopic points and the "
             "stop, time\n"
             "history, impact map, shapes of the structure, spectrum, multipliers; without a period the "
             "stroboscopic\n"
-            "section and the convergence of the largest exponent.",
+            "section and the convergence of the largest exponent. With --from an orbit it is that orbit, "
+            "stable or not.",
     .needs_scene = true,
     .endings = cli_figures,
     .kind = "trajectory",

@@ -24,8 +24,8 @@ static const cli_option seed =
     CLI_WHOLE_OPTION("--seed", seed, "s", 0, 0, 4294967295.0,
                      "seed of the first directions; other than 0 the start is disturbed, too");
 static const cli_option *const options[] = {
-    &cli_set, &all,      &exponents,      &precision,      &transient,      &periods,    &members, &interval,
-    &seed,    &cli_json, &cli_loose_rtol, &cli_loose_atol, &cli_integrator, &cli_output, NULL};
+    &cli_set,  &cli_from, &all,      &exponents,      &precision,      &transient,      &periods,    &members,
+    &interval, &seed,     &cli_json, &cli_loose_rtol, &cli_loose_atol, &cli_integrator, &cli_output, NULL};
 
 /* A measurement under way. */
 typedef struct watch {
@@ -88,6 +88,27 @@ static saltus_status deliver(const cli_request *request, const cli_setup *setup,
     return status;
 }
 
+/* With --from an orbit: its exponents are known from its multipliers. */
+static saltus_status run_orbit(const cli_request *request, const cli_setup *setup,
+                               const saltus_lyapunov_options *how, saltus_lyapunov *result,
+                               saltus_message *message) {
+    saltus_classify_options describing = saltus_classify_defaults();
+    saltus_motion motion;
+    if (request->output)
+        return saltus_fail(message, SALTUS_BAD_INPUT,
+                           "-o %.200s: the exponents of an orbit converge to nothing, they are those of its "
+                           "multipliers",
+                           request->output);
+    describing.flow = how->flow;
+    describing.flow.stop = interrupt_flag();
+    saltus_status status = cli_motion(request, setup, &describing, &motion, message);
+    int count = how->exponents ? how->exponents : saltus_system_dimension(setup->system);
+    if (status == SALTUS_OK)
+        status = saltus_motion_exponents(setup->system, &motion, count, result, message);
+    saltus_motion_clear(&motion);
+    return status;
+}
+
 static int run(const cli_request *request) {
     cli_setup setup;
     saltus_message message = {.text = ""};
@@ -97,7 +118,9 @@ static int run(const cli_request *request) {
     if (code != CLI_DONE)
         return code;
     saltus_status status = choose(request, setup.system, &w, &how, &message);
-    if (status == SALTUS_OK) {
+    if (status == SALTUS_OK && cli_on_orbit(&setup))
+        status = run_orbit(request, &setup, &how, &w.result, &message);
+    else if (status == SALTUS_OK) {
         if (w.shown)
             progress_line("settling: %lld periods", how.transient);
         status = saltus_lyapunov_run(setup.system, setup.start.state, &how, &w.result, &message);
@@ -115,13 +138,15 @@ static int run(const cli_request *request) {
 
 const cli_command cmd_lyapunov = {
     .name = "lyapunov",
-    .usage = "SCENE [--set key=value ...] [--all | --exponents k] [--json] [-o convergence.png|pdf|svg|csv]",
+    .usage = "SCENE [--set key=value ...] [--from orbit] [--all | --exponents k] [--json] [-o "
+             "convergence.png|pdf|svg|csv]",
     .help = "Measure Lyapunov exponents, per unit of time, of the motion that the scene settles on, with "
             "standard errors:\n"
             "how fast nearby trajectories separate (the largest one), sum rule and dimension (--all). They "
             "belong to the\n"
             "stroboscopic map; impacts, chatter and sticking are taken along exactly. -o shows how the "
-            "estimate converged.",
+            "estimate converged.\n"
+            "With --from an orbit they are those of its multipliers, stable or not.",
     .needs_scene = true,
     .endings = cli_figures_or_table,
     .options = options,

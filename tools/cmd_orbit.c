@@ -37,7 +37,7 @@ static void print_step(void *context, int iteration, double residual, const char
 static saltus_status prepare(const cli_request *request, cli_setup *setup, saltus_message *message) {
     saltus_flow_options flow = cli_flow_options(request);
     saltus_status status = SALTUS_OK;
-    if (!request->from)
+    if (!cli_on_orbit(setup))
         status = saltus_motion_settle(setup->system, &flow, request->transient, setup->start.state, message);
     if (status == SALTUS_OK && request->mirror)
         status = saltus_motion_mirror(setup->system, &flow, setup->start.state, message);

@@ -5,9 +5,9 @@
 #include "interrupt.h"
 #include "progress.h"
 
-static const cli_option *const options[] = {&cli_set,     &cli_periods,    &cli_settle,
-                                            &cli_samples, &cli_output,     &cli_rtol,
-                                            &cli_atol,    &cli_integrator, NULL};
+static const cli_option *const options[] = {&cli_set,        &cli_from,   &cli_periods, &cli_settle,
+                                            &cli_samples,    &cli_output, &cli_rtol,    &cli_atol,
+                                            &cli_integrator, NULL};
 
 static bool show(void *context, long long periods, long long at_most) {
     static const double pause = 0.1; /* seconds between two lines */
@@ -31,14 +31,27 @@ static int run(const cli_request *request) {
     if (code != CLI_DONE)
         return code;
     saltus_flow_options flow = cli_flow_options(request);
+    saltus_classify_options describing = saltus_classify_defaults();
+    saltus_motion motion = {0};
+    saltus_status status = SALTUS_OK;
     double told = 0;
-    const saltus_trajectory_plan plan = {.transient = request->transient,
+    describing.flow = flow;
+    if (cli_on_orbit(&setup) && request->transient)
+        status =
+            saltus_fail(&message, SALTUS_BAD_INPUT,
+                        "--transient %ld: not with --from an orbit, on which there is nothing to wait for",
+                        request->transient);
+    else if (cli_on_orbit(&setup))
+        status = cli_motion(request, &setup, &describing, &motion, &message);
+    const saltus_trajectory_plan plan = {.points = motion.section_states,
+                                         .orbit = motion.periods,
+                                         .transient = request->transient,
                                          .periods = request->periods,
                                          .per_period = (int)request->samples,
                                          .progress = cli_shows_progress(request) ? show : NULL,
                                          .context = &told};
-    saltus_status status =
-        saltus_trajectory_follow(setup.system, setup.start.state, &flow, &plan, &record, &message);
+    if (status == SALTUS_OK)
+        status = saltus_trajectory_follow(setup.system, setup.start.state, &flow, &plan, &record, &message);
     cli_progress_end(request);
     bool cut = status == SALTUS_INTERRUPTED && record.samples > 0;
     if (status == SALTUS_OK || cut)
@@ -48,6 +61,7 @@ static int run(const cli_request *request) {
         printf("%s: %lld samples, %lld events over %.9g periods\n", request->output, record.samples,
                record.event_count, record.time[record.samples - 1]);
     saltus_trajectory_clear(&record);
+    saltus_motion_clear(&motion);
     saltus_system_free(setup.system);
     if (status == SALTUS_OK && cut)
         return interrupt_report("the file holds what was simulated so far");
@@ -56,8 +70,10 @@ static int run(const cli_request *request) {
 
 const cli_command cmd_simulate = {
     .name = "simulate",
-    .usage = "SCENE [--set key=value ...] --periods n [--transient m] -o run.h5|csv",
-    .help = "Run the flow from the scene's initial state and write states, events and stroboscopic points.",
+    .usage = "SCENE [--set key=value ...] [--from orbit] --periods n [--transient m] -o run.h5|csv",
+    .help = "Run the flow from the scene's initial state and write states, events and stroboscopic points. "
+            "With --from\n"
+            "an orbit the record stays on that orbit, stable or not.",
     .needs_scene = true,
     .endings = cli_records,
     .kind = "trajectory",

@@ -16,8 +16,8 @@ static const cli_option samples =
     CLI_WHOLE_OPTION("--samples", samples, "k", 0, 16, 65536,
                      "samples per period, a multiple of 4; otherwise chosen by what aliases");
 static const cli_option *const options[] = {
-    &cli_set,  &of,       &periods,       &segment,     &samples,        &cli_json, &cli_output,
-    &cli_rtol, &cli_atol, &cli_transient, &cli_longest, &cli_integrator, NULL};
+    &cli_set,    &cli_from, &of,       &periods,       &segment,     &samples,        &cli_json,
+    &cli_output, &cli_rtol, &cli_atol, &cli_transient, &cli_longest, &cli_integrator, NULL};
 
 /* What is asked for, checked before anything is computed. */
 static saltus_status read_wishes(const cli_request *request, const saltus_system *system,
@@ -52,8 +52,7 @@ static saltus_status analyse(const cli_request *request, const cli_setup *setup,
     saltus_status status = read_wishes(request, system, &wishes, message);
     how.measure = saltus_classify_defaults().measure;
     if (status == SALTUS_OK)
-        status = saltus_classify(system, setup->start.state, &how, &motion, message);
-    cli_progress_end(request);
+        status = cli_motion(request, setup, &how, &motion, message);
     if (status == SALTUS_OK && interrupt_asked() && !saltus_verdict_settled(motion.verdict))
         status = SALTUS_INTERRUPTED;
     if (status == SALTUS_OK)
@@ -84,7 +83,7 @@ static int run(const cli_request *request) {
 
 const cli_command cmd_spectrum = {
     .name = "spectrum",
-    .usage = "SCENE [--set key=value ...] [--of what] [--json] [-o spectrum.png|pdf|svg|csv]",
+    .usage = "SCENE [--set key=value ...] [--from orbit] [--of what] [--json] [-o spectrum.png|pdf|svg|csv]",
     .help =
         "Settle on the attractor and analyse it: of periodic motion the lines of whole orbits, at multiples "
         "of\n"

@@ -123,6 +123,11 @@ saltus_status saltus_classify(const saltus_system *system, const double *state,
 saltus_status saltus_motion_describe(const saltus_system *system, const saltus_orbit *orbit,
                                      const saltus_classify_options *options, saltus_motion *motion,
                                      saltus_message *message);
+/* The exponents of a motion's periodic orbit, the `count` largest, from its multipliers: nothing is measured,
+ * so `members` is 0 and all errors are 0. To be cleared by saltus_lyapunov_clear. Errors: SALTUS_BAD_INPUT
+ * (no orbit, count out of range), SALTUS_NO_MEMORY. */
+saltus_status saltus_motion_exponents(const saltus_system *system, const saltus_motion *motion, int count,
+                                      saltus_lyapunov *lyapunov, saltus_message *message);
 /* Replace a state at phase 0 by its mirror image, q -> -q, after half a period where the symmetry needs that
  * shift. Errors: SALTUS_BAD_INPUT where the scene has no mirror symmetry, those of the flow. */
 saltus_status saltus_motion_mirror(const saltus_system *system, const saltus_flow_options *options,

@@ -64,22 +64,24 @@ typedef struct saltus_file_facts {
      * for gnuplot), "picture" (PNG, PDF, SVG), "empty"; "" for any other file, and where it cannot be read.
      */
     char kind[32];
+    bool hdf5;
     bool complete; /* false: an interrupted run left it */
 } saltus_file_facts;
 /* Only the head is read: whether the rest is sound is found out by reading it. */
 saltus_file_facts saltus_file_identify(const char *path);
 
-/* A periodic orbit to start from, as a file tells it. */
+/* A motion to start from, as a file tells it. */
 typedef struct saltus_start {
     saltus_spec spec; /* parameters and stops */
-    int periods;      /* p */
-    int dimension;
+    int periods;      /* p of a periodic orbit; 0: it is another motion */
+    int dimension;    /* of the state; 0: there is none, the scene's initial state leads to the motion */
     double state[SALTUS_SCENE_STATE_MAX]; /* at section phase 0 */
     char label[SALTUS_LABEL_MAX];         /* what the file calls the motion, such as "4/4" */
 } saltus_start;
 
 /* Read an orbit: a JSON object of classify, orbit or continue (`orbit.json`; `lines.json:12` takes line 12),
- * or a point of a branch file (`branch.h5:12` takes row 12 counted from 1, `branch.h5:PD1` the first flip).
+ * a point of a branch file (`branch.h5:12` takes row 12 counted from 1, `branch.h5:PD1` the first flip), or a
+ * row of a sweep or of basins (`sweep.h5:12`, counted from 1 as saltus_sweep_file_csv writes them).
  * Errors: SALTUS_BAD_INPUT with a sentence that names the file and what is wrong with it, SALTUS_NO_MEMORY.
  */
 saltus_status saltus_start_read(const char *source, saltus_start *start, saltus_message *message);

@@ -35,7 +35,8 @@ saltus_file_facts saltus_file_identify(const char *path) {
     for (size_t k = 0; k < sizeof known / sizeof known[0]; k++)
         if (length >= strlen(known[k].begin) && memcmp(head, known[k].begin, strlen(known[k].begin)) == 0)
             strcpy(facts.kind, known[k].kind);
-    if (strcmp(facts.kind, "hdf5") == 0)
+    facts.hdf5 = strcmp(facts.kind, "hdf5") == 0;
+    if (facts.hdf5)
         look_into(path, &facts);
     return facts;
 }

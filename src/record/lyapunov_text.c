@@ -73,6 +73,8 @@ static void put_sums(FILE *file, const saltus_system *system, const saltus_lyapu
     else
         fprintf(file, "exponents add up to %.10g; trace and restitution give %.10g (difference %.1e)\n",
                 l->sum, l->sum_rule, l->sum - l->sum_rule);
+    if (l->members == 0)
+        return;
     put_head(file, "dimension");
     if (isnan(l->kaplan_yorke))
         fputs("Kaplan-Yorke: needs more exponents, until they add up to less than zero\n", file);
@@ -121,6 +123,11 @@ static void put_measured(FILE *file, const saltus_system *system, const saltus_l
                          const saltus_lyapunov *l) {
     fprintf(file, "  %-14s%.6g per period; sticks: %.6g per period\n", "impacts", l->impacts_per_period,
             l->sticks_per_period);
+    if (l->members == 0) {
+        fprintf(file, "  %-14snothing: these are the multipliers of an orbit of period %lld T\n", "measured",
+                l->periods);
+        return;
+    }
     fprintf(file, "  %-14s%lld periods (%.6g units of time) by all trajectories together (%s)\n", "measured",
             l->periods, l->time, saltus_integrator_used(system, o->flow.integrator));
     fprintf(file, "  %-14s%lld periods", "transient", l->transient);
@@ -166,11 +173,11 @@ void saltus_write_lyapunov_text(FILE *file, const saltus_scene *scene, const sal
     put_meaning(file, system, l);
     put_spectrum(file, system, l);
     put_sums(file, system, l);
-    if (finite) {
+    if (finite && l->members > 0) {
         put_halves(file, l);
         put_members(file, l);
     }
     put_measured(file, system, options, l);
-    if (finite)
+    if (finite && l->members > 0)
         put_precision(file, options, l);
 }

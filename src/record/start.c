@@ -1,4 +1,4 @@
-/* Reading an orbit to start from: JSON that this program wrote, or a point of a branch file.
+/* Reading an orbit to start from: JSON that this program wrote, a point of a branch file, a row of a sweep.
  *
  * The parameters of a JSON object are read as a scene of their own, so their checks and their sentences are
  * those of scenes.
@@ -295,14 +295,84 @@ static saltus_status read_json(const source *s, saltus_start *start, saltus_mess
     return status;
 }
 
-/* Whether the file says that it is HDF5; whether it is sound is found out by reading it. */
-static bool is_hdf5(const char *path) {
-    char head[8] = "";
-    FILE *file = fopen(path, "rb");
-    bool read = file && fread(head, 1, sizeof head, file) == sizeof head;
-    if (file)
-        fclose(file);
-    return read && memcmp(head, "\x89HDF\r\n\x1a\n", sizeof head) == 0;
+/* The parameters at the point of a row. */
+static saltus_status row_spec(const source *s, const saltus_sweep_file *file, long long row,
+                              saltus_spec *spec, bool *moves_start, saltus_message *message) {
+    saltus_scene scene = {.spec = file->spec};
+    long long index = row / file->options.seeds % file->points;
+    *moves_start = false;
+    for (int k = 0; k < file->axis_count; k++) {
+        const saltus_axis *axis = &file->axes[k];
+        char setting[64];
+        saltus_message reason = {""};
+        snprintf(setting, sizeof setting, "%s=%.17g", axis->key,
+                 saltus_axis_value(axis, (int)(index % axis->count)));
+        index /= axis->count;
+        if (saltus_scene_set(&scene, setting, &reason) != SALTUS_OK)
+            return saltus_fail(message, SALTUS_BAD_INPUT, "%.200s: %.280s", s->path, reason.text);
+        *moves_start = *moves_start || scene.initial_count;
+        scene.initial_count = 0;
+    }
+    *spec = scene.spec;
+    return SALTUS_OK;
+}
+
+/* The state that a row keeps, on its motion; NULL where it keeps none. */
+static const double *row_state(const saltus_sweep_file *file, long long row) {
+    int attractor = file->rows[row].attractor;
+    if (file->basins)
+        return attractor >= 0 && file->attractor_points[attractor] > 0
+                   ? file->attractor_states + file->attractor_first[attractor] * file->dimension
+                   : NULL;
+    return file->strobe_count && file->strobe_count[row] > 0
+               ? file->strobes + file->strobe_first[row] * file->dimension
+               : NULL;
+}
+
+static saltus_status take_row(const source *s, const saltus_sweep_file *file, long long row,
+                              saltus_start *start, saltus_message *message) {
+    const saltus_sweep_row *told = &file->rows[row];
+    const double *state = row_state(file, row);
+    bool moves_start;
+    long long pass = row / file->options.seeds / file->points;
+    if (told->verdict == SALTUS_FAILED || told->verdict == SALTUS_PENDING)
+        return refuse(s, message, "its trajectory has come to nothing (%s)",
+                      saltus_verdict_word((saltus_verdict)told->verdict));
+    if (file->dimension > SALTUS_SCENE_STATE_MAX)
+        return refuse(s, message, "the state is too long");
+    saltus_status status = row_spec(s, file, row, &start->spec, &moves_start, message);
+    if (status != SALTUS_OK)
+        return status;
+    /* Without a state the scene's own initial state leads to the motion, if it has done so in the sweep. */
+    bool own = file->pass_count > 0 && file->passes[pass] == SALTUS_PASS_RESET &&
+               row % file->options.seeds == 0 && !moves_start;
+    if (!state && !own)
+        return refuse(s, message,
+                      "keeps no state of its motion; saltus sweep --what stroboscopic does, and basins do of "
+                      "attractors");
+    saltus_sweep_label(told, start->label);
+    start->periods = told->verdict == SALTUS_PERIODIC ? told->periods : 0;
+    start->dimension = state ? file->dimension : 0;
+    if (state)
+        memcpy(start->state, state, (size_t)file->dimension * sizeof *state);
+    return SALTUS_OK;
+}
+
+/* A row of a sweep or of basins, in the order of saltus export. */
+static saltus_status read_row(const source *s, saltus_start *start, saltus_message *message) {
+    saltus_sweep_file file;
+    saltus_status status = saltus_sweep_file_read(s->path, &file, message);
+    if (status != SALTUS_OK)
+        return status;
+    long number = part_number(s->part);
+    if (number < 1 || number > file.row_count)
+        status = saltus_fail(message, SALTUS_BAD_INPUT,
+                             "%.300s: holds a sweep of %lld rows; name one of them, as in %.100s:12", s->path,
+                             file.row_count, s->path);
+    else
+        status = take_row(s, &file, number - 1, start, message);
+    saltus_sweep_file_clear(&file);
+    return status;
 }
 
 saltus_status saltus_start_read(const char *text, saltus_start *start, saltus_message *message) {
@@ -313,7 +383,10 @@ saltus_status saltus_start_read(const char *text, saltus_start *start, saltus_me
     saltus_status status = split_source(text, &s, message);
     if (status != SALTUS_OK)
         return status;
-    return is_hdf5(s.path) ? read_point(&s, start, message) : read_json(&s, start, message);
+    const saltus_file_facts facts = saltus_file_identify(s.path);
+    if (strcmp(facts.kind, "sweep") == 0 || strcmp(facts.kind, "basins") == 0)
+        return read_row(&s, start, message);
+    return facts.hdf5 ? read_point(&s, start, message) : read_json(&s, start, message);
 }
 
 static int degrees_of_freedom(const saltus_spec *spec) {
@@ -335,7 +408,7 @@ saltus_status saltus_start_apply(const saltus_start *start, const char *name, sa
                            "%.200s: is an orbit of the model %s, the scene's is %s", name,
                            saltus_model_name(start->spec.model), model);
     int dimension = degrees_of_freedom(&scene->spec);
-    if (dimension >= 0 && dimension != start->dimension)
+    if (dimension >= 0 && start->dimension && dimension != start->dimension)
         return saltus_fail(message, SALTUS_BAD_INPUT,
                            "%.200s: its orbit has N = %g and a state of %d entries, the scene N = %g and %d",
                            name, saltus_spec_get(&start->spec, "N"), start->dimension,
@@ -348,6 +421,7 @@ saltus_status saltus_start_apply(const saltus_start *start, const char *name, sa
     if (!saltus_spec_equal(&scene->spec, &start->spec))
         scene->title[0] = '\0';
     scene->spec = start->spec;
-    scene->initial_count = 0;
+    if (start->dimension)
+        scene->initial_count = 0;
     return SALTUS_OK;
 }

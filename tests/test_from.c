@@ -1,0 +1,180 @@
+/* Any orbit of any file: what the commands make of --from.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "command.h"
+#include "json.h"
+
+#include <hdf5.h>
+
+enum { orbit_periods = 5, dimension = 10 };
+
+static void put_text(fixture *f, const char *name, const char *text) {
+    FILE *file = fopen(path_in(f, name), "w");
+    assert_non_null(file);
+    fputs(text, file);
+    fclose(file);
+}
+
+/* An unstable orbit amid the motion of a scene, a branch of such orbits, sweeps and basins. */
+static int prepare(void **state) {
+    open_fixture(state);
+    char *text = told(*state, "orbit fig7a --unstable --periods 5 --search 500 --json");
+    assert_non_null(strstr(text, "\"label\": \"3/5\""));
+    put_text(*state, "orbits.json", text);
+    assert_non_null(strchr(text, '\n'));
+    *strchr(text, '\n') = '\0';
+    assert_non_null(strstr(text, "\"stable\": false"));
+    put_text(*state, "orbit.json", text);
+    free(text);
+    free(told(*state, "sweep fig6 --over omega=36:46:4 --over d=0.033:0.037:2 --at-most 200 --what "
+                      "stroboscopic --quiet -o map.h5"));
+    free(told(*state, "sweep fig6 --over omega=36:46:4 --seeds 2 --at-most 200 --quiet -o plain.h5"));
+    free(told(*state, "sweep fig6 --over q1=0:0.01:2 --at-most 200 --quiet -o states.h5"));
+    free(told(*state,
+              "basins fig7b --set d=0.02955 --over q1=-0.03:0.03:3 --over v1=-0.6:0.6:2 --at-most 3000 "
+              "-o basins.h5 --quiet"));
+    return 0;
+}
+
+static json *object_of(fixture *f, const char *line) {
+    char *text = told(f, line);
+    json *object = json_read(text);
+    free(text);
+    return object;
+}
+
+/* The stroboscopic points of a record; how many there are. */
+static int read_strobes(fixture *f, const char *name, double *states, int room) {
+    hid_t file = H5Fopen(path_in(f, name), H5F_ACC_RDONLY, H5P_DEFAULT);
+    hid_t set = H5Dopen2(file, "strobe/states", H5P_DEFAULT), space = H5Dget_space(set);
+    hsize_t size[2];
+    H5Sget_simple_extent_dims(space, size, NULL);
+    assert_true((int)size[1] == dimension && (int)size[0] <= room);
+    assert_true(H5Dread(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, states) >= 0);
+    H5Sclose(space);
+    H5Dclose(set);
+    H5Fclose(file);
+    return (int)size[0];
+}
+
+/* The record of an unstable orbit repeats itself for as long as is asked for; the trajectory from the same
+ * state does not. */
+static void an_unstable_orbit_is_not_left(void **state) {
+    enum { periods = 150 };
+    static double states[periods * dimension];
+    for (int own = 0; own < 2; own++) {
+        char line[1024];
+        if (own) {
+            json *o = object_of(*state, "orbit fig7a --from orbit.json --json");
+            int used =
+                snprintf(line, sizeof line, "simulate fig7a --periods 150 --samples 4 -o own.h5 --set");
+            for (int i = 0; i < dimension; i++) {
+                char path[16];
+                snprintf(path, sizeof path, "state.%d", i);
+                used += snprintf(line + used, sizeof line - (size_t)used, " %c%d=%.17g", i < 5 ? 'q' : 'v',
+                                 i % 5 + 1, json_number_at(o, path));
+            }
+            json_free(o);
+        } else
+            snprintf(line, sizeof line,
+                     "simulate fig7a --from orbit.json --periods 150 --samples 4 -o own.h5");
+        free(told(*state, line));
+        assert_int_equal(read_strobes(*state, "own.h5", states, periods), periods);
+        double apart = 0;
+        for (int k = orbit_periods; k < periods; k++)
+            for (int i = 0; i < dimension / 2; i++)
+                apart =
+                    fmax(apart, fabs(states[k * dimension + i] - states[k % orbit_periods * dimension + i]));
+        assert_true(own ? apart > 1e-3 : apart < 1e-10);
+    }
+}
+
+/* Exponents are the logarithms of the multipliers over the orbit's time, and add up as the trace says. */
+static void exponents_are_those_of_the_multipliers(void **state) {
+    json *orbit = object_of(*state, "orbit fig7a --from orbit.json --json"),
+         *l = object_of(*state, "lyapunov fig7a --from orbit.json --all --json");
+    double time = 2 * acos(-1) / 38 * orbit_periods;
+    for (int k = 0; k < dimension; k++) {
+        char path[32];
+        snprintf(path, sizeof path, "log_moduli.%d", k);
+        double wanted = json_number_at(orbit, path) / time;
+        snprintf(path, sizeof path, "exponents.%d", k);
+        assert_true(fabs(json_number_at(l, path) - wanted) <= 1e-9 * (1 + fabs(wanted)));
+    }
+    assert_true(json_number_at(l, "exponents.0") > 1);
+    assert_true(fabs(json_number_at(l, "sum") - json_number_at(l, "sum_rule")) < 1e-7);
+    json_free(orbit);
+    json_free(l);
+}
+
+/* The page and the spectrum are of the orbit itself. */
+static void the_orbit_itself_is_described(void **state) {
+    char *text = told(*state, "diagnose fig7a --from orbit.json -o sheet.svg");
+    assert_int_equal(strncmp(text, "fig7a: 3/5, unstable\n", 21), 0);
+    free(text);
+    json *spectrum = object_of(*state, "spectrum fig7a --from orbit.json --samples 1024 --json");
+    assert_true(json_number_at(spectrum, "spectra.0.broadband_fraction") < 1e-9);
+    json_free(spectrum);
+    /* At other parameters it is followed by Newton's method. */
+    text = told(*state, "diagnose fig7a --from orbit.json --set omega=38.001 -o sheet.svg");
+    assert_int_equal(strncmp(text, "fig7a: 3/5, unstable\n", 21), 0);
+    free(text);
+}
+
+/* A row of a sweep gives its parameters, and the state that it keeps, or else the scene's own leads there. */
+static void rows_and_cells_are_orbits(void **state) {
+    static const struct {
+        const char *line, *path;
+        double value;
+    } cases[] = {{"lyapunov fig6 --from map.h5:1 --json", "parameters.omega", 36},
+                 {"lyapunov fig6 --from map.h5:6 --json", "parameters.stops.0.d", 0.037},
+                 {"lyapunov fig6 --from plain.h5:7 --json", "parameters.omega", 46},
+                 {"lyapunov fig7b --from basins.h5:2 --json", "parameters.stops.0.d", 0.02955}};
+    for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
+        json *l = object_of(*state, cases[k].line);
+        assert_true(fabs(json_number_at(l, cases[k].path) - cases[k].value) < 1e-12);
+        json_free(l);
+    }
+    char *rows = told(*state, "export plain.h5 -o rows.csv"), *orbit;
+    free(rows);
+    orbit = told(*state, "orbit fig6 --from plain.h5:3");
+    assert_int_equal(strncmp(orbit, "fig6: 3/4, stable\n", 18), 0);
+    free(orbit);
+}
+
+static void what_tells_no_motion_is_refused(void **state) {
+    static const struct {
+        const char *line, *part;
+    } cases[] = {
+        {"simulate fig6 --periods 1 -o x.h5 --from map.h5", "holds a sweep of 8 rows; name one"},
+        {"simulate fig6 --periods 1 -o x.h5 --from map.h5:9", "holds a sweep of 8 rows"},
+        {"simulate fig6 --periods 1 -o x.h5 --from map.h5:0", "holds a sweep of 8 rows"},
+        {"simulate fig6 --periods 1 -o x.h5 --from plain.h5:2", "plain.h5:2: keeps no state"},
+        {"simulate fig6 --periods 1 -o x.h5 --from states.h5:2", "states.h5:2: keeps no state"},
+        {"simulate fig7a --periods 1 -o x.h5 --from orbit.json --transient 3", "--transient 3: "},
+        {"simulate two-mass --periods 1 -o x.h5 --from map.h5:1", "is an orbit of the model pipe"},
+        {"lyapunov fig7a --from orbit.json -o x.png", "-o x.png: "},
+        {"diagnose fig7a -o x.png --from own.h5:1", "own.h5: holds a trajectory"},
+        {"diagnose fig7a -o x.png --from orbits.json", "name one by its line"},
+        {"diagnose fig7a --from map.h5:1 -o x.png --data map.h5", "--data map.h5: is the same file"}};
+    for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
+        int status = run(*state, cases[k].line);
+        char *out = said(*state, "out"), *err = said(*state, "err"), *end = strchr(err, '\n');
+        if (status != 2 || out[0] || strncmp(err, "saltus: ", 8) != 0 || !end || end[1] ||
+            !strstr(err, cases[k].part))
+            fail_msg("%s: exit status %d, stdout '%s', stderr '%s'", cases[k].line, status, out, err);
+        free(out);
+        free(err);
+    }
+}
+
+int main(void) {
+    H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(an_unstable_orbit_is_not_left),
+        cmocka_unit_test(exponents_are_those_of_the_multipliers),
+        cmocka_unit_test(the_orbit_itself_is_described),
+        cmocka_unit_test(rows_and_cells_are_orbits),
+        cmocka_unit_test(what_tells_no_motion_is_refused),
+    };
+    return cmocka_run_group_tests(tests, prepare, close_fixture);
+}
