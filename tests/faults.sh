@@ -155,7 +155,7 @@ no_room() {
     target=${1##*-o }
     echo before >"$target"
     # shellcheck disable=SC2086
-    (ulimit -f 1 && exec "$saltus" $1 >stdout 2>err)
+    (ulimit -f 1 && exec "$saltus" $1 --force >stdout 2>err)
     got=$?
     failed "$1 (no room)"
     # A sweep that begins anew replaces what was there.

@@ -19,15 +19,22 @@ fail() {
 }
 
 # The sweep of these tests: with chaos, whose exponents are measured.
-sweep="sweep fig6 --set N=2 --over omega=12:54:10 --over d=0.03:0.036:2 --at-most 150 --record 20 --start both --seeds 2
-       --what turning,impacts,stroboscopic,lyapunov --measure 500 --quiet"
+every="sweep fig6 --set N=2 --over omega=12:54:10 --over d=0.03:0.036:2 --at-most 150 --start both --seeds 2
+       --measure 500 --quiet"
+what="--what turning,impacts,stroboscopic,lyapunov"
+sweep="$every --record 20 $what"
 
-# run FILE ARGUMENTS...
+# run FILE ARGUMENTS...: --record and --what among them take the place of the usual ones.
 run() {
     file=$1
     shift
+    case "$*" in
+    *--record*) line="$every $what" ;;
+    *--what*) line="$every --record 20" ;;
+    *) line=$sweep ;;
+    esac
     # shellcheck disable=SC2086
-    "$saltus" $sweep -o "$file" "$@"
+    "$saltus" $line -o "$file" "$@"
 }
 
 same() {
@@ -110,7 +117,7 @@ if [ -z "${SALTUS_SANITIZED:-}" ] && command -v mpirun >/dev/null && ldd "$saltu
         fail "the first rank does the only point: $(tail -n 1 cpu.0 cpu.1 cpu.2)"
     # A signal that only the last of them gets ends all; the run goes on later.
     # shellcheck disable=SC2086
-    $together -n 2 "$saltus" $sweep --record 800 -o ended.h5 >/dev/null 2>err &
+    $together -n 2 "$saltus" $every $what --record 800 -o ended.h5 >/dev/null 2>err &
     child=$!
     tries=0
     while [ ! -s ended.h5.journal ] && [ "$tries" -lt 1000 ] && kill -0 "$child"; do
@@ -122,7 +129,7 @@ if [ -z "${SALTUS_SANITIZED:-}" ] && command -v mpirun >/dev/null && ldd "$saltu
         [ "$(grep -c '^saltus: ' err)" -eq 1 ] && grep -q '^saltus: interrupted; .*--resume' err ||
             fail "ranks that are ended say $(cat err)"
         # shellcheck disable=SC2086
-        $together -n 2 "$saltus" $sweep --record 800 -o ended.h5 --resume >/dev/null 2>err || fail "resumed ranks: $(cat err)"
+        $together -n 2 "$saltus" $every $what --record 800 -o ended.h5 --resume >/dev/null 2>err || fail "resumed ranks: $(cat err)"
         run whole_long.h5 --record 800 >/dev/null || fail "the longer sweep does not run"
         same whole_long.h5 ended.h5 "resumed ranks"
     else

@@ -760,10 +760,10 @@ static void diagnose_draws_the_data_that_it_keeps(void **state) {
     char path[path_size];
     size_t length;
     write_scene("scene.yaml", struck);
-    run("diagnose scene.yaml --set d=0.2 -o s.svg --data s.h5 --quiet");
+    run("diagnose scene.yaml --set d=0.2 -o s.svg --data sheet.h5 --quiet");
     figure f = figure_taken(folder);
     figure_check_page(&f);
-    hid_t file = H5Fopen(path_in("s.h5", path), H5F_ACC_RDONLY, H5P_DEFAULT);
+    hid_t file = H5Fopen(path_in("sheet.h5", path), H5F_ACC_RDONLY, H5P_DEFAULT);
     int rows, strobes, events, own;
     double *time = dataset(file, "trajectory/time", &rows),
            *x = dataset(file, "trajectory/displacement", &own),

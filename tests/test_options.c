@@ -9,6 +9,7 @@
 #include <fcntl.h>
 #include <hdf5.h>
 #include <signal.h>
+#include <sys/ioctl.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
@@ -21,6 +22,7 @@ typedef struct fixture {
     char folder[64], last[512], with[1024]; /* the last runs in the two */
     int status, changed;                    /* how these ended */
     int listed_count;
+    unsigned short columns; /* of the terminal; 0: it does not say */
 } fixture;
 
 /* What shows that an option has been heeded, of the run with it as against the one without:
@@ -353,7 +355,8 @@ static void must(const fixture *f, const char *line) {
 static void prepare(const fixture *f) {
     static const char oscillator[] = "model: oscillator\nc: 0.05\nF: 1\nomega: %s\nstop: {d: 0, r: 0.8}\n";
     char text[256];
-    put_text(f, "tools/gnuplot", "#!/bin/sh\ncat >script\nprintf '\\211PNG\\r\\n'\nprintf %080d 0\nprintf 'IEND....'\n");
+    put_text(f, "tools/gnuplot",
+             "#!/bin/sh\ncat >script\nprintf '\\211PNG\\r\\n'\nprintf %080d 0\nprintf 'IEND....'\n");
     snprintf(text, sizeof text, "%s/tools/gnuplot", f->folder);
     chmod(text, 0755);
     snprintf(text, sizeof text, oscillator, "2.8");
@@ -985,6 +988,8 @@ static size_t words_on_terminal(const fixture *f, const char *line, const char *
              SALTUS_COMMAND, line, more);
     const char *name = ptsname(master);
     int slave = open(name, O_RDWR | O_NOCTTY);
+    const struct winsize size = {.ws_row = 24, .ws_col = f->columns};
+    assert_true(f->columns == 0 || ioctl(slave, TIOCSWINSZ, &size) == 0);
     pid_t child = fork();
     if (child == 0) {
         dup2(slave, STDERR_FILENO);
@@ -1068,6 +1073,39 @@ static void quiet_commands_are_silent(void **state) {
         if (length)
             fail_msg("%s writes to stderr where that is no terminal", lines[k][0]);
     }
+}
+
+/* On a narrow terminal no line is longer than it, and what counts most stands first: seeds that are done, ...
+ */
+static void progress_fits_a_narrow_terminal(void **state) {
+    static const struct {
+        const char *line, *begin;
+    } cases[] = {{"classify impact-oscillator --seeds 3", "2 of 3 seeds done"},
+                 {"simulate impact-oscillator --periods 2000 --samples 4 -o x.csv", " of 2000 periods"},
+                 {"continue impact-oscillator --in omega=0.99:1.01 --points 4 -o x.h5", "branch 0  step 1"},
+                 {"lyapunov " CHAOS " --transient 20 --periods 1800", "measuring: "},
+                 {"sweep " CHAOS " --over F=0.9:1.1:30000 --transient 40 --record 10 --threads 1 --lanes 1 "
+                  "--what class -o s.h5",
+                  " s left"}};
+    static char said[65536];
+    fixture *f = *state;
+    clear(f, "with");
+    f->columns = 30;
+    for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
+        assert_true(words_on_terminal(f, cases[k].line, "", said, sizeof said) > 0);
+        assert_non_null(strstr(said, cases[k].begin));
+        for (const char *at = said; *at;) {
+            size_t length = strcspn(at, "\r\n"), shown = 0;
+            for (size_t i = 0; i < length; i++)
+                shown += (unsigned char)at[i] >= ' ';
+            const char *wipe = strstr(at, "\033[K");
+            shown -= wipe && wipe < at + length ? 2 : 0;
+            if (shown >= 30)
+                fail_msg("%s: '%.*s'", cases[k].line, (int)length, at);
+            at += length + (at[length] != '\0');
+        }
+    }
+    f->columns = 0;
 }
 
 /* Whether a number is that of a text with so many digits. */
@@ -1322,6 +1360,7 @@ int main(void) {
         cmocka_unit_test(unknown_options_are_refused_by_every_command),
         cmocka_unit_test(no_option_is_given_twice),
         cmocka_unit_test(quiet_commands_are_silent),
+        cmocka_unit_test(progress_fits_a_narrow_terminal),
         cmocka_unit_test(progress_lines_tell_what_is_found),
         cmocka_unit_test(a_progress_bar_tells_the_part_done),
         cmocka_unit_test(paper_is_quick_and_resumes),

@@ -146,6 +146,21 @@ static void sentences_name_what_is_wrong(void **state) {
         {"plot sweep.h5 sweep.h5 --title A -o never.png", 2,
          "plot: --view, --title and --over are of one sweep"},
 
+        /* admissible, and too much: told soon, with what was too much */
+        {"classify pipe --set omega=1e-300", 1, "a forcing period, T = 6.28319e+300, |omega is too small"},
+        {"classify impact-oscillator --set omega=1e-300", 1, "a forcing period, |omega is too small"},
+        {"simulate pipe --set omega=1e-300 --periods 1 -o never.h5", 1, "a forcing |omega is too small"},
+        {"simulate pipe --set omega=1e-300 --periods 1 --transient 9 -o never.h5", 1, "a forcing |omega is "},
+        {"orbit pipe --set omega=1e-300 --periods 1", 1, "a forcing period, |omega is too small"},
+        {"lyapunov pipe --set omega=1e-300", 1, "a forcing period, |omega is too small"},
+        {"classify pipe --set d=-5", 1, "a stop holds the system at q1 = -4.344, |a pre-load of this size "},
+        {"classify pipe --set d=-100", 1, "a stop holds the system at q1 = -86.87, |a pre-load "},
+        {"diagnose pipe --set d=-5 -o never.png", 1, "a stop holds the system at q1 = -4.344, "},
+        {"classify pipe --set d=-1e6", 1, "the step falls to 0 "},
+
+        {"orbit fig7c --unstable --json --search 10 --periods 1 --transient 0", 0,
+         "orbit: no periodic orbit of a period up to 1 T was found in 10 periods"},
+
         {"paper pipe", 2, "pipe: unexpected; paper "},
         {"paper --figure 1", 2, "--figure 1: must be from 2 to 8"},
         {"paper --figure 22", 2, "--figure 22: must be from 2 to 8"},

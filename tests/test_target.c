@@ -227,12 +227,32 @@ static void standard_output_is_a_file_like_others(void **state) {
     }
 }
 
+/* A scene from standard input is that of the file; its file is an input as any other. */
+static void a_scene_comes_from_standard_input(void **state) {
+    fixture *f = *state;
+    char *wanted = told(f, "orbit scene.yaml --periods 1 --json"), *got;
+    assert_int_equal(run(f, "orbit - --periods 1 --json <scene.yaml"), 0);
+    got = said(f, "out");
+    const char *a = strstr(wanted, "\"label\""), *b = strstr(got, "\"label\"");
+    assert_non_null(a);
+    assert_non_null(b);
+    assert_string_equal(a, b); /* what comes before is the scene's name */
+    assert_non_null(strstr(got, "\"scene\": \"stdin\""));
+    free(wanted);
+    free(got);
+    put_text(f, "scene.csv", "model: oscillator\nomega: 1\nstop: {d: 1}\n");
+    check_refused(f, "simulate - --periods 1 -o scene.csv <scene.csv", 2,
+                  "-o scene.csv: ", "same file as the input -");
+    check_refused(f, "check - <notes.csv", 2, "stdin:", "");
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_is_there_is_kept),
         cmocka_unit_test(a_locked_folder_is_named),
         cmocka_unit_test(the_same_kind_is_replaced),
         cmocka_unit_test(an_interrupted_run_is_not_begun_anew_by_accident),
+        cmocka_unit_test(a_scene_comes_from_standard_input),
         cmocka_unit_test(standard_output_is_a_file_like_others),
     };
     return cmocka_run_group_tests(tests, prepare, clear_up);

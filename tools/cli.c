@@ -303,10 +303,32 @@ static saltus_status check_integrator(const cli_request *request, saltus_message
                        name);
 }
 
+/* A scene from standard input. */
+static saltus_status read_stdin(saltus_scene *scene, saltus_message *message) {
+    enum { most = 1 << 20 };
+    char *text = malloc(most);
+    if (!text)
+        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the scene");
+    size_t length = fread(text, 1, most, stdin);
+    saltus_status status;
+    if (ferror(stdin))
+        status = saltus_fail(message, SALTUS_BAD_INPUT, "standard input cannot be read: %s", strerror(errno));
+    else if (length == most)
+        status = saltus_fail(message, SALTUS_BAD_INPUT, "standard input: is too long for a scene");
+    else
+        status = saltus_scene_parse(text, length, "stdin", scene, message);
+    free(text);
+    return status;
+}
+
+saltus_status cli_read_scene(const char *name, saltus_scene *scene, saltus_message *message) {
+    saltus_status status =
+        strcmp(name, "-") == 0 ? read_stdin(scene, message) : saltus_scene_load(name, scene, message);
+    return status == SALTUS_IO ? SALTUS_BAD_INPUT : status;
+}
+
 static saltus_status load_scene(const cli_request *request, saltus_scene *scene, saltus_message *message) {
-    saltus_status status = saltus_scene_load(request->scene, scene, message);
-    if (status == SALTUS_IO)
-        status = SALTUS_BAD_INPUT;
+    saltus_status status = cli_read_scene(request->scene, scene, message);
     return status == SALTUS_OK ? cli_apply_settings(request, scene, message) : status;
 }
 

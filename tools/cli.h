@@ -124,6 +124,9 @@ bool cli_on_orbit(const cli_setup *setup);
  * saltus_orbit_find (a start that is no orbit is SALTUS_BAD_INPUT) and of saltus_classify. */
 saltus_status cli_motion(const cli_request *request, const cli_setup *setup,
                          const saltus_classify_options *how, saltus_motion *motion, saltus_message *message);
+/* A scene by its name: a file, a built-in one, or - for standard input. Errors: SALTUS_BAD_INPUT,
+ * SALTUS_NO_MEMORY. */
+saltus_status cli_read_scene(const char *name, saltus_scene *scene, saltus_message *message);
 /* The scene with all --set applied; --integrator is checked too. */
 saltus_status cli_load_scene(const cli_request *request, saltus_scene *scene, saltus_message *message);
 /* Apply all --set to a scene. */

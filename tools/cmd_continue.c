@@ -176,7 +176,7 @@ static int begin_again(run_state *run, saltus_message *message) {
     saltus_branch_file *file = &run->earlier;
     saltus_status status = saltus_branch_file_read(run->request->output, file, message);
     if (status == SALTUS_OK)
-        status = saltus_scene_load(run->request->scene, &run->setup.scene, message);
+        status = cli_read_scene(run->request->scene, &run->setup.scene, message);
     if (status == SALTUS_OK && !same_run(run, message))
         status = SALTUS_BAD_INPUT;
     if (status == SALTUS_OK && file->dimension > SALTUS_SCENE_STATE_MAX)

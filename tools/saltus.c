@@ -18,7 +18,7 @@ static void print_usage(FILE *file) {
     fprintf(file, "saltus %s: non-smooth dynamics of structures that hit rigid stops\n\n", SALTUS_VERSION);
     for (int k = 0; k < command_count; k++)
         fprintf(file, "  saltus %-9s %s\n", commands[k]->name, commands[k]->usage);
-    fprintf(file, "\nSCENE is a YAML file or the name of a built-in scene (saltus scenes).\n"
+    fprintf(file, "\nSCENE is a YAML file, the name of a built-in scene (saltus scenes), or - for standard input.\n"
                   "saltus COMMAND --help tells more.\n"
                   "Exit status: 0 done, 1 not completed or interrupted (stderr says why), 2 bad input.\n");
 }

@@ -32,9 +32,11 @@ void saltus_verdict_label(saltus_verdict verdict, long long impacts, int periods
                           char label[SALTUS_LABEL_MAX]);
 
 typedef enum saltus_mirror {
-    SALTUS_MIRROR_NONE, /* the scene has no mirror symmetry, or the motion no orbit or rest to mirror */
+    SALTUS_MIRROR_NONE, /* the scene has no mirror symmetry */
     SALTUS_MIRROR_SELF, /* the orbit is its own mirror image */
-    SALTUS_MIRROR_PAIR  /* one of a pair */
+    SALTUS_MIRROR_PAIR, /* one of a pair */
+    SALTUS_MIRROR_OPEN  /* the scene has it, but the motion is no orbit or rest whose image could be compared
+                         */
 } saltus_mirror;
 
 typedef struct saltus_classify_options {
@@ -85,7 +87,9 @@ typedef struct saltus_motion {
     int periods;            /* p, least period in forcing periods; 0 if not periodic */
     long long impacts;      /* n per orbit; -1 when complete chatter makes it infinite */
     int sticking_intervals; /* per orbit */
-    long long impacts_by_face[SALTUS_FACES_MAX]; /* per orbit; with chatter those simulated one by one */
+    long long impacts_by_face[SALTUS_FACES_MAX]; /* with chatter those simulated one by one */
+    long long counted; /* periods that these were counted over: an orbit's, or 400 of a motion without a
+                          period; 0: not counted */
     int face_count;
     int dimension;
     double *state;          /* at section phase 0: q, q', extra states */

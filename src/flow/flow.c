@@ -29,6 +29,9 @@
 #include <string.h>
 
 enum { idle_events_max = 100000, impacts_per_period_max = 1000000 };
+/* A period that would take more steps than this is not followed to its end, as the first of them show. */
+static const double steps_per_period_max = 1e8;
+enum { first_steps = 100000 };
 
 /* Faces the state touches, sorted by what it does there: hit, leave, rest. Impacts at the start are applied.
  */
@@ -143,6 +146,17 @@ static saltus_status expand_lanes(saltus_flow *flow, saltus_message *message) {
         if (!self->target.aimed)
             continue;
         const double planned = w->lane->advance[l];
+        if (self->cycle_steps >= first_steps &&
+            self->cycle_steps > steps_per_period_max * (self->now.phase - self->cycle_from)) {
+            self->failure = saltus_fail(
+                &self->why, SALTUS_STALLED,
+                "a forcing period, T = %.6g, would take more than %.0e steps (%d of them, %.3g long, go over "
+                "%.3g T): omega is too small, or a load too great",
+                self->system->period, steps_per_period_max, self->cycle_steps, planned,
+                self->now.phase - self->cycle_from);
+            w->lane->advance[l] = w->lane->passing[l] = 0;
+            continue;
+        }
         bool moves = planned > 0 && self->now.phase + w->lane->passing[l] != self->now.phase;
         if (!moves && w->lane->left[l] > 0) {
             self->failure =
@@ -227,6 +241,9 @@ static void pass_time(const saltus_flow *flow, int lane, bool contact_event) {
     self->info.steps++;
     if (!flow->radau)
         self->info.field_evaluations += flow->work.order;
+    if (self->now.cycle != begin.cycle || self->cycle_steps == 0)
+        self->cycle_from = self->now.phase;
+    self->cycle_steps = self->now.cycle == begin.cycle ? self->cycle_steps + 1 : 0;
     self->turned = self->pending.kind == SALTUS_TURNING;
     self->idle_events = contact_event && self->now.phase == begin.phase ? self->idle_events + 1 : 0;
     self->cycle_events = self->now.cycle == begin.cycle ? self->cycle_events + contact_event : 0;

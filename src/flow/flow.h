@@ -77,6 +77,8 @@ typedef struct saltus_lane {
     saltus_flow_info info;
     int idle_events;   /* events since time last moved on */
     int cycle_events;  /* contact events within this period */
+    int cycle_steps;   /* steps within this period, */
+    double cycle_from; /* from this phase on */
     double last_speed; /* of the last contact event */
     double *delay;     /* per column: d (event time) / d column of the last event */
 } saltus_lane;

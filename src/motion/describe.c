@@ -72,6 +72,7 @@ saltus_status saltus_motion_take(const saltus_system *system, saltus_flow *flow,
     motion->impacts = saltus_lap_impacts(lap);
     motion->sticking_intervals = saltus_lap_sticking(lap);
     memcpy(motion->impacts_by_face, lap->impacts_by_face, sizeof lap->impacts_by_face);
+    motion->counted = motion->periods;
     motion->largest = lap->largest;
     motion->smallest = lap->smallest;
     motion->section_states = lap->points;
@@ -181,13 +182,14 @@ saltus_status saltus_motion_rest(const saltus_system *system, saltus_flow *flow,
                                  const saltus_classify_options *options, saltus_motion *motion,
                                  saltus_message *message) {
     bool shift, rests = motion->verdict != SALTUS_UNDECIDED,
-                symmetric = rests && saltus_system_mirror_symmetric(system, &shift);
+                symmetric = saltus_system_mirror_symmetric(system, &shift);
     saltus_flow_state(flow, 0, motion->state);
     saltus_status status = rests ? polish_rest(system, options, motion, message) : SALTUS_OK;
     motion->largest = motion->smallest = saltus_system_observed(system, motion->state);
     if (symmetric)
-        motion->mirror = fabs(motion->largest) < 1e-9 * saltus_system_scale(system)[0] ? SALTUS_MIRROR_SELF
-                                                                                       : SALTUS_MIRROR_PAIR;
+        motion->mirror = !rests                                                          ? SALTUS_MIRROR_OPEN
+                         : fabs(motion->largest) < 1e-9 * saltus_system_scale(system)[0] ? SALTUS_MIRROR_SELF
+                                                                                         : SALTUS_MIRROR_PAIR;
     if (status == SALTUS_OK && motion->verdict == SALTUS_HELD)
         status = measure_forces(system, options, motion, message);
     saltus_verdict_label(motion->verdict, motion->impacts, motion->periods, motion->label);
@@ -202,8 +204,14 @@ saltus_status saltus_motion_survey(const saltus_system *system, saltus_flow *flo
     saltus_status status = saltus_flow_start(flow, 0, (saltus_time){0, 0}, motion->state, message);
     if (status == SALTUS_OK)
         status = saltus_lap_run(&lap, flow, (saltus_time){periods, 0}, true, message);
+    bool shift;
     motion->largest = lap.largest;
     motion->smallest = lap.smallest;
+    motion->mirror = saltus_system_mirror_symmetric(system, &shift) ? SALTUS_MIRROR_OPEN : SALTUS_MIRROR_NONE;
+    if (status == SALTUS_OK) {
+        memcpy(motion->impacts_by_face, lap.impacts_by_face, sizeof lap.impacts_by_face);
+        motion->counted = periods;
+    }
     saltus_verdict_label(motion->verdict, motion->impacts, motion->periods, motion->label);
     /* The verdict stands without the last extremes. */
     return status == SALTUS_INTERRUPTED ? SALTUS_OK : status;

@@ -7,7 +7,7 @@
 #include <math.h>
 
 static void put_motion(FILE *file, const saltus_motion *motion, int share, int seeds) {
-    static const char *const mirror[] = {"", "its own mirror image", "one of a mirror pair"};
+    static const char *const mirror[] = {"", "its own mirror image", "one of a mirror pair", ""};
     char verdict[64];
     saltus_motion_summary(motion, verdict);
     fprintf(file, "  %5d  %5.1f %%  %-22s", share, 100.0 * share / seeds, verdict);

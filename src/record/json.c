@@ -77,6 +77,8 @@ static void put_impact_counts(FILE *file, const saltus_system *system, const sal
     }
     saltus_json_key(file, "impacts_by_side");
     fprintf(file, "{\"upper\": %lld, \"lower\": %lld}", sides[0], sides[1]);
+    saltus_json_key(file, "impacts_counted_over");
+    fprintf(file, "%lld", motion->counted);
     saltus_json_key(file, "impacts_by_stop");
     fputc('[', file);
     for (int s = 0; s < stops; s++)
@@ -216,7 +218,7 @@ static void put_evidence(FILE *file, const saltus_motion *motion) {
 
 void saltus_write_motion_json(FILE *file, const saltus_scene *scene, const saltus_system *system,
                               const saltus_motion *motion) {
-    static const char *const mirror[] = {"none", "self", "pair"};
+    static const char *const mirror[] = {"none", "self", "pair", "open"};
     fputs("{\"version\": \"" SALTUS_VERSION "\"", file);
     saltus_json_text(file, "scene", scene->name);
     saltus_json_text(file, "label", motion->label);

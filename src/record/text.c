@@ -64,7 +64,8 @@ static void put_motion(FILE *file, const saltus_system *system, const saltus_mot
 
 static void put_faces(FILE *file, const saltus_system *system, const saltus_motion *motion) {
     int faces = saltus_system_face_count(system);
-    if (faces == 0 || motion->verdict == SALTUS_EQUILIBRIUM || !saltus_verdict_settled(motion->verdict))
+    bool settled = saltus_verdict_settled(motion->verdict);
+    if (faces == 0 || motion->verdict == SALTUS_EQUILIBRIUM || (!settled && !motion->counted))
         return;
     bool held = motion->verdict == SALTUS_HELD;
     put_head(file, held ? "contact force" : "impacts");
@@ -76,6 +77,8 @@ static void put_faces(FILE *file, const saltus_system *system, const saltus_moti
         else
             fprintf(file, "%lld", motion->impacts_by_face[f]);
     }
+    if (!settled)
+        fprintf(file, " (in %lld periods)", motion->counted);
     fputs(held                  ? " (per modal mass)\n"
           : motion->impacts < 0 ? " (before the chatter completes)\n"
                                 : "\n",
@@ -186,7 +189,9 @@ void saltus_write_motion_text(FILE *file, const saltus_scene *scene, const saltu
                               const saltus_motion *motion) {
     static const char *const mirror[] = {"the scene has no mirror symmetry",
                                          "the orbit is its own mirror image",
-                                         "the orbit is one of a mirror pair"};
+                                         "the orbit is one of a mirror pair",
+                                         "the scene is symmetric; without a period there is no orbit to "
+                                         "compare with its image"};
     char verdict[64];
     saltus_motion_summary(motion, verdict);
     fprintf(file, "%s: %s\n", scene->name, verdict);

@@ -332,7 +332,11 @@ saltus_status saltus_sweep_run(const saltus_sweep *sweep, const saltus_sweep_fee
     saltus_schedule schedule;
     saltus_schedule_begin(&schedule, feed, message ? message : &own);
 #ifdef _OPENMP
-    const int threads = sweep->options.threads > 0 ? sweep->options.threads : omp_get_max_threads();
+    const int wanted = sweep->options.threads > 0 ? sweep->options.threads : omp_get_max_threads();
+    /* No more than there are tasks, and not so many that they only take each other's cores. */
+    const int crowd = 16 * omp_get_num_procs(), useful = wanted < crowd ? wanted : crowd;
+    const long long tasks = saltus_sweep_tasks(sweep);
+    const int threads = tasks < useful ? (int)(tasks > 0 ? tasks : 1) : useful;
 #pragma omp parallel num_threads(threads)
 #endif
     run_worker(sweep, &schedule);
