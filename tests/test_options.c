@@ -651,8 +651,7 @@ static void told_defaults_change_nothing(void **state) {
                 {"lyapunov", "lyapunov " CHAOS " --precision 0.3 --transient 20 --json", "out"},
                 {"spectrum", SPECTRUM_JSON, "out"},
                 {"sweep", SWEEP, "s.h5"},
-                {"basins", BASINS, "s.h5"},
-                {"export", "export ../in/sweep.h5 -o t.csv", "t.csv"}};
+                {"basins", BASINS, "s.h5"}};
     const listed *options;
     const fixture *f = *state;
     int count = list_options(*state, &options);

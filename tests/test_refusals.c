@@ -131,7 +131,10 @@ static void sentences_name_what_is_wrong(void **state) {
 
         {"export sweep.h5", 2, "export: needs a file and -o "},
         {"export sweep.h5 --table all -o never.csv", 2,
-         "--table all: |rows, turning, impacts or stroboscopic"},
+         "--table all: |rows, turning, impacts, stroboscopic, points, events, samples or strobe"},
+        {"export sweep.h5 --table points -o never.csv", 2,
+         "--table points: |rows, turning, impacts or stroboscopic"},
+        {"export two.h5 --table rows -o never.csv", 2, "two.h5: holds a branch, which has no table rows"},
         {"plot sweep.h5", 2, "plot: needs a file and -o "},
         {"plot sweep.h5 --show speeds -o never.png", 2, "--show speeds: "},
         {"plot sweep.h5 --view all -o never.png", 2, "--view all: must be turning, "},

@@ -394,7 +394,7 @@ saltus_status cli_motion(const cli_request *request, const cli_setup *setup,
     }
     saltus_orbit_options shooting = saltus_orbit_defaults();
     saltus_orbit orbit = {0};
-    saltus_message reason = {""};
+    saltus_message reason = {.text = ""};
     shooting.flow = how->flow;
     shooting.tolerance = fmax(shooting.tolerance, 100 * how->flow.rtol);
     saltus_status status =

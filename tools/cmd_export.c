@@ -1,9 +1,13 @@
-/* saltus export: the tables of a sweep file as CSV.
+/* saltus export: tables of files as CSV.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "cli.h"
 
+#include <string.h>
+
 static const cli_option table =
-    CLI_TEXT_OPTION("--table", table, "which", "rows, turning, impacts or stroboscopic (default rows)");
+    CLI_TEXT_OPTION("--table", table, "which",
+                    "of a sweep rows (default), turning, impacts or stroboscopic; of a "
+                    "branch points (default) or events; of a trajectory samples (default), events or strobe");
 
 static const cli_option *const options[] = {&table, &cli_output, NULL};
 
@@ -12,12 +16,25 @@ static const char *const endings[] = {".csv", NULL};
 static int run(const cli_request *request) {
     static const char *const tables[] = {"rows", "turning", "impacts", "stroboscopic",
                                          NULL}; /* saltus_table */
+    static const char *const all[] = {"rows",    "turning", "impacts", "stroboscopic", "points", "events",
+                                      "samples", "strobe",  NULL};
     saltus_message message = {.text = ""};
     int wanted = SALTUS_TABLE_ROWS;
     if (!request->input_count || !request->output) {
         fprintf(stderr, "saltus: export: needs a file and -o table.csv\n");
         return CLI_BAD_INPUT;
     }
+    if (!cli_choose(&table, request->table, all, &wanted))
+        return CLI_BAD_INPUT;
+    const saltus_file_facts facts = saltus_file_identify(request->inputs[0]);
+    if (strcmp(facts.kind, "branch") == 0 || strcmp(facts.kind, "trajectory") == 0) {
+        saltus_status written =
+            saltus_file_csv(request->inputs[0], request->table, request->output, &message);
+        if (written == SALTUS_OK)
+            cli_tell_written(request, "table");
+        return cli_report(written, &message);
+    }
+    wanted = SALTUS_TABLE_ROWS;
     if (!cli_choose(&table, request->table, tables, &wanted))
         return CLI_BAD_INPUT;
     saltus_sweep_file file;
@@ -33,8 +50,9 @@ static int run(const cli_request *request) {
 
 const cli_command cmd_export = {
     .name = "export",
-    .usage = "FILE.h5 [--table rows|turning|impacts|stroboscopic] -o table.csv",
-    .help = "Write a table of a file of saltus sweep or saltus basins as CSV: one line for each trajectory, "
+    .usage = "FILE.h5 [--table name] -o table.csv",
+    .help = "Write a table of a file of saltus sweep, basins, continue or simulate as CSV; of a sweep: one "
+            "line for each trajectory, "
             "or for each\n"
             "point of a cloud, with the values of the axes, the pass and the seed before it.",
     .endings = endings,

@@ -247,5 +247,10 @@ typedef enum saltus_table {
 saltus_status saltus_sweep_file_csv(const saltus_sweep_file *file, saltus_table table, const char *path,
                                     saltus_message *message);
 
+/* A table of a branch ("points", "events") or a trajectory ("samples", "events", "strobe") as CSV, complete
+ * or not at all; `name` NULL: the first. A row of several numbers has a column for each. Errors:
+ * SALTUS_BAD_INPUT, SALTUS_IO, SALTUS_NO_MEMORY. */
+saltus_status saltus_file_csv(const char *path, const char *name, const char *to, saltus_message *message);
+
 SALTUS_API_END
 #endif

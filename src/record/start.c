@@ -304,7 +304,7 @@ static saltus_status row_spec(const source *s, const saltus_sweep_file *file, lo
     for (int k = 0; k < file->axis_count; k++) {
         const saltus_axis *axis = &file->axes[k];
         char setting[64];
-        saltus_message reason = {""};
+        saltus_message reason = {.text = ""};
         snprintf(setting, sizeof setting, "%s=%.17g", axis->key,
                  saltus_axis_value(axis, (int)(index % axis->count)));
         index /= axis->count;

@@ -1,0 +1,129 @@
+/* Tables of branches and trajectories as CSV are the numbers of their files.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "command.h"
+
+#include "saltus/saltus.h"
+
+enum { fields_max = 128 };
+
+static int prepare(void **state) {
+    open_fixture(state);
+    free(told(*state, "continue impact-oscillator --in omega=0.99:1.01 -o branch.h5"));
+    free(told(*state, "simulate impact-oscillator --periods 3 --samples 16 -o run.h5"));
+    free(told(*state, "simulate impact-oscillator --periods 3 --samples 16 -o run.csv"));
+    free(told(*state, "export branch.h5 -o points.csv"));
+    free(told(*state, "export branch.h5 --table events -o events.csv"));
+    free(told(*state, "export run.h5 -o samples.csv"));
+    free(told(*state, "export run.h5 --table events -o contacts.csv"));
+    free(told(*state, "export run.h5 --table strobe -o strobe.csv"));
+    return 0;
+}
+
+/* A table of comma-separated values; comments are left out. */
+typedef struct csv {
+    char *text, *field[4096][fields_max];
+    int rows, columns; /* the names are row 0 */
+} csv;
+
+static csv *read_csv(fixture *f, const char *name) {
+    csv *t = calloc(1, sizeof *t);
+    size_t length;
+    assert_non_null(t);
+    t->text = read_all(path_in(f, name), &length);
+    char *lines = t->text;
+    assert_int_equal(strncmp(lines, "# Saltus ", 9), 0);
+    for (char *line; (line = strsep(&lines, "\n")) != NULL;) {
+        if (!*line || *line == '#')
+            continue;
+        int columns = 0;
+        for (char *field; (field = strsep(&line, ",")) != NULL;)
+            t->field[t->rows][columns++] = field;
+        assert_true(t->rows == 0 || columns == t->columns);
+        t->columns = columns;
+        assert_true(++t->rows < 4096);
+    }
+    return t;
+}
+
+static void free_csv(csv *t) {
+    free(t->text);
+    free(t);
+}
+
+static const char *text_at(const csv *t, int row, const char *name) {
+    for (int k = 0; k < t->columns; k++)
+        if (strcmp(t->field[0][k], name) == 0)
+            return t->field[row + 1][k];
+    fail_msg("there is no column %s", name);
+    return "";
+}
+
+static double number_at(const csv *t, int row, const char *name) {
+    return strtod(text_at(t, row, name), NULL);
+}
+
+/* Every point of a branch, with its parameters by name, and every event. */
+static void a_branch_is_all_there(void **state) {
+    saltus_branch_file file;
+    saltus_message message = {.text = ""};
+    assert_int_equal(saltus_branch_file_read(path_in(*state, "branch.h5"), &file, &message), SALTUS_OK);
+    csv *points = read_csv(*state, "points.csv"), *events = read_csv(*state, "events.csv");
+    assert_int_equal(points->rows - 1, file.point_count);
+    int seen = 0;
+    for (int k = 0; k < file.point_count; k++) {
+        const saltus_branch_point *p = &file.points[k];
+        char quoted[64];
+        assert_true(number_at(points, k, "omega") == p->value[0]);
+        assert_true(number_at(points, k, "F") == saltus_spec_get(&p->spec, "F"));
+        assert_true(number_at(points, k, "state1") == p->state[0] &&
+                    number_at(points, k, "state2") == p->state[1]);
+        assert_true(number_at(points, k, "multipliers2_1") == p->multipliers[1].re &&
+                    number_at(points, k, "multipliers2_2") == p->multipliers[1].im);
+        assert_true(number_at(points, k, "stops1_4") == p->spec.stops[0].d);
+        snprintf(quoted, sizeof quoted, "\"%s\"", p->label);
+        assert_string_equal(text_at(points, k, "motion"), quoted);
+        const char *kind = saltus_point_word(p->kind);
+        assert_string_equal(text_at(points, k, "kind"), kind[0] ? kind : "regular");
+        for (int e = 0; e < p->event_count; e++, seen++)
+            assert_true(number_at(events, seen, "velocity_before") == p->events[e].velocity_before);
+    }
+    assert_true(seen > 0 && events->rows - 1 == seen);
+    free_csv(points);
+    free_csv(events);
+    saltus_branch_file_clear(&file);
+}
+
+/* A record that was written as HDF5 exports what one written as CSV says. */
+static void a_record_is_all_there(void **state) {
+    static const char *const names[][2] = {{"time", "time_over_T"},
+                                           {"displacement", "displacement"},
+                                           {"velocity", "velocity"},
+                                           {"states1", "q1"},
+                                           {"states2", "v1"}};
+    csv *samples = read_csv(*state, "samples.csv"), *wanted = read_csv(*state, "run.csv"),
+        *contacts = read_csv(*state, "contacts.csv"), *strobe = read_csv(*state, "strobe.csv");
+    assert_true(samples->rows > 48 && samples->rows == wanted->rows);
+    for (int row = 0; row < samples->rows - 1; row++)
+        for (int k = 0; k < 5; k++)
+            assert_true(number_at(samples, row, names[k][0]) == number_at(wanted, row, names[k][1]));
+    for (int row = 0; row < contacts->rows - 1; row++) {
+        int at = (int)number_at(contacts, row, "row");
+        assert_string_equal(text_at(contacts, row, "kind"), text_at(wanted, at, "event"));
+        assert_true(number_at(contacts, row, "time") == number_at(wanted, at, "time_over_T"));
+    }
+    assert_true(contacts->rows > 1);
+    assert_int_equal(strobe->rows - 1, 3);
+    assert_true(number_at(strobe, 0, "states1") == number_at(samples, 0, "states1"));
+    free_csv(samples);
+    free_csv(wanted);
+    free_csv(contacts);
+    free_csv(strobe);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_branch_is_all_there),
+        cmocka_unit_test(a_record_is_all_there),
+    };
+    return cmocka_run_group_tests(tests, prepare, close_fixture);
+}
