@@ -4,6 +4,9 @@
 
 #include "saltus/saltus.h"
 
+#include <math.h>
+#include <sys/stat.h>
+
 enum { fields_max = 128 };
 
 static int prepare(void **state) {
@@ -120,10 +123,46 @@ static void a_record_is_all_there(void **state) {
     free_csv(strobe);
 }
 
+/* A record is drawn: every sample once in the script that gnuplot gets, a point where a period begins. */
+static void a_record_is_drawn(void **state) {
+    fixture *f = *state;
+    FILE *file = fopen(path_in(f, "gnuplot"), "w");
+    assert_non_null(file);
+    fputs("#!/bin/sh\ncat >script\nprintf '\\211PNG\\r\\n'\nprintf %080d 0\nprintf 'IEND....'\n", file);
+    fclose(file);
+    chmod(path_in(f, "gnuplot"), 0755);
+    char *usual = strdup(getenv("PATH")), path[4200];
+    snprintf(path, sizeof path, "%s:%s", f->folder, usual);
+    setenv("PATH", path, 1);
+    free(told(f, "plot run.h5 -o run.png"));
+    assert_int_equal(run(f, "plot run.h5 --view class -o run.png"), 2);
+    setenv("PATH", usual, 1);
+    free(usual);
+    csv *samples = read_csv(f, "samples.csv");
+    char *script = said(f, "script"), *at = strstr(script, "$samples << EOD\n");
+    assert_non_null(at);
+    at = strchr(at, '\n') + 1;
+    int begins = 0;
+    for (int row = 0; row < samples->rows - 1; row++, at = strchr(at, '\n') + 1) {
+        double time, x, v;
+        int begin;
+        assert_int_equal(sscanf(at, "%lf %lf %lf %d", &time, &x, &v, &begin), 4);
+        assert_true(time == number_at(samples, row, "time"));
+        assert_true(fabs(x - number_at(samples, row, "displacement")) <= 1e-8);
+        assert_true(fabs(v - number_at(samples, row, "velocity")) <= 1e-8);
+        begins += begin;
+    }
+    assert_int_equal(strncmp(at, "EOD\n", 4), 0);
+    assert_int_equal(begins, 4); /* of three periods and the end */
+    free(script);
+    free_csv(samples);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_branch_is_all_there),
         cmocka_unit_test(a_record_is_all_there),
+        cmocka_unit_test(a_record_is_drawn),
     };
     return cmocka_run_group_tests(tests, prepare, close_fixture);
 }

@@ -97,6 +97,22 @@ static int draw_sweep(const cli_request *request, const plot_wishes *wishes) {
     return cli_report(status, &message);
 }
 
+/* A trajectory is drawn whole, in one way. */
+static int draw_trajectory(const cli_request *request) {
+    saltus_message message = {""};
+    if (request->input_count > 1 || request->show || request->view || request->title ||
+        request->parts.count || request->labels.count || request->over.count) {
+        fprintf(stderr,
+                "saltus: plot: %s: is a trajectory, which is drawn alone and takes no further options\n",
+                request->inputs[0]);
+        return CLI_BAD_INPUT;
+    }
+    saltus_status status = saltus_plot_trajectory(request->inputs[0], request->output, &message);
+    if (status == SALTUS_OK)
+        cli_tell_written(request, "figure");
+    return cli_report(status, &message);
+}
+
 static int run(const cli_request *request) {
     saltus_message message = {.text = ""};
     saltus_plot_options how = saltus_plot_defaults();
@@ -108,6 +124,8 @@ static int run(const cli_request *request) {
     }
     if (!cli_choose(&show, request->show, shows, &chosen) || !read_wishes(request, &wishes))
         return CLI_BAD_INPUT;
+    if (strcmp(saltus_file_identify(request->inputs[0]).kind, "trajectory") == 0)
+        return draw_trajectory(request);
     if (request->view || request->title || request->over.count)
         return draw_sweep(request, &wishes);
     how.show = (saltus_show)(chosen + 1);
@@ -133,7 +151,8 @@ const cli_command cmd_plot = {
         "not, n/p\n"
         "along them, special points marked. Curves of special points, over their two parameters: solid "
         "where\n"
-        "they bound stable orbits, dotted where not. Several files of one sort are laid over each other.",
+        "they bound stable orbits, dotted where not. Several files of one sort are laid over each other.\n"
+        "A file of saltus simulate: phase portrait and time history.",
     .inputs = CLI_INPUTS_MAX,
     .endings = cli_figures,
     .options = options,

@@ -113,6 +113,9 @@ typedef struct saltus_sweep_view {
 /* Draw a sweep file. Errors as saltus_plot. */
 saltus_status saltus_plot_sweep(const char *path, const saltus_sweep_view *view, const char *figure,
                                 saltus_message *message);
+/* Draw a recorded trajectory: phase portrait and time history, with points where a forcing period begins.
+ * Errors as saltus_plot. */
+saltus_status saltus_plot_trajectory(const char *path, const char *figure, saltus_message *message);
 
 SALTUS_API_END
 #endif
