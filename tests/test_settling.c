@@ -337,7 +337,10 @@ static void what_was_asked_for_is_told(void **unused) {
         saltus_motion motion = classify(system, start, &options);
         assert_true(motion.integrator == options.flow.integrator);
         if (k % 3 == 2)
-            assert_true(motion.verdict == SALTUS_UNDECIDED && motion.mirror == SALTUS_MIRROR_OPEN);
+            /* The impacts of each side are counted, in as many periods as it says. */
+            assert_true(motion.verdict == SALTUS_UNDECIDED && motion.mirror == SALTUS_MIRROR_OPEN &&
+                        motion.counted == 400 && motion.impacts_by_face[0] >= 400 &&
+                        motion.impacts_by_face[1] >= 400);
         else
             assert_true(saltus_verdict_settled(motion.verdict) && motion.mirror != SALTUS_MIRROR_NONE);
         saltus_motion_clear(&motion);
