@@ -99,7 +99,7 @@ static int draw_sweep(const cli_request *request, const plot_wishes *wishes) {
 
 /* A trajectory is drawn whole, in one way. */
 static int draw_trajectory(const cli_request *request) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     if (request->input_count > 1 || request->show || request->view || request->title ||
         request->parts.count || request->labels.count || request->over.count) {
         fprintf(stderr,

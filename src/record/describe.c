@@ -15,10 +15,6 @@ static const char *write_number(double value, int digits, char *text) {
     return text;
 }
 
-const char *saltus_number(double value, char *text) {
-    return write_number(value, 17, text);
-}
-
 void saltus_put_number(FILE *file, double value) {
     char text[SALTUS_NUMBER_MAX];
     fputs(saltus_number(value, text), file);

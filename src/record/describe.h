@@ -3,17 +3,13 @@
 #ifndef SALTUS_RECORD_DESCRIBE_H
 #define SALTUS_RECORD_DESCRIBE_H
 
+#include "base/field.h"
 #include "saltus/motion.h"
 #include "saltus/scene.h"
 
 #include <stdbool.h>
 #include <stdio.h>
 
-enum { SALTUS_NUMBER_MAX = 32 };
-
-/* A number that reads back as the same one, with a '.' whatever the locale; `text` holds SALTUS_NUMBER_MAX
- * bytes. */
-const char *saltus_number(double value, char *text);
 void saltus_put_number(FILE *file, double value);
 
 const char *saltus_event_word(saltus_event_kind kind); /* "impact", "stick", "release", ... */
