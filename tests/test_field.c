@@ -39,18 +39,19 @@ static const saltus_option options[] = {
     {.field = MEMBER(text, SALTUS_TEXT, sizeof((sample *)0)->text)},
 };
 enum { count = sizeof options / sizeof *options };
+static const saltus_option_table table = SALTUS_TABLE(options);
 
 static void defaults_fill_every_option(void **unused) {
     (void)unused;
     sample s;
     saltus_message message = {.text = ""};
     memset(&s, 0x55, sizeof s);
-    saltus_options_fill(options, count, &s);
-    check_ok(saltus_options_check(options, count, &s, &message), &message);
+    saltus_options_fill(&table, &s);
+    check_ok(saltus_options_check(&table, &s, &message), &message);
     assert_true(s.real == 0.5 && s.whole == 0 && s.wide == 7 && s.natural == 0 && s.flag);
     assert_true(s.choice == PEAR && s.set == 4 && s.text[0] == '\0');
-    assert_ptr_equal(saltus_option_find(options, count, "set"), &options[6]);
-    assert_null(saltus_option_find(options, count, "se"));
+    assert_ptr_equal(saltus_option_find(&table, "set"), &options[6]);
+    assert_null(saltus_option_find(&table, "se"));
 }
 
 /* What a text says is what the member takes, and the member says the same text again. */
@@ -117,31 +118,31 @@ static void sentences_name_the_option_and_its_range(void **unused) {
         const char *sentence;
     } cases[] = {{0, 0, "real = 0: must be greater than 0 and at most 1"},
                  {0, NAN, "real = nan: must be greater than 0 and at most 1"},
-                 {1, 7, "whole = 7: must be 0 or at least 8 and at most 40"},
-                 {1, 41, "whole = 41: must be 0 or at least 8 and at most 40"},
+                 {1, 7, "whole = 7: must be 0 or from 8 to 40"},
+                 {1, 41, "whole = 41: must be 0 or from 8 to 40"},
                  {2, 0, "wide = 0: must be at least 1"}};
     static const double good[][2] = {{0, 1}, {0, 1e-300}, {1, 0}, {1, 8}, {1, 40}, {2, 1}, {2, 1e18}};
     saltus_message message = {.text = ""};
     sample s;
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
-        saltus_options_fill(options, count, &s);
+        saltus_options_fill(&table, &s);
         assert_true(saltus_field_set_number(&options[cases[k].option].field, cases[k].value, &s));
-        assert_int_equal(saltus_options_check(options, count, &s, &message), SALTUS_BAD_INPUT);
+        assert_int_equal(saltus_options_check(&table, &s, &message), SALTUS_BAD_INPUT);
         assert_string_equal(message.text, cases[k].sentence);
     }
     for (size_t k = 0; k < sizeof good / sizeof *good; k++) {
-        saltus_options_fill(options, count, &s);
+        saltus_options_fill(&table, &s);
         assert_true(saltus_field_set_number(&options[(int)good[k][0]].field, good[k][1], &s));
-        check_ok(saltus_options_check(options, count, &s, &message), &message);
+        check_ok(saltus_options_check(&table, &s, &message), &message);
     }
-    saltus_options_fill(options, count, &s);
+    saltus_options_fill(&table, &s);
     s.choice = (fruit)3;
-    assert_int_equal(saltus_options_check(options, count, &s, &message), SALTUS_BAD_INPUT);
-    assert_string_equal(message.text, "choice: must be apple or pear");
+    assert_int_equal(saltus_options_check(&table, &s, &message), SALTUS_BAD_INPUT);
+    assert_string_equal(message.text, "choice = 3: must be apple or pear");
     s.choice = APPLE;
     s.set = 2;
-    assert_int_equal(saltus_options_check(options, count, &s, &message), SALTUS_BAD_INPUT);
-    assert_string_equal(message.text, "set: must be red or green, with commas between them");
+    assert_int_equal(saltus_options_check(&table, &s, &message), SALTUS_BAD_INPUT);
+    assert_string_equal(message.text, "set = 2: must be red or green, with commas between them");
 }
 
 /* Lists and matrices, in the struct or behind a pointer, close together or not. */

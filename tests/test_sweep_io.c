@@ -317,6 +317,36 @@ static void results_read_back(void **state) {
     folder_files(f->folder, true);
 }
 
+/* The name of a row's motion, from its numbers: n/p, chatter/p or the verdict. */
+static const char *label_of(const saltus_sweep_row *row, char label[32]) {
+    if (row->verdict != SALTUS_PERIODIC)
+        snprintf(label, 32, "%s", saltus_verdict_word((saltus_verdict)row->verdict));
+    else if (row->impacts < 0)
+        snprintf(label, 32, "chatter/%d", row->periods);
+    else
+        snprintf(label, 32, "%d/%d", row->impacts, row->periods);
+    return label;
+}
+
+/* Labels are text, one for each row. */
+static void check_labels(const fixture *f, hid_t file) {
+    static char labels[2][35][seeds][32];
+    made_up m;
+    hid_t set = H5Dopen2(file, "rows/label", H5P_DEFAULT), type = H5Dget_type(set);
+    assert_int_equal(H5Tget_class(type), H5T_STRING);
+    assert_int_equal(H5Tget_size(type), sizeof labels[0][0][0]);
+    assert_true(H5Dread(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, labels) >= 0);
+    for (int place = 0; place < f->places; place++) {
+        make_result(f->sweep, place, &m);
+        for (int s = 0; s < seeds; s++) {
+            char label[32];
+            assert_string_equal(labels[place / 35][place % 35][s], label_of(&m.row[s], label));
+        }
+    }
+    H5Tclose(type);
+    H5Dclose(set);
+}
+
 /* Plain names and shapes, as another program finds them. */
 static void layout_is_plain(void **state) {
     const fixture *f = *state;
@@ -345,6 +375,7 @@ static void layout_is_plain(void **state) {
         most = m.row[s].attractor + 1 > most ? m.row[s].attractor + 1 : most;
     assert_int_equal(distinct[1][2][3], most);
     H5Dclose(set);
+    check_labels(f, file);
     assert_true(H5Aexists_by_name(file, "turning/displacement", "units", H5P_DEFAULT) > 0);
     assert_true(H5Aexists_by_name(file, "rows/lyapunov", "description", H5P_DEFAULT) > 0);
     H5Fclose(file);
@@ -1049,56 +1080,21 @@ static void wrong_options_are_refused(void **state) {
     free(bytes);
 }
 
-/* Make a file one of before exponents had standard errors: without that column and the option that belongs to
- * it, with the six verdicts of then, which are counted up row by row; all motions are 1/1. */
-static void make_old(const char *path) {
-    static const char *const words[] = {"pending", "periodic", "equilibrium", "held", "undecided", "failed"};
-    static int verdicts[2 * 5 * 7 * seeds], ones[2 * 5 * 7 * seeds];
-    const hsize_t size[] = {2, 5, 7, seeds};
-    for (int k = 0; k < 2 * 5 * 7 * seeds; k++) {
-        verdicts[k] = 1 + k % 5;
-        ones[k] = 1;
-    }
-    hid_t file = H5Fopen(path, H5F_ACC_RDWR, H5P_DEFAULT), type = H5Tenum_create(H5T_NATIVE_INT);
-    for (int k = 0; k < 6; k++)
-        assert_true(H5Tenum_insert(type, words[k], &k) >= 0);
-    hid_t space = H5Screate_simple(4, size, NULL);
-    assert_true(H5Ldelete(file, "rows/verdict", H5P_DEFAULT) >= 0 &&
-                H5Ldelete(file, "rows/lyapunov_error", H5P_DEFAULT) >= 0 &&
-                H5Adelete_by_name(file, "sweep", "measure", H5P_DEFAULT) >= 0);
-    hid_t set = H5Dcreate2(file, "rows/verdict", type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
-    assert_true(H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, verdicts) >= 0);
-    H5Dclose(set);
-    for (int k = 0; k < 2; k++) {
-        set = H5Dopen2(file, k ? "rows/periods" : "rows/impacts", H5P_DEFAULT);
-        assert_true(H5Dwrite(set, H5T_NATIVE_INT, H5S_ALL, H5S_ALL, H5P_DEFAULT, ones) >= 0);
-        H5Dclose(set);
-    }
-    H5Sclose(space);
-    H5Tclose(type);
-    H5Fclose(file);
-}
-
-/* Files and journals of before are read as what they are, or refused. */
+/* Files and journals of before are refused, for what they lack or for what they say they are. */
 static void files_of_before(void **state) {
-    static const int verdicts[] = {SALTUS_PERIODIC, SALTUS_EQUILIBRIUM, SALTUS_HELD, SALTUS_UNDECIDED,
-                                   SALTUS_FAILED};
     const fixture *f = *state;
     saltus_message message = {.text = ""};
     saltus_sweep_file file;
     char path[path_size], journal[path_size];
     size_t length, whole;
     free(finished_bytes(f, f->sweep, "a.h5", &length));
-    make_old(path_in(f, "a.h5", path));
-    check_ok(saltus_sweep_file_read(path, &file, &message), &message);
-    assert_true(file.options.measure == 0);
-    for (long long row = 0; row < file.row_count; row++) {
-        assert_int_equal(file.rows[row].verdict, verdicts[row % 5]);
-        assert_true(!isnan(file.rows[row].lyapunov) && isnan(file.rows[row].lyapunov_error));
-    }
-    saltus_sweep_file_clear(&file);
+    hid_t old = H5Fopen(path_in(f, "a.h5", path), H5F_ACC_RDWR, H5P_DEFAULT);
+    assert_true(H5Adelete_by_name(old, "sweep", "measure", H5P_DEFAULT) >= 0);
+    H5Fclose(old);
+    assert_int_equal(saltus_sweep_file_read(path, &file, &message), SALTUS_BAD_INPUT);
+    assert_non_null(strstr(message.text, "sweep/measure"));
     check_refused(path, f->sweep, false, true, SALTUS_BAD_INPUT,
-                  (const char *const[3]){path, "measure is 0 there and 8000 now"});
+                  (const char *const[3]){path, "sweep/measure"});
     unsigned char *bytes = journal_bytes(f, path, journal, &whole);
     bytes[8] = 1;
     write_all(journal, bytes, whole);
@@ -1169,7 +1165,7 @@ static void check_table(const fixture *f, char *const *lines, int count) {
     assert_int_equal(count, 1 + seeds * f->places);
     assert_string_equal(lines[0], "omega,d,pass,seed,verdict,impacts,periods,sticking,attractor,settled,"
                                   "settled_impacts,recorded,largest,smallest,impact_rate,largest_speed,"
-                                  "contact_fraction,lyapunov,lyapunov_error");
+                                  "contact_fraction,lyapunov,lyapunov_error,label");
     for (int line = 1; line < count; line++) {
         int row = line - 1, place = row / seeds, s = row % seeds;
         char *text = lines[line];
@@ -1187,7 +1183,8 @@ static void check_table(const fixture *f, char *const *lines, int count) {
                                 r->lyapunov,         r->lyapunov_error};
         for (size_t k = 0; k < sizeof whole / sizeof *whole; k++)
             check_number(&text, whole[k]);
-        assert_int_equal(*text, 0);
+        char label[32];
+        assert_string_equal(text, label_of(r, label));
     }
 }
 

@@ -10,7 +10,7 @@
 #include <string.h>
 
 const char *saltus_number(double value, char *text) {
-    snprintf(text, SALTUS_NUMBER_MAX, "%.17g", value);
+    snprintf(text, SALTUS_NUMBER_MAX, "%.17g", isnan(value) ? NAN : value);
     char *comma = strchr(text, ',');
     if (comma)
         *comma = '.';
@@ -78,6 +78,9 @@ static void copy(const saltus_field *field, const int *counts, const void *recor
         unsigned char *there = place + k * field->stride, *here = entries + k * row;
         memcpy(out ? here : there, out ? there : here, row);
     }
+    /* What lies behind the end of a text is no part of it: equal records give equal entries. */
+    size_t used = field->type == SALTUS_TEXT && out ? strnlen((const char *)entries, row - 1) : row;
+    memset(entries + used, 0, row - used);
 }
 
 void saltus_field_pack(const saltus_field *field, const int *counts, const void *record, void *entries) {
@@ -118,35 +121,41 @@ long long saltus_field_whole(const saltus_field *field, const void *record) {
     }
 }
 
+/* Whether a choice's value, or each bit of a set, has a word. */
+static bool has_words(const saltus_field *field, long long whole) {
+    unsigned known = 0;
+    if (field->type == SALTUS_CHOICE)
+        return whole >= INT_MIN && whole <= INT_MAX && saltus_word_of(field->words, (int)whole);
+    for (const saltus_word *w = field->words; w->word; w++)
+        known |= (unsigned)w->value;
+    return whole >= 0 && whole <= UINT_MAX && !((unsigned)whole & ~known);
+}
+
 bool saltus_field_set_whole(const saltus_field *field, long long whole, void *record) {
     value v = {0};
-    bool fits = whole >= INT_MIN && whole <= INT_MAX;
-    unsigned known = 0;
+    bool fits = true;
     switch (field->type) {
     case SALTUS_INT:
         v.whole = (int)whole;
+        fits = whole >= INT_MIN && whole <= INT_MAX;
         break;
     case SALTUS_CHOICE:
         v.whole = (int)whole;
-        fits = fits && saltus_word_of(field->words, v.whole);
+        fits = has_words(field, whole);
         break;
     case SALTUS_LONG:
         v.wide = whole;
-        fits = true;
         break;
     case SALTUS_NATURAL:
         v.natural = (unsigned long)whole;
-        fits = true;
         break;
     case SALTUS_FLAG:
         v.flag = whole != 0;
         fits = whole == 0 || whole == 1;
         break;
     case SALTUS_SET:
-        for (const saltus_word *w = field->words; w->word; w++)
-            known |= (unsigned)w->value;
         v.bits = (unsigned)whole;
-        fits = fits && whole >= 0 && !(v.bits & ~known);
+        fits = has_words(field, whole);
         break;
     default:
         fits = false;
@@ -264,39 +273,49 @@ bool saltus_field_read(const saltus_field *field, const char *text, void *record
     }
 }
 
-const saltus_option *saltus_option_find(const saltus_option *options, int count, const char *name) {
-    for (int k = 0; k < count; k++)
-        if (strcmp(options[k].field.name, name) == 0)
-            return &options[k];
+const saltus_option *saltus_option_find(const saltus_option_table *table, const char *name) {
+    for (int k = 0; k < table->count; k++)
+        if (strcmp(table->options[k].field.name, name) == 0)
+            return &table->options[k];
     return NULL;
 }
 
-void saltus_options_fill(const saltus_option *options, int count, void *record) {
-    for (int k = 0; k < count; k++)
-        if (options[k].field.type == SALTUS_TEXT)
-            saltus_field_read(&options[k].field, "", record);
+void saltus_options_fill(const saltus_option_table *table, void *record) {
+    for (int k = 0; k < table->count; k++) {
+        const saltus_option *o = &table->options[k];
+        if (o->field.type == SALTUS_TEXT)
+            saltus_field_read(&o->field, "", record);
         else
-            saltus_field_set_number(&options[k].field, options[k].fallback, record);
+            saltus_field_set_number(&o->field, o->fallback, record);
+    }
+}
+
+/* "turning, impacts or stroboscopic" */
+static void list_words(const saltus_option *o, char *text, size_t room) {
+    size_t used = 0;
+    int count = saltus_word_count(o->field.words);
+    for (int k = 0; k < count && used < room; k++)
+        used += (size_t)snprintf(text + used, room - used, "%s%s",
+                                 k == 0          ? ""
+                                 : k < count - 1 ? ", "
+                                                 : " or ",
+                                 o->field.words[k].word);
+    if (o->field.type == SALTUS_SET && used < room)
+        snprintf(text + used, room - used, ", with commas between them");
 }
 
 const char *saltus_option_demand(const saltus_option *o, char text[SALTUS_FIELD_TEXT_MAX]) {
-    size_t used = (size_t)snprintf(text, SALTUS_FIELD_TEXT_MAX, "must be "), room = SALTUS_FIELD_TEXT_MAX;
-    int words = o->field.words ? saltus_word_count(o->field.words) : 0;
-    for (int k = 0; k < words && used < room; k++)
-        used += (size_t)snprintf(text + used, room - used, "%s%s",
-                                 k == 0          ? ""
-                                 : k < words - 1 ? ", "
-                                                 : " or ",
-                                 o->field.words[k].word);
-    if (words && o->field.type == SALTUS_SET && used < room)
-        snprintf(text + used, room - used, ", with commas between them");
+    size_t used = (size_t)snprintf(text, SALTUS_FIELD_TEXT_MAX, "must be %s", o->automatic ? "0 or " : "");
+    size_t room = SALTUS_FIELD_TEXT_MAX - used;
     const char *most = o->below ? "less than" : "at most", *least = o->above ? "greater than" : "at least";
-    if (o->automatic)
-        used += (size_t)snprintf(text + used, room - used, "0 or ");
-    if (!words && o->high < INFINITY)
-        snprintf(text + used, room - used, "%s %.10g and %s %.10g", least, o->low, most, o->high);
-    else if (!words)
-        snprintf(text + used, room - used, "%s %.10g", least, o->low);
+    if (o->field.words)
+        list_words(o, text + used, room);
+    else if (!(o->high < INFINITY))
+        snprintf(text + used, room, "%s %.10g", least, o->low);
+    else if (o->field.type == SALTUS_REAL)
+        snprintf(text + used, room, "%s %.10g and %s %.10g", least, o->low, most, o->high);
+    else
+        snprintf(text + used, room, "from %.10g to %.10g", o->low, o->high);
     return text;
 }
 
@@ -304,33 +323,23 @@ bool saltus_option_admits(const saltus_option *o, const void *record) {
     const saltus_field *field = &o->field;
     if (field->type == SALTUS_TEXT || field->type == SALTUS_FLAG)
         return true;
-    if (field->type == SALTUS_CHOICE)
-        return saltus_word_of(field->words, (int)saltus_field_whole(field, record)) != NULL;
-    if (field->type == SALTUS_SET) {
-        unsigned bits = (unsigned)saltus_field_whole(field, record);
-        for (const saltus_word *w = field->words; w->word; w++)
-            bits &= ~(unsigned)w->value;
-        return bits == 0;
-    }
+    if (field->words)
+        return has_words(field, saltus_field_whole(field, record));
     double number = saltus_field_number(field, record);
-    if (o->automatic && number == 0)
-        return true;
-    return (o->above ? number > o->low : number >= o->low) &&
-           (o->below ? number < o->high : number <= o->high);
+    return (o->automatic && number == 0) || ((o->above ? number > o->low : number >= o->low) &&
+                                             (o->below ? number < o->high : number <= o->high));
 }
 
-saltus_status saltus_options_check(const saltus_option *options, int count, const void *record,
+saltus_status saltus_options_check(const saltus_option_table *table, const void *record,
                                    saltus_message *message) {
     char demand[SALTUS_FIELD_TEXT_MAX];
-    for (int k = 0; k < count; k++) {
-        const saltus_field *field = &options[k].field;
-        if (saltus_option_admits(&options[k], record))
+    for (int k = 0; k < table->count; k++) {
+        const saltus_option *o = &table->options[k];
+        if (saltus_option_admits(o, record))
             continue;
-        saltus_option_demand(&options[k], demand);
-        if (field->words)
-            return saltus_fail(message, SALTUS_BAD_INPUT, "%s: %s", field->name, demand);
-        return saltus_fail(message, SALTUS_BAD_INPUT, "%s = %.10g: %s", field->name,
-                           saltus_field_number(field, record), demand);
+        saltus_option_demand(o, demand);
+        return saltus_fail(message, SALTUS_BAD_INPUT, "%s = %.10g: %s", o->field.name,
+                           saltus_field_number(&o->field, record), demand);
     }
     return SALTUS_OK;
 }

@@ -52,6 +52,16 @@ typedef struct saltus_field {
         .type = __VA_ARGS__                                                                                  \
     }
 
+/* The members of one kind of struct, in the order in which they are written. */
+typedef struct saltus_field_table {
+    const saltus_field *fields;
+    int count;
+} saltus_field_table;
+
+/* The table of an array of fields, or of options. */
+#define SALTUS_TABLE(array)                                                                                  \
+    { array, sizeof(array) / sizeof(array)[0] }
+
 /* A member of an options struct. */
 typedef struct saltus_option {
     saltus_field field;
@@ -61,7 +71,13 @@ typedef struct saltus_option {
     bool automatic;       /* 0 is admissible too: the program chooses */
     const char *flag;     /* on the command line: "--step-max"; NULL: cannot be chosen there */
     const char *argument; /* how its value is called in the help; NULL: a flag */
+    bool apart;           /* the results do not depend on it, so it is not in their files */
 } saltus_option;
+
+typedef struct saltus_option_table {
+    const saltus_option *options;
+    int count;
+} saltus_option_table;
 
 enum { SALTUS_NUMBER_MAX = 32, SALTUS_FIELD_TEXT_MAX = 256 };
 
@@ -101,15 +117,15 @@ const char *saltus_field_text(const saltus_field *field, const void *record,
 bool saltus_field_read(const saltus_field *field, const char *text, void *record);
 
 /* The option of that name; NULL when there is none. */
-const saltus_option *saltus_option_find(const saltus_option *options, int count, const char *name);
+const saltus_option *saltus_option_find(const saltus_option_table *table, const char *name);
 /* Give all options their defaults. */
-void saltus_options_fill(const saltus_option *options, int count, void *record);
-/* What a value must be: "must be at least 1 and at most 256", "must be automatic, taylor or radau". */
+void saltus_options_fill(const saltus_option_table *table, void *record);
+/* What a value must be: "must be from 1 to 256", "must be automatic, taylor or radau". */
 const char *saltus_option_demand(const saltus_option *option, char text[SALTUS_FIELD_TEXT_MAX]);
 /* Whether a value is as it must be. */
 bool saltus_option_admits(const saltus_option *option, const void *record);
 /* SALTUS_BAD_INPUT with a sentence about the first option that is not as it must be. */
-saltus_status saltus_options_check(const saltus_option *options, int count, const void *record,
+saltus_status saltus_options_check(const saltus_option_table *table, const void *record,
                                    saltus_message *message);
 
 #endif

@@ -2,12 +2,51 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "branch/options.h"
 
+#include "orbit/options.h"
+
 #include <math.h>
 #include <string.h>
 
+static const saltus_word locus_words[] = {{"none", SALTUS_POINT_REGULAR},
+                                          {"LP", SALTUS_POINT_LP},
+                                          {"PD", SALTUS_POINT_PD},
+                                          {"NS", SALTUS_POINT_NS},
+                                          {"BP", SALTUS_POINT_BP},
+                                          {"GR", SALTUS_POINT_GR},
+                                          {NULL, 0}};
+static const saltus_word direction_words[] = {{"up", 1}, {"down", -1}, {"both", 0}, {NULL, 0}};
+
+#define MEMBER(member, name, meaning, ...)                                                                   \
+    .field = SALTUS_MEMBER(saltus_branch_options, member, name, "1", meaning, __VA_ARGS__)
+
+static const saltus_option choices[] = {
+    {MEMBER(key[0], "key1", "the parameter to continue in", SALTUS_TEXT, SALTUS_KEY_MAX)},
+    {MEMBER(low[0], "low1", "lower end of its range", SALTUS_REAL), .low = -INFINITY, .high = INFINITY},
+    {MEMBER(high[0], "high1", "upper end of its range", SALTUS_REAL), .low = -INFINITY, .high = INFINITY},
+    {MEMBER(key[1], "key2", "the second parameter of a locus", SALTUS_TEXT, SALTUS_KEY_MAX)},
+    {MEMBER(low[1], "low2", "lower end of its range", SALTUS_REAL), .low = -INFINITY, .high = INFINITY},
+    {MEMBER(high[1], "high2", "upper end of its range", SALTUS_REAL), .low = -INFINITY, .high = INFINITY},
+    {MEMBER(step, "step", "first step, where the whole range is 1", SALTUS_REAL), .fallback = 0.005,
+     .high = 1, .above = true, .flag = "--step", .argument = "s"},
+    {MEMBER(step_max, "step_max", "largest step, likewise", SALTUS_REAL), .fallback = 0.02, .high = 1,
+     .above = true, .flag = "--step-max", .argument = "s"},
+    {MEMBER(points, "points", "points at most, on each branch", SALTUS_INT), .fallback = 2000, .low = 1,
+     .high = INFINITY, .flag = "--points", .argument = "n"},
+    {MEMBER(direction, "direction", "where to go first, or only", SALTUS_CHOICE, .words = direction_words),
+     .flag = "--direction", .argument = "way"},
+    {MEMBER(switches, "switches", "also follow what branches off, to this depth", SALTUS_INT),
+     .high = INFINITY, .flag = "--switch", .argument = "k"},
+    {MEMBER(locus, "locus", "follow the first such point met on the way in two parameters", SALTUS_CHOICE,
+            .words = locus_words),
+     .flag = "--locus", .argument = "kind"},
+    SALTUS_ORBIT_CHOICES(saltus_branch_options, orbit.),
+};
+const saltus_option_table saltus_branch_table = SALTUS_TABLE(choices);
+
 saltus_branch_options saltus_branch_defaults(void) {
-    return (saltus_branch_options){
-        .orbit = saltus_orbit_defaults(), .step = 0.005, .step_max = 0.02, .points = 2000};
+    saltus_branch_options options = {.points = 0};
+    saltus_options_fill(&saltus_branch_table, &options);
+    return options;
 }
 
 static saltus_status check_range(const saltus_branch_options *o, int k, double value,
@@ -27,13 +66,8 @@ static saltus_status check_range(const saltus_branch_options *o, int k, double v
 /* What a locus needs beside the first parameter. */
 static saltus_status check_locus(const saltus_branch_options *o, const saltus_spec *spec,
                                  saltus_message *message) {
-    bool known = o->locus == SALTUS_POINT_LP || o->locus == SALTUS_POINT_PD || o->locus == SALTUS_POINT_NS ||
-                 o->locus == SALTUS_POINT_BP || o->locus == SALTUS_POINT_GR;
     saltus_direction first, second;
     double origin;
-    if (!known)
-        return saltus_fail(message, SALTUS_BAD_INPUT, "locus %s: must be LP, PD, NS, BP or GR",
-                           saltus_point_word(o->locus));
     saltus_status status = saltus_spec_direction(spec, o->key[0], &first, NULL, message);
     if (status == SALTUS_OK)
         status = saltus_spec_direction(spec, o->key[1], &second, &origin, message);
@@ -54,12 +88,12 @@ saltus_status saltus_branch_check(const saltus_branch_options *o, const saltus_s
         status = check_range(o, 0, origin, message);
     if (status != SALTUS_OK)
         return status;
-    if (!(o->step > 0 && o->step <= o->step_max && o->step_max <= 1))
-        return saltus_fail(message, SALTUS_BAD_INPUT,
-                           "step = %g, step_max = %g: must be greater than 0, at most 1, and in this order",
+    status = saltus_options_check(&saltus_branch_table, o, message);
+    if (status != SALTUS_OK)
+        return status;
+    if (o->step > o->step_max)
+        return saltus_fail(message, SALTUS_BAD_INPUT, "step = %g, step_max = %g: must be in this order",
                            o->step, o->step_max);
-    if (o->points < 1)
-        return saltus_fail(message, SALTUS_BAD_INPUT, "points = %d: must be at least 1", o->points);
     if (o->value_count < 0 || o->value_count > SALTUS_BRANCH_VALUES_MAX)
         return saltus_fail(message, SALTUS_BAD_INPUT, "%d values asked for: at most %d are possible",
                            o->value_count, SALTUS_BRANCH_VALUES_MAX);

@@ -3,10 +3,14 @@
 #ifndef SALTUS_BRANCH_OPTIONS_H
 #define SALTUS_BRANCH_OPTIONS_H
 
+#include "base/field.h"
 #include "saltus/branch.h"
 
 /* Values of the parameter that may be asked for. */
 enum { SALTUS_BRANCH_VALUES_MAX = 1000 };
+
+/* Of saltus_branch_options, `values` excepted. */
+extern const saltus_option_table saltus_branch_table;
 
 /* Whether the options are in range and belong to the specification. Errors: SALTUS_BAD_INPUT. */
 saltus_status saltus_branch_check(const saltus_branch_options *options, const saltus_spec *spec,

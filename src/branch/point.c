@@ -6,11 +6,21 @@
 #include <stdlib.h>
 #include <string.h>
 
+const saltus_word saltus_point_words[] = {{"regular", SALTUS_POINT_REGULAR}, {"LP", SALTUS_POINT_LP},
+                                          {"PD", SALTUS_POINT_PD},           {"NS", SALTUS_POINT_NS},
+                                          {"BP", SALTUS_POINT_BP},           {"GR", SALTUS_POINT_GR},
+                                          {"CH", SALTUS_POINT_CH},           {"ST", SALTUS_POINT_ST},
+                                          {"UZ", SALTUS_POINT_UZ},           {"EP", SALTUS_POINT_EP},
+                                          {"CP", SALTUS_POINT_CP},           {"GR-LP", SALTUS_POINT_GR_LP},
+                                          {"GR-PD", SALTUS_POINT_GR_PD},     {"GR-NS", SALTUS_POINT_GR_NS},
+                                          {"GR-GR", SALTUS_POINT_GR_GR},     {"GR-BP", SALTUS_POINT_GR_BP},
+                                          {"CH-GR", SALTUS_POINT_CH_GR},     {"R1", SALTUS_POINT_R1},
+                                          {"R2", SALTUS_POINT_R2},           {"R3", SALTUS_POINT_R3},
+                                          {"R4", SALTUS_POINT_R4},           {NULL, 0}};
+
 const char *saltus_point_word(saltus_point_kind kind) {
-    static const char *const words[] = {"",      "LP",    "PD",    "NS", "BP",    "GR",    "CH",
-                                        "ST",    "UZ",    "EP",    "CP", "GR-LP", "GR-PD", "GR-NS",
-                                        "GR-GR", "GR-BP", "CH-GR", "R1", "R2",    "R3",    "R4"};
-    return kind >= 0 && kind < SALTUS_POINT_KINDS ? words[kind] : "";
+    const char *word = kind ? saltus_word_of(saltus_point_words, (int)kind) : NULL;
+    return word ? word : "";
 }
 
 void saltus_branch_point_clear(saltus_branch_point *point) {

@@ -3,8 +3,12 @@
 #ifndef SALTUS_BRANCH_POINT_H
 #define SALTUS_BRANCH_POINT_H
 
+#include "base/field.h"
 #include "branch/solution.h"
 #include "saltus/branch.h"
+
+/* "regular", "LP", ... */
+extern const saltus_word saltus_point_words[];
 
 /* All that a surveyed solution tells of a point. Where events change the flow sees one side or the other by
  * chance: there events and state are those `prescribed`. The point owns its arrays:

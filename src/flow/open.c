@@ -1,13 +1,22 @@
 /* Flows are built here: all memory they will ever use, all decisions that a scene settles.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "flow/flow.h"
+#include "flow/options.h"
 
 #include <gsl/gsl_pow_int.h>
 #include <math.h>
 #include <stdlib.h>
 
+const saltus_word saltus_integrator_words[] = {
+    {"automatic", SALTUS_AUTOMATIC}, {"taylor", SALTUS_TAYLOR}, {"radau", SALTUS_RADAU}, {NULL, 0}};
+
+static const saltus_option choices[] = {SALTUS_FLOW_CHOICES(saltus_flow_options, , 1e-13, 1e-16)};
+const saltus_option_table saltus_flow_table = SALTUS_TABLE(choices);
+
 saltus_flow_options saltus_flow_defaults(void) {
-    return (saltus_flow_options){.rtol = 1e-13, .atol = 1e-16, .integrator = SALTUS_AUTOMATIC};
+    saltus_flow_options options = {0};
+    saltus_options_fill(&saltus_flow_table, &options);
+    return options;
 }
 
 /* Near the fastest by measurement on reference orbits alone and on sweeps side by side: about six orders for
@@ -28,22 +37,15 @@ static bool same_shape(const saltus_system *a, const saltus_system *b) {
 }
 
 static saltus_status check_options(const saltus_flow_options *o, saltus_message *message) {
-    if (!(o->rtol >= 1e-15 && o->rtol <= 1e-3))
-        return saltus_fail(message, SALTUS_BAD_INPUT, "rtol = %g: must be at least 1e-15 and at most 1e-3",
-                           o->rtol);
-    if (!(o->atol >= 0 && o->atol <= 1))
-        return saltus_fail(message, SALTUS_BAD_INPUT, "atol = %g: must be at least 0 and at most 1", o->atol);
-    if (o->order != 0 && (o->order < SALTUS_ORDER_MIN || o->order > SALTUS_ORDER_MAX))
-        return saltus_fail(message, SALTUS_BAD_INPUT, "order = %d: must be 0 or from %d to %d", o->order,
-                           SALTUS_ORDER_MIN, SALTUS_ORDER_MAX);
+    saltus_status status = saltus_options_check(&saltus_flow_table, o, message);
+    if (status != SALTUS_OK)
+        return status;
     if (o->columns < 0 || o->columns > 256)
         return saltus_fail(message, SALTUS_BAD_INPUT, "columns = %d: must be from 0 to 256", o->columns);
     if (o->directions < 0 || o->directions > SALTUS_DIRECTIONS_MAX || o->directions > o->columns)
         return saltus_fail(message, SALTUS_BAD_INPUT,
                            "directions = %d: must be from 0 to %d, and no more than columns = %d",
                            o->directions, SALTUS_DIRECTIONS_MAX, o->columns);
-    if (o->integrator < SALTUS_AUTOMATIC || o->integrator > SALTUS_RADAU)
-        return saltus_fail(message, SALTUS_BAD_INPUT, "integrator: must be automatic, taylor or radau");
     return SALTUS_OK;
 }
 

@@ -1,13 +1,13 @@
 /* Classification of a motion (model.md, section 4): what its trajectory settles on, or else what it is
  * without a period.
  * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "motion/options.h"
 #include "motion/search.h"
 
 #include <math.h>
 
 enum {
-    patience = 10, /* a motion without a period is judged after this part of the time it may take to settle */
-    longest_period = 1024
+    patience = 10 /* a motion without a period is judged after this part of the time it may take to settle */
 };
 
 /* Nothing irregular goes on in the motion: look for longer periods than were asked for. */
@@ -15,8 +15,8 @@ static saltus_status find_long_period(saltus_search *s, saltus_motion *motion, s
     saltus_classify_options options = *s->options;
     saltus_motion found = {0};
     long long before = motion->transient;
-    options.longest = longest_period;
-    options.transient = 8 * longest_period;
+    options.longest = SALTUS_LONGEST_PERIOD;
+    options.transient = 8 * SALTUS_LONGEST_PERIOD;
     options.progress = NULL;
     saltus_status status =
         saltus_motion_find_period(s->system, motion->state, &options, true, &found, message);
@@ -57,16 +57,13 @@ saltus_status saltus_motion_classify(const saltus_system *system, const double *
     saltus_search s = {.system = system, .options = options};
     *motion = (saltus_motion){0};
     *stopped = false;
-    if (options->transient < 1 || options->longest < 1 || options->longest > longest_period ||
-        options->measure < 0)
-        return saltus_fail(message, SALTUS_BAD_INPUT,
-                           "transient must be at least 1, the longest period from 1 to %d, the periods "
-                           "measured at least 0",
-                           longest_period);
+    saltus_status status = saltus_options_check(&saltus_classify_table, options, message);
+    if (status != SALTUS_OK)
+        return status;
     long long early = options->measure && options->transient > patience * SALTUS_FIRST_BLOCK
                           ? options->transient / patience
                           : options->transient;
-    saltus_status status = saltus_search_open(&s, state, motion, message);
+    status = saltus_search_open(&s, state, motion, message);
     if (status == SALTUS_OK)
         status = saltus_search_run(&s, early, motion, message);
     bool open = status == SALTUS_OK && !s.found && motion->verdict == SALTUS_UNDECIDED && !s.stopped;

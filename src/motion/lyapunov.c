@@ -3,6 +3,7 @@
 #include "saltus/lyapunov.h"
 
 #include "motion/ensemble.h"
+#include "motion/options.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -13,40 +14,26 @@ static const double precise_enough = 1e-6; /* standard error per period */
 static const double halves_apart = 4;      /* standard errors: the exponent is still drifting */
 static const double halves_agree = 3;      /* no end before they do */
 
-saltus_lyapunov_options saltus_lyapunov_defaults(void) {
-    saltus_lyapunov_options options = {.flow = saltus_flow_defaults(),
-                                       .exponents = 1,
-                                       .members = 8,
-                                       .transient = 1000,
-                                       .periods = 1000000,
-                                       .precision = 0.01};
-    options.flow.rtol = 1e-10;
-    options.flow.atol = 1e-14;
-    return options;
-}
-
 static saltus_status check(const saltus_system *system, const saltus_lyapunov_options *o,
                            saltus_message *message) {
     int n = saltus_system_dimension(system);
     double part = o->interval > 0 && o->interval <= 1 ? 1 / o->interval : o->interval;
-    if (o->exponents < 0 || o->exponents > n)
+    saltus_status status = saltus_options_check(&saltus_lyapunov_table, o, message);
+    if (status != SALTUS_OK)
+        return status;
+    if (o->exponents > n)
         return saltus_fail(message, SALTUS_BAD_INPUT, "exponents = %d: the scene has %d, 0 asks for all",
                            o->exponents, n);
-    if (o->members < 1 || o->members > SALTUS_MEMBERS_MAX)
-        return saltus_fail(message, SALTUS_BAD_INPUT, "members = %d: must be from 1 to %d", o->members,
-                           SALTUS_MEMBERS_MAX);
-    if (!(o->precision > 0))
-        return saltus_fail(message, SALTUS_BAD_INPUT, "precision = %g: must be greater than 0", o->precision);
-    if (!(o->interval >= 0 && part <= 1000000 && fabs(part - floor(part + 0.5)) < 1e-6 * part + 1e-300))
+    if (!(part <= 1000000 && fabs(part - floor(part + 0.5)) < 1e-6 * part + 1e-300))
         return saltus_fail(message, SALTUS_BAD_INPUT,
                            "interval = %g: must be a whole number of periods or a whole part of one, such as "
                            "0.25",
                            o->interval);
     double least = least_samples * fmax(1, floor(o->interval)) * o->members;
-    if (o->transient < 0 || !((double)o->periods >= least))
+    if (!((double)o->periods >= least))
         return saltus_fail(message, SALTUS_BAD_INPUT,
                            "periods = %lld: must be at least %.0f, %d intervals of %g periods for each of %d "
-                           "trajectories, after a transient of 0 or more",
+                           "trajectories",
                            o->periods, least, least_samples, fmax(1, o->interval), o->members);
     return SALTUS_OK;
 }

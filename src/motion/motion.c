@@ -5,11 +5,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-saltus_classify_options saltus_classify_defaults(void) {
-    return (saltus_classify_options){
-        .flow = saltus_flow_defaults(), .transient = 20000, .measure = 256000, .longest = 64};
-}
-
 bool saltus_motion_stopped(const saltus_flow_options *options) {
     return options->stop && *options->stop;
 }

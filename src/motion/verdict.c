@@ -6,21 +6,20 @@
 
 #include <stdio.h>
 
-static const char *const words[SALTUS_VERDICTS] = {
-    [SALTUS_PENDING] = "pending",
-    [SALTUS_PERIODIC] = "periodic",
-    [SALTUS_EQUILIBRIUM] = "equilibrium",
-    [SALTUS_HELD] = "held",
-    [SALTUS_QUASIPERIODIC] = "quasi-periodic",
-    [SALTUS_CHAOTIC] = "chaotic",
-    [SALTUS_LONG_PERIOD] = "long-period",
-    [SALTUS_UNDECIDED] = "undecided",
-    [SALTUS_FAILED] = "failed",
-    [SALTUS_TRANSIENT] = "transient",
-};
+const saltus_word saltus_verdict_words[] = {{"pending", SALTUS_PENDING},
+                                            {"periodic", SALTUS_PERIODIC},
+                                            {"equilibrium", SALTUS_EQUILIBRIUM},
+                                            {"held", SALTUS_HELD},
+                                            {"quasi-periodic", SALTUS_QUASIPERIODIC},
+                                            {"chaotic", SALTUS_CHAOTIC},
+                                            {"long-period", SALTUS_LONG_PERIOD},
+                                            {"undecided", SALTUS_UNDECIDED},
+                                            {"failed", SALTUS_FAILED},
+                                            {"transient", SALTUS_TRANSIENT},
+                                            {NULL, 0}};
 
 const char *saltus_verdict_word(saltus_verdict verdict) {
-    return words[verdict];
+    return saltus_word_of(saltus_verdict_words, (int)verdict);
 }
 
 bool saltus_verdict_settled(saltus_verdict verdict) {
@@ -32,7 +31,7 @@ void saltus_verdict_label(saltus_verdict verdict, long long impacts, int periods
     if (verdict == SALTUS_PERIODIC)
         saltus_orbit_label(impacts, periods, label);
     else
-        snprintf(label, SALTUS_LABEL_MAX, "%s", words[verdict]);
+        snprintf(label, SALTUS_LABEL_MAX, "%s", saltus_verdict_word(verdict));
 }
 
 saltus_ending saltus_motion_ending(const saltus_motion *motion) {

@@ -3,7 +3,10 @@
 #ifndef SALTUS_MOTION_VERDICT_H
 #define SALTUS_MOTION_VERDICT_H
 
+#include "base/field.h"
 #include "saltus/motion.h"
+
+extern const saltus_word saltus_verdict_words[];
 
 /* What a trajectory has ended on. */
 typedef struct saltus_ending {

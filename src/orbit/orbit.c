@@ -20,11 +20,6 @@ static const double growth_max = 1e5;
 /* Beyond this many scales of the system rounding alone exceeds any tolerance. */
 static const double size_max = 1e8;
 
-saltus_orbit_options saltus_orbit_defaults(void) {
-    return (saltus_orbit_options){
-        .flow = saltus_flow_defaults(), .phase = 0, .iterations = 20, .tolerance = 1e-12};
-}
-
 typedef struct search {
     const saltus_orbit_options *options;
     int n, periods;

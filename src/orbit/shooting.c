@@ -1,5 +1,6 @@
 /* Orbits of prescribed sequences: the workspace and the unknowns.
  * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "orbit/options.h"
 #include "orbit/shooting_private.h"
 
 #include <math.h>
@@ -23,15 +24,6 @@ static void reserve_shape(saltus_shooting *p, int unknowns) {
     p->plain = saltus_arena_doubles(arena, (size_t)unknowns);
     p->answer = saltus_arena_doubles(arena, (size_t)p->n * (size_t)unknowns);
     p->next = saltus_arena_doubles(arena, (size_t)p->n * (size_t)unknowns);
-}
-
-static saltus_status check_options(const saltus_orbit_options *o, saltus_message *message) {
-    if (!(o->phase >= 0 && o->phase < 1))
-        return saltus_fail(message, SALTUS_BAD_INPUT,
-                           "section phase = %g: must be at least 0 and less than 1", o->phase);
-    if (o->iterations < 0)
-        return saltus_fail(message, SALTUS_BAD_INPUT, "iterations = %d: must be at least 0", o->iterations);
-    return SALTUS_OK;
 }
 
 /* Flow, scales and vectors for the first system. */
@@ -63,7 +55,7 @@ static saltus_status open_parts(saltus_shooting *p, saltus_message *message) {
 saltus_status saltus_shooting_new(const saltus_family *family, const saltus_orbit_options *options,
                                   saltus_shooting **shooting, saltus_message *message) {
     *shooting = NULL;
-    saltus_status status = check_options(options, message);
+    saltus_status status = saltus_options_check(&saltus_orbit_table, options, message);
     if (status != SALTUS_OK)
         return status;
     saltus_shooting *p = calloc(1, sizeof *p);

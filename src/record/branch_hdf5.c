@@ -6,9 +6,11 @@
  * fails leaves the file of an earlier run as it was, and other programs may read while the branch grows. The
  * pause between exchanges grows with their cost, which thus stays a small part of the time.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "record/branch_columns.h"
+#include "branch/options.h"
 #include "record/describe.h"
+#include "record/fields.h"
 #include "record/output.h"
+#include "record/rows.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -18,45 +20,13 @@
 static const double least_pause = 1;  /* seconds between two exchanges of the file */
 static const double pause_ratio = 20; /* the pause relative to the time an exchange takes */
 
-/* Rows of some columns, column by column. */
-typedef struct table {
-    const saltus_branch_column *columns;
-    int count;
-    unsigned char *data[SALTUS_POINT_COLUMNS];
-    long long rows, room;
-} table;
-
 struct saltus_branch_output {
     saltus_branch_file head; /* without points */
     saltus_system *system;   /* of the start */
-    saltus_branch_shape shape;
-    table points, events;
-    double *scratch; /* multipliers and log moduli of one row */
+    saltus_rows points, events;
     char *path;
     double written, cost; /* when the file was last exchanged, and how long that took; seconds */
 };
-
-/* False when there is no memory. */
-static bool append(table *t, saltus_branch_shape shape, void *row) {
-    enum { first_room = 64 };
-    if (t->rows == t->room) {
-        long long room = t->room ? 2 * t->room : first_room;
-        for (int k = 0; k < t->count; k++) {
-            size_t bytes = saltus_column_bytes(&t->columns[k], shape);
-            unsigned char *grown = realloc(t->data[k], (size_t)room * bytes + 1);
-            if (!grown)
-                return false;
-            t->data[k] = grown;
-        }
-        t->room = room;
-    }
-    for (int k = 0; k < t->count; k++) {
-        size_t bytes = saltus_column_bytes(&t->columns[k], shape);
-        memcpy(t->data[k] + (size_t)t->rows * bytes, saltus_column_values(&t->columns[k], row), bytes);
-    }
-    t->rows++;
-    return true;
-}
 
 /* Add a parameter table's names, so that rows can be read without this program. */
 static void put_names(saltus_h5 *w, hid_t group, const saltus_spec *spec) {
@@ -72,36 +42,10 @@ static void put_names(saltus_h5 *w, hid_t group, const saltus_spec *spec) {
     saltus_h5_close(set);
 }
 
-static void put_table(saltus_h5 *w, hid_t group, const table *t, saltus_branch_shape shape) {
-    for (int k = 0; k < t->count && w->sound; k++) {
-        const saltus_branch_column *c = &t->columns[k];
-        int width[2];
-        saltus_column_widths(c, shape, width);
-        if (width[1] && !width[0])
-            continue;
-        hid_t stored = saltus_column_type(w, c, true), memory = saltus_column_type(w, c, false);
-        const saltus_h5_column column = {c->name, c->units, c->description, stored, memory, t->data[k]};
-        if (saltus_h5_note(w, stored >= 0 && memory >= 0))
-            saltus_h5_dataset(w, group, &column, t->rows, width);
-        saltus_h5_close(stored);
-        saltus_h5_close(memory);
-    }
-}
-
 static void put_options(saltus_h5 *w, const saltus_branch_file *head, bool complete) {
     const saltus_branch_options *options = &head->options;
     hid_t group = saltus_h5_open_group(w, "continuation", "options of the run");
-    for (int k = 0; k < SALTUS_BRANCH_SETTINGS; k++) {
-        const saltus_branch_setting *s = &saltus_branch_settings[k];
-        const char *place = (const char *)options + s->offset;
-        if (s->kind == SALTUS_SETTING_REAL)
-            saltus_h5_double(w, group, s->name, *(const double *)(const void *)place);
-        else if (s->kind == SALTUS_SETTING_INT)
-            saltus_h5_integer(w, group, s->name, *(const int *)(const void *)place);
-        else
-            saltus_h5_text(w, group, s->name, place);
-    }
-    saltus_h5_text(w, group, "locus", saltus_point_word(options->locus));
+    saltus_h5_options(w, group, &saltus_branch_table, options);
     saltus_h5_reals(w, group, "values", "where points were asked for", options->values, options->value_count);
     saltus_h5_reals(w, group, "resume", "what the run goes on from; empty once it is complete", head->resume,
                     complete ? 0 : head->resume_count);
@@ -110,15 +54,9 @@ static void put_options(saltus_h5 *w, const saltus_branch_file *head, bool compl
 
 static void put_head(saltus_h5 *w, const saltus_branch_output *o, bool complete) {
     const saltus_branch_file *head = &o->head;
-    saltus_h5_text(w, w->file, "version", SALTUS_VERSION);
-    saltus_h5_text(w, w->file, "kind", "branch");
-    saltus_h5_text(w, w->file, "scene", head->scene);
-    saltus_h5_text(w, w->file, "title", head->title);
-    saltus_h5_text(w, w->file, "model", saltus_model_name(head->spec.model));
+    saltus_h5_put_head(w, "branch", head->scene, head->title, &head->spec, complete);
     saltus_h5_text(w, w->file, "integrator",
                    saltus_integrator_used(o->system, head->options.orbit.flow.integrator));
-    saltus_h5_integer(w, w->file, "complete", complete);
-    saltus_h5_parameters(w, &head->spec);
     put_options(w, head, complete);
     hid_t group = saltus_h5_open_group(w, "start", "the orbit that the branch was begun with");
     if (w->sound)
@@ -131,11 +69,11 @@ static void put_file(const saltus_branch_output *o, bool complete, FILE *file, s
     saltus_h5_create(w);
     put_head(w, o, complete);
     hid_t group = saltus_h5_open_group(w, "points", "points of the branches, one row each, as computed");
-    put_table(w, group, &o->points, o->shape);
+    saltus_h5_rows(w, group, &o->points);
     put_names(w, group, &o->head.spec);
     saltus_h5_close(group);
     group = saltus_h5_open_group(w, "events", "contact events of the orbits, see /points/event_first");
-    put_table(w, group, &o->events, o->shape);
+    saltus_h5_rows(w, group, &o->events);
     saltus_h5_close(group);
     saltus_h5_finish(w, file);
 }
@@ -177,24 +115,20 @@ static bool fill_head(saltus_branch_output *o, const char *path, const saltus_sc
     head->state = copy_reals(state, head->dimension);
     head->values = copy_reals(options->values, options->value_count);
     head->options.values = head->values;
-    saltus_model_parameters(head->spec.model, &o->shape.parameters);
-    o->shape.dimension = head->dimension;
-    o->shape.stops = head->spec.stop_count;
-    o->points = (table){.columns = saltus_point_columns, .count = SALTUS_POINT_COLUMNS};
-    o->events = (table){.columns = saltus_event_columns, .count = SALTUS_EVENT_COLUMNS};
-    o->scratch = calloc(3 * (size_t)head->dimension, sizeof *o->scratch);
+    o->points = (saltus_rows){
+        .kind = &saltus_point_fields,
+        .counts = {[SALTUS_COUNT_DIMENSION] = head->dimension, [SALTUS_COUNT_STOPS] = head->spec.stop_count}};
+    saltus_model_parameters(head->spec.model, &o->points.counts[SALTUS_COUNT_PARAMETERS]);
+    o->events = (saltus_rows){.kind = &saltus_event_fields};
     o->path = strdup(path);
-    return head->state && head->values && o->scratch && o->path;
+    return head->state && head->values && o->path;
 }
 
 static void release(saltus_branch_output *o) {
-    for (int k = 0; k < SALTUS_POINT_COLUMNS; k++) {
-        free(o->points.data[k]);
-        free(o->events.data[k]);
-    }
+    saltus_rows_clear(&o->points);
+    saltus_rows_clear(&o->events);
     saltus_branch_file_clear(&o->head);
     saltus_system_free(o->system);
-    free(o->scratch);
     free(o->path);
     free(o);
 }
@@ -234,47 +168,18 @@ saltus_status saltus_branch_output_open(const char *path, const saltus_scene *sc
 /* Append the events of a point; false when there is no memory. */
 static bool add_events(saltus_branch_output *o, const saltus_branch_point *point) {
     for (int k = 0; k < point->event_count; k++) {
-        const saltus_event *event = &point->events[k];
-        saltus_face face = saltus_system_face(o->system, event->face);
-        saltus_event_row row = {.kind = event->kind,
-                                .stop = face.stop + 1,
-                                .side = face.side,
-                                .time = saltus_time_periods(event->time),
-                                .phase = event->time.phase,
-                                .velocity_before = event->velocity_before,
-                                .velocity_after = event->velocity_after,
-                                .displacement = event->displacement};
-        if (!append(&o->events, o->shape, &row))
+        saltus_event_row row = saltus_event_row_of(o->system, &point->events[k]);
+        if (!saltus_rows_add(&o->events, &row))
             return false;
     }
     return true;
 }
 
-/* Fill with zeros what lies behind the end of a text, so that equal points give equal files. */
-static void trim(char *text, size_t room) {
-    size_t length = strnlen(text, room - 1);
-    memset(text + length, 0, room - length);
-}
-
 /* One row more, in memory. */
 static saltus_status append_point(saltus_branch_output *o, const saltus_branch_point *point,
                                   saltus_message *message) {
-    int n = o->shape.dimension;
-    saltus_point_row row = {.point = *point,
-                            .event_first = o->events.rows,
-                            .multipliers = o->scratch,
-                            .log_moduli = o->scratch + 2 * n};
-    trim(row.point.label, sizeof row.point.label);
-    trim(row.point.label_after, sizeof row.point.label_after);
-    trim(row.point.reason, sizeof row.point.reason);
-    for (int k = 0; k < n; k++) {
-        row.multipliers[2 * k] = point->multipliers[k].re;
-        row.multipliers[2 * k + 1] = point->multipliers[k].im;
-        row.log_moduli[k] = point->multipliers[k].log_modulus;
-    }
-    for (int s = 0; s < o->shape.stops; s++)
-        saltus_stop_values(&point->spec.stops[s], row.stops[s]);
-    if (!add_events(o, point) || !append(&o->points, o->shape, &row))
+    const saltus_point_row row = {.point = *point, .event_first = o->events.count};
+    if (!add_events(o, point) || !saltus_rows_add(&o->points, &row))
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for another point of the branch");
     return SALTUS_OK;
 }
@@ -283,7 +188,7 @@ saltus_status saltus_branch_output_add(saltus_branch_output *o, const saltus_bra
                                        saltus_message *message) {
     saltus_status status = append_point(o, point, message);
     if (status != SALTUS_OK ||
-        (o->points.rows > 1 && saltus_seconds() - o->written < fmax(least_pause, pause_ratio * o->cost)))
+        (o->points.count > 1 && saltus_seconds() - o->written < fmax(least_pause, pause_ratio * o->cost)))
         return status;
     return exchange(o, false, message);
 }
@@ -313,7 +218,7 @@ saltus_status saltus_branch_output_close(saltus_branch_output *output, bool comp
                                          saltus_message *message) {
     if (!output)
         return SALTUS_OK;
-    saltus_status status = output->points.rows ? exchange(output, complete, message) : SALTUS_OK;
+    saltus_status status = output->points.count ? exchange(output, complete, message) : SALTUS_OK;
     release(output);
     return status;
 }

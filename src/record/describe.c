@@ -2,6 +2,8 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "record/describe.h"
 
+#include "flow/options.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -20,22 +22,19 @@ void saltus_put_number(FILE *file, double value) {
     fputs(saltus_number(value, text), file);
 }
 
+const saltus_word saltus_event_words[] = {{"reached", SALTUS_REACHED},
+                                          {"turning", SALTUS_TURNING},
+                                          {"step", SALTUS_STEP},
+                                          {"impact", SALTUS_IMPACT},
+                                          {"stick", SALTUS_STICK},
+                                          {"release", SALTUS_RELEASE},
+                                          {NULL, 0}};
+const saltus_word saltus_side_words[] = {
+    {"upper", SALTUS_UPPER}, {"lower", SALTUS_LOWER}, {"both", SALTUS_BOTH}, {NULL, 0}};
+
 const char *saltus_event_word(saltus_event_kind kind) {
-    switch (kind) {
-    case SALTUS_REACHED:
-        return "reached";
-    case SALTUS_IMPACT:
-        return "impact";
-    case SALTUS_STICK:
-        return "stick";
-    case SALTUS_RELEASE:
-        return "release";
-    case SALTUS_TURNING:
-        return "turning";
-    case SALTUS_STEP:
-        return "step";
-    }
-    return "unknown";
+    const char *word = saltus_word_of(saltus_event_words, (int)kind);
+    return word ? word : "unknown";
 }
 
 const char *saltus_side_word(int side) {
@@ -43,11 +42,11 @@ const char *saltus_side_word(int side) {
 }
 
 const char *saltus_sides_word(saltus_sides sides) {
-    return sides == SALTUS_BOTH ? "both" : saltus_side_word(sides == SALTUS_UPPER ? 1 : -1);
+    return saltus_word_of(saltus_side_words, (int)sides);
 }
 
 const char *saltus_integrator_word(saltus_integrator integrator) {
-    return integrator == SALTUS_TAYLOR ? "taylor" : integrator == SALTUS_RADAU ? "radau" : "automatic";
+    return saltus_word_of(saltus_integrator_words, (int)integrator);
 }
 
 const char *saltus_integrator_used(const saltus_system *system, saltus_integrator asked) {

@@ -12,6 +12,10 @@
 
 void saltus_put_number(FILE *file, double value);
 
+/* All kinds of events; those of contacts are the last ones, from SALTUS_CONTACT_EVENTS on. */
+enum { SALTUS_CONTACT_EVENTS = 3 };
+extern const saltus_word saltus_event_words[], saltus_side_words[];
+
 const char *saltus_event_word(saltus_event_kind kind); /* "impact", "stick", "release", ... */
 const char *saltus_side_word(int side);                /* +1 upper, -1 lower */
 const char *saltus_sides_word(saltus_sides sides);     /* "upper", "lower", "both" */

@@ -39,14 +39,20 @@ static void put_attribute(saltus_h5 *w, hid_t owner, const char *name, hid_t typ
     saltus_h5_close(space);
 }
 
+hid_t saltus_h5_text_type(size_t room, bool stored) {
+    hid_t type = H5Tcopy(H5T_C_S1);
+    if (type >= 0 && H5Tset_size(type, room) >= 0 && H5Tset_cset(type, H5T_CSET_UTF8) >= 0 &&
+        (stored || H5Tset_strpad(type, H5T_STR_NULLPAD) >= 0))
+        return type;
+    saltus_h5_close(type);
+    return -1;
+}
+
 void saltus_h5_text(saltus_h5 *w, hid_t owner, const char *name, const char *text) {
-    hid_t type = w->sound ? H5Tcopy(H5T_C_S1) : -1;
-    if (!saltus_h5_note(w, type >= 0))
-        return;
-    saltus_h5_note(w, H5Tset_size(type, strlen(text) + 1) >= 0 && H5Tset_cset(type, H5T_CSET_UTF8) >= 0);
-    if (w->sound)
+    hid_t type = w->sound ? saltus_h5_text_type(strlen(text) + 1, true) : -1;
+    if (saltus_h5_note(w, type >= 0))
         put_attribute(w, owner, name, type, type, text);
-    H5Tclose(type);
+    saltus_h5_close(type);
 }
 
 void saltus_h5_double(saltus_h5 *w, hid_t owner, const char *name, double value) {
@@ -71,125 +77,63 @@ void saltus_h5_close(hid_t object) {
         H5Idec_ref(object);
 }
 
-static void put_filters(saltus_h5 *w, hid_t list) {
-    enum { level = 6 };
-    saltus_h5_note(w, H5Pset_shuffle(list) >= 0);
-    if (H5Zfilter_avail(H5Z_FILTER_DEFLATE) > 0)
-        saltus_h5_note(w, H5Pset_deflate(list, level) >= 0);
-    saltus_h5_note(w, H5Pset_fletcher32(list) >= 0);
-}
-
-/* Chunks of about 128 KiB; empty datasets are stored plainly. */
-static hid_t layout(saltus_h5 *w, int rank, const hsize_t size[3], size_t entry) {
-    enum { chunk_bytes = 131072 };
-    hid_t list = H5Pcreate(H5P_DATASET_CREATE);
-    if (!saltus_h5_note(w, list >= 0))
-        return list;
-    saltus_h5_note(w, H5Pset_obj_track_times(list, 0) >= 0);
-    if (size[0] == 0)
-        return list;
-    hsize_t chunk[3] = {size[0], size[1], size[2]}, tall = chunk_bytes / entry;
-    for (int k = 1; k < rank; k++)
-        tall /= size[k];
-    chunk[0] = tall < 1 ? 1 : tall > size[0] ? size[0] : tall;
-    saltus_h5_note(w, H5Pset_chunk(list, rank, chunk) >= 0);
-    put_filters(w, list);
-    return list;
-}
-
-void saltus_h5_dataset(saltus_h5 *w, hid_t group, const saltus_h5_column *c, long long rows,
-                       const int width[2]) {
-    if (!w->sound)
-        return;
-    hsize_t size[3] = {(hsize_t)rows, (hsize_t)width[0], (hsize_t)width[1]};
-    hsize_t most[3] = {rows ? H5S_UNLIMITED : 0, size[1], size[2]};
-    int rank = 1 + (width[0] > 0) + (width[1] > 0);
-    hid_t list = layout(w, rank, size, H5Tget_size(c->type)), space = H5Screate_simple(rank, size, most);
-    hid_t set = w->sound ? H5Dcreate2(group, c->name, c->type, space, H5P_DEFAULT, list, H5P_DEFAULT) : -1;
-    if (saltus_h5_note(w, set >= 0)) {
-        saltus_h5_note(w, rows == 0 || H5Dwrite(set, c->memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, c->data) >= 0);
-        saltus_h5_text(w, set, "units", c->units);
-        saltus_h5_text(w, set, "description", c->description);
-        saltus_h5_note(w, H5Dclose(set) >= 0);
-    }
-    saltus_h5_close(space);
-    saltus_h5_close(list);
-}
-
-/* Storage of a dataset that is written in parts: one chunk for each part. */
-static hid_t part_layout(saltus_h5 *w, const saltus_h5_column *c, const saltus_h5_shape *shape) {
-    hid_t list = H5Pcreate(H5P_DATASET_CREATE);
-    if (!saltus_h5_note(w, list >= 0))
-        return list;
-    saltus_h5_note(w, H5Pset_obj_track_times(list, 0) >= 0 &&
-                          H5Pset_chunk(list, shape->rank, shape->part) >= 0 &&
-                          H5Pset_fill_value(list, c->memory, c->data) >= 0);
-    put_filters(w, list);
-    return list;
-}
-
-hid_t saltus_h5_open_dataset(saltus_h5 *w, hid_t group, const saltus_h5_column *c,
-                             const saltus_h5_shape *shape) {
-    if (!w->sound)
-        return -1;
-    hid_t list = part_layout(w, c, shape), space = H5Screate_simple(shape->rank, shape->size, NULL);
-    /* Each part is written once and whole, so HDF5 need not keep any chunk in memory. */
-    hid_t access = H5Pcreate(H5P_DATASET_ACCESS), set = -1;
-    if (saltus_h5_note(w, space >= 0 && access >= 0 && H5Pset_chunk_cache(access, 1, 0, 1) >= 0))
-        set = H5Dcreate2(group, c->name, c->type, space, H5P_DEFAULT, list, access);
-    if (saltus_h5_note(w, set >= 0)) {
-        saltus_h5_text(w, set, "units", c->units);
-        saltus_h5_text(w, set, "description", c->description);
-    }
-    saltus_h5_close(access);
-    saltus_h5_close(space);
-    saltus_h5_close(list);
-    return set;
-}
-
-void saltus_h5_write_part(saltus_h5 *w, hid_t set, hid_t memory, const hsize_t *first, const hsize_t *count,
-                          const void *data) {
-    hid_t place = w->sound ? H5Dget_space(set) : -1;
-    if (!saltus_h5_note(w, place >= 0))
-        return;
-    hid_t here = H5Screate_simple(H5Sget_simple_extent_ndims(place), count, NULL);
-    saltus_h5_note(w, here >= 0 &&
-                          H5Sselect_hyperslab(place, H5S_SELECT_SET, first, NULL, count, NULL) >= 0 &&
-                          H5Dwrite(set, memory, here, place, H5P_DEFAULT, data) >= 0);
-    saltus_h5_close(here);
-    H5Sclose(place);
-}
-
-hid_t saltus_h5_enumeration(saltus_h5 *w, hid_t base, const char *const *words, const int *values,
-                            int count) {
-    hid_t type = H5Tenum_create(base);
-    saltus_h5_note(w, type >= 0);
-    for (int k = 0; k < count && w->sound; k++) {
-        int value = values ? values[k] : k;
-        signed char narrow = (signed char)value;
-        saltus_h5_note(
-            w, H5Tenum_insert(type, words[k], H5Tget_size(base) == 1 ? (const void *)&narrow : &value) >= 0);
-    }
-    return type;
-}
-
-void saltus_h5_reals(saltus_h5 *w, hid_t group, const char *name, const char *description,
-                     const double *values, int count) {
-    const saltus_h5_column column = {name, "1", description, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, values};
-    saltus_h5_dataset(w, group, &column, count, (const int[2]){0, 0});
-}
-
-/* What the k-th of `count` numbers that place a stop is called: the key, with a number where there are
- * several. */
-static const char *place_name(const saltus_model *model, int k, int count, char name[32]) {
-    if (count > 1)
-        snprintf(name, 32, "%s%d", saltus_model_stop_key(model), k + 1);
+static void put_field(saltus_h5 *w, hid_t owner, const saltus_field *field, const void *record) {
+    char text[SALTUS_FIELD_TEXT_MAX];
+    if (field->type == SALTUS_REAL)
+        saltus_h5_double(w, owner, field->name, saltus_field_number(field, record));
+    else if (field->words || field->type == SALTUS_TEXT)
+        saltus_h5_text(w, owner, field->name, saltus_field_text(field, record, text));
     else
-        snprintf(name, 32, "%s", saltus_model_stop_key(model));
-    return name;
+        saltus_h5_integer(w, owner, field->name, saltus_field_whole(field, record));
 }
 
-void saltus_h5_parameters(saltus_h5 *w, const saltus_spec *spec) {
+/* False when the attribute is absent, of another type, or no value of the field. */
+static bool get_field(hid_t owner, const saltus_field *field, void *record) {
+    char text[SALTUS_FIELD_TEXT_MAX];
+    double real;
+    long long whole;
+    if (field->type == SALTUS_REAL)
+        return saltus_h5_get_double(owner, field->name, &real) &&
+               saltus_field_set_number(field, real, record);
+    if (field->words || field->type == SALTUS_TEXT)
+        return saltus_h5_get_text(owner, field->name, text, sizeof text) &&
+               saltus_field_read(field, text, record);
+    return saltus_h5_get_integer(owner, field->name, &whole) && saltus_field_set_whole(field, whole, record);
+}
+
+void saltus_h5_options(saltus_h5 *w, hid_t owner, const saltus_option_table *table, const void *record) {
+    for (int k = 0; k < table->count; k++)
+        if (!table->options[k].apart)
+            put_field(w, owner, &table->options[k].field, record);
+}
+
+const char *saltus_h5_get_options(hid_t owner, const saltus_option_table *table, void *record) {
+    for (int k = 0; k < table->count; k++) {
+        const saltus_option *o = &table->options[k];
+        if (!o->apart && !(get_field(owner, &o->field, record) && saltus_option_admits(o, record)))
+            return o->field.name;
+    }
+    return NULL;
+}
+
+#define STOP(member, name, meaning, ...) SALTUS_MEMBER(saltus_stop, member, name, "1", meaning, __VA_ARGS__)
+#define WHAT_A_STOP_DOES                                                                                     \
+    STOP(d, "d", "clearance", SALTUS_REAL), STOP(r, "r", "coefficient of restitution", SALTUS_REAL),         \
+        STOP(sides, "sides", "where it is", SALTUS_CHOICE, .words = saltus_side_words)
+
+/* What is told of the stops of a model: where each acts, and what it does. */
+static const saltus_field_table *stop_table(const saltus_model *model) {
+    static const saltus_field position_fields[] = {STOP(xi, "xi", "position", SALTUS_REAL), WHAT_A_STOP_DOES},
+                              weight_fields[] = {STOP(weight[0], "weight1", "of mass 1", SALTUS_REAL),
+                                                 STOP(weight[1], "weight2", "of mass 2", SALTUS_REAL),
+                                                 WHAT_A_STOP_DOES};
+    static const saltus_field_table by_position = SALTUS_TABLE(position_fields),
+                                    by_weights = SALTUS_TABLE(weight_fields);
+    return strcmp(saltus_model_stop_key(model), "xi") == 0 ? &by_position : &by_weights;
+}
+
+static void put_parameters(saltus_h5 *w, const saltus_spec *spec) {
+    const saltus_field_table *stop = stop_table(spec->model);
     int count;
     const saltus_parameter *p = saltus_model_parameters(spec->model, &count);
     hid_t group = saltus_h5_open_group(w, "parameters", "parameters of the model; one group for each stop");
@@ -200,15 +144,21 @@ void saltus_h5_parameters(saltus_h5 *w, const saltus_spec *spec) {
         char name[32];
         snprintf(name, sizeof name, "parameters/stop_%d", s + 1);
         group = saltus_h5_open_group(w, name, "a rigid stop");
-        int numbers;
-        const double *place = saltus_stop_place(spec->model, &spec->stops[s], &numbers);
-        for (int k = 0; k < numbers; k++)
-            saltus_h5_double(w, group, place_name(spec->model, k, numbers, name), place[k]);
-        saltus_h5_double(w, group, "d", spec->stops[s].d);
-        saltus_h5_double(w, group, "r", spec->stops[s].r);
-        saltus_h5_text(w, group, "sides", saltus_sides_word(spec->stops[s].sides));
+        for (int k = 0; k < stop->count; k++)
+            put_field(w, group, &stop->fields[k], &spec->stops[s]);
         saltus_h5_close(group);
     }
+}
+
+void saltus_h5_put_head(saltus_h5 *w, const char *kind, const char *scene, const char *title,
+                        const saltus_spec *spec, bool complete) {
+    saltus_h5_text(w, w->file, "kind", kind);
+    saltus_h5_text(w, w->file, "version", SALTUS_VERSION);
+    saltus_h5_text(w, w->file, "scene", scene);
+    saltus_h5_text(w, w->file, "title", title);
+    saltus_h5_text(w, w->file, "model", saltus_model_name(spec->model));
+    saltus_h5_integer(w, w->file, "complete", complete);
+    put_parameters(w, spec);
 }
 
 static const uint64_t digest_begin = 0xcbf29ce484222325u;
@@ -337,17 +287,8 @@ bool saltus_h5_get_integer(hid_t owner, const char *name, long long *value) {
     return get_attribute(owner, name, H5T_INTEGER, H5T_NATIVE_LLONG, value);
 }
 
-hid_t saltus_h5_text_memory(size_t room) {
-    hid_t type = H5Tcopy(H5T_C_S1);
-    if (type >= 0 && H5Tset_size(type, room) >= 0 && H5Tset_cset(type, H5T_CSET_UTF8) >= 0 &&
-        H5Tset_strpad(type, H5T_STR_NULLPAD) >= 0)
-        return type;
-    saltus_h5_close(type);
-    return -1;
-}
-
 bool saltus_h5_get_text(hid_t owner, const char *name, char *text, size_t room) {
-    hid_t type = saltus_h5_text_memory(room);
+    hid_t type = saltus_h5_text_type(room, false);
     bool fits = type >= 0 && get_attribute(owner, name, H5T_STRING, type, text);
     saltus_h5_close(type);
     if (!fits || text[room - 1])
@@ -355,83 +296,20 @@ bool saltus_h5_get_text(hid_t owner, const char *name, char *text, size_t room) 
     return fits && !text[room - 1];
 }
 
-/* Open a dataset and its extent; the rank, or -1. */
-static int open_extent(hid_t file, const char *name, hid_t *set, hsize_t size[SALTUS_H5_RANK_MAX]) {
-    *set = H5Lexists(file, name, H5P_DEFAULT) > 0 ? H5Dopen2(file, name, H5P_DEFAULT) : -1;
-    hid_t space = *set >= 0 ? H5Dget_space(*set) : -1;
-    int rank = space >= 0 ? H5Sget_simple_extent_ndims(space) : -1;
-    if (rank < 1 || rank > SALTUS_H5_RANK_MAX || H5Sget_simple_extent_dims(space, size, NULL) != rank)
-        rank = -1;
-    saltus_h5_close(space);
-    return rank;
-}
-
-int saltus_h5_extent(hid_t file, const char *name, hsize_t size[SALTUS_H5_RANK_MAX], hsize_t *stored) {
-    hid_t set;
-    int rank = open_extent(file, name, &set, size);
-    *stored = rank < 0 ? 0 : H5Dget_storage_size(set);
-    saltus_h5_close(set);
-    return rank;
-}
-
-long long saltus_h5_rows(hid_t file, const char *name) {
-    hsize_t size[SALTUS_H5_RANK_MAX] = {0}, stored;
-    return saltus_h5_extent(file, name, size, &stored) < 0 ? -1 : (long long)size[0];
-}
-
-bool saltus_h5_believable(hsize_t entries, hsize_t width, hsize_t stored) {
-    const hsize_t most_entries = (hsize_t)1 << 40, per_row = width ? width : 1;
-    return entries <= most_entries / per_row && entries * per_row / 1024 <= stored;
-}
-
-bool saltus_h5_get_array(hid_t file, const char *name, hid_t memory, int rank, const hsize_t *size,
-                         void *data) {
-    hid_t set;
-    hsize_t there[SALTUS_H5_RANK_MAX] = {0}, entries = 1;
-    bool fits = open_extent(file, name, &set, there) == rank;
-    for (int k = 0; k < rank && fits; k++) {
-        fits = there[k] == size[k];
-        entries = size[k] ? entries : 0;
-    }
-    hid_t type = fits ? H5Dget_type(set) : -1;
-    fits = type >= 0 && H5Tget_class(type) == H5Tget_class(memory) &&
-           (H5Tget_class(memory) != H5T_STRING || H5Tis_variable_str(type) == 0);
-    fits = fits && (entries == 0 || H5Dread(set, memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) >= 0);
-    saltus_h5_close(type);
-    saltus_h5_close(set);
-    return fits;
-}
-
-bool saltus_h5_get_dataset(hid_t file, const char *name, hid_t memory, long long rows, const int width[2],
-                           void *data) {
-    const hsize_t size[3] = {(hsize_t)rows, (hsize_t)width[0], (hsize_t)width[1]};
-    return saltus_h5_get_array(file, name, memory, 1 + (width[0] > 0) + (width[1] > 0), size, data);
-}
-
 hid_t saltus_h5_find_group(hid_t file, const char *name) {
     return H5Lexists(file, name, H5P_DEFAULT) > 0 ? H5Gopen2(file, name, H5P_DEFAULT) : -1;
 }
 
-static bool get_stop(hid_t file, const char *name, const saltus_model *model, saltus_stop *stop) {
-    char sides[16] = "", number[32];
-    int k = SALTUS_UPPER, numbers;
+/* Whether all is there, and the numbers are finite. */
+static bool get_stop(hid_t file, const char *name, const saltus_field_table *table, saltus_stop *stop) {
     hid_t group = H5Gopen2(file, name, H5P_DEFAULT);
-    if (group < 0)
-        return false;
+    bool whole = group >= 0;
     *stop = saltus_stop_defaults();
-    double *place = (double *)saltus_stop_place(model, stop, &numbers);
-    bool whole = true;
-    for (int i = 0; i < numbers && whole; i++)
-        whole = saltus_h5_get_double(group, place_name(model, i, numbers, number), &place[i]);
-    whole = whole && saltus_h5_get_double(group, "d", &stop->d) &&
-            saltus_h5_get_double(group, "r", &stop->r) &&
-            saltus_h5_get_text(group, "sides", sides, sizeof sides);
-    H5Gclose(group);
-    while (k <= SALTUS_BOTH && strcmp(sides, saltus_sides_word((saltus_sides)k)) != 0)
-        k++;
-    stop->sides = (saltus_sides)k;
-    return whole && k <= SALTUS_BOTH && isfinite(stop->xi) && isfinite(stop->weight[0]) &&
-           isfinite(stop->weight[1]) && isfinite(stop->d) && isfinite(stop->r);
+    for (int k = 0; k < table->count && whole; k++)
+        whole = get_field(group, &table->fields[k], stop) &&
+                isfinite(saltus_field_number(&table->fields[k], stop));
+    saltus_h5_close(group);
+    return whole;
 }
 
 saltus_status saltus_h5_reader_open(saltus_h5_reader *r) {
@@ -486,7 +364,7 @@ static saltus_status get_parameters(const saltus_h5_reader *r, const saltus_mode
         snprintf(name, sizeof name, "parameters/stop_%d", spec->stop_count + 1);
         if (H5Lexists(r->file, name, H5P_DEFAULT) <= 0)
             break;
-        if (!get_stop(r->file, name, model, &spec->stops[spec->stop_count]))
+        if (!get_stop(r->file, name, stop_table(model), &spec->stops[spec->stop_count]))
             return saltus_h5_refuse_part(r, name, "d, r, sides");
     }
     return SALTUS_OK;

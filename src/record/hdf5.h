@@ -7,6 +7,7 @@
 #ifndef SALTUS_RECORD_HDF5_H
 #define SALTUS_RECORD_HDF5_H
 
+#include "base/field.h"
 #include "saltus/system.h"
 
 #include <hdf5.h>
@@ -41,46 +42,21 @@ void saltus_h5_create(saltus_h5 *w);
  * stream's error flag. */
 void saltus_h5_finish(saltus_h5 *w, FILE *file);
 
+/* The type of texts of `room` bytes in a file, or in memory: cut there without a NUL, so that a cut can be
+ * seen. To be closed; negative on failure. */
+hid_t saltus_h5_text_type(size_t room, bool stored);
 void saltus_h5_text(saltus_h5 *w, hid_t owner, const char *name, const char *text);
 void saltus_h5_double(saltus_h5 *w, hid_t owner, const char *name, double value);
 void saltus_h5_integer(saltus_h5 *w, hid_t owner, const char *name, long long value);
 hid_t saltus_h5_open_group(saltus_h5 *w, const char *name, const char *description);
 /* Close a group, dataset, type, ...; nothing to do where it is negative, because it could not be opened. */
 void saltus_h5_close(hid_t object);
-/* The groups /parameters and /parameters/stop_1, ... with an attribute for each value. */
-void saltus_h5_parameters(saltus_h5 *w, const saltus_spec *spec);
-
-/* What a dataset is called and means. */
-typedef struct saltus_h5_column {
-    const char *name, *units, *description;
-    hid_t type, memory;
-    const void *data;
-} saltus_h5_column;
-
-/* A dataset of `rows` entries, each of them a number, a row of width[0] or a matrix of width[0] x width[1];
- * unused widths are 0. Extensible, in chunks, shuffled, deflated and with checksums. */
-void saltus_h5_dataset(saltus_h5 *w, hid_t group, const saltus_h5_column *c, long long rows,
-                       const int width[2]);
-/* A dataset of plain real numbers without a unit. */
-void saltus_h5_reals(saltus_h5 *w, hid_t group, const char *name, const char *description,
-                     const double *values, int count);
-enum { SALTUS_H5_RANK_MAX = 4 };
-
-/* Extent of a dataset, and of the parts in which it is stored and written. */
-typedef struct saltus_h5_shape {
-    int rank;
-    hsize_t size[SALTUS_H5_RANK_MAX], part[SALTUS_H5_RANK_MAX];
-} saltus_h5_shape;
-
-/* A dataset to be written part by part, each part once. c->data is one entry, the value of parts that are
- * never written. To be closed; negative on failure. */
-hid_t saltus_h5_open_dataset(saltus_h5 *w, hid_t group, const saltus_h5_column *c,
-                             const saltus_h5_shape *shape);
-/* Write the entries from `first` on, `count` of them along each dimension. */
-void saltus_h5_write_part(saltus_h5 *w, hid_t set, hid_t memory, const hsize_t *first, const hsize_t *count,
-                          const void *data);
-/* An enumeration of `count` words with the values 0, 1, ... or the given ones; to be closed. */
-hid_t saltus_h5_enumeration(saltus_h5 *w, hid_t base, const char *const *words, const int *values, int count);
+/* What every file of results says of its origin: attributes, and the groups /parameters and
+ * /parameters/stop_1, ... with one for each value. */
+void saltus_h5_put_head(saltus_h5 *w, const char *kind, const char *scene, const char *title,
+                        const saltus_spec *spec, bool complete);
+/* An attribute for each option that the results depend on. */
+void saltus_h5_options(saltus_h5 *w, hid_t owner, const saltus_option_table *table, const void *record);
 
 enum { SALTUS_H5_SEAL = 24 };
 /* The seal of the first `length` bytes of a file: SALTUS_H5_SEAL characters and a NUL. False, with errno,
@@ -92,23 +68,9 @@ bool saltus_h5_get_double(hid_t owner, const char *name, double *value);
 bool saltus_h5_get_integer(hid_t owner, const char *name, long long *value);
 bool saltus_h5_get_text(hid_t owner, const char *name, char *text, size_t room);
 
-/* The type of a text in memory that is cut at `room` bytes without a NUL, so that a cut can be seen; to be
- * closed. Negative on failure. */
-hid_t saltus_h5_text_memory(size_t room);
-/* Number of entries of a dataset; -1 when there is none of that name. */
-long long saltus_h5_rows(hid_t file, const char *name);
-/* Read a dataset of known size, as written by saltus_h5_dataset; false when it differs. */
-bool saltus_h5_get_dataset(hid_t file, const char *name, hid_t memory, long long rows, const int width[2],
-                           void *data);
-/* The same for any rank up to SALTUS_H5_RANK_MAX. */
-bool saltus_h5_get_array(hid_t file, const char *name, hid_t memory, int rank, const hsize_t *size,
-                         void *data);
-/* Rank and extent of a dataset, and the bytes that it takes in the file; the rank is -1 when there is none of
- * that name. */
-int saltus_h5_extent(hid_t file, const char *name, hsize_t size[SALTUS_H5_RANK_MAX], hsize_t *stored);
-/* Whether a dataset of `entries` rows of `width` entries may be as large as it says, stored in so many bytes:
- * deflate makes a block shorter by a factor of about a thousand at most. */
-bool saltus_h5_believable(hsize_t entries, hsize_t width, hsize_t stored);
+/* Read the attributes of options; the name of the first one that is missing or not admissible, NULL when all
+ * are as they should be. */
+const char *saltus_h5_get_options(hid_t owner, const saltus_option_table *table, void *record);
 /* Open a group for reading; negative when there is none of that name. */
 hid_t saltus_h5_find_group(hid_t file, const char *name);
 
@@ -130,7 +92,7 @@ saltus_status saltus_h5_refuse(const saltus_h5_reader *r, const char *what);
 saltus_status saltus_h5_refuse_part(const saltus_h5_reader *r, const char *group, const char *name);
 saltus_status saltus_h5_no_memory(const saltus_h5_reader *r);
 
-/* What every file of results says of its origin. */
+/* What is read of it. */
 typedef struct saltus_h5_head {
     char kind[32], version[16], scene[128], title[160], model[64];
     bool complete;

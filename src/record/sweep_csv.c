@@ -34,34 +34,21 @@ static void put_head(const source *s) {
     fputs("pass,seed", s->file);
 }
 
-/* The value behind a comma. */
-static void put_entry(const saltus_sweep_column *column, const void *record, FILE *file) {
-    const unsigned char *place = (const unsigned char *)record + column->offset;
-    double real;
-    long long whole;
-    int small;
-    switch (column->entry) {
-    case SALTUS_ENTRY_REAL:
-        memcpy(&real, place, sizeof real);
-        fputc(',', file);
-        if (isnan(real))
-            fputs("nan", file);
-        else
-            saltus_put_number(file, real);
-        break;
-    case SALTUS_ENTRY_INT:
-        memcpy(&small, place, sizeof small);
-        fprintf(file, ",%d", small);
-        break;
-    case SALTUS_ENTRY_LONG:
-        memcpy(&whole, place, sizeof whole);
-        fprintf(file, ",%lld", whole);
-        break;
-    case SALTUS_ENTRY_VERDICT:
-        memcpy(&small, place, sizeof small);
-        fprintf(file, ",%s", saltus_verdict_word(small));
-        break;
+/* All values of a record, each behind a comma. */
+static void put_record(const saltus_field_table *table, int dimension, const void *record, FILE *file) {
+    char text[SALTUS_FIELD_TEXT_MAX];
+    for (int k = 0; k < table->count; k++) {
+        saltus_field entry = table->fields[k];
+        int entries = entry.length < 0 ? dimension : 1;
+        for (int i = 0; i < entries; i++, entry.offset += saltus_field_bytes(&entry))
+            fprintf(file, ",%s", saltus_field_text(&entry, record, text));
     }
+    fputc('\n', file);
+}
+
+static void put_names(const saltus_field_table *table, FILE *file) {
+    for (int k = 0; k < table->count; k++)
+        fprintf(file, ",%s", table->fields[k].name);
 }
 
 /* The axes' values, pass and seed of a line. */
@@ -73,18 +60,6 @@ static void put_place(const source *s, long long point, saltus_pass pass, int se
         point /= axis->count;
     }
     fprintf(s->file, "%s,%d", saltus_pass_word(pass), seed);
-}
-
-static void put_rows_names(const source *s) {
-    for (int k = 0; k < SALTUS_SWEEP_COLUMNS; k++)
-        fprintf(s->file, ",%s", saltus_sweep_columns[k].name);
-    fputc('\n', s->file);
-}
-
-static void put_row(const saltus_sweep_row *row, FILE *file) {
-    for (int k = 0; k < SALTUS_SWEEP_COLUMNS; k++)
-        put_entry(&saltus_sweep_columns[k], row, file);
-    fputc('\n', file);
 }
 
 saltus_status saltus_sweep_put_csv(saltus_sweep_stream *stream, FILE *file, saltus_message *message) {
@@ -99,25 +74,26 @@ saltus_status saltus_sweep_put_csv(saltus_sweep_stream *stream, FILE *file, salt
     long long points = saltus_sweep_points(sweep);
     saltus_status status = SALTUS_OK;
     put_head(&s);
-    put_rows_names(&s);
+    put_names(&saltus_line_fields, file);
+    fputc('\n', file);
     for (long long place = 0; place < stream->journal->places && status == SALTUS_OK; place++) {
         status = saltus_sweep_stream_read(stream, place, message);
         saltus_pass pass = saltus_sweep_pass_at(sweep, (int)(place / points));
         for (int seed = 0; seed < s.identity.options->seeds && status == SALTUS_OK && !ferror(file); seed++) {
             put_place(&s, place % points, pass, seed);
-            put_row(&stream->rows[seed], file);
+            put_record(&saltus_line_fields, 0, &stream->lines[seed], file);
         }
     }
     return status;
 }
 
 /* The names of the columns of a cloud; a state's are those of the coordinates. */
-static saltus_status put_cloud_names(const source *s, const saltus_sweep_cloud *cloud,
+static saltus_status put_cloud_names(const source *s, const saltus_cloud_kind *cloud,
                                      saltus_message *message) {
     saltus_system *system = NULL;
-    for (int k = 0; k < cloud->count && cloud->stride; k++)
-        fprintf(s->file, ",%s", cloud->columns[k].name);
-    if (!cloud->stride) {
+    if (cloud->bytes)
+        put_names(&cloud->fields, s->file);
+    else {
         saltus_status status = saltus_system_new(s->identity.spec, &system, message);
         if (status != SALTUS_OK)
             return status;
@@ -146,20 +122,15 @@ static entries entries_of(const saltus_sweep_file *file, int cloud) {
 }
 
 static void put_points(const source *s, const saltus_sweep_file *file, int cloud, long long row) {
-    static const saltus_sweep_column number = {.entry = SALTUS_ENTRY_REAL};
-    const saltus_sweep_cloud *kind = &saltus_sweep_clouds[cloud];
+    const saltus_cloud_kind *kind = &saltus_clouds[cloud];
     const entries e = entries_of(file, cloud);
-    size_t stride = kind->stride ? kind->stride : (size_t)file->dimension * sizeof(double);
+    size_t stride = kind->bytes ? kind->bytes : (size_t)file->dimension * sizeof(double);
     int seeds = file->options.seeds;
     long long place = row / seeds;
     for (long long i = 0; i < e.count[row]; i++) {
         const unsigned char *record = (const unsigned char *)e.values + (size_t)(e.first[row] + i) * stride;
         put_place(s, place % file->points, file->passes[place / file->points], (int)(row % seeds));
-        for (int k = 0; k < kind->count && kind->stride; k++)
-            put_entry(&kind->columns[k], record, s->file);
-        for (int k = 0; k < file->dimension && !kind->stride; k++)
-            put_entry(&number, record + (size_t)k * sizeof(double), s->file);
-        fputc('\n', s->file);
+        put_record(&kind->fields, file->dimension, record, s->file);
     }
 }
 
@@ -168,15 +139,19 @@ static saltus_status put_table(const source *s, const saltus_sweep_file *file, s
     int cloud = (int)table - SALTUS_TABLE_TURNING, seeds = file->options.seeds;
     saltus_status status = SALTUS_OK;
     put_head(s);
-    if (table == SALTUS_TABLE_ROWS)
-        put_rows_names(s);
-    else
-        status = put_cloud_names(s, &saltus_sweep_clouds[cloud], message);
+    if (table != SALTUS_TABLE_ROWS)
+        status = put_cloud_names(s, &saltus_clouds[cloud], message);
+    else {
+        put_names(&saltus_line_fields, s->file);
+        fputc('\n', s->file);
+    }
     for (long long row = 0; row < file->row_count && status == SALTUS_OK && !ferror(s->file); row++) {
         if (table == SALTUS_TABLE_ROWS) {
             long long place = row / seeds;
             put_place(s, place % file->points, file->passes[place / file->points], (int)(row % seeds));
-            put_row(&file->rows[row], s->file);
+            saltus_sweep_line line = {.row = file->rows[row]};
+            saltus_sweep_label(&line.row, line.label);
+            put_record(&saltus_line_fields, 0, &line, s->file);
         } else
             put_points(s, file, cloud, row);
     }
@@ -190,7 +165,7 @@ saltus_status saltus_sweep_file_csv(const saltus_sweep_file *file, saltus_table 
         return saltus_fail(message, SALTUS_BAD_INPUT, "table %d: there is none of that number", (int)table);
     if (table != SALTUS_TABLE_ROWS && !entries_of(file, (int)table - SALTUS_TABLE_TURNING).count)
         return saltus_fail(message, SALTUS_BAD_INPUT, "%s: the sweep did not keep %s points or impacts", path,
-                           saltus_sweep_clouds[(int)table - SALTUS_TABLE_TURNING].group);
+                           saltus_clouds[(int)table - SALTUS_TABLE_TURNING].group);
     saltus_status status = saltus_output_open(&output, path, message);
     if (status != SALTUS_OK)
         return status;

@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "record/describe.h"
 #include "record/sweep_output.h"
+#include "sweep/options.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -62,7 +63,7 @@ static void put_axis(const writer *w, const saltus_axis *axis, int k) {
     snprintf(name, sizeof name, "%s values", axis->key);
     put_whole(w, name, axis->count);
     snprintf(name, sizeof name, "%s spacing", axis->key);
-    put_word(w, name, saltus_spacing_words[axis->spacing]);
+    put_word(w, name, saltus_word_of(saltus_spacing_words, (int)axis->spacing));
     for (int i = 0; i < axis->count;
          i += axis->spacing == SALTUS_LIST || axis->count == 1 ? 1 : axis->count - 1) {
         snprintf(name, sizeof name, "%s value %d", axis->key, i + 1);
@@ -71,20 +72,14 @@ static void put_axis(const writer *w, const saltus_axis *axis, int k) {
 }
 
 static void put_options(const writer *w, const saltus_sweep_options *o) {
-    char text[SALTUS_WORDS_MAX];
-    put_word(w, "passes", saltus_words_join(saltus_pass_words, o->passes, text));
-    put_whole(w, "seeds", o->seeds);
-    fprintf(w->file, "%sseed = %lu\n", w->prefix, o->seed);
-    put_word(w, "keep", o->keep ? saltus_words_join(saltus_keep_words, o->keep, text) : "rows");
-    put_word(w, "adaptive", o->adaptive ? "yes" : "no");
-    put_whole(w, "transient", o->transient);
-    put_whole(w, "record", o->record);
-    put_whole(w, "measure", o->measure);
-    put_whole(w, "longest", o->longest);
-    put_real(w, "rtol", o->flow.rtol);
-    put_real(w, "atol", o->flow.atol);
-    put_word(w, "integrator", saltus_integrator_word(o->flow.integrator));
-    put_whole(w, "order", o->flow.order);
+    char text[SALTUS_FIELD_TEXT_MAX];
+    for (int k = 0; k < saltus_sweep_table.count; k++) {
+        const saltus_option *option = &saltus_sweep_table.options[k];
+        const char *value = saltus_field_text(&option->field, o, text);
+        /* Where nothing is kept beside the rows. */
+        if (!option->apart)
+            put_word(w, option->field.name, value[0] ? value : "rows");
+    }
 }
 
 void saltus_sweep_identity_put(FILE *file, const saltus_sweep_identity *identity, const char *prefix) {

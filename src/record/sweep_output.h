@@ -3,8 +3,8 @@
 #ifndef SALTUS_RECORD_SWEEP_OUTPUT_H
 #define SALTUS_RECORD_SWEEP_OUTPUT_H
 
-#include "record/sweep_columns.h"
-#include "saltus/record.h"
+#include "record/fields.h"
+#include "record/hdf5.h"
 
 /* sweep_identity.c: everything that the results of a sweep depend on, which lanes and threads are not. */
 typedef struct saltus_sweep_identity {
@@ -68,16 +68,16 @@ void saltus_journal_close(saltus_journal *journal, bool discard);
 typedef struct saltus_sweep_stream {
     const saltus_sweep *sweep;
     saltus_journal *journal;
-    saltus_basins *basins;  /* NULL: not of basins */
-    bool complete;          /* all places are there: basins are told apart */
-    saltus_sweep_row *rows; /* of one place */
-    int distinct;           /* attractors met at this place */
+    saltus_basins *basins;    /* NULL: not of basins */
+    bool complete;            /* all places are there: basins are told apart */
+    saltus_sweep_line *lines; /* of one place */
+    int distinct;             /* attractors met at this place */
     saltus_sweep_result result;
 } saltus_sweep_stream;
 
 bool saltus_sweep_stream_open(saltus_sweep_stream *stream);
 void saltus_sweep_stream_close(saltus_sweep_stream *stream);
-/* stream->rows and stream->distinct become those of a place; in stream->result its clouds, or NULL where it
+/* stream->lines and stream->distinct become those of a place; in stream->result its clouds, or NULL where it
  * is not there. Places must be asked for in order. Errors: SALTUS_IO, SALTUS_NO_MEMORY, those of
  * saltus_basins_sort. */
 saltus_status saltus_sweep_stream_read(saltus_sweep_stream *stream, long long place, saltus_message *message);
@@ -89,11 +89,9 @@ const void *saltus_sweep_stream_cloud(const saltus_sweep_stream *stream, int clo
 saltus_status saltus_sweep_put_hdf5(saltus_sweep_stream *stream, const char *temporary, const char *path,
                                     bool durable, saltus_message *message);
 
-/* sweep_head.c: its parts other than rows and clouds; false when there is no memory, other failures are
- * noted.
- */
-bool saltus_sweep_put_head(saltus_h5 *w, const saltus_sweep_stream *stream);
-bool saltus_sweep_put_attractors(saltus_h5 *w, const saltus_sweep_stream *stream);
+/* sweep_head.c: its parts other than rows and clouds; what fails is noted. */
+void saltus_sweep_put_head(saltus_h5 *w, const saltus_sweep_stream *stream);
+void saltus_sweep_put_attractors(saltus_h5 *w, const saltus_sweep_stream *stream);
 
 /* sweep_csv.c: write all rows. Errors: those of the stream. */
 saltus_status saltus_sweep_put_csv(saltus_sweep_stream *stream, FILE *file, saltus_message *message);

@@ -1,11 +1,11 @@
 /* Reading a sweep's file back, whoever may have written it: everything is checked before it is used.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "record/describe.h"
+#include "record/rows.h"
 #include "record/sweep_output.h"
+#include "sweep/options.h"
 
 #include <limits.h>
 #include <math.h>
-#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -15,11 +15,10 @@ static const long long most_rows = 1000000000;
 typedef struct reader {
     saltus_h5_reader h5;
     saltus_sweep_file *made;
-    bool without_error; /* an old file: exponents have no standard errors, and the option `measure` is missing
-                         */
     int initial_count;
     double *initial;
-    hsize_t size[SALTUS_H5_RANK_MAX]; /* of the rows' datasets */
+    int counts[SALTUS_COUNTS_MAX];
+    saltus_h5_shape grid; /* of the rows */
 } reader;
 
 static saltus_status read_head(reader *r) {
@@ -37,83 +36,41 @@ static saltus_status read_head(reader *r) {
     return SALTUS_OK;
 }
 
-/* A whole number among the options, from `low` to `high`. */
-static bool get_whole(hid_t group, const char *name, long long low, long long high, long long *value) {
-    return saltus_h5_get_integer(group, name, value) && *value >= low && *value <= high;
-}
-
-/* What of the options is missing or not as it should be; NULL when all is there. */
-static const char *get_options(reader *r, hid_t group) {
-    saltus_sweep_file *made = r->made;
-    saltus_sweep_options *o = &made->options;
-    char words[SALTUS_WORDS_MAX], integrator[16];
-    long long seeds, seed, adaptive, longest, order, dimension, axes;
-    int k = SALTUS_AUTOMATIC;
-    if (!saltus_h5_get_text(group, "keep", words, sizeof words) ||
-        !saltus_words_split(words, saltus_keep_words, &o->keep))
-        return "keep";
-    if (!saltus_h5_get_text(group, "passes", words, sizeof words) ||
-        !saltus_words_split(words, saltus_pass_words, &o->passes) || !o->passes)
-        return "passes";
-    if (!get_whole(group, "seeds", 1, INT_MAX, &seeds) || !saltus_h5_get_integer(group, "seed", &seed))
-        return "seeds";
-    if (!get_whole(group, "adaptive", 0, 1, &adaptive) ||
-        !get_whole(group, "transient", 0, LLONG_MAX, &o->transient) ||
-        !get_whole(group, "record", 0, LLONG_MAX, &o->record) ||
-        !get_whole(group, "longest", 1, INT_MAX, &longest))
-        return "adaptive, transient, record, longest";
-    r->without_error = H5Aexists(group, "measure") == 0;
-    o->measure = 0;
-    if (!r->without_error && !get_whole(group, "measure", 0, LLONG_MAX, &o->measure))
-        return "measure";
-    if (!saltus_h5_get_double(group, "rtol", &o->flow.rtol) || !isfinite(o->flow.rtol) ||
-        !saltus_h5_get_double(group, "atol", &o->flow.atol) || !isfinite(o->flow.atol) ||
-        !get_whole(group, "order", 0, INT_MAX, &order) ||
-        !saltus_h5_get_text(group, "integrator", integrator, sizeof integrator))
-        return "rtol, atol, order, integrator";
-    while (k <= SALTUS_RADAU && strcmp(integrator, saltus_integrator_word((saltus_integrator)k)) != 0)
-        k++;
-    if (k > SALTUS_RADAU)
-        return "integrator";
-    if (!get_whole(group, "dimension", 1, SALTUS_SCENE_STATE_MAX, &dimension) ||
-        !get_whole(group, "axes", 1, SALTUS_AXES_MAX, &axes))
-        return "dimension, axes";
-    o->seeds = (int)seeds;
-    o->seed = (unsigned long)seed;
-    o->adaptive = adaptive != 0;
-    o->longest = (int)longest;
-    o->flow.order = (int)order;
-    o->flow.integrator = (saltus_integrator)k;
-    made->dimension = (int)dimension;
-    made->axis_count = (int)axes;
+/* What of an axis is missing or not as it should be; NULL when all is there. */
+static const char *get_axis(hid_t group, int k, saltus_axis *axis, char name[32]) {
+    char word[16];
+    int spacing;
+    snprintf(name, 32, "key%d", k + 1);
+    if (!saltus_h5_get_text(group, name, axis->key, sizeof axis->key))
+        return name;
+    snprintf(name, 32, "spacing%d", k + 1);
+    if (!saltus_h5_get_text(group, name, word, sizeof word) ||
+        !saltus_word_value(saltus_spacing_words, word, strlen(word), &spacing))
+        return name;
+    axis->spacing = (saltus_spacing)spacing;
     return NULL;
 }
 
 static saltus_status read_options(reader *r) {
     saltus_sweep_file *made = r->made;
+    char name[32];
+    long long dimension = 0, axes = 0;
     made->options = saltus_sweep_defaults();
     hid_t group = saltus_h5_find_group(r->h5.file, "sweep");
     if (group < 0)
         return saltus_h5_refuse(&r->h5, "the group /sweep is missing");
-    const char *lacking = get_options(r, group);
-    char name[32];
-    for (int k = 0; k < made->axis_count && !lacking; k++) {
-        char word[16] = "";
-        snprintf(name, sizeof name, "key%d", k + 1);
-        if (!saltus_h5_get_text(group, name, made->axes[k].key, sizeof made->axes[k].key)) {
-            lacking = name;
-            break;
-        }
-        snprintf(name, sizeof name, "spacing%d", k + 1);
-        int spacing = 0;
-        bool there = saltus_h5_get_text(group, name, word, sizeof word);
-        while (saltus_spacing_words[spacing] && strcmp(word, saltus_spacing_words[spacing]) != 0)
-            spacing++;
-        if (!there || !saltus_spacing_words[spacing])
-            lacking = name;
-        else
-            made->axes[k].spacing = (saltus_spacing)spacing;
-    }
+    const char *lacking = saltus_h5_get_options(group, &saltus_sweep_table, &made->options);
+    if (!lacking && made->options.passes == 0)
+        lacking = "passes";
+    if (!lacking && (!saltus_h5_get_integer(group, "dimension", &dimension) || dimension < 1 ||
+                     dimension > SALTUS_SCENE_STATE_MAX))
+        lacking = "dimension";
+    if (!lacking && (!saltus_h5_get_integer(group, "axes", &axes) || axes < 1 || axes > SALTUS_AXES_MAX))
+        lacking = "axes";
+    made->dimension = r->counts[SALTUS_COUNT_DIMENSION] = (int)dimension;
+    made->axis_count = lacking ? 0 : (int)axes;
+    for (int k = 0; k < made->axis_count && !lacking; k++)
+        lacking = get_axis(group, k, &made->axes[k], name);
     H5Gclose(group);
     for (int k = 0; k < SALTUS_PASSES; k++)
         if (made->options.passes >> k & 1)
@@ -121,38 +78,20 @@ static saltus_status read_options(reader *r) {
     return lacking ? saltus_h5_refuse_part(&r->h5, "sweep", lacking) : SALTUS_OK;
 }
 
-/* Read a dataset of finite numbers that tells its own length. */
-static saltus_status read_reals(reader *r, const char *name, long long most, int *count, double **values) {
-    hsize_t size[SALTUS_H5_RANK_MAX] = {0}, stored;
-    if (saltus_h5_extent(r->h5.file, name, size, &stored) != 1 || !saltus_h5_believable(size[0], 1, stored) ||
-        size[0] > (hsize_t)most)
-        return saltus_h5_refuse_part(&r->h5, "", name);
-    *count = (int)size[0];
-    *values = malloc(((size_t)size[0] + 1) * sizeof **values);
-    if (!*values)
-        return saltus_h5_no_memory(&r->h5);
-    if (!saltus_h5_get_array(r->h5.file, name, H5T_NATIVE_DOUBLE, 1, size, *values))
-        return saltus_h5_refuse_part(&r->h5, "", name);
-    for (int i = 0; i < *count; i++)
-        if (!isfinite((*values)[i]))
-            return saltus_h5_refuse_part(&r->h5, "", name);
-    return SALTUS_OK;
-}
-
 static saltus_status read_axes(reader *r) {
     saltus_sweep_file *made = r->made;
-    saltus_status status =
-        read_reals(r, "sweep/initial", SALTUS_SCENE_STATE_MAX, &r->initial_count, &r->initial);
+    saltus_status status = saltus_h5_get_reals(&r->h5, "sweep", "initial", SALTUS_SCENE_STATE_MAX, true,
+                                               &r->initial_count, &r->initial);
     made->points = 1;
     for (int k = 0; k < made->axis_count && status == SALTUS_OK; k++) {
         saltus_axis *axis = &made->axes[k];
         char name[32];
         double *values = NULL;
-        snprintf(name, sizeof name, "axes/axis%d", k + 1);
-        status = read_reals(r, name, INT_MAX - 1, &axis->count, &values);
+        snprintf(name, sizeof name, "axis%d", k + 1);
+        status = saltus_h5_get_reals(&r->h5, "axes", name, INT_MAX - 1, true, &axis->count, &values);
         axis->list = values;
         if (status == SALTUS_OK && (axis->count < 1 || axis->count > most_rows / made->points))
-            status = saltus_h5_refuse_part(&r->h5, "", name);
+            status = saltus_h5_refuse_part(&r->h5, "axes", name);
         if (status != SALTUS_OK)
             break;
         axis->low = values[0];
@@ -164,29 +103,17 @@ static saltus_status read_axes(reader *r) {
     if (made->points > most_rows / made->pass_count / made->options.seeds)
         return saltus_h5_refuse(&r->h5, "there are more rows than there can be");
     made->row_count = made->pass_count * made->points * made->options.seeds;
-    const hsize_t size[] = {(hsize_t)made->pass_count,
-                            made->axis_count > 1 ? (hsize_t)made->axes[1].count : 1,
-                            (hsize_t)made->axes[0].count, (hsize_t)made->options.seeds};
-    memcpy(r->size, size, sizeof size);
+    r->grid = (saltus_h5_shape){.rank = 4,
+                                .size = {(hsize_t)made->pass_count,
+                                         made->axis_count > 1 ? (hsize_t)made->axes[1].count : 1,
+                                         (hsize_t)made->axes[0].count, (hsize_t)made->options.seeds}};
     return SALTUS_OK;
-}
-
-/* Read a dataset with one entry per row. */
-static bool get_rows(const reader *r, const char *group, const saltus_sweep_column *column, void *data) {
-    saltus_h5 w = {.file = r->h5.file, .sound = true};
-    char name[64];
-    snprintf(name, sizeof name, "%s/%s", group, column->name);
-    hid_t memory = saltus_entry_type(&w, column->entry, false);
-    bool found = memory >= 0 && saltus_h5_get_array(r->h5.file, name, memory, 4, r->size, data);
-    saltus_h5_close(memory);
-    return found;
 }
 
 static bool row_sound(const saltus_sweep_file *made, const saltus_sweep_row *row) {
     int attractors = made->basins ? made->attractor_count : made->options.seeds;
     bool periodic = row->verdict == SALTUS_PERIODIC;
-    return row->verdict >= 0 && row->verdict < SALTUS_VERDICTS && row->attractor >= -1 &&
-           row->attractor < attractors && row->impacts >= (periodic ? -1 : 0) &&
+    return row->attractor >= -1 && row->attractor < attractors && row->impacts >= (periodic ? -1 : 0) &&
            row->periods >= (periodic ? 1 : 0) && row->sticking >= 0 && row->settled >= 0 &&
            row->settled_impacts >= 0 && row->recorded >= 0 &&
            !(made->complete && row->verdict == SALTUS_PENDING);
@@ -195,103 +122,75 @@ static bool row_sound(const saltus_sweep_file *made, const saltus_sweep_row *row
 static saltus_status read_rows(reader *r) {
     saltus_sweep_file *made = r->made;
     size_t rows = (size_t)made->row_count;
-    hsize_t size[SALTUS_H5_RANK_MAX] = {0}, stored;
-    if (saltus_h5_extent(r->h5.file, "rows/verdict", size, &stored) != 4 ||
-        memcmp(size, r->size, sizeof size) != 0 || (made->complete && !saltus_h5_believable(rows, 1, stored)))
-        return saltus_h5_refuse_part(&r->h5, "rows", "verdict");
-    unsigned char *data = malloc(rows * sizeof(double));
+    /* Of an unfinished sweep parts are missing. */
+    saltus_status status =
+        saltus_h5_find_rows(&r->h5, "rows", &saltus_row_fields, NULL, most_rows, !made->complete, &r->grid);
+    if (status != SALTUS_OK)
+        return status;
     made->rows = calloc(rows, sizeof *made->rows);
-    saltus_status status = data && made->rows ? SALTUS_OK : saltus_h5_no_memory(&r->h5);
-    for (int k = 0; k < SALTUS_SWEEP_COLUMNS && status == SALTUS_OK; k++) {
-        const saltus_sweep_column *column = &saltus_sweep_columns[k];
-        size_t bytes = saltus_entry_bytes(column->entry);
-        if (r->without_error && column->offset == offsetof(saltus_sweep_row, lyapunov_error)) {
-            for (size_t i = 0; i < rows; i++)
-                made->rows[i].lyapunov_error = NAN;
-            continue;
-        }
-        if (!get_rows(r, "rows", column, data))
-            status = saltus_h5_refuse_part(&r->h5, "rows", column->name);
-        for (size_t i = 0; i < rows && status == SALTUS_OK; i++)
-            memcpy((unsigned char *)&made->rows[i] + column->offset, data + i * bytes, bytes);
-    }
-    free(data);
+    status = made->rows ? saltus_h5_get_rows(&r->h5, "rows", &saltus_row_fields, NULL, &r->grid, made->rows,
+                                             sizeof *made->rows)
+                        : saltus_h5_no_memory(&r->h5);
     for (size_t i = 0; i < rows && status == SALTUS_OK; i++)
         if (!row_sound(made, &made->rows[i]))
             status = saltus_h5_refuse(&r->h5, "a row is not one of a sweep");
     return status;
 }
 
-/* Whether all rows' entries are among those of the cloud. */
-static bool counts_sound(const long long *first, const long long *count, size_t rows, long long total) {
-    for (size_t i = 0; i < rows; i++)
+/* Split spans into their parts. False when one has entries that are not among the `total`. */
+static bool split_spans(const saltus_span *spans, size_t rows, long long total, long long *first,
+                        long long *count) {
+    for (size_t i = 0; i < rows; i++) {
+        first[i] = spans[i].first;
+        count[i] = spans[i].count;
         if (first[i] < 0 || count[i] < 0 || first[i] > total || count[i] > total - first[i])
             return false;
+    }
     return true;
 }
 
-/* Read `first` and `count` of a group, and how many entries its first column has. */
-static saltus_status read_counts(reader *r, const saltus_sweep_cloud *cloud, int width, long long **first,
-                                 long long **count, long long *total) {
-    hsize_t size[SALTUS_H5_RANK_MAX] = {0}, stored;
+static saltus_status read_spans(reader *r, const char *group, long long total, long long **first,
+                                long long **count) {
     size_t rows = (size_t)r->made->row_count;
-    char name[64];
-    snprintf(name, sizeof name, "%s/%s", cloud->group, cloud->columns[0].name);
-    if (saltus_h5_extent(r->h5.file, name, size, &stored) != (width ? 2 : 1) ||
-        !saltus_h5_believable(size[0], (hsize_t)width, stored))
-        return saltus_h5_refuse_part(&r->h5, cloud->group, cloud->columns[0].name);
-    *total = (long long)size[0];
+    saltus_status status = saltus_h5_find_rows(&r->h5, group, &saltus_span_fields, NULL, most_rows,
+                                               !r->made->complete, &r->grid);
+    if (status != SALTUS_OK)
+        return status;
+    saltus_span *spans = calloc(rows, sizeof *spans);
     *first = malloc(rows * sizeof **first);
     *count = malloc(rows * sizeof **count);
-    if (!*first || !*count)
-        return saltus_h5_no_memory(&r->h5);
-    if (!get_rows(r, cloud->group, &saltus_sweep_first, *first) ||
-        !get_rows(r, cloud->group, &saltus_sweep_count, *count) ||
-        !counts_sound(*first, *count, rows, *total))
-        return saltus_h5_refuse_part(&r->h5, cloud->group, "first, count");
-    return SALTUS_OK;
+    status = spans && *first && *count ? saltus_h5_get_rows(&r->h5, group, &saltus_span_fields, NULL,
+                                                            &r->grid, spans, sizeof *spans)
+                                       : saltus_h5_no_memory(&r->h5);
+    if (status == SALTUS_OK && !split_spans(spans, rows, total, *first, *count))
+        status = saltus_h5_refuse_part(&r->h5, group, "first, count");
+    free(spans);
+    return status;
 }
 
-/* Read a column of a cloud into records `stride` bytes apart. */
-static saltus_status read_entries(reader *r, const saltus_sweep_cloud *cloud, int column, long long total,
-                                  int width, unsigned char *records) {
-    const saltus_sweep_column *c = &cloud->columns[column];
-    const hsize_t size[2] = {(hsize_t)total, (hsize_t)width};
-    saltus_h5 w = {.file = r->h5.file, .sound = true};
-    size_t bytes = saltus_entry_bytes(c->entry);
-    bool direct = cloud->count == 1;
-    unsigned char *data = direct ? records : malloc((size_t)total * bytes + 1);
-    char name[64];
-    if (!data)
-        return saltus_h5_no_memory(&r->h5);
-    snprintf(name, sizeof name, "%s/%s", cloud->group, c->name);
-    hid_t memory = saltus_entry_type(&w, c->entry, false);
-    bool found = memory >= 0 && saltus_h5_get_array(r->h5.file, name, memory, width ? 2 : 1, size, data);
-    saltus_h5_close(memory);
-    for (long long i = 0; i < total && found && !direct; i++)
-        memcpy(records + (size_t)i * cloud->stride + c->offset, data + (size_t)i * bytes, bytes);
-    if (!direct)
-        free(data);
-    return found ? SALTUS_OK : saltus_h5_refuse_part(&r->h5, cloud->group, c->name);
+/* Read all rows of a group that tells their number itself; *records is to be freed. */
+static saltus_status read_all(reader *r, const char *group, const saltus_field_table *fields, size_t stride,
+                              long long most, void **records, long long *count) {
+    saltus_h5_shape shape = {.rank = 0};
+    saltus_status status = saltus_h5_find_rows(&r->h5, group, fields, r->counts, most, false, &shape);
+    if (status != SALTUS_OK)
+        return status;
+    *count = (long long)shape.size[0];
+    *records = calloc((size_t)*count + 1, stride);
+    return *records ? saltus_h5_get_rows(&r->h5, group, fields, r->counts, &shape, *records, stride)
+                    : saltus_h5_no_memory(&r->h5);
 }
 
 static saltus_status read_cloud(reader *r, int which, long long **first, long long **count, void **entries,
                                 long long *total) {
-    const saltus_sweep_cloud *cloud = &saltus_sweep_clouds[which];
-    int width = cloud->stride ? 0 : r->made->dimension;
-    size_t stride = cloud->stride ? cloud->stride : (size_t)width * sizeof(double);
+    const saltus_cloud_kind *cloud = &saltus_clouds[which];
+    size_t stride = cloud->bytes ? cloud->bytes : (size_t)r->made->dimension * sizeof(double);
     *total = 0;
     if (!(r->made->options.keep & cloud->keep))
         return SALTUS_OK;
-    saltus_status status = read_counts(r, cloud, width, first, count, total);
-    if (status != SALTUS_OK)
-        return status;
-    *entries = calloc((size_t)*total + 1, stride);
-    if (!*entries)
-        return saltus_h5_no_memory(&r->h5);
-    for (int k = 0; k < cloud->count && status == SALTUS_OK; k++)
-        status = read_entries(r, cloud, k, *total, width, *entries);
-    return status;
+    saltus_status status =
+        read_all(r, cloud->group, &cloud->fields, stride, LLONG_MAX / 1024, entries, total);
+    return status == SALTUS_OK ? read_spans(r, cloud->group, *total, first, count) : status;
 }
 
 static saltus_status read_clouds(reader *r) {
@@ -312,59 +211,38 @@ static saltus_status read_clouds(reader *r) {
     return status;
 }
 
-static saltus_status read_labels(reader *r, int count) {
-    static const int scalar[2] = {0, 0};
-    enum { room = sizeof *((saltus_sweep_file *)0)->attractor_label };
-    r->made->attractor_label = calloc((size_t)count + 1, room);
-    if (!r->made->attractor_label)
-        return saltus_h5_no_memory(&r->h5);
-    hid_t type = saltus_h5_text_memory(room);
-    bool sound = type >= 0 && saltus_h5_get_dataset(r->h5.file, "attractors/label", type, count, scalar,
-                                                    r->made->attractor_label);
-    saltus_h5_close(type);
-    for (int k = 0; k < count && sound; k++)
-        sound = memchr(r->made->attractor_label[k], 0, room) != NULL;
-    return sound ? SALTUS_OK : saltus_h5_refuse_part(&r->h5, "attractors", "label");
-}
-
 /* Names, multipliers and points of the attractors; only a complete file has them. */
 static saltus_status read_attractors(reader *r) {
-    static const int scalar[2] = {0, 0};
     saltus_sweep_file *made = r->made;
-    hsize_t size[SALTUS_H5_RANK_MAX] = {0}, stored;
+    void *rows = NULL, *states = NULL;
+    long long count = 0, points = 0;
     if (!made->basins || !made->complete)
         return SALTUS_OK;
-    if (saltus_h5_extent(r->h5.file, "attractors/label", size, &stored) != 1 ||
-        !saltus_h5_believable(size[0], 1, stored) || size[0] > INT_MAX / 64)
-        return saltus_h5_refuse_part(&r->h5, "attractors", "label");
-    int count = (int)size[0];
-    saltus_status status = read_labels(r, count);
-    if (status != SALTUS_OK)
-        return status;
-    if (saltus_h5_extent(r->h5.file, "attractors/state", size, &stored) != 2 ||
-        size[1] != (hsize_t)made->dimension || !saltus_h5_believable(size[0], size[1], stored))
-        return saltus_h5_refuse_part(&r->h5, "attractors", "state");
-    long long points = (long long)size[0];
-    made->attractor_multiplier = malloc(((size_t)count + 1) * sizeof *made->attractor_multiplier);
-    made->attractor_first = malloc(((size_t)count + 1) * sizeof *made->attractor_first);
-    made->attractor_points = malloc(((size_t)count + 1) * sizeof *made->attractor_points);
-    made->attractor_states = malloc(((size_t)points + 1) * (size_t)size[1] * sizeof *made->attractor_states);
-    if (!made->attractor_multiplier || !made->attractor_first || !made->attractor_points ||
-        !made->attractor_states)
-        return saltus_h5_no_memory(&r->h5);
-    if (!saltus_h5_get_dataset(r->h5.file, "attractors/largest_multiplier", H5T_NATIVE_DOUBLE, count, scalar,
-                               made->attractor_multiplier) ||
-        !saltus_h5_get_dataset(r->h5.file, "attractors/first", H5T_NATIVE_LLONG, count, scalar,
-                               made->attractor_first) ||
-        !saltus_h5_get_dataset(r->h5.file, "attractors/count", H5T_NATIVE_LLONG, count, scalar,
-                               made->attractor_points) ||
-        !counts_sound(made->attractor_first, made->attractor_points, (size_t)count, points))
-        return saltus_h5_refuse_part(&r->h5, "attractors", "largest_multiplier, first, count");
-    made->attractor_count = count;
-    return saltus_h5_get_array(r->h5.file, "attractors/state", H5T_NATIVE_DOUBLE, 2, size,
-                               made->attractor_states)
-               ? SALTUS_OK
-               : saltus_h5_refuse_part(&r->h5, "attractors", "state");
+    saltus_status status = read_all(r, "attractors", &saltus_attractor_fields, sizeof(saltus_attractor_row),
+                                    INT_MAX / 64, &rows, &count);
+    if (status == SALTUS_OK)
+        status = read_all(r, "attractors", &saltus_attractor_point_fields,
+                          (size_t)made->dimension * sizeof(double), LLONG_MAX / 1024, &states, &points);
+    made->attractor_states = states;
+    size_t room = (size_t)count + 1;
+    made->attractor_label = calloc(room, sizeof *made->attractor_label);
+    made->attractor_multiplier = calloc(room, sizeof *made->attractor_multiplier);
+    made->attractor_first = calloc(room, sizeof *made->attractor_first);
+    made->attractor_points = calloc(room, sizeof *made->attractor_points);
+    if (status == SALTUS_OK && (!made->attractor_label || !made->attractor_multiplier ||
+                                !made->attractor_first || !made->attractor_points))
+        status = saltus_h5_no_memory(&r->h5);
+    for (long long k = 0; k < count && status == SALTUS_OK; k++) {
+        const saltus_attractor_row *row = (const saltus_attractor_row *)rows + k;
+        const saltus_span span = {row->first, row->count};
+        memcpy(made->attractor_label[k], row->label, sizeof row->label);
+        made->attractor_multiplier[k] = row->largest_multiplier;
+        if (!split_spans(&span, 1, points, &made->attractor_first[k], &made->attractor_points[k]))
+            status = saltus_h5_refuse_part(&r->h5, "attractors", "first, count");
+    }
+    made->attractor_count = (int)count;
+    free(rows);
+    return status;
 }
 
 /* Open the file and read what was run. */

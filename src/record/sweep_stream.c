@@ -7,22 +7,23 @@
 #include <string.h>
 
 bool saltus_sweep_stream_open(saltus_sweep_stream *stream) {
-    stream->rows = calloc((size_t)saltus_sweep_choices(stream->sweep)->seeds, sizeof *stream->rows);
-    return stream->rows != NULL;
+    stream->lines = calloc((size_t)saltus_sweep_choices(stream->sweep)->seeds, sizeof *stream->lines);
+    return stream->lines != NULL;
 }
 
 void saltus_sweep_stream_close(saltus_sweep_stream *stream) {
-    free(stream->rows);
-    stream->rows = NULL;
+    free(stream->lines);
+    stream->lines = NULL;
 }
 
-/* Give every NaN the same bits, so that equal results give equal files. */
-static void clean(saltus_sweep_row *row) {
-    double *measure[] = {&row->largest,          &row->smallest, &row->impact_rate,   &row->largest_speed,
-                         &row->contact_fraction, &row->lyapunov, &row->lyapunov_error};
-    for (size_t k = 0; k < sizeof measure / sizeof *measure; k++)
-        if (isnan(*measure[k]))
-            *measure[k] = NAN;
+/* Complete a line. Every NaN gets the same bits, so that equal results give equal files. */
+static void finish(saltus_sweep_line *line) {
+    for (int k = 0; k < saltus_row_fields.count; k++) {
+        const saltus_field *field = &saltus_row_fields.fields[k];
+        if (field->type == SALTUS_REAL && isnan(saltus_field_number(field, line)))
+            saltus_field_set_number(field, NAN, line);
+    }
+    saltus_sweep_label(&line->row, line->label);
 }
 
 saltus_status saltus_sweep_stream_read(saltus_sweep_stream *stream, long long place,
@@ -32,15 +33,17 @@ saltus_status saltus_sweep_stream_read(saltus_sweep_stream *stream, long long pl
     stream->distinct = 0;
     if (!stream->journal->offset[place]) {
         stream->result = (saltus_sweep_result){.rows = NULL};
-        for (int s = 0; s < seeds; s++)
-            stream->rows[s] = saltus_sweep_row_of(SALTUS_PENDING);
+        for (int s = 0; s < seeds; s++) {
+            stream->lines[s].row = saltus_sweep_row_of(SALTUS_PENDING);
+            finish(&stream->lines[s]);
+        }
         return SALTUS_OK;
     }
     saltus_status status = saltus_journal_get(stream->journal, place, &stream->result, message);
     for (int s = 0; s < seeds && status == SALTUS_OK; s++) {
-        saltus_sweep_row *row = &stream->rows[s];
+        saltus_sweep_row *row = &stream->lines[s].row;
         *row = stream->result.rows[s];
-        clean(row);
+        finish(&stream->lines[s]);
         if (row->attractor >= stream->distinct && row->attractor < seeds)
             stream->distinct = row->attractor + 1;
         if (stream->basins && !stream->complete)

@@ -1,6 +1,7 @@
 /* A sweep: its grid, checked, and the numbering of its places, rows and tasks.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "sweep/sweep.h"
+#include "sweep/options.h"
 
 #include "system/system.h"
 
@@ -9,48 +10,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { longest_max = 256, seeds_max = 10000, setting_size = 64 };
+enum { setting_size = 64 };
 static const long long rows_max = 1000000000LL;
 
-saltus_sweep_options saltus_sweep_defaults(void) {
-    saltus_flow_options flow = saltus_flow_defaults();
-    flow.rtol = 1e-10;
-    flow.atol = 1e-14;
-    return (saltus_sweep_options){.flow = flow,
-                                  .passes = 1u << SALTUS_PASS_RESET,
-                                  .seeds = 1,
-                                  .seed = 1,
-                                  .adaptive = true,
-                                  .transient = 2000,
-                                  .record = 100,
-                                  .measure = 8000,
-                                  .longest = 20};
-}
-
 const char *saltus_pass_word(saltus_pass pass) {
-    static const char *const words[] = {"reset", "up", "down"};
-    return words[pass];
-}
-
-static saltus_status check_options(const saltus_sweep_options *o, saltus_message *message) {
-    if (o->passes == 0 || o->passes >> SALTUS_PASSES)
-        return saltus_fail(message, SALTUS_BAD_INPUT, "passes = %u: must be bits of reset, up and down",
-                           o->passes);
-    if (o->seeds < 1 || o->seeds > seeds_max)
-        return saltus_fail(message, SALTUS_BAD_INPUT, "seeds = %d: must be from 1 to %d", o->seeds,
-                           seeds_max);
-    if (o->transient < (o->adaptive ? 1 : 0) || o->record < 1)
-        return saltus_fail(message, SALTUS_BAD_INPUT, "transient = %lld, record = %lld: %s", o->transient,
-                           o->record, "must be at least 0 (adaptive: 1) and 1");
-    if (o->measure < 0)
-        return saltus_fail(message, SALTUS_BAD_INPUT, "measure = %lld: must not be negative", o->measure);
-    if (o->longest < 1 || o->longest > longest_max)
-        return saltus_fail(message, SALTUS_BAD_INPUT, "longest = %d: must be from 1 to %d", o->longest,
-                           longest_max);
-    if (o->lanes < 0 || o->threads < 0)
-        return saltus_fail(message, SALTUS_BAD_INPUT, "lanes = %d, threads = %d: must not be negative",
-                           o->lanes, o->threads);
-    return SALTUS_OK;
+    return saltus_word_of(saltus_pass_words, 1 << pass);
 }
 
 /* Whether a key is an entry of the initial state: q, v or z with a number. */
@@ -162,7 +126,7 @@ saltus_status saltus_sweep_new(const saltus_scene *scene, const saltus_axis *axe
     *sweep = NULL;
     if (axis_count < 1 || axis_count > SALTUS_AXES_MAX)
         return saltus_fail(message, SALTUS_BAD_INPUT, "a sweep needs one or two axes, not %d", axis_count);
-    saltus_status status = check_options(options, message);
+    saltus_status status = saltus_sweep_check(options, message);
     if (status != SALTUS_OK)
         return status;
     saltus_sweep *made = calloc(1, sizeof *made);

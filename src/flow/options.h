@@ -1,0 +1,42 @@
+/* Private: the options of a flow, declared once for all structs that hold them.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef SALTUS_FLOW_OPTIONS_H
+#define SALTUS_FLOW_OPTIONS_H
+
+#include "base/field.h"
+#include "saltus/flow.h"
+#include "system/system.h"
+
+extern const saltus_word saltus_integrator_words[];
+
+/* The entries of a table for `struct_type`, in which the flow's options are at `path` (such as flow. with its
+ * dot, or nothing), with the tolerances that are the default there. */
+#define SALTUS_FLOW_CHOICES(struct_type, path, usual_rtol, usual_atol)                                       \
+    {.field =                                                                                                \
+         SALTUS_MEMBER(struct_type, path rtol, "rtol", "1", "relative tolerance of the flow", SALTUS_REAL),  \
+     .fallback = usual_rtol,                                                                                 \
+     .low = 1e-15,                                                                                           \
+     .high = 1e-3,                                                                                           \
+     .flag = "--rtol",                                                                                       \
+     .argument = "x"},                                                                                       \
+        {.field = SALTUS_MEMBER(struct_type, path atol, "atol", "1",                                         \
+                                "absolute tolerance of the flow, in displacements", SALTUS_REAL),            \
+         .fallback = usual_atol,                                                                             \
+         .high = 1,                                                                                          \
+         .flag = "--atol",                                                                                   \
+         .argument = "x"},                                                                                   \
+        {.field = SALTUS_MEMBER(struct_type, path integrator, "integrator", "1", "integrator of the flow",   \
+                                SALTUS_CHOICE, .words = saltus_integrator_words),                            \
+         .fallback = SALTUS_AUTOMATIC,                                                                       \
+         .flag = "--integrator",                                                                             \
+         .argument = "name"},                                                                                \
+    {                                                                                                        \
+        .field = SALTUS_MEMBER(struct_type, path order, "order", "1",                                        \
+                               "order of the Taylor series; 0: chosen from rtol", SALTUS_INT),               \
+        .low = SALTUS_ORDER_MIN, .high = SALTUS_ORDER_MAX, .automatic = true                                 \
+    }
+
+/* Of saltus_flow_options itself; what a method sets for itself is not among them. */
+extern const saltus_option_table saltus_flow_table;
+
+#endif

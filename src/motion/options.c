@@ -1,0 +1,59 @@
+/* Options of classifications and of Lyapunov exponents.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "motion/options.h"
+
+#include "flow/options.h"
+#include "motion/ensemble.h"
+
+#include <math.h>
+
+#define MEMBER(member, unit, meaning, ...)                                                                   \
+    .field = SALTUS_MEMBER(saltus_classify_options, member, #member, unit, meaning, __VA_ARGS__)
+
+static const saltus_option classify_choices[] = {
+    {MEMBER(transient, "T", "periods to wait at most for the motion to settle", SALTUS_LONG),
+     .fallback = 20000, .low = 1, .high = INFINITY, .flag = "--transient", .argument = "n"},
+    {MEMBER(measure, "T", "without a period: periods at most to measure an exponent over; 0: undecided",
+            SALTUS_LONG),
+     .fallback = 256000, .high = INFINITY, .flag = "--measure", .argument = "n"},
+    {MEMBER(longest, "T", "longest period tried, in forcing periods", SALTUS_INT), .fallback = 64, .low = 1,
+     .high = SALTUS_LONGEST_PERIOD, .flag = "--longest", .argument = "p"},
+    SALTUS_FLOW_CHOICES(saltus_classify_options, flow., 1e-13, 1e-16),
+};
+const saltus_option_table saltus_classify_table = SALTUS_TABLE(classify_choices);
+
+#undef MEMBER
+#define MEMBER(member, unit, meaning, ...)                                                                   \
+    .field = SALTUS_MEMBER(saltus_lyapunov_options, member, #member, unit, meaning, __VA_ARGS__)
+
+static const saltus_option lyapunov_choices[] = {
+    {MEMBER(transient, "T", "periods before measuring", SALTUS_LONG), .fallback = 1000, .high = INFINITY,
+     .flag = "--transient", .argument = "n"},
+    {MEMBER(periods, "T", "periods measured at most, all together", SALTUS_LONG), .fallback = 1e6, .low = 1,
+     .high = INFINITY, .flag = "--periods", .argument = "n"},
+    {MEMBER(members, "1", "trajectories that share the work", SALTUS_INT), .fallback = 8, .low = 1,
+     .high = SALTUS_MEMBERS_MAX, .flag = "--members", .argument = "m"},
+    {MEMBER(seed, "1", "seed of the first directions; other than 0 the start is disturbed, too",
+            SALTUS_NATURAL),
+     .high = INFINITY, .flag = "--seed", .argument = "s"},
+    {MEMBER(precision, "1", "stop when the largest exponent's relative error is below x", SALTUS_REAL),
+     .fallback = 0.01, .high = INFINITY, .above = true, .flag = "--precision", .argument = "x"},
+    {MEMBER(interval, "T", "periods between orthonormalisations; 0: chosen from the growth", SALTUS_REAL),
+     .high = 1000000, .flag = "--interval", .argument = "x"},
+    SALTUS_FLOW_CHOICES(saltus_lyapunov_options, flow., 1e-10, 1e-14),
+    {MEMBER(exponents, "1", "how many, the largest ones; 0: all", SALTUS_INT), .fallback = 1,
+     .high = INFINITY, .flag = "--exponents", .argument = "k"},
+};
+const saltus_option_table saltus_lyapunov_table = SALTUS_TABLE(lyapunov_choices);
+
+saltus_classify_options saltus_classify_defaults(void) {
+    saltus_classify_options options = {.longest = 0};
+    saltus_options_fill(&saltus_classify_table, &options);
+    return options;
+}
+
+saltus_lyapunov_options saltus_lyapunov_defaults(void) {
+    saltus_lyapunov_options options = {.members = 0};
+    saltus_options_fill(&saltus_lyapunov_table, &options);
+    return options;
+}

@@ -1,0 +1,34 @@
+/* Private: the options of shooting, declared once for all structs that hold them.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef SALTUS_ORBIT_OPTIONS_H
+#define SALTUS_ORBIT_OPTIONS_H
+
+#include "flow/options.h"
+#include "saltus/orbit.h"
+
+/* The entries of a table for `struct_type`, in which the options are at `path`, like SALTUS_FLOW_CHOICES. */
+#define SALTUS_ORBIT_CHOICES(struct_type, path)                                                              \
+    SALTUS_FLOW_CHOICES(struct_type, path flow., 1e-13, 1e-16),                                              \
+        {.field = SALTUS_MEMBER(struct_type, path phase, "section_phase", "T", "phase of the section",       \
+                                SALTUS_REAL),                                                                \
+         .high = 1,                                                                                          \
+         .below = true},                                                                                     \
+        {.field = SALTUS_MEMBER(struct_type, path iterations, "iterations", "1", "Newton steps at most",     \
+                                SALTUS_INT),                                                                 \
+         .fallback = 20,                                                                                     \
+         .high = INFINITY},                                                                                  \
+        {.field = SALTUS_MEMBER(struct_type, path tolerance, "tolerance", "1",                               \
+                                "residual, in scales of the state, at which Newton's method has converged",  \
+                                SALTUS_REAL),                                                                \
+         .fallback = 1e-12,                                                                                  \
+         .high = INFINITY},                                                                                  \
+    {                                                                                                        \
+        .field = SALTUS_MEMBER(struct_type, path segments, "segments", "1", "shooting segments; 0: chosen",  \
+                               SALTUS_INT),                                                                  \
+        .high = 100000, .flag = "--segments", .argument = "k"                                                \
+    }
+
+/* Of saltus_orbit_options itself. */
+extern const saltus_option_table saltus_orbit_table;
+
+#endif

@@ -1,0 +1,217 @@
+/* What is told of each kind of result: names, units, meanings, and where the values are.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "record/fields.h"
+
+#include "branch/point.h"
+#include "motion/verdict.h"
+#include "record/describe.h"
+
+#include <math.h>
+#include <stddef.h>
+
+/* Lengths of rows that are known at run time only. */
+enum {
+    OF_DIMENSION = -1 - SALTUS_COUNT_DIMENSION,
+    OF_PARAMETERS = -1 - SALTUS_COUNT_PARAMETERS,
+    OF_STOPS = -1 - SALTUS_COUNT_STOPS
+};
+
+#define POINT(member, unit, meaning, ...)                                                                    \
+    SALTUS_MEMBER(saltus_point_row, point.member, #member, unit, meaning, __VA_ARGS__)
+#define POINT_AS(name, member, unit, meaning, ...)                                                           \
+    SALTUS_MEMBER(saltus_point_row, point.member, name, unit, meaning, __VA_ARGS__)
+
+/* xi, weight[2], d and r of a stop lie side by side. */
+_Static_assert(offsetof(saltus_stop, r) == 4 * sizeof(double), "a stop begins with five numbers");
+
+static const saltus_field point_fields[] = {
+    POINT(kind, "1", "regular, or the label of a special point", SALTUS_CHOICE, .words = saltus_point_words),
+    POINT(branch, "1", "number of the branch: 0 up from the start, 1 down, 2 ... switched to", SALTUS_INT),
+    POINT(parent, "1", "the branch that a switched one left, otherwise -1", SALTUS_INT),
+    POINT(step, "1", "counted along the branch", SALTUS_INT),
+    POINT(arclength, "1", "along the branch", SALTUS_REAL),
+    POINT(value, "1", "continued parameters key1, key2 (NaN without a second one)", SALTUS_REAL, 2),
+    POINT(heading, "1", "change of value[0] with arclength", SALTUS_REAL),
+    POINT_AS("parameters", spec.parameters, "1", "all parameters, in the order of the attribute names",
+             SALTUS_REAL, OF_PARAMETERS),
+    POINT_AS("stops", spec.stops, "1", "xi, weight1, weight2, d, r of each stop", SALTUS_REAL, OF_STOPS, 5,
+             .stride = sizeof(saltus_stop)),
+    POINT(periods, "1", "p, forcing periods of one orbit", SALTUS_INT),
+    POINT(impacts, "1", "n, impacts of one orbit; -1 with complete chatter", SALTUS_LONG),
+    POINT(sticking_intervals, "1", "of one orbit", SALTUS_INT),
+    POINT_AS("motion", label, "1", "name of the motion, n/p", SALTUS_TEXT, SALTUS_LABEL_MAX),
+    POINT_AS("motion_after", label_after, "1", "name beyond the point, where it changes", SALTUS_TEXT,
+             SALTUS_LABEL_MAX),
+    POINT(reason, "1", "why the branch ends, or what changes", SALTUS_TEXT, SALTUS_REASON_MAX),
+    POINT(state, "1", "q, q', further states at phase 0", SALTUS_REAL, OF_DIMENSION, .indirect = true),
+    POINT(multipliers, "1", "real and imaginary part, by decreasing modulus", SALTUS_REAL, OF_DIMENSION, 2,
+          .indirect = true, .stride = sizeof(saltus_multiplier)),
+    POINT_AS("log_moduli", multipliers, "1",
+             "natural logarithms of their moduli; -inf: exactly zero, NaN: not resolved", SALTUS_REAL,
+             OF_DIMENSION, .indirect = true, .inner = offsetof(saltus_multiplier, log_modulus),
+             .stride = sizeof(saltus_multiplier)),
+    POINT(unstable, "1", "multipliers not inside the unit circle", SALTUS_INT),
+    POINT(stable, "1", "whether all are inside", SALTUS_FLAG),
+    POINT(admissible, "1", "whether the flow with its events closes on the orbit", SALTUS_FLAG),
+    POINT(residual, "1", "scaled, at the last evaluation; a Newton step from there ends in rounding",
+          SALTUS_REAL),
+    POINT(iterations, "1", "Newton steps", SALTUS_INT),
+    POINT(log_volume, "1", "sum of the log moduli", SALTUS_REAL),
+    POINT(sum_rule, "1", "what the trace of the Jacobian and the restitutions make it", SALTUS_REAL),
+    POINT(accuracy, "1", "special points: bound on the error of value[0]", SALTUS_REAL),
+    POINT(grazing_time, "T", "GR: time of the touch from phase 0; NaN where none is known", SALTUS_REAL),
+    POINT(grazing_stop, "1", "GR: number of the stop that is touched, from 1; 0: none", SALTUS_INT),
+    POINT(grazing_side, "1", "GR: its side, +1 upper, -1 lower; 0: none", SALTUS_INT),
+    POINT(contact_force, "1",
+          "held: smallest contact force over the orbit (pipe: per modal mass); NaN elsewhere", SALTUS_REAL),
+    SALTUS_MEMBER(saltus_point_row, event_first, "event_first", "1",
+                  "the orbit's first row of /events, from 0", SALTUS_LONG),
+    POINT(event_count, "1", "number of its rows", SALTUS_INT),
+};
+const saltus_field_table saltus_point_fields = SALTUS_TABLE(point_fields);
+
+#define EVENT(member, unit, meaning, ...)                                                                    \
+    SALTUS_MEMBER(saltus_event_row, member, #member, unit, meaning, __VA_ARGS__)
+
+static const saltus_field event_fields[] = {
+    EVENT(kind, "1", "impact, stick or release", SALTUS_CHOICE,
+          .words = saltus_event_words + SALTUS_CONTACT_EVENTS),
+    EVENT(stop, "1", "number of the stop, from 1", SALTUS_INT),
+    EVENT(side, "1", "+1 upper, -1 lower", SALTUS_INT),
+    EVENT(time, "T", "time from phase 0; a stick: where the impacts accumulate", SALTUS_REAL),
+    EVENT(phase, "T", "of the forcing, in [0, 1)", SALTUS_REAL),
+    EVENT(velocity_before, "1", "normal velocity n.q' just before", SALTUS_REAL),
+    EVENT(velocity_after, "1", "normal velocity n.q' just after", SALTUS_REAL),
+    EVENT(displacement, "1", "of the contact coordinate", SALTUS_REAL),
+    EVENT(row, "1", "row of /trajectory just before the event, from 0", SALTUS_LONG),
+};
+const saltus_field_table saltus_trajectory_event_fields = SALTUS_TABLE(event_fields);
+const saltus_field_table saltus_event_fields = {event_fields, sizeof event_fields / sizeof *event_fields - 1};
+
+int saltus_face_of(const saltus_system *system, int stop, int side) {
+    for (int f = 0; f < saltus_system_face_count(system); f++) {
+        saltus_face face = saltus_system_face(system, f);
+        if (face.stop + 1 == stop && face.side == side)
+            return f;
+    }
+    return -1;
+}
+
+saltus_event_row saltus_event_row_of(const saltus_system *system, const saltus_event *event) {
+    saltus_face face = saltus_system_face(system, event->face);
+    return (saltus_event_row){.kind = event->kind,
+                              .stop = face.stop + 1,
+                              .side = face.side,
+                              .time = saltus_time_periods(event->time),
+                              .phase = event->time.phase,
+                              .velocity_before = event->velocity_before,
+                              .velocity_after = event->velocity_after,
+                              .displacement = event->displacement};
+}
+
+bool saltus_event_of_row(const saltus_system *system, const saltus_event_row *row, saltus_event *event) {
+    int face = saltus_face_of(system, row->stop, row->side);
+    if (face < 0 || !(fabs(row->time) < 1e15) || !(row->phase >= 0 && row->phase < 1))
+        return false;
+    *event = (saltus_event){.kind = row->kind,
+                            .face = face,
+                            .time = {llround(row->time - row->phase), row->phase},
+                            .velocity_before = row->velocity_before,
+                            .velocity_after = row->velocity_after,
+                            .displacement = row->displacement};
+    return true;
+}
+
+/* Each column is an array of its own, so no member is named. */
+#define COLUMN(called, measured_in, means, ...)                                                              \
+    { .name = called, .unit = measured_in, .meaning = means, .type = __VA_ARGS__ }
+
+static const saltus_field sample_fields[] = {
+    COLUMN("time", "T", "time from the start of the recording in forcing periods", SALTUS_REAL),
+    COLUMN("states", "1", "displacements q, velocities q', further states, one row per sample", SALTUS_REAL,
+           OF_DIMENSION),
+    COLUMN("displacement", "1", "observed displacement (contact coordinate of the first stop)", SALTUS_REAL),
+    COLUMN("velocity", "1", "rate of the observed displacement", SALTUS_REAL),
+};
+const saltus_field_table saltus_sample_fields = SALTUS_TABLE(sample_fields);
+
+static const saltus_field strobe_fields[] = {
+    COLUMN("states", "1", "states at phase 0 of the forcing, one row per recorded period, row k at time k",
+           SALTUS_REAL, OF_DIMENSION)};
+const saltus_field_table saltus_strobe_fields = SALTUS_TABLE(strobe_fields);
+
+#define ROW(member, unit, meaning, ...)                                                                      \
+    SALTUS_MEMBER(saltus_sweep_line, row.member, #member, unit, meaning, __VA_ARGS__)
+
+static const saltus_field line_fields[] = {
+    ROW(verdict, "1", "what the trajectory settled on; pending: not computed", SALTUS_CHOICE,
+        .words = saltus_verdict_words),
+    ROW(impacts, "1", "n, impacts of one orbit; -1 with complete chatter; 0 where not periodic", SALTUS_INT),
+    ROW(periods, "1", "p, forcing periods of one orbit; 0 where not periodic", SALTUS_INT),
+    ROW(sticking, "1", "sticking intervals of one orbit", SALTUS_INT),
+    ROW(attractor, "1",
+        "which of the distinct attractors met at this point, from 0; in basins, which row of /attractors; "
+        "-1: "
+        "none",
+        SALTUS_INT),
+    ROW(settled, "T", "forcing periods until the verdict", SALTUS_LONG),
+    ROW(settled_impacts, "1", "impacts until the verdict", SALTUS_LONG),
+    ROW(recorded, "T", "forcing periods recorded", SALTUS_LONG),
+    ROW(largest, "1", "largest observed displacement of the recording; NaN without one", SALTUS_REAL),
+    ROW(smallest, "1", "smallest observed displacement of the recording; NaN without one", SALTUS_REAL),
+    ROW(impact_rate, "1/T", "impacts per forcing period, those simulated one by one", SALTUS_REAL),
+    ROW(largest_speed, "1", "largest speed of an impact; 0 without any", SALTUS_REAL),
+    ROW(contact_fraction, "1", "part of the time in contact", SALTUS_REAL),
+    ROW(lyapunov, "1",
+        "largest Lyapunov exponent per unit of time; NaN where not asked for, -inf where all directions are "
+        "lost",
+        SALTUS_REAL),
+    ROW(lyapunov_error, "1", "its standard error; 0 where an orbit's multipliers give it", SALTUS_REAL),
+    SALTUS_MEMBER(saltus_sweep_line, label, "label", "1", "name of the motion, n/p where it is periodic",
+                  SALTUS_TEXT, SALTUS_LABEL_MAX),
+};
+const saltus_field_table saltus_line_fields = SALTUS_TABLE(line_fields);
+const saltus_field_table saltus_row_fields = {line_fields, sizeof line_fields / sizeof *line_fields - 1};
+
+static const saltus_field distinct_fields[] = {
+    COLUMN("attractors", "1", "number of distinct attractors met at this point in this pass", SALTUS_INT)};
+const saltus_field_table saltus_distinct_fields = SALTUS_TABLE(distinct_fields);
+
+static const saltus_field span_fields[] = {
+    SALTUS_MEMBER(saltus_span, first, "first", "1", "the row's first entry, from 0", SALTUS_LONG),
+    SALTUS_MEMBER(saltus_span, count, "count", "1", "number of the row's entries", SALTUS_LONG)};
+const saltus_field_table saltus_span_fields = SALTUS_TABLE(span_fields);
+
+static const saltus_field turning_fields[] = {
+    COLUMN("displacement", "1", "observed displacement where its velocity reverses", SALTUS_REAL)};
+static const saltus_field impact_fields[] = {
+    SALTUS_MEMBER(saltus_sweep_impact, phase, "phase", "T", "of the forcing, in [0, 1)", SALTUS_REAL),
+    SALTUS_MEMBER(saltus_sweep_impact, speed, "speed", "1", "normal velocity n.q' just before", SALTUS_REAL),
+    SALTUS_MEMBER(saltus_sweep_impact, face, "face", "1", "which one-sided contact, from 0", SALTUS_INT)};
+static const saltus_field state_fields[] = {
+    COLUMN("state", "1", "q, q', further states", SALTUS_REAL, OF_DIMENSION)};
+
+const saltus_cloud_kind saltus_clouds[SALTUS_CLOUDS] = {
+    {"turning", "turning points of the observed displacement", SALTUS_KEEP_TURNING,
+     SALTUS_TABLE(turning_fields), sizeof(double)},
+    {"impacts", "impacts", SALTUS_KEEP_IMPACTS, SALTUS_TABLE(impact_fields), sizeof(saltus_sweep_impact)},
+    {"stroboscopic", "states at phase 0", SALTUS_KEEP_STROBOSCOPIC, SALTUS_TABLE(state_fields), 0},
+};
+
+#define ATTRACTOR(member, meaning, ...)                                                                      \
+    SALTUS_MEMBER(saltus_attractor_row, member, #member, "1", meaning, __VA_ARGS__)
+
+static const saltus_field attractor_fields[] = {
+    ATTRACTOR(label, "name of the motion, n/p", SALTUS_TEXT, SALTUS_LABEL_MAX),
+    ATTRACTOR(impacts, "n, impacts of one orbit; -1 with complete chatter", SALTUS_LONG),
+    ATTRACTOR(periods, "p, forcing periods of one orbit; 0 where at rest", SALTUS_LONG),
+    ATTRACTOR(stable, "1 where all multipliers are inside the unit circle", SALTUS_LONG),
+    ATTRACTOR(first, "the orbit's first entry of state, from 0", SALTUS_LONG),
+    ATTRACTOR(count, "number of its entries", SALTUS_LONG),
+    ATTRACTOR(largest_multiplier, "modulus of the largest multiplier; NaN where it has none", SALTUS_REAL),
+};
+const saltus_field_table saltus_attractor_fields = SALTUS_TABLE(attractor_fields);
+
+static const saltus_field attractor_point_fields[] = {COLUMN(
+    "state", "1", "q, q', further states of the orbits' points at phase 0", SALTUS_REAL, OF_DIMENSION)};
+const saltus_field_table saltus_attractor_point_fields = SALTUS_TABLE(attractor_point_fields);
