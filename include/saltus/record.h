@@ -214,6 +214,8 @@ typedef struct saltus_sweep_file {
     int axis_count;
     saltus_axis axes[SALTUS_AXES_MAX]; /* `list` holds all values, whatever the spacing */
     saltus_sweep_options options;
+    int initial_count; /* the scene's initial state; 0: the system's default */
+    double initial[SALTUS_SCENE_STATE_MAX];
     int pass_count;
     saltus_pass passes[SALTUS_PASSES];
     long long points, row_count;

@@ -65,9 +65,16 @@ static void put_head(saltus_h5 *w, const saltus_branch_output *o, bool complete)
     saltus_h5_close(group);
 }
 
-static void put_file(const saltus_branch_output *o, bool complete, FILE *file, saltus_h5 *w) {
-    saltus_h5_create(w);
-    put_head(w, o, complete);
+typedef struct exchange_order {
+    const saltus_branch_output *output;
+    bool complete;
+} exchange_order;
+
+static saltus_status put_file(saltus_h5 *w, void *context, saltus_message *message) {
+    const exchange_order *order = context;
+    const saltus_branch_output *o = order->output;
+    (void)message;
+    put_head(w, o, order->complete);
     hid_t group = saltus_h5_open_group(w, "points", "points of the branches, one row each, as computed");
     saltus_h5_rows(w, group, &o->points);
     put_names(w, group, &o->head.spec);
@@ -75,24 +82,14 @@ static void put_file(const saltus_branch_output *o, bool complete, FILE *file, s
     group = saltus_h5_open_group(w, "events", "contact events of the orbits, see /points/event_first");
     saltus_h5_rows(w, group, &o->events);
     saltus_h5_close(group);
-    saltus_h5_finish(w, file);
+    return SALTUS_OK;
 }
 
 /* Put the file with all rows so far in place of what is there. */
 static saltus_status exchange(saltus_branch_output *o, bool complete, saltus_message *message) {
-    saltus_output output;
-    saltus_h5_silence silence;
-    saltus_h5 w;
     double begin = saltus_seconds();
-    if (!saltus_h5_quiet(&silence))
-        return saltus_fail(message, SALTUS_IO, "the HDF5 library could not be opened");
-    saltus_status status = saltus_output_open(&output, o->path, message);
-    if (status == SALTUS_OK) {
-        put_file(o, complete, output.file, &w);
-        status = saltus_h5_status(&w, message);
-        status = saltus_output_close(&output, status, message);
-    }
-    saltus_h5_restore(&silence);
+    exchange_order order = {o, complete};
+    saltus_status status = saltus_h5_write(o->path, false, put_file, &order, message);
     o->written = saltus_seconds();
     o->cost = o->written - begin;
     return status;

@@ -1,4 +1,4 @@
-/* Making HDF5 files, and reading them back with suspicion.
+/* The parts of HDF5 files, and reading them back with suspicion.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "record/hdf5.h"
 
@@ -20,13 +20,6 @@ bool saltus_h5_note(saltus_h5 *w, bool good) {
 bool saltus_h5_note_memory(saltus_h5 *w, bool there) {
     w->starved |= !there;
     return saltus_h5_note(w, there);
-}
-
-saltus_status saltus_h5_status(const saltus_h5 *w, saltus_message *message) {
-    if (w->sound)
-        return SALTUS_OK;
-    return w->starved ? saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the file")
-                      : saltus_fail(message, SALTUS_IO, "the HDF5 library could not make the file");
 }
 
 static void put_attribute(saltus_h5 *w, hid_t owner, const char *name, hid_t type, hid_t memory,
@@ -189,34 +182,6 @@ bool saltus_h5_seal(int descriptor, long long length, char seal[SALTUS_H5_SEAL +
     }
     write_seal(hash, seal);
     return true;
-}
-
-void saltus_h5_finish(saltus_h5 *w, FILE *file) {
-    ssize_t size = -1;
-    if (saltus_h5_note(w, w->sound && H5Fflush(w->file, H5F_SCOPE_GLOBAL) >= 0))
-        size = H5Fget_file_image(w->file, NULL, 0);
-    unsigned char *image = size > 0 ? malloc((size_t)size) : NULL;
-    saltus_h5_note_memory(w, image || size <= 0);
-    if (saltus_h5_note(w, image && H5Fget_file_image(w->file, image, (size_t)size) == size)) {
-        char seal[SALTUS_H5_SEAL + 1];
-        write_seal(digest(digest_begin, image, (size_t)size), seal);
-        fwrite(image, 1, (size_t)size, file);
-        fwrite(seal, 1, SALTUS_H5_SEAL, file);
-    }
-    free(image);
-    if (w->file >= 0)
-        saltus_h5_note(w, H5Fclose(w->file) >= 0);
-    w->file = -1;
-}
-
-void saltus_h5_create(saltus_h5 *w) {
-    enum { increment = 1 << 20 };
-    hid_t access = H5Pcreate(H5P_FILE_ACCESS);
-    *w = (saltus_h5){.file = -1, .sound = true};
-    if (access >= 0 && H5Pset_fapl_core(access, increment, 0) >= 0)
-        w->file = H5Fcreate("saltus", H5F_ACC_TRUNC, H5P_DEFAULT, access);
-    saltus_h5_note(w, w->file >= 0);
-    saltus_h5_close(access);
 }
 
 bool saltus_h5_quiet(saltus_h5_silence *silence) {

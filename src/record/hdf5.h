@@ -1,8 +1,10 @@
 /* Private: the pieces that HDF5 files are made of, and reading them back.
  *
- * Files are made in memory by HDF5's core driver and then written as one piece, so a full disk is an ordinary
- * write error and no half-made file is ever seen; those of sweeps, which may be larger than the memory, are
- * made on disk (record/hdf5_disk.h). Time stamps are off, so equal results give equal files.
+ * Files are made on disk, as those of sweeps may be larger than the memory, beside their place and under a
+ * temporary name: no half-made file is ever seen. HDF5's own driver for files does not survive a full disk:
+ * what it could not write it tries to write again when the file is closed, fails, and leaves the library in a
+ * state that ends in a crash. Here a failing write is noted, nothing more is written, and HDF5 is not told,
+ * so that it can be closed in order. Time stamps are off, so equal results give equal files.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_RECORD_HDF5_H
 #define SALTUS_RECORD_HDF5_H
@@ -27,20 +29,26 @@ void saltus_h5_restore(const saltus_h5_silence *silence);
 typedef struct saltus_h5 {
     hid_t file;
     bool sound;
-    bool starved; /* it is memory that was lacking */
+    bool starved;   /* it is memory that was lacking */
+    int descriptor; /* -1: not open */
+    int reason;     /* errno of the first failure to write, otherwise 0 */
+    hid_t driver;   /* kept while the file is open; negative: none */
 } saltus_h5;
 
 /* Note whether a step was successful; whether all were so far. */
 bool saltus_h5_note(saltus_h5 *w, bool good);
 /* The same for an allocation. */
 bool saltus_h5_note_memory(saltus_h5 *w, bool there);
-/* SALTUS_OK, or why the file could not be made: SALTUS_IO, SALTUS_NO_MEMORY. */
-saltus_status saltus_h5_status(const saltus_h5 *w, saltus_message *message);
-/* A new file in memory. */
-void saltus_h5_create(saltus_h5 *w);
-/* Write the finished file, followed by a checksum (the seal), and close it. Failures to write are left in the
- * stream's error flag. */
-void saltus_h5_finish(saltus_h5 *w, FILE *file);
+/* hdf5_disk.c: a new file in place of the contents of the one at `path`, which must exist. */
+void saltus_h5_create(saltus_h5 *w, const char *path);
+/* Complete the file, add a checksum (the seal) and close it; with `durable` wait until it is on the disk. */
+void saltus_h5_finish(saltus_h5 *w, bool durable);
+/* What puts the contents into a file; it may fail for reasons of its own. */
+typedef saltus_status saltus_h5_put(saltus_h5 *w, void *context, saltus_message *message);
+/* Make a file and put it in place of what is at `path`. Errors: those of `put`, SALTUS_IO, SALTUS_NO_MEMORY;
+ * what was there stays then. */
+saltus_status saltus_h5_write(const char *path, bool durable, saltus_h5_put *put, void *context,
+                              saltus_message *message);
 
 /* The type of texts of `room` bytes in a file, or in memory: cut there without a NUL, so that a cut can be
  * seen. To be closed; negative on failure. */

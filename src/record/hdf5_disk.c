@@ -1,8 +1,7 @@
 /* HDF5 files made on disk, with a driver for HDF5's file layer that notes failed writes instead of reporting
  * them.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "record/hdf5_disk.h"
-
+#include "record/hdf5.h"
 #include "record/output.h"
 
 #include <errno.h>
@@ -18,21 +17,21 @@
 /* An open file, as HDF5 hands it to the driver. */
 typedef struct disk_file {
     H5FD_t base; /* must be the first member */
-    saltus_h5_disk *disk;
+    saltus_h5 *w;
     haddr_t end_allocated, end;
 } disk_file;
 
 static H5FD_t *disk_open(const char *name, unsigned flags, hid_t access, haddr_t most) {
-    saltus_h5_disk *const *disk = H5Pget_driver_info(access);
-    disk_file *file = disk ? calloc(1, sizeof *file) : NULL;
-    if (disk && !file)
-        (*disk)->reason = ENOMEM;
+    saltus_h5 *const *w = H5Pget_driver_info(access);
+    disk_file *file = w ? calloc(1, sizeof *file) : NULL;
+    if (w && !file)
+        (*w)->reason = ENOMEM;
     (void)name;
     (void)flags;
     (void)most;
     if (!file)
         return NULL;
-    file->disk = *disk;
+    file->w = *w;
     return &file->base;
 }
 
@@ -69,7 +68,7 @@ static herr_t disk_read(H5FD_t *base, H5FD_mem_t type, hid_t transfer, haddr_t a
     const disk_file *file = (const disk_file *)(void *)base;
     (void)type;
     (void)transfer;
-    size_t there = saltus_read_at(file->disk->descriptor, data, size, (long long)address);
+    size_t there = saltus_read_at(file->w->descriptor, data, size, (long long)address);
     memset((unsigned char *)data + there, 0, size - there);
     return 0;
 }
@@ -81,8 +80,8 @@ static herr_t disk_write(H5FD_t *base, H5FD_mem_t type, hid_t transfer, haddr_t 
     (void)transfer;
     if (address + size > file->end)
         file->end = address + size;
-    if (!file->disk->reason && !saltus_write_at(file->disk->descriptor, data, size, (long long)address))
-        file->disk->reason = errno;
+    if (!file->w->reason && !saltus_write_at(file->w->descriptor, data, size, (long long)address))
+        file->w->reason = errno;
     return 0;
 }
 
@@ -90,9 +89,9 @@ static herr_t disk_truncate(H5FD_t *base, hid_t transfer, hbool_t closing) {
     disk_file *file = (disk_file *)(void *)base;
     (void)transfer;
     (void)closing;
-    if (!file->disk->reason && file->end != file->end_allocated &&
-        ftruncate(file->disk->descriptor, (off_t)file->end_allocated) != 0)
-        file->disk->reason = errno;
+    if (!file->w->reason && file->end != file->end_allocated &&
+        ftruncate(file->w->descriptor, (off_t)file->end_allocated) != 0)
+        file->w->reason = errno;
     file->end = file->end_allocated;
     return 0;
 }
@@ -105,7 +104,7 @@ static const H5FD_class_t disk_class = {
     .name = "saltus",
     .maxaddr = ((haddr_t)1 << 62) - 1,
     .fc_degree = H5F_CLOSE_STRONG,
-    .fapl_size = sizeof(saltus_h5_disk *),
+    .fapl_size = sizeof(saltus_h5 *),
     .open = disk_open,
     .close = disk_close,
     .query = disk_query,
@@ -121,10 +120,10 @@ static const H5FD_class_t disk_class = {
 /* How files are opened: with the driver above, and in the oldest format that holds them, whatever the version
  * of HDF5 may be. The driver must outlive the file: where the file was the last to hold it, HDF5 (1.10) frees
  * it before it calls its close. */
-static hid_t access_list(saltus_h5_disk *disk) {
+static hid_t access_list(saltus_h5 *w) {
     hid_t access = H5Pcreate(H5P_FILE_ACCESS);
-    disk->driver = H5FDregister(&disk_class);
-    bool sound = access >= 0 && disk->driver >= 0 && H5Pset_driver(access, disk->driver, &disk) >= 0 &&
+    w->driver = H5FDregister(&disk_class);
+    bool sound = access >= 0 && w->driver >= 0 && H5Pset_driver(access, w->driver, &w) >= 0 &&
                  H5Pset_fclose_degree(access, H5F_CLOSE_STRONG) >= 0 &&
                  H5Pset_libver_bounds(access, H5F_LIBVER_EARLIEST, H5F_LIBVER_V18) >= 0;
     if (!sound && access >= 0)
@@ -132,12 +131,12 @@ static hid_t access_list(saltus_h5_disk *disk) {
     return sound ? access : -1;
 }
 
-void saltus_h5_disk_create(saltus_h5 *w, saltus_h5_disk *disk, const char *path) {
-    *w = (saltus_h5){.file = -1, .sound = true};
-    *disk = (saltus_h5_disk){.descriptor = open(path, O_RDWR | O_TRUNC | O_CLOEXEC), .driver = -1};
-    if (disk->descriptor < 0)
-        disk->reason = errno;
-    hid_t access = disk->reason ? -1 : access_list(disk);
+void saltus_h5_create(saltus_h5 *w, const char *path) {
+    *w = (saltus_h5){.file = -1, .sound = true, .driver = -1};
+    w->descriptor = open(path, O_RDWR | O_TRUNC | O_CLOEXEC);
+    if (w->descriptor < 0)
+        w->reason = errno;
+    hid_t access = w->reason ? -1 : access_list(w);
     if (access >= 0) {
         w->file = H5Fcreate(path, H5F_ACC_TRUNC, H5P_DEFAULT, access);
         H5Pclose(access);
@@ -153,19 +152,50 @@ static bool put_seal(int descriptor) {
     return saltus_write_at(descriptor, seal, SALTUS_H5_SEAL, length);
 }
 
-void saltus_h5_disk_finish(saltus_h5 *w, saltus_h5_disk *disk, bool durable) {
+void saltus_h5_finish(saltus_h5 *w, bool durable) {
     if (w->file >= 0)
         saltus_h5_note(w, H5Fclose(w->file) >= 0);
     w->file = -1;
-    if (disk->driver >= 0)
-        H5FDunregister(disk->driver);
-    disk->driver = -1;
-    if (w->sound && !disk->reason && !put_seal(disk->descriptor))
-        disk->reason = errno;
-    if (w->sound && !disk->reason && durable && fsync(disk->descriptor) != 0)
-        disk->reason = errno;
-    if (disk->descriptor >= 0 && close(disk->descriptor) != 0 && !disk->reason)
-        disk->reason = errno;
-    disk->descriptor = -1;
-    saltus_h5_note(w, disk->reason == 0);
+    if (w->driver >= 0)
+        H5FDunregister(w->driver);
+    w->driver = -1;
+    if (w->sound && !w->reason && !put_seal(w->descriptor))
+        w->reason = errno;
+    if (w->sound && !w->reason && durable && fsync(w->descriptor) != 0)
+        w->reason = errno;
+    if (w->descriptor >= 0 && close(w->descriptor) != 0 && !w->reason)
+        w->reason = errno;
+    w->descriptor = -1;
+    saltus_h5_note(w, w->reason == 0);
+}
+
+static saltus_status outcome(const saltus_h5 *w, const char *path, saltus_message *message) {
+    if (w->starved || w->reason == ENOMEM)
+        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for writing %s", path);
+    if (w->reason)
+        return saltus_fail(message, SALTUS_IO, "%s could not be written completely: %s", path,
+                           strerror(w->reason));
+    return w->sound ? SALTUS_OK : saltus_fail(message, SALTUS_IO, "the HDF5 library could not make %s", path);
+}
+
+saltus_status saltus_h5_write(const char *path, bool durable, saltus_h5_put *put, void *context,
+                              saltus_message *message) {
+    saltus_output output;
+    saltus_h5_silence silence;
+    saltus_h5 w;
+    if (!saltus_h5_quiet(&silence))
+        return saltus_fail(message, SALTUS_IO, "the HDF5 library could not be opened");
+    saltus_status status = saltus_output_open(&output, path, message);
+    if (status == SALTUS_OK && !output.temporary) {
+        status = saltus_fail(message, SALTUS_IO, "%s: is not a plain file", path);
+        status = saltus_output_close(&output, status, message);
+    } else if (status == SALTUS_OK) {
+        saltus_h5_create(&w, output.temporary);
+        status = put(&w, context, message);
+        saltus_h5_finish(&w, durable);
+        status = status == SALTUS_OK ? outcome(&w, path, message) : status;
+        status = saltus_output_close(&output, status, message);
+    }
+    saltus_h5_restore(&silence);
+    return status;
 }

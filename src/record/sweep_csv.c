@@ -14,24 +14,16 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What a table is of. */
-typedef struct source {
-    const char *scene, *title;
-    saltus_sweep_identity identity;
-    bool complete;
-    FILE *file;
-} source;
-
-static void put_head(const source *s) {
-    fprintf(s->file, "# Saltus %s sweep\n# scene: %s\n", s->identity.version, s->scene);
-    if (s->title[0])
-        fprintf(s->file, "# title: %s\n", s->title);
-    saltus_sweep_identity_put(s->file, &s->identity, "# ");
-    fprintf(s->file, "# complete: %d\n", s->complete);
-    fputs("# nan: nothing was recorded, or the quantity was not asked for\n", s->file);
-    for (int k = 0; k < s->identity.axis_count; k++)
-        fprintf(s->file, "%s,", s->identity.axes[k].key);
-    fputs("pass,seed", s->file);
+static void put_head(const saltus_sweep_file *head, FILE *file) {
+    fprintf(file, "# Saltus %s sweep\n# scene: %s\n", head->version, head->scene);
+    if (head->title[0])
+        fprintf(file, "# title: %s\n", head->title);
+    saltus_sweep_identity_put(file, head, "# ");
+    fprintf(file, "# complete: %d\n", head->complete);
+    fputs("# nan: nothing was recorded, or the quantity was not asked for\n", file);
+    for (int k = 0; k < head->axis_count; k++)
+        fprintf(file, "%s,", head->axes[k].key);
+    fputs("pass,seed", file);
 }
 
 /* All values of a record, each behind a comma. */
@@ -51,61 +43,56 @@ static void put_names(const saltus_field_table *table, FILE *file) {
         fprintf(file, ",%s", table->fields[k].name);
 }
 
-/* The axes' values, pass and seed of a line. */
-static void put_place(const source *s, long long point, saltus_pass pass, int seed) {
-    for (int k = 0; k < s->identity.axis_count; k++) {
-        const saltus_axis *axis = &s->identity.axes[k];
-        saltus_put_number(s->file, saltus_axis_value(axis, (int)(point % axis->count)));
-        fputc(',', s->file);
+/* The axes' values, pass and seed that a row's line begins with. */
+static void put_place(const saltus_sweep_file *head, long long row, FILE *file) {
+    long long place = row / head->options.seeds, point = place % head->points;
+    for (int k = 0; k < head->axis_count; k++) {
+        const saltus_axis *axis = &head->axes[k];
+        saltus_put_number(file, saltus_axis_value(axis, (int)(point % axis->count)));
+        fputc(',', file);
         point /= axis->count;
     }
-    fprintf(s->file, "%s,%d", saltus_pass_word(pass), seed);
+    fprintf(file, "%s,%d", saltus_pass_word(head->passes[place / head->points]),
+            (int)(row % head->options.seeds));
 }
 
 saltus_status saltus_sweep_put_csv(saltus_sweep_stream *stream, FILE *file, saltus_message *message) {
-    const saltus_sweep *sweep = stream->sweep;
-    const saltus_scene *scene = saltus_sweep_scene(sweep);
-    saltus_axis axes[SALTUS_AXES_MAX];
-    const source s = {.scene = scene->name,
-                      .title = scene->title,
-                      .identity = saltus_sweep_identity_of(sweep, stream->basins != NULL, axes),
-                      .complete = stream->complete,
-                      .file = file};
-    long long points = saltus_sweep_points(sweep);
+    const saltus_sweep_file head = saltus_sweep_head(stream->sweep, stream->basins, stream->complete);
     saltus_status status = SALTUS_OK;
-    put_head(&s);
+    put_head(&head, file);
     put_names(&saltus_line_fields, file);
     fputc('\n', file);
-    for (long long place = 0; place < stream->journal->places && status == SALTUS_OK; place++) {
-        status = saltus_sweep_stream_read(stream, place, message);
-        saltus_pass pass = saltus_sweep_pass_at(sweep, (int)(place / points));
-        for (int seed = 0; seed < s.identity.options->seeds && status == SALTUS_OK && !ferror(file); seed++) {
-            put_place(&s, place % points, pass, seed);
-            put_record(&saltus_line_fields, 0, &stream->lines[seed], file);
-        }
+    for (long long row = 0; row < head.row_count && status == SALTUS_OK && !ferror(file); row++) {
+        int seed = (int)(row % head.options.seeds);
+        if (seed == 0)
+            status = saltus_sweep_stream_read(stream, row / head.options.seeds, message);
+        if (status != SALTUS_OK)
+            break;
+        put_place(&head, row, file);
+        put_record(&saltus_line_fields, 0, &stream->lines[seed], file);
     }
     return status;
 }
 
-/* The names of the columns of a cloud; a state's are those of the coordinates. */
-static saltus_status put_cloud_names(const source *s, const saltus_cloud_kind *cloud,
-                                     saltus_message *message) {
+/* The names of the columns of a table; a state's are those of the coordinates. */
+static saltus_status put_columns(const saltus_sweep_file *file, const saltus_cloud_kind *cloud, FILE *out,
+                                 saltus_message *message) {
     saltus_system *system = NULL;
-    if (cloud->bytes)
-        put_names(&cloud->fields, s->file);
-    else {
-        saltus_status status = saltus_system_new(s->identity.spec, &system, message);
-        if (status != SALTUS_OK)
-            return status;
+    saltus_status status = SALTUS_OK;
+    if (!cloud || cloud->bytes)
+        put_names(cloud ? &cloud->fields : &saltus_line_fields, out);
+    else
+        status = saltus_system_new(&file->spec, &system, message);
+    if (system) {
         const int count[] = {saltus_system_dof(system), saltus_system_dof(system),
                              saltus_system_extra(system)};
         for (int part = 0; part < 3; part++)
             for (int i = 1; i <= count[part]; i++)
-                fprintf(s->file, ",%c%d", "qvz"[part], i);
+                fprintf(out, ",%c%d", "qvz"[part], i);
         saltus_system_free(system);
     }
-    fputc('\n', s->file);
-    return SALTUS_OK;
+    fputc('\n', out);
+    return status;
 }
 
 /* A cloud's entries in memory, and which are a row's. */
@@ -121,39 +108,31 @@ static entries entries_of(const saltus_sweep_file *file, int cloud) {
     return all[cloud];
 }
 
-static void put_points(const source *s, const saltus_sweep_file *file, int cloud, long long row) {
+static void put_points(const saltus_sweep_file *file, int cloud, long long row, FILE *out) {
     const saltus_cloud_kind *kind = &saltus_clouds[cloud];
     const entries e = entries_of(file, cloud);
     size_t stride = kind->bytes ? kind->bytes : (size_t)file->dimension * sizeof(double);
-    int seeds = file->options.seeds;
-    long long place = row / seeds;
     for (long long i = 0; i < e.count[row]; i++) {
-        const unsigned char *record = (const unsigned char *)e.values + (size_t)(e.first[row] + i) * stride;
-        put_place(s, place % file->points, file->passes[place / file->points], (int)(row % seeds));
-        put_record(&kind->fields, file->dimension, record, s->file);
+        put_place(file, row, out);
+        put_record(&kind->fields, file->dimension,
+                   (const unsigned char *)e.values + (size_t)(e.first[row] + i) * stride, out);
     }
 }
 
-static saltus_status put_table(const source *s, const saltus_sweep_file *file, saltus_table table,
+static saltus_status put_table(const saltus_sweep_file *file, saltus_table table, FILE *out,
                                saltus_message *message) {
-    int cloud = (int)table - SALTUS_TABLE_TURNING, seeds = file->options.seeds;
-    saltus_status status = SALTUS_OK;
-    put_head(s);
-    if (table != SALTUS_TABLE_ROWS)
-        status = put_cloud_names(s, &saltus_clouds[cloud], message);
-    else {
-        put_names(&saltus_line_fields, s->file);
-        fputc('\n', s->file);
-    }
-    for (long long row = 0; row < file->row_count && status == SALTUS_OK && !ferror(s->file); row++) {
-        if (table == SALTUS_TABLE_ROWS) {
-            long long place = row / seeds;
-            put_place(s, place % file->points, file->passes[place / file->points], (int)(row % seeds));
-            saltus_sweep_line line = {.row = file->rows[row]};
-            saltus_sweep_label(&line.row, line.label);
-            put_record(&saltus_line_fields, 0, &line, s->file);
-        } else
-            put_points(s, file, cloud, row);
+    int cloud = (int)table - SALTUS_TABLE_TURNING;
+    put_head(file, out);
+    saltus_status status = put_columns(file, cloud < 0 ? NULL : &saltus_clouds[cloud], out, message);
+    for (long long row = 0; row < file->row_count && status == SALTUS_OK && !ferror(out); row++) {
+        saltus_sweep_line line = {.row = file->rows[row]};
+        saltus_sweep_label(&line.row, line.label);
+        if (cloud >= 0) {
+            put_points(file, cloud, row, out);
+            continue;
+        }
+        put_place(file, row, out);
+        put_record(&saltus_line_fields, 0, &line, out);
     }
     return status;
 }
@@ -169,18 +148,7 @@ saltus_status saltus_sweep_file_csv(const saltus_sweep_file *file, saltus_table 
     saltus_status status = saltus_output_open(&output, path, message);
     if (status != SALTUS_OK)
         return status;
-    const source s = {.scene = file->scene,
-                      .title = file->title,
-                      .identity = {.version = file->version,
-                                   .basins = file->basins,
-                                   .spec = &file->spec,
-                                   .initial_count = -1,
-                                   .axis_count = file->axis_count,
-                                   .axes = file->axes,
-                                   .options = &file->options},
-                      .complete = file->complete,
-                      .file = output.file};
-    status = put_table(&s, file, table, message);
+    status = put_table(file, table, output.file, message);
     return saltus_output_close(&output, status, message);
 }
 

@@ -5,11 +5,9 @@
  * depend on the number of rows, and the bytes of the file depend on its contents alone. Tiles without any
  * result are left out: HDF5 gives the fill values, those of a pending row, for them.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "record/hdf5_disk.h"
 #include "record/rows.h"
 #include "record/sweep_output.h"
 
-#include <errno.h>
 #include <string.h>
 
 enum { tile_rows = 16384, chunk_bytes = 131072 };
@@ -27,8 +25,7 @@ typedef struct cloud {
 typedef struct maker {
     saltus_sweep_stream *stream;
     const saltus_sweep *sweep;
-    saltus_h5 w;
-    saltus_h5_disk disk;
+    saltus_h5 *w;
     saltus_message *message;
     saltus_h5_shape grid; /* of rows and their tiles: pass, axis 2, axis 1, seed */
     saltus_h5_series lines, distinct;
@@ -60,7 +57,7 @@ static void open_rows(maker *m, hid_t group, const saltus_field_table *kind, int
     saltus_h5_shape shape = m->grid;
     shape.rank = rank;
     series->rows.kind = kind;
-    saltus_h5_series_open(&m->w, group, &shape, fill, series);
+    saltus_h5_series_open(m->w, group, &shape, fill, series);
 }
 
 static void open_lines(maker *m) {
@@ -68,7 +65,7 @@ static void open_lines(maker *m) {
     const int none = 0;
     saltus_sweep_label(&pending.row, pending.label);
     hid_t group =
-        saltus_h5_open_group(&m->w, "rows", "one entry for each trajectory: [pass][axis2][axis1][seed]");
+        saltus_h5_open_group(m->w, "rows", "one entry for each trajectory: [pass][axis2][axis1][seed]");
     open_rows(m, group, &saltus_line_fields, 4, &pending, &m->lines);
     open_rows(m, group, &saltus_distinct_fields, 3, &none, &m->distinct);
     saltus_h5_close(group);
@@ -84,11 +81,11 @@ static void open_cloud(maker *m, cloud *c, long long total) {
     const int dimension = saltus_sweep_dimension(m->sweep);
     hsize_t room = chunk_bytes / (c->kind->bytes ? sizeof(double) : entry_bytes(m, c));
     c->shape = (saltus_h5_shape){1, {(hsize_t)total}, {room < (hsize_t)total ? room : (hsize_t)total}};
-    hid_t group = saltus_h5_open_group(&m->w, c->kind->group, c->kind->description);
+    hid_t group = saltus_h5_open_group(m->w, c->kind->group, c->kind->description);
     open_rows(m, group, &saltus_span_fields, 4, &none, &c->spans);
     c->entries.rows =
         (saltus_rows){.kind = &c->kind->fields, .counts = {[SALTUS_COUNT_DIMENSION] = dimension}};
-    saltus_h5_series_open(&m->w, group, &c->shape, nothing, &c->entries);
+    saltus_h5_series_open(m->w, group, &c->shape, nothing, &c->entries);
     saltus_h5_close(group);
 }
 
@@ -96,7 +93,7 @@ static void open_cloud(maker *m, cloud *c, long long total) {
 static void flush(maker *m, cloud *c) {
     const hsize_t count = (hsize_t)c->entries.rows.count;
     if (count)
-        saltus_h5_series_write(&m->w, &c->entries, &c->shape, &c->written, &count);
+        saltus_h5_series_write(m->w, &c->entries, &c->shape, &c->written, &count);
     c->written += count;
 }
 
@@ -108,9 +105,9 @@ static void put_cloud(maker *m, int which, int seeds) {
     for (int s = 0; s < seeds; s++) {
         const long long count = counts ? counts[s] : 0;
         const saltus_span span = {count ? c->next : 0, count};
-        saltus_h5_note_memory(&m->w, saltus_rows_add(&c->spans.rows, &span));
-        for (long long i = 0; i < count && m->w.sound; i++, entries += entry_bytes(m, c)) {
-            saltus_h5_note_memory(&m->w, saltus_rows_add(&c->entries.rows, entries));
+        saltus_h5_note_memory(m->w, saltus_rows_add(&c->spans.rows, &span));
+        for (long long i = 0; i < count && m->w->sound; i++, entries += entry_bytes(m, c)) {
+            saltus_h5_note_memory(m->w, saltus_rows_add(&c->entries.rows, entries));
             if ((hsize_t)c->entries.rows.count == c->shape.part[0])
                 flush(m, c);
         }
@@ -121,8 +118,8 @@ static void put_cloud(maker *m, int which, int seeds) {
 static void put_place(maker *m) {
     const int seeds = (int)m->grid.size[3];
     for (int s = 0; s < seeds; s++)
-        saltus_h5_note_memory(&m->w, saltus_rows_add(&m->lines.rows, &m->stream->lines[s]));
-    saltus_h5_note_memory(&m->w, saltus_rows_add(&m->distinct.rows, &m->stream->distinct));
+        saltus_h5_note_memory(m->w, saltus_rows_add(&m->lines.rows, &m->stream->lines[s]));
+    saltus_h5_note_memory(m->w, saltus_rows_add(&m->distinct.rows, &m->stream->distinct));
     for (int c = 0; c < SALTUS_CLOUDS; c++)
         if (m->clouds[c].kept)
             put_cloud(m, c, seeds);
@@ -131,11 +128,11 @@ static void put_place(maker *m) {
 static void write_tile(maker *m, const hsize_t *first, const hsize_t *count) {
     saltus_h5_shape places = m->grid;
     places.rank = 3;
-    saltus_h5_series_write(&m->w, &m->lines, &m->grid, first, count);
-    saltus_h5_series_write(&m->w, &m->distinct, &places, first, count);
+    saltus_h5_series_write(m->w, &m->lines, &m->grid, first, count);
+    saltus_h5_series_write(m->w, &m->distinct, &places, first, count);
     for (int c = 0; c < SALTUS_CLOUDS; c++)
         if (m->clouds[c].kept)
-            saltus_h5_series_write(&m->w, &m->clouds[c].spans, &m->grid, first, count);
+            saltus_h5_series_write(m->w, &m->clouds[c].spans, &m->grid, first, count);
 }
 
 /* The tile that begins at pass, row and column `first`: its places follow each other. */
@@ -149,12 +146,12 @@ static saltus_status put_tile(maker *m, const hsize_t *first) {
     for (long long k = 0; k < places; k++)
         there += m->stream->journal->offset[place + k] != 0;
     saltus_status status = SALTUS_OK;
-    for (long long k = 0; k < places && there && status == SALTUS_OK && m->w.sound; k++) {
+    for (long long k = 0; k < places && there && status == SALTUS_OK && m->w->sound; k++) {
         status = saltus_sweep_stream_read(m->stream, place + k, m->message);
         if (status == SALTUS_OK)
             put_place(m);
     }
-    if (there && status == SALTUS_OK && m->w.sound)
+    if (there && status == SALTUS_OK && m->w->sound)
         write_tile(m, first, count);
     return status;
 }
@@ -166,10 +163,10 @@ static saltus_status put_tiles(maker *m) {
     for (first[0] = 0; first[0] < size[0]; first[0]++)
         for (first[1] = 0; first[1] < size[1]; first[1] += tile[1])
             for (first[2] = 0; first[2] < size[2]; first[2] += tile[2]) {
-                if (status == SALTUS_OK && m->w.sound && !m->disk.reason)
+                if (status == SALTUS_OK && m->w->sound && !m->w->reason)
                     status = put_tile(m, first);
             }
-    for (int c = 0; c < SALTUS_CLOUDS && status == SALTUS_OK && m->w.sound; c++)
+    for (int c = 0; c < SALTUS_CLOUDS && status == SALTUS_OK && m->w->sound; c++)
         if (m->clouds[c].kept)
             flush(m, &m->clouds[c]);
     return status;
@@ -177,7 +174,7 @@ static saltus_status put_tiles(maker *m) {
 
 static void open_all(maker *m) {
     choose_tile(m);
-    saltus_sweep_put_head(&m->w, m->stream);
+    saltus_sweep_put_head(m->w, m->stream);
     open_lines(m);
     for (int k = 0; k < SALTUS_CLOUDS; k++) {
         cloud *c = &m->clouds[k];
@@ -189,33 +186,23 @@ static void open_all(maker *m) {
 }
 
 static void close_all(maker *m) {
-    saltus_h5_series_close(&m->w, &m->lines);
-    saltus_h5_series_close(&m->w, &m->distinct);
+    saltus_h5_series_close(m->w, &m->lines);
+    saltus_h5_series_close(m->w, &m->distinct);
     for (int c = 0; c < SALTUS_CLOUDS; c++) {
-        saltus_h5_series_close(&m->w, &m->clouds[c].spans);
-        saltus_h5_series_close(&m->w, &m->clouds[c].entries);
+        saltus_h5_series_close(m->w, &m->clouds[c].spans);
+        saltus_h5_series_close(m->w, &m->clouds[c].entries);
     }
 }
 
-saltus_status saltus_sweep_put_hdf5(saltus_sweep_stream *stream, const char *temporary, const char *path,
-                                    bool durable, saltus_message *message) {
-    maker m = {.stream = stream, .sweep = stream->sweep, .message = message};
+saltus_status saltus_sweep_put_hdf5(saltus_h5 *w, void *stream, saltus_message *message) {
+    maker m = {.stream = stream, .w = w, .message = message};
     saltus_status status = SALTUS_OK;
-    saltus_h5_disk_create(&m.w, &m.disk, temporary);
+    m.sweep = m.stream->sweep;
     open_all(&m);
-    if (m.w.sound)
+    if (w->sound)
         status = put_tiles(&m);
     close_all(&m);
-    if (status == SALTUS_OK && m.w.sound && stream->basins && stream->complete)
-        saltus_sweep_put_attractors(&m.w, stream);
-    saltus_h5_disk_finish(&m.w, &m.disk, durable);
-    if (status != SALTUS_OK)
-        return status;
-    if (m.w.starved || m.disk.reason == ENOMEM)
-        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for writing %s", path);
-    if (m.disk.reason)
-        return saltus_fail(message, SALTUS_IO, "%s could not be written completely: %s", path,
-                           strerror(m.disk.reason));
-    return m.w.sound ? SALTUS_OK
-                     : saltus_fail(message, SALTUS_IO, "the HDF5 library could not make %s", path);
+    if (status == SALTUS_OK && w->sound && m.stream->basins && m.stream->complete)
+        saltus_sweep_put_attractors(w, m.stream);
+    return status;
 }

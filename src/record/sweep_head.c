@@ -20,35 +20,33 @@ static void put_axis(saltus_h5 *w, hid_t group, const saltus_axis *axis, int k) 
     free(values);
 }
 
-static void put_options(saltus_h5 *w, const saltus_sweep *sweep) {
-    const saltus_scene *scene = saltus_sweep_scene(sweep);
+static void put_options(saltus_h5 *w, const saltus_sweep_file *head) {
     char name[32];
     hid_t group = saltus_h5_open_group(w, "sweep", "options of the run");
-    saltus_h5_options(w, group, &saltus_sweep_table, saltus_sweep_choices(sweep));
-    saltus_h5_integer(w, group, "dimension", saltus_sweep_dimension(sweep));
-    saltus_h5_integer(w, group, "axes", saltus_sweep_axis_count(sweep));
-    for (int k = 0; k < saltus_sweep_axis_count(sweep); k++) {
-        const saltus_axis *axis = saltus_sweep_axis(sweep, k);
+    saltus_h5_options(w, group, &saltus_sweep_table, &head->options);
+    saltus_h5_integer(w, group, "dimension", head->dimension);
+    saltus_h5_integer(w, group, "axes", head->axis_count);
+    for (int k = 0; k < head->axis_count; k++) {
         snprintf(name, sizeof name, "key%d", k + 1);
-        saltus_h5_text(w, group, name, axis->key);
+        saltus_h5_text(w, group, name, head->axes[k].key);
         snprintf(name, sizeof name, "spacing%d", k + 1);
-        saltus_h5_text(w, group, name, saltus_word_of(saltus_spacing_words, (int)axis->spacing));
+        saltus_h5_text(w, group, name, saltus_word_of(saltus_spacing_words, (int)head->axes[k].spacing));
     }
     saltus_h5_reals(w, group, "initial", "the scene's initial state; empty: the system's default",
-                    scene->initial, scene->initial_count);
+                    head->initial, head->initial_count);
     saltus_h5_close(group);
 }
 
 void saltus_sweep_put_head(saltus_h5 *w, const saltus_sweep_stream *stream) {
-    const saltus_scene *scene = saltus_sweep_scene(stream->sweep);
+    const saltus_sweep_file head = saltus_sweep_head(stream->sweep, stream->basins, stream->complete);
     if (!w->sound)
         return;
-    saltus_h5_put_head(w, stream->basins ? "basins" : "sweep", scene->name, scene->title, &scene->spec,
-                       stream->complete);
-    put_options(w, stream->sweep);
+    saltus_h5_put_head(w, head.basins ? "basins" : "sweep", head.scene, head.title, &head.spec,
+                       head.complete);
+    put_options(w, &head);
     hid_t group = saltus_h5_open_group(w, "axes", "what was varied");
-    for (int k = 0; k < saltus_sweep_axis_count(stream->sweep) && w->sound; k++)
-        put_axis(w, group, saltus_sweep_axis(stream->sweep, k), k);
+    for (int k = 0; k < head.axis_count && w->sound; k++)
+        put_axis(w, group, &head.axes[k], k);
     saltus_h5_close(group);
 }
 

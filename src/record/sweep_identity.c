@@ -7,20 +7,27 @@
 #include <stdlib.h>
 #include <string.h>
 
-saltus_sweep_identity saltus_sweep_identity_of(const saltus_sweep *sweep, bool basins,
-                                               saltus_axis axes[SALTUS_AXES_MAX]) {
+saltus_sweep_file saltus_sweep_head(const saltus_sweep *sweep, bool basins, bool complete) {
     const saltus_scene *scene = saltus_sweep_scene(sweep);
-    int count = saltus_sweep_axis_count(sweep);
-    for (int k = 0; k < count; k++)
-        axes[k] = *saltus_sweep_axis(sweep, k);
-    return (saltus_sweep_identity){.version = SALTUS_VERSION,
-                                   .basins = basins,
-                                   .spec = &scene->spec,
-                                   .initial_count = scene->initial_count,
-                                   .initial = scene->initial,
-                                   .axis_count = count,
-                                   .axes = axes,
-                                   .options = saltus_sweep_choices(sweep)};
+    saltus_sweep_file head = {.version = SALTUS_VERSION,
+                              .basins = basins,
+                              .complete = complete,
+                              .spec = scene->spec,
+                              .axis_count = saltus_sweep_axis_count(sweep),
+                              .options = *saltus_sweep_choices(sweep),
+                              .initial_count = scene->initial_count,
+                              .pass_count = saltus_sweep_pass_count(sweep),
+                              .points = saltus_sweep_points(sweep),
+                              .row_count = saltus_sweep_rows(sweep),
+                              .dimension = saltus_sweep_dimension(sweep)};
+    snprintf(head.scene, sizeof head.scene, "%s", scene->name);
+    snprintf(head.title, sizeof head.title, "%s", scene->title);
+    memcpy(head.initial, scene->initial, (size_t)scene->initial_count * sizeof *head.initial);
+    for (int k = 0; k < head.axis_count; k++)
+        head.axes[k] = *saltus_sweep_axis(sweep, k);
+    for (int k = 0; k < head.pass_count; k++)
+        head.passes[k] = saltus_sweep_pass_at(sweep, k);
+    return head;
 }
 
 typedef struct writer {
@@ -82,31 +89,30 @@ static void put_options(const writer *w, const saltus_sweep_options *o) {
     }
 }
 
-void saltus_sweep_identity_put(FILE *file, const saltus_sweep_identity *identity, const char *prefix) {
+void saltus_sweep_identity_put(FILE *file, const saltus_sweep_file *head, const char *prefix) {
     const writer w = {file, prefix};
-    put_word(&w, "version", identity->version);
-    put_word(&w, "kind", identity->basins ? "basins" : "sweep");
-    put_spec(&w, identity->spec);
-    if (identity->initial_count >= 0)
-        put_whole(&w, "initial entries", identity->initial_count);
-    for (int k = 0; k < identity->initial_count; k++) {
+    put_word(&w, "version", head->version);
+    put_word(&w, "kind", head->basins ? "basins" : "sweep");
+    put_spec(&w, &head->spec);
+    put_whole(&w, "initial entries", head->initial_count);
+    for (int k = 0; k < head->initial_count; k++) {
         char name[32];
         snprintf(name, sizeof name, "initial entry %d", k + 1);
-        put_real(&w, name, identity->initial[k]);
+        put_real(&w, name, head->initial[k]);
     }
-    put_whole(&w, "axes", identity->axis_count);
-    for (int k = 0; k < identity->axis_count; k++)
-        put_axis(&w, &identity->axes[k], k);
-    put_options(&w, identity->options);
+    put_whole(&w, "axes", head->axis_count);
+    for (int k = 0; k < head->axis_count; k++)
+        put_axis(&w, &head->axes[k], k);
+    put_options(&w, &head->options);
 }
 
-char *saltus_sweep_identity_text(const saltus_sweep_identity *identity) {
+char *saltus_sweep_identity_text(const saltus_sweep_file *head) {
     char *text = NULL;
     size_t length = 0;
     FILE *stream = open_memstream(&text, &length);
     if (!stream)
         return NULL;
-    saltus_sweep_identity_put(stream, identity, "");
+    saltus_sweep_identity_put(stream, head, "");
     bool sound = !ferror(stream);
     if (fclose(stream) == 0 && sound)
         return text;

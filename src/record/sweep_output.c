@@ -28,41 +28,31 @@ struct saltus_sweep_output {
     double written, cost; /* when the file was last exchanged, and how long that took; seconds */
 };
 
-/* Write what is there into a file under way. */
-static saltus_status put_file(saltus_sweep_output *o, bool last, saltus_output *output,
-                              saltus_message *message) {
+static saltus_status write_table(saltus_sweep_output *o, saltus_sweep_stream *stream,
+                                 saltus_message *message) {
+    saltus_output output;
+    saltus_status status = saltus_output_open(&output, o->path, message);
+    if (status != SALTUS_OK)
+        return status;
+    status = saltus_sweep_put_csv(stream, output.file, message);
+    if (stream->complete && status == SALTUS_OK && fflush(output.file) == 0)
+        fsync(fileno(output.file));
+    return saltus_output_close(&output, status, message);
+}
+
+/* Put the file with all results so far in place of what is there. */
+static saltus_status exchange(saltus_sweep_output *o, bool last, saltus_message *message) {
+    double begin = saltus_seconds();
     saltus_sweep_stream stream = {.sweep = o->sweep,
                                   .journal = &o->journal,
                                   .basins = o->basins,
                                   .complete = last && o->journal.found == o->journal.places};
     if (!saltus_sweep_stream_open(&stream))
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for writing %s", o->path);
-    saltus_status status;
-    if (o->table)
-        status = saltus_sweep_put_csv(&stream, output->file, message);
-    else
-        status = saltus_sweep_put_hdf5(&stream, output->temporary, o->path, stream.complete, message);
-    if (o->table && stream.complete && status == SALTUS_OK && fflush(output->file) == 0)
-        fsync(fileno(output->file));
+    saltus_status status =
+        o->table ? write_table(o, &stream, message)
+                 : saltus_h5_write(o->path, stream.complete, saltus_sweep_put_hdf5, &stream, message);
     saltus_sweep_stream_close(&stream);
-    return status;
-}
-
-/* Put the file with all results so far in place of what is there. */
-static saltus_status exchange(saltus_sweep_output *o, bool last, saltus_message *message) {
-    saltus_output output;
-    saltus_h5_silence silence;
-    double begin = saltus_seconds();
-    if (!saltus_h5_quiet(&silence))
-        return saltus_fail(message, SALTUS_IO, "the HDF5 library could not be opened");
-    saltus_status status = saltus_output_open(&output, o->path, message);
-    if (status == SALTUS_OK && !output.temporary)
-        status = saltus_fail(message, SALTUS_IO, "%s: is not a plain file any more", o->path);
-    if (status == SALTUS_OK) {
-        status = put_file(o, last, &output, message);
-        status = saltus_output_close(&output, status, message);
-    }
-    saltus_h5_restore(&silence);
     o->written = saltus_seconds();
     o->cost = o->written - begin;
     return status;
@@ -104,9 +94,8 @@ static saltus_status accept_finished(saltus_sweep_output *o, const char *identit
 }
 
 static saltus_status open_journal(saltus_sweep_output *o, bool resume, bool exists, saltus_message *message) {
-    saltus_axis axes[SALTUS_AXES_MAX];
-    saltus_sweep_identity identity = saltus_sweep_identity_of(o->sweep, o->basins != NULL, axes);
-    char *text = saltus_sweep_identity_text(&identity);
+    const saltus_sweep_file head = saltus_sweep_head(o->sweep, o->basins != NULL, false);
+    char *text = saltus_sweep_identity_text(&head);
     size_t room = strlen(o->path) + sizeof ".journal";
     char *path = malloc(room);
     bool there = false;

@@ -6,24 +6,13 @@
 #include "record/fields.h"
 #include "record/hdf5.h"
 
-/* sweep_identity.c: everything that the results of a sweep depend on, which lanes and threads are not. */
-typedef struct saltus_sweep_identity {
-    const char *version;
-    bool basins;
-    const saltus_spec *spec;
-    int initial_count; /* 0: the system's default state; -1: not known */
-    const double *initial;
-    int axis_count;
-    const saltus_axis *axes;
-    const saltus_sweep_options *options;
-} saltus_sweep_identity;
-
-saltus_sweep_identity saltus_sweep_identity_of(const saltus_sweep *sweep, bool basins,
-                                               saltus_axis axes[SALTUS_AXES_MAX]);
-/* As lines "name = value", always in the same order, each after `prefix`. */
-void saltus_sweep_identity_put(FILE *file, const saltus_sweep_identity *identity, const char *prefix);
+/* sweep_identity.c: what is told of a sweep beside its results; lists of axes are the sweep's. */
+saltus_sweep_file saltus_sweep_head(const saltus_sweep *sweep, bool basins, bool complete);
+/* Everything that the results depend on, which lanes and threads are not, as lines "name = value", always in
+ * the same order, each after `prefix`. */
+void saltus_sweep_identity_put(FILE *file, const saltus_sweep_file *head, const char *prefix);
 /* The same as a text, to be freed; NULL when there is no memory. */
-char *saltus_sweep_identity_text(const saltus_sweep_identity *identity);
+char *saltus_sweep_identity_text(const saltus_sweep_file *head);
 /* SALTUS_BAD_INPUT with a sentence about the first difference when the text in the file at `path` is not that
  * of the run. */
 saltus_status saltus_sweep_identity_compare(const char *path, const char *there, const char *here,
@@ -84,10 +73,9 @@ saltus_status saltus_sweep_stream_read(saltus_sweep_stream *stream, long long pl
 /* The counts per seed and the entries of a cloud of the place that was read. */
 const void *saltus_sweep_stream_cloud(const saltus_sweep_stream *stream, int cloud, const long long **counts);
 
-/* sweep_hdf5.c: write the file over the one at `temporary`, which is to become `path`; with `durable` wait
- * until it is on the disk. Errors: SALTUS_IO, SALTUS_NO_MEMORY, those of the stream. */
-saltus_status saltus_sweep_put_hdf5(saltus_sweep_stream *stream, const char *temporary, const char *path,
-                                    bool durable, saltus_message *message);
+/* sweep_hdf5.c: put everything into a file; `stream` is a saltus_sweep_stream. Errors: those of the stream.
+ */
+saltus_h5_put saltus_sweep_put_hdf5;
 
 /* sweep_head.c: its parts other than rows and clouds; what fails is noted. */
 void saltus_sweep_put_head(saltus_h5 *w, const saltus_sweep_stream *stream);

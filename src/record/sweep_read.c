@@ -15,8 +15,6 @@ static const long long most_rows = 1000000000;
 typedef struct reader {
     saltus_h5_reader h5;
     saltus_sweep_file *made;
-    int initial_count;
-    double *initial;
     int counts[SALTUS_COUNTS_MAX];
     saltus_h5_shape grid; /* of the rows */
 } reader;
@@ -80,8 +78,12 @@ static saltus_status read_options(reader *r) {
 
 static saltus_status read_axes(reader *r) {
     saltus_sweep_file *made = r->made;
+    double *initial = NULL;
     saltus_status status = saltus_h5_get_reals(&r->h5, "sweep", "initial", SALTUS_SCENE_STATE_MAX, true,
-                                               &r->initial_count, &r->initial);
+                                               &made->initial_count, &initial);
+    if (status == SALTUS_OK)
+        memcpy(made->initial, initial, (size_t)made->initial_count * sizeof *initial);
+    free(initial);
     made->points = 1;
     for (int k = 0; k < made->axis_count && status == SALTUS_OK; k++) {
         saltus_axis *axis = &made->axes[k];
@@ -266,7 +268,6 @@ saltus_status saltus_sweep_file_read(const char *path, saltus_sweep_file *file, 
     if (status == SALTUS_OK)
         status = read_clouds(&r);
     saltus_h5_reader_close(&r.h5);
-    free(r.initial);
     if (status != SALTUS_OK)
         saltus_sweep_file_clear(file);
     return status;
@@ -279,21 +280,12 @@ saltus_status saltus_sweep_identity_hdf5(const char *path, char **identity, bool
     *identity = NULL;
     saltus_status status = open_file(&r);
     if (status == SALTUS_OK) {
-        const saltus_sweep_identity there = {.version = file.version,
-                                             .basins = file.basins,
-                                             .spec = &file.spec,
-                                             .initial_count = r.initial_count,
-                                             .initial = r.initial,
-                                             .axis_count = file.axis_count,
-                                             .axes = file.axes,
-                                             .options = &file.options};
-        *identity = saltus_sweep_identity_text(&there);
+        *identity = saltus_sweep_identity_text(&file);
         *complete = file.complete;
         if (!*identity)
             status = saltus_h5_no_memory(&r.h5);
     }
     saltus_h5_reader_close(&r.h5);
-    free(r.initial);
     saltus_sweep_file_clear(&file);
     return status;
 }

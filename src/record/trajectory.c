@@ -87,7 +87,8 @@ static void put_events(saltus_h5 *w, const source *s) {
     saltus_rows_clear(&events);
 }
 
-static void write_file(const source *s, FILE *file, saltus_h5 *w) {
+static saltus_status put_file(saltus_h5 *w, void *context, saltus_message *message) {
+    const source *s = context;
     const saltus_trajectory *r = s->record;
     const saltus_rows samples = {.kind = &saltus_sample_fields,
                                  .counts = {[SALTUS_COUNT_DIMENSION] = r->dimension},
@@ -101,25 +102,14 @@ static void write_file(const source *s, FILE *file, saltus_h5 *w) {
     saltus_flow_options used = *s->options;
     saltus_field_read(&saltus_option_find(&saltus_flow_table, "integrator")->field,
                       saltus_integrator_used(s->system, used.integrator), &used);
-    saltus_h5_create(w);
+    (void)message;
     saltus_h5_put_head(w, "trajectory", s->scene->name, s->scene->title, saltus_system_spec(s->system), true);
     saltus_h5_double(w, w->file, "period", saltus_system_period(s->system));
     saltus_h5_options(w, w->file, &saltus_flow_table, &used);
     put_rows(w, "trajectory", "samples, with one on each side of every impact", &samples);
     put_events(w, s);
     put_rows(w, "strobe", "stroboscopic points", &strobe);
-    saltus_h5_finish(w, file);
-}
-
-/* An HDF5 file, made in memory and then written. Errors: SALTUS_IO, SALTUS_NO_MEMORY. */
-static saltus_status write_hdf5(const source *s, FILE *file, saltus_message *message) {
-    saltus_h5 w;
-    saltus_h5_silence silence;
-    if (!saltus_h5_quiet(&silence))
-        return saltus_fail(message, SALTUS_IO, "the HDF5 library could not be opened");
-    write_file(s, file, &w);
-    saltus_h5_restore(&silence);
-    return saltus_h5_status(&w, message);
+    return SALTUS_OK;
 }
 
 saltus_status saltus_write_trajectory(const saltus_trajectory *record, const saltus_scene *scene,
@@ -128,14 +118,13 @@ saltus_status saltus_write_trajectory(const saltus_trajectory *record, const sal
     bool csv = saltus_path_ends(path, ".csv"), hdf5 = saltus_path_ends(path, ".h5");
     if (!csv && !hdf5)
         return saltus_fail(message, SALTUS_BAD_INPUT, "%s: the ending must be .csv or .h5", path);
-    const source s = {record, scene, system, options};
+    source s = {record, scene, system, options};
+    if (hdf5)
+        return saltus_h5_write(path, false, put_file, &s, message);
     saltus_output output;
     saltus_status status = saltus_output_open(&output, path, message);
     if (status != SALTUS_OK)
         return status;
-    if (csv)
-        write_csv(&s, output.file);
-    else
-        status = write_hdf5(&s, output.file, message);
+    write_csv(&s, output.file);
     return saltus_output_close(&output, status, message);
 }

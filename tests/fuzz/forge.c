@@ -312,12 +312,13 @@ bool forge_write(const forge_file *file, forge_stream *stream, const char *path)
     saltus_h5 w;
     FILE *to = fopen(path, "wb");
     bool sound = change_all(file, stream, &made, dropped) && to;
-    saltus_h5_create(&w);
+    if (to)
+        fclose(to);
+    saltus_h5_create(&w, path);
     for (int k = 0; k < made.count && sound && w.sound; k++)
         if (!dropped[k])
             write_item(w.file, &made.items[k]);
-    if (to)
-        saltus_h5_finish(&w, to);
+    saltus_h5_finish(&w, false);
     free_all(&made);
-    return to && fclose(to) == 0 && sound && w.sound;
+    return sound && w.sound;
 }
