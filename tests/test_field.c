@@ -3,6 +3,11 @@
 #include "check.h"
 
 #include "base/field.h"
+#include "branch/options.h"
+#include "flow/options.h"
+#include "motion/options.h"
+#include "orbit/options.h"
+#include "sweep/options.h"
 
 #include <limits.h>
 
@@ -180,6 +185,44 @@ static void entries_are_gathered_and_spread(void **unused) {
     assert_true(entries[0] == 0);
 }
 
+/* The tables of the library: names told apart, defaults admissible, options of the command line explained,
+ * and what lies beyond a bound refused by the name. */
+static void options_of_the_library_are_sound(void **unused) {
+    (void)unused;
+    static const saltus_option_table *const tables[] = {
+        &saltus_flow_table,  &saltus_orbit_table,    &saltus_harvest_table,  &saltus_branch_table,
+        &saltus_sweep_table, &saltus_classify_table, &saltus_lyapunov_table, &saltus_spectrum_table};
+    static double record[512]; /* as large as any of the structs */
+    saltus_message message = {""};
+    for (size_t t = 0; t < sizeof tables / sizeof *tables; t++) {
+        saltus_options_fill(tables[t], record);
+        check_ok(saltus_options_check(tables[t], record, &message), &message);
+        for (int k = 0; k < tables[t]->count; k++) {
+            const saltus_option *o = &tables[t]->options[k];
+            const saltus_field *f = &o->field;
+            assert_ptr_equal(saltus_option_find(tables[t], f->name), o);
+            assert_true(f->meaning[0] && f->offset + saltus_field_bytes(f) <= sizeof record);
+            assert_true(!o->flag || (strncmp(o->flag, "--", 2) == 0 && o->argument));
+            if (f->words || f->type == SALTUS_FLAG || f->type == SALTUS_TEXT || !isfinite(o->low))
+                continue;
+            assert_true(o->low < o->high);
+            for (int end = 0; end < 2 && f->type != SALTUS_NATURAL; end++) {
+                double bound = end ? o->high : o->low,
+                       step = f->type == SALTUS_REAL ? 1e-3 * (o->high - o->low) : 1;
+                if (!isfinite(bound))
+                    continue;
+                step = isfinite(step) ? step : 1;
+                saltus_options_fill(tables[t], record);
+                saltus_field_set_number(f, end ? bound + step : bound - step, record);
+                assert_int_equal(saltus_options_check(tables[t], record, &message), SALTUS_BAD_INPUT);
+                assert_int_equal(strncmp(message.text, f->name, strlen(f->name)), 0);
+                saltus_field_set_number(f, bound, record);
+                assert_int_equal(saltus_option_admits(o, record), end ? !o->below : !o->above);
+            }
+        }
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(defaults_fill_every_option),
@@ -187,6 +230,7 @@ int main(void) {
         cmocka_unit_test(whole_numbers_fit_or_are_refused),
         cmocka_unit_test(sentences_name_the_option_and_its_range),
         cmocka_unit_test(entries_are_gathered_and_spread),
+        cmocka_unit_test(options_of_the_library_are_sound),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

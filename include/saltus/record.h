@@ -52,8 +52,9 @@ void saltus_write_spectra_text(FILE *file, const saltus_scene *scene, const salt
 /* The same as one JSON object and a newline, with all lines up to the highest trustworthy frequency. */
 void saltus_write_spectra_json(FILE *file, const saltus_scene *scene, const saltus_system *system,
                                const saltus_motion *motion, const saltus_spectra *spectra);
-/* Write a record to a .csv or .h5 file (chosen by the ending), complete or not at all. Errors:
- * SALTUS_BAD_INPUT for another ending, SALTUS_IO. */
+/* Write a record to a .csv or .h5 file (chosen by the ending), complete or not at all. An HDF5 file is laid
+ * out like that of a branch: its head, the flow's options as attributes, the groups /trajectory (samples),
+ * /events and /strobe (stroboscopic points). Errors: SALTUS_BAD_INPUT for another ending, SALTUS_IO. */
 saltus_status saltus_write_trajectory(const saltus_trajectory *record, const saltus_scene *scene,
                                       const saltus_system *system, const saltus_flow_options *options,
                                       const char *path, saltus_message *message);
@@ -172,14 +173,15 @@ saltus_status saltus_branch_output_close(saltus_branch_output *output, bool comp
  *     /               attributes kind = "sweep" or "basins", version, scene, title, model, complete (0:
  *                     interrupted)
  *     /parameters     an attribute for each parameter of the scene; /parameters/stop_1, ... for the stops
- *     /sweep          the options as attributes: keep, seeds, seed, adaptive, transient, record, longest,
- *                     rtol, atol, order, integrator, dimension, passes ("reset,up,down"), axes, key1,
+ *     /sweep          the options as attributes: keep, seeds, seed, adaptive, transient, record, measure,
+ *                     longest, rtol, atol, order, integrator, dimension, passes ("reset,up,down"), axes, key1,
  *                     spacing1, key2, spacing2; dataset initial
  *     /axes           datasets axis1 and axis2 (where there are two): the values
  *     /rows           one dataset for each member of saltus_sweep_row, of shape [pass][axis2][axis1][seed]
  *                     (axis2 has length 1 where there is one axis): verdict (enumeration pending,
- *                     periodic, ...), impacts, periods, sticking, attractor, settled, ..., lyapunov; and
- *                     `attractors`, the number of distinct ones, of shape [pass][axis2][axis1]
+ *                     periodic, ...), impacts, periods, sticking, attractor, settled, ..., lyapunov; `label`,
+ *                     the motion's name as text, n/p where it is periodic; and `attractors`, the number of
+ *                     distinct ones, of shape [pass][axis2][axis1]
  *     /turning        where kept: first and count (of shape [pass][axis2][axis1][seed]) point into
  *                     displacement
  *     /impacts        first, count, phase, speed, face

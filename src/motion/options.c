@@ -1,4 +1,4 @@
-/* Options of classifications and of Lyapunov exponents.
+/* Options of classifications, of Lyapunov exponents and of spectra.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "motion/options.h"
 
@@ -46,6 +46,26 @@ static const saltus_option lyapunov_choices[] = {
 };
 const saltus_option_table saltus_lyapunov_table = SALTUS_TABLE(lyapunov_choices);
 
+#undef MEMBER
+#define MEMBER(member, unit, meaning, ...)                                                                   \
+    .field = SALTUS_MEMBER(saltus_spectrum_options, member, #member, unit, meaning, __VA_ARGS__)
+
+static const saltus_option spectrum_choices[] = {
+    {MEMBER(per_period, "1", "samples per period, a multiple of 4; 0: chosen by what aliases", SALTUS_INT),
+     .low = 16, .high = 65536, .automatic = true, .flag = "--samples", .argument = "k"},
+    {MEMBER(reach, "1", "frequency over omega up to which spectra are wanted; 0: chosen", SALTUS_REAL),
+     .high = INFINITY},
+    {MEMBER(periods, "T", "periods to analyse; 0: 8 orbits, or 2048 periods without one", SALTUS_LONG),
+     .high = INFINITY, .flag = "--periods", .argument = "n"},
+    {MEMBER(segment, "T", "periods in a segment of Welch's method, then for periodic motion too; 0: chosen",
+            SALTUS_LONG),
+     .high = INFINITY, .flag = "--segment", .argument = "m"},
+    {MEMBER(confidence, "1", "of the band about a density", SALTUS_REAL), .fallback = 0.95, .high = 1,
+     .above = true, .below = true},
+    SALTUS_FLOW_CHOICES(saltus_spectrum_options, flow., 1e-13, 1e-16),
+};
+const saltus_option_table saltus_spectrum_table = SALTUS_TABLE(spectrum_choices);
+
 saltus_classify_options saltus_classify_defaults(void) {
     saltus_classify_options options = {.longest = 0};
     saltus_options_fill(&saltus_classify_table, &options);
@@ -55,5 +75,11 @@ saltus_classify_options saltus_classify_defaults(void) {
 saltus_lyapunov_options saltus_lyapunov_defaults(void) {
     saltus_lyapunov_options options = {.members = 0};
     saltus_options_fill(&saltus_lyapunov_table, &options);
+    return options;
+}
+
+saltus_spectrum_options saltus_spectrum_defaults(void) {
+    saltus_spectrum_options options = {.quantities = {{0, false}, {0, true}}, .quantity_count = 2};
+    saltus_options_fill(&saltus_spectrum_table, &options);
     return options;
 }

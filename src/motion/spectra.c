@@ -1,5 +1,6 @@
 /* Spectra of motions: sampling on the dense output at exact fractions of the forcing period.
  * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "motion/options.h"
 #include "saltus/spectrum.h"
 
 #include "signal/spectrum.h"
@@ -34,13 +35,6 @@ typedef struct sampler {
     int per_period;
     bool anew;
 } sampler;
-
-saltus_spectrum_options saltus_spectrum_defaults(void) {
-    return (saltus_spectrum_options){.flow = saltus_flow_defaults(),
-                                     .quantities = {{0, false}, {0, true}},
-                                     .quantity_count = 2,
-                                     .confidence = 0.95};
-}
 
 saltus_status saltus_quantity_parse(const saltus_system *system, const char *word, saltus_quantity *quantity,
                                     saltus_message *message) {
@@ -215,18 +209,12 @@ static saltus_status check_options(const saltus_system *system, int periods, con
         if (o->quantities[k].coordinate < 0 || o->quantities[k].coordinate > saltus_system_dof(system))
             return saltus_fail(message, SALTUS_BAD_INPUT, "coordinate %d: must be 0 to %d",
                                o->quantities[k].coordinate, saltus_system_dof(system));
-    if (o->per_period && (o->per_period < 16 || o->per_period > 65536 || o->per_period % 4))
-        return saltus_fail(message, SALTUS_BAD_INPUT,
-                           "%d samples per period: must be a multiple of 4 from 16 to 65536", o->per_period);
-    if (periods < 0 || o->periods < 0 || o->segment < 0)
-        return saltus_fail(message, SALTUS_BAD_INPUT,
-                           "periods and segments must not be negative (%d, %lld, %lld)", periods, o->periods,
-                           o->segment);
-    if (!(o->reach >= 0) || !(o->confidence > 0 && o->confidence < 1))
-        return saltus_fail(message, SALTUS_BAD_INPUT,
-                           "reach %g must be 0 or more, confidence %g between 0 and 1", o->reach,
-                           o->confidence);
-    return SALTUS_OK;
+    if (o->per_period % 4)
+        return saltus_fail(message, SALTUS_BAD_INPUT, "per_period = %d: must be a multiple of 4",
+                           o->per_period);
+    if (periods < 0)
+        return saltus_fail(message, SALTUS_BAD_INPUT, "periods = %d: must be at least 0", periods);
+    return saltus_options_check(&saltus_spectrum_table, o, message);
 }
 
 /* Periods to analyse, and the length of Welch's segments: 0 for whole orbits. */

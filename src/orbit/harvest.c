@@ -3,24 +3,13 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "saltus/harvest.h"
 
+#include "orbit/options.h"
 #include "orbit/returns.h"
 #include "system/state.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-saltus_harvest_options saltus_harvest_defaults(void) {
-    return (saltus_harvest_options){.flow = saltus_flow_defaults(),
-                                    .longest = 8,
-                                    .transient = 100,
-                                    .periods = 5000,
-                                    .recurrence = 0.1,
-                                    .tries = 40,
-                                    .most = 1000,
-                                    .tolerance = 1e-11,
-                                    .seed = 1};
-}
 
 /* What a search works with, and on; `stopped` once the caller has refused to go on. */
 typedef struct search {
@@ -219,23 +208,10 @@ static saltus_status arrange(const search *s, saltus_message *message) {
 
 static saltus_status check_options(const saltus_system *system, const saltus_harvest_options *options,
                                    saltus_message *message) {
-    enum { longest_max = 256, tries_max = 10000 };
     if (!saltus_system_forced(system))
         return saltus_fail(message, SALTUS_BAD_INPUT,
                            "the scene has no forcing: its periodic orbits have no period to count in");
-    if (options->longest < 1 || options->longest > longest_max)
-        return saltus_fail(message, SALTUS_BAD_INPUT, "longest = %d: must be from 1 to %d", options->longest,
-                           longest_max);
-    if (options->transient < 0 || options->periods < 1)
-        return saltus_fail(message, SALTUS_BAD_INPUT,
-                           "transient must be at least 0, periods at least 1 (%lld, %lld)",
-                           options->transient, options->periods);
-    if (!(options->recurrence > 0) || !(options->tolerance > 0))
-        return saltus_fail(message, SALTUS_BAD_INPUT, "recurrence and tolerance must be greater than 0");
-    if (options->tries < 1 || options->tries > tries_max || options->most < 1)
-        return saltus_fail(message, SALTUS_BAD_INPUT, "tries must be from 1 to %d, most at least 1",
-                           tries_max);
-    return SALTUS_OK;
+    return saltus_options_check(&saltus_harvest_table, options, message);
 }
 
 saltus_status saltus_harvest_run(const saltus_system *system, const saltus_harvest_options *options,

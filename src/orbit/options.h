@@ -1,9 +1,10 @@
-/* Private: the options of shooting, declared once for all structs that hold them.
+/* Private: the options of shooting, declared once for all structs that hold them, and of a harvest of orbits.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_ORBIT_OPTIONS_H
 #define SALTUS_ORBIT_OPTIONS_H
 
 #include "flow/options.h"
+#include "saltus/harvest.h"
 #include "saltus/orbit.h"
 
 /* The entries of a table for `struct_type`, in which the options are at `path`, like SALTUS_FLOW_CHOICES. */
@@ -28,7 +29,7 @@
         .high = 100000, .flag = "--segments", .argument = "k"                                                \
     }
 
-/* Of saltus_orbit_options itself. */
-extern const saltus_option_table saltus_orbit_table;
+/* Of saltus_orbit_options itself, and of saltus_harvest_options. */
+extern const saltus_option_table saltus_orbit_table, saltus_harvest_table;
 
 #endif

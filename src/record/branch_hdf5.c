@@ -52,9 +52,9 @@ static void put_options(saltus_h5 *w, const saltus_branch_file *head, bool compl
     saltus_h5_close(group);
 }
 
-static void put_head(saltus_h5 *w, const saltus_branch_output *o, bool complete) {
+static void put_head(saltus_h5 *w, const saltus_branch_output *o) {
     const saltus_branch_file *head = &o->head;
-    saltus_h5_put_head(w, "branch", head->scene, head->title, &head->spec, complete);
+    saltus_h5_put_head(w, "branch", head->scene, head->title, &head->spec, head->complete);
     saltus_h5_text(w, w->file, "integrator",
                    saltus_integrator_used(o->system, head->options.orbit.flow.integrator));
     put_options(w, head, complete);
@@ -65,16 +65,10 @@ static void put_head(saltus_h5 *w, const saltus_branch_output *o, bool complete)
     saltus_h5_close(group);
 }
 
-typedef struct exchange_order {
-    const saltus_branch_output *output;
-    bool complete;
-} exchange_order;
-
 static saltus_status put_file(saltus_h5 *w, void *context, saltus_message *message) {
-    const exchange_order *order = context;
-    const saltus_branch_output *o = order->output;
+    const saltus_branch_output *o = context;
     (void)message;
-    put_head(w, o, order->complete);
+    put_head(w, o);
     hid_t group = saltus_h5_open_group(w, "points", "points of the branches, one row each, as computed");
     saltus_h5_rows(w, group, &o->points);
     put_names(w, group, &o->head.spec);
@@ -88,8 +82,8 @@ static saltus_status put_file(saltus_h5 *w, void *context, saltus_message *messa
 /* Put the file with all rows so far in place of what is there. */
 static saltus_status exchange(saltus_branch_output *o, bool complete, saltus_message *message) {
     double begin = saltus_seconds();
-    exchange_order order = {o, complete};
-    saltus_status status = saltus_h5_write(o->path, false, put_file, &order, message);
+    o->head.complete = complete;
+    saltus_status status = saltus_h5_write(o->path, false, put_file, o, message);
     o->written = saltus_seconds();
     o->cost = o->written - begin;
     return status;

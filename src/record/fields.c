@@ -215,3 +215,93 @@ const saltus_field_table saltus_attractor_fields = SALTUS_TABLE(attractor_fields
 static const saltus_field attractor_point_fields[] = {COLUMN(
     "state", "1", "q, q', further states of the orbits' points at phase 0", SALTUS_REAL, OF_DIMENSION)};
 const saltus_field_table saltus_attractor_point_fields = SALTUS_TABLE(attractor_point_fields);
+
+#define EVIDENCE(member, name, unit, meaning, ...)                                                           \
+    SALTUS_MEMBER(saltus_evidence, member, name, unit, meaning, __VA_ARGS__)
+
+static const saltus_field evidence_fields[] = {
+    EVIDENCE(periods, "periods", "T", "measured by all trajectories together", SALTUS_LONG),
+    EVIDENCE(members, "members", "1", "trajectories", SALTUS_INT),
+    EVIDENCE(half, "halves", "1", "largest exponent from the first and the second half", SALTUS_REAL, 2),
+    EVIDENCE(half_errors, "half_errors", "1", "their standard errors", SALTUS_REAL, 2),
+    EVIDENCE(zero_one, "zero_one_test", "1", "about 0 for regular motion, 1 for chaos", SALTUS_REAL),
+    EVIDENCE(zero_one_quartiles, "zero_one_quartiles", "1", "of the test", SALTUS_REAL, 2),
+    EVIDENCE(dimension, "correlation_dimension", "1", "of the section points", SALTUS_REAL),
+    EVIDENCE(dimension_error, "correlation_dimension_error", "1", "its standard error", SALTUS_REAL),
+    EVIDENCE(broadband, "broadband", "1", "part of the section points' variance outside lines", SALTUS_REAL),
+    EVIDENCE(curves, "closed_curves", "1", "that the section points fill; 0: they do not", SALTUS_INT),
+    EVIDENCE(impacts_per_period, "impacts_per_period", "1/T", "impacts", SALTUS_REAL),
+    EVIDENCE(laminar, "laminar", "1", "part of the time spent near a periodic motion", SALTUS_REAL),
+    EVIDENCE(laminar_period, "laminar_period", "T", "of this period; 0: no intermittency", SALTUS_INT),
+    EVIDENCE(longest_phase, "longest_phase", "T", "longest of these laminar phases", SALTUS_LONG),
+    EVIDENCE(left, "left", "1", "trajectories that left for a regular motion", SALTUS_INT),
+    EVIDENCE(left_for, "left_for", "1", "its label", SALTUS_TEXT, 32),
+    EVIDENCE(stable_orbit, "stable_orbit", "1", "label of a stable orbit amid the chaos", SALTUS_TEXT, 32),
+};
+const saltus_field_table saltus_evidence_fields = SALTUS_TABLE(evidence_fields);
+
+#define EXPONENTS(member, name, unit, meaning, ...)                                                          \
+    SALTUS_MEMBER(saltus_lyapunov, member, name, unit, meaning, __VA_ARGS__)
+
+static const saltus_field exponent_fields[] = {
+    EXPONENTS(dimension, "dimension", "1", "of the state", SALTUS_INT),
+    EXPONENTS(lost, "lost", "1", "exponents that are -infinity", SALTUS_INT),
+    EXPONENTS(sum, "sum", "1", "of all exponents", SALTUS_REAL),
+    EXPONENTS(sum_rule, "sum_rule", "1", "what the trace and the restitutions make it", SALTUS_REAL),
+    EXPONENTS(kaplan_yorke, "kaplan_yorke", "1", "dimension in the stroboscopic section", SALTUS_REAL),
+    EXPONENTS(impacts_per_period, "impacts_per_period", "1/T", "impacts", SALTUS_REAL),
+    EXPONENTS(sticks_per_period, "sticks_per_period", "1/T", "begins of contact", SALTUS_REAL),
+    EXPONENTS(period, "period", "1", "T", SALTUS_REAL),
+    EXPONENTS(time, "time", "1", "measured by all trajectories together", SALTUS_REAL),
+    EXPONENTS(periods, "periods", "T", "the same in forcing periods", SALTUS_LONG),
+    EXPONENTS(transient, "transient", "T", "periods before it", SALTUS_LONG),
+    EXPONENTS(half, "halves", "1", "largest exponent from the first and the second half", SALTUS_REAL, 2),
+    EXPONENTS(half_errors, "half_errors", "1", "their standard errors", SALTUS_REAL, 2),
+    EXPONENTS(independent, "independent", "1", "independent values it rests on", SALTUS_REAL),
+    EXPONENTS(members, "members", "1", "trajectories that share the work", SALTUS_INT),
+    EXPONENTS(member_exponents, "member_exponents", "1", "largest exponent of each", SALTUS_REAL,
+              -1 - SALTUS_COUNT_MEMBERS, .indirect = true),
+    EXPONENTS(agree, "agree", "1", "their scatter fits their standard errors", SALTUS_FLAG),
+    EXPONENTS(precise, "precise", "1", "the precision asked for was reached", SALTUS_FLAG),
+    EXPONENTS(state, "state", "1", "of the first trajectory at the end", SALTUS_REAL, OF_DIMENSION,
+              .indirect = true),
+};
+const saltus_field_table saltus_exponent_fields = SALTUS_TABLE(exponent_fields);
+
+#define LINE(member, name, unit, meaning, ...)                                                               \
+    SALTUS_MEMBER(saltus_spectral_line, member, name, unit, meaning, __VA_ARGS__)
+
+static const saltus_field spectral_line_fields[] = {
+    LINE(frequency, "frequency_over_omega", "1", "frequency", SALTUS_REAL),
+    LINE(amplitude, "amplitude", "1", "of a cosine", SALTUS_REAL),
+    LINE(phase, "phase", "1", "of the cosine", SALTUS_REAL),
+    LINE(decibels, "decibels", "dB", "over the highest line", SALTUS_REAL),
+    LINE(share, "share", "1", "of the total power", SALTUS_REAL),
+};
+const saltus_field_table saltus_spectral_line_fields = SALTUS_TABLE(spectral_line_fields);
+
+#define SPECTRUM(member, name, unit, meaning, ...)                                                           \
+    SALTUS_MEMBER(saltus_spectrum, member, name, unit, meaning, __VA_ARGS__)
+
+static const saltus_field every_spectrum[] = {
+    SPECTRUM(mean, "mean", "1", "mean", SALTUS_REAL),
+    SPECTRUM(variance, "total_power", "1", "variance", SALTUS_REAL)};
+static const saltus_field moving_spectrum[] = {
+    SPECTRUM(broadband, "broadband_fraction", "1", "of the power", SALTUS_REAL),
+    SPECTRUM(trustworthy, "highest_trustworthy", "1", "frequency over omega, aliasing below 1 %",
+             SALTUS_REAL),
+    SPECTRUM(resolution, "resolution", "1", "distance of bins over omega", SALTUS_REAL),
+    SPECTRUM(parseval, "parseval", "1", "power of the spectrum over that of the samples", SALTUS_REAL)};
+static const saltus_field line_spectrum[] = {
+    SPECTRUM(orbits, "orbits", "1", "orbits analysed", SALTUS_INT),
+    SPECTRUM(between, "between_lines", "1", "largest between the lines, of the highest", SALTUS_REAL)};
+static const saltus_field density_spectrum[] = {
+    SPECTRUM(segments, "segments", "1", "of Welch's method", SALTUS_LONG),
+    SPECTRUM(segment_periods, "segment_periods", "T", "length of a segment", SALTUS_LONG),
+    SPECTRUM(degrees, "degrees_of_freedom", "1", "of the density", SALTUS_REAL),
+    SPECTRUM(confidence, "confidence", "1", "of the band", SALTUS_REAL),
+    SPECTRUM(low, "band_low", "1", "lower end over the density", SALTUS_REAL),
+    SPECTRUM(high, "band_high", "1", "upper end over the density", SALTUS_REAL)};
+const saltus_field_table saltus_spectrum_fields[4] = {
+    SALTUS_TABLE(every_spectrum), SALTUS_TABLE(moving_spectrum), SALTUS_TABLE(line_spectrum),
+    SALTUS_TABLE(density_spectrum)};

@@ -29,6 +29,14 @@ saltus_event_row saltus_event_row_of(const saltus_system *system, const saltus_e
 /* The event of a row that was read; false when there is no such face or time. */
 bool saltus_event_of_row(const saltus_system *system, const saltus_event_row *row, saltus_event *event);
 
+/* What JSON tells of a motion without a period (saltus_evidence), of Lyapunov exponents beside the exponents
+ * themselves (saltus_lyapunov; the counts are its dimension and its members), and of a line of a spectrum
+ * (saltus_spectral_line). */
+enum { SALTUS_COUNT_MEMBERS = 1 };
+extern const saltus_field_table saltus_evidence_fields, saltus_exponent_fields, saltus_spectral_line_fields;
+/* Of saltus_spectrum: what is told of every kind, of those that move, of lines, of densities. */
+extern const saltus_field_table saltus_spectrum_fields[4];
+
 /* Samples of a trajectory, and its stroboscopic points. */
 extern const saltus_field_table saltus_sample_fields, saltus_strobe_fields;
 

@@ -2,6 +2,8 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "record/json.h"
 
+#include "record/fields.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -50,6 +52,45 @@ void saltus_json_vector(FILE *file, const double *vector, int length) {
 void saltus_json_list(FILE *file, const char *key, const double *vector, int length) {
     saltus_json_key(file, key);
     saltus_json_vector(file, vector, length);
+}
+
+static void put_field(FILE *file, const saltus_field *field, const int *counts, const void *record) {
+    char text[SALTUS_FIELD_TEXT_MAX];
+    double list[SALTUS_STATE_MAX];
+    int length[2];
+    size_t entries = saltus_field_shape(field, counts, length);
+    if (length[0] && entries <= SALTUS_STATE_MAX) {
+        saltus_field_pack(field, counts, record, list);
+        saltus_json_vector(file, list, (int)entries);
+    } else if (field->type == SALTUS_REAL)
+        saltus_json_value(file, saltus_field_number(field, record));
+    else if (field->type == SALTUS_FLAG)
+        fputs(saltus_field_whole(field, record) ? "true" : "false", file);
+    else if (field->words || field->type == SALTUS_TEXT)
+        put_string(file, saltus_field_text(field, record, text));
+    else
+        fputs(saltus_field_text(field, record, text), file);
+}
+
+void saltus_json_fields(FILE *file, const char *begin, const saltus_field_table *table, const int *counts,
+                        const void *record) {
+    for (int k = 0; k < table->count; k++) {
+        fprintf(file, "%s\"%s\": ", k ? ", " : begin, table->fields[k].name);
+        put_field(file, &table->fields[k], counts, record);
+    }
+}
+
+void saltus_json_named(FILE *file, const char *names, const saltus_field_table *table, const int *counts,
+                       const void *record) {
+    for (const char *name = names; *name; name += strspn(name, ", ")) {
+        size_t length = strcspn(name, ",");
+        for (int k = 0; k < table->count; k++) {
+            const saltus_field_table one = {&table->fields[k], 1};
+            if (strlen(one.fields->name) == length && memcmp(one.fields->name, name, length) == 0)
+                saltus_json_fields(file, ", ", &one, counts, record);
+        }
+        name += length;
+    }
 }
 
 static void put_states(FILE *file, const saltus_motion *motion) {
@@ -198,21 +239,7 @@ static void put_evidence(FILE *file, const saltus_motion *motion) {
         fputs("null", file);
         return;
     }
-    fprintf(file, "{\"periods\": %lld, \"members\": %d", e->periods, e->members);
-    saltus_json_list(file, "halves", e->half, 2);
-    saltus_json_list(file, "half_errors", e->half_errors, 2);
-    saltus_json_member(file, "zero_one_test", e->zero_one);
-    saltus_json_list(file, "zero_one_quartiles", e->zero_one_quartiles, 2);
-    saltus_json_member(file, "correlation_dimension", e->dimension);
-    saltus_json_member(file, "correlation_dimension_error", e->dimension_error);
-    saltus_json_member(file, "broadband", e->broadband);
-    fprintf(file, ", \"closed_curves\": %d", e->curves);
-    saltus_json_member(file, "impacts_per_period", e->impacts_per_period);
-    saltus_json_member(file, "laminar", e->laminar);
-    fprintf(file, ", \"laminar_period\": %d, \"longest_phase\": %lld, \"left\": %d", e->laminar_period,
-            e->longest_phase, e->left);
-    saltus_json_text(file, "left_for", e->left_for);
-    saltus_json_text(file, "stable_orbit", e->stable_orbit);
+    saltus_json_fields(file, "{", &saltus_evidence_fields, NULL, e);
     fputc('}', file);
 }
 

@@ -10,6 +10,14 @@
 void saltus_json_value(FILE *file, double value);
 void saltus_json_vector(FILE *file, const double *vector, int length);
 
+/* The members of a table, by commas; `begin` stands before the first one. */
+void saltus_json_fields(FILE *file, const char *begin, const saltus_field_table *table, const int *counts,
+                        const void *record);
+
+/* Those of the table that are named, in that order, each behind a comma: "step, heading". */
+void saltus_json_named(FILE *file, const char *names, const saltus_field_table *table, const int *counts,
+                       const void *record);
+
 /* Members of an object after its first one, with the comma before them. */
 void saltus_json_key(FILE *file, const char *key);
 void saltus_json_member(FILE *file, const char *key, double value);

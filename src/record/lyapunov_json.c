@@ -1,24 +1,22 @@
 /* Lyapunov exponents as one JSON object.
  * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "motion/options.h"
+#include "record/fields.h"
 #include "record/json.h"
 #include "record/lyapunov_words.h"
 
 #include <math.h>
+#include <string.h>
 
-static void put_truth(FILE *file, const char *key, bool value) {
-    saltus_json_key(file, key);
-    fputs(value ? "true" : "false", file);
-}
-
+/* All options but the order of the series and the number of exponents, which the result tells. */
 static void put_options(FILE *file, const saltus_lyapunov_options *o) {
     saltus_json_key(file, "options");
-    fprintf(file, "{\"transient\": %lld, \"periods\": %lld, \"members\": %d, \"seed\": %lu", o->transient,
-            o->periods, o->members, o->seed);
-    saltus_json_member(file, "precision", o->precision);
-    saltus_json_member(file, "interval", o->interval);
-    saltus_json_member(file, "rtol", o->flow.rtol);
-    saltus_json_member(file, "atol", o->flow.atol);
-    saltus_json_text(file, "integrator", saltus_integrator_word(o->flow.integrator));
+    for (int k = 0; k < saltus_lyapunov_table.count; k++) {
+        const saltus_field *field = &saltus_lyapunov_table.options[k].field;
+        const saltus_field_table one = {field, 1};
+        if (strcmp(field->name, "order") != 0 && strcmp(field->name, "exponents") != 0)
+            saltus_json_fields(file, k ? ", " : "{", &one, NULL, o);
+    }
     fputc('}', file);
 }
 
@@ -35,10 +33,6 @@ static void put_exponents(FILE *file, const saltus_lyapunov *l) {
         saltus_json_value(file, isfinite(l->exponents[k]) ? l->standard_errors[k] : NAN);
     }
     fputc(']', file);
-    fprintf(file, ", \"dimension\": %d, \"lost\": %d", l->dimension, l->lost);
-    saltus_json_member(file, "sum", l->sum);
-    saltus_json_member(file, "sum_rule", l->sum_rule);
-    saltus_json_member(file, "kaplan_yorke", l->kaplan_yorke);
 }
 
 void saltus_write_lyapunov_json(FILE *file, const saltus_scene *scene, const saltus_system *system,
@@ -46,19 +40,7 @@ void saltus_write_lyapunov_json(FILE *file, const saltus_scene *scene, const sal
     fputs("{\"version\": \"" SALTUS_VERSION "\"", file);
     saltus_json_text(file, "scene", scene->name);
     put_exponents(file, l);
-    saltus_json_member(file, "impacts_per_period", l->impacts_per_period);
-    saltus_json_member(file, "sticks_per_period", l->sticks_per_period);
-    saltus_json_member(file, "period", l->period);
-    saltus_json_member(file, "time", l->time);
-    fprintf(file, ", \"periods\": %lld, \"transient\": %lld", l->periods, l->transient);
-    saltus_json_list(file, "halves", l->half, 2);
-    saltus_json_list(file, "half_errors", l->half_errors, 2);
-    saltus_json_member(file, "independent", l->independent);
-    fprintf(file, ", \"members\": %d", l->members);
-    saltus_json_list(file, "member_exponents", l->member_exponents, l->members);
-    put_truth(file, "agree", l->agree);
-    put_truth(file, "precise", l->precise);
-    saltus_json_list(file, "state", l->state, l->dimension);
+    saltus_json_fields(file, ", ", &saltus_exponent_fields, (const int[]){l->dimension, l->members}, l);
     put_options(file, options);
     saltus_json_parameters(file, saltus_system_spec(system));
     saltus_json_text(file, "integrator", saltus_integrator_used(system, options->flow.integrator));

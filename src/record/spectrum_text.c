@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "record/spectrum.h"
 
+#include "record/fields.h"
 #include "record/json.h"
 
 #include <math.h>
@@ -133,12 +134,7 @@ static void put_line_json(FILE *file, const saltus_spectral_line *line, bool fir
     fputs(first ? "{" : ", {", file);
     if (line->harmonic)
         fprintf(file, "\"harmonic\": %lld, ", line->harmonic);
-    fputs("\"frequency_over_omega\": ", file);
-    saltus_json_value(file, line->frequency);
-    saltus_json_member(file, "amplitude", line->amplitude);
-    saltus_json_member(file, "phase", line->phase);
-    saltus_json_member(file, "decibels", line->decibels);
-    saltus_json_member(file, "share", line->share);
+    saltus_json_fields(file, "", &saltus_spectral_line_fields, NULL, line);
     fputc('}', file);
 }
 
@@ -147,24 +143,11 @@ static void put_spectrum_json(FILE *file, const saltus_spectrum *s, saltus_quant
     bool first = true;
     saltus_quantity_name(quantity, name);
     fprintf(file, "{\"quantity\": \"%s\", \"kind\": \"%s\"", name, spectrum_word(s->kind));
-    saltus_json_member(file, "mean", s->mean);
-    saltus_json_member(file, "total_power", s->variance);
+    saltus_json_fields(file, ", ", &saltus_spectrum_fields[0], NULL, s);
     if (s->kind != SALTUS_SPECTRUM_CONSTANT) {
-        saltus_json_member(file, "broadband_fraction", s->broadband);
-        saltus_json_member(file, "highest_trustworthy", s->trustworthy);
-        saltus_json_member(file, "resolution", s->resolution);
-        saltus_json_member(file, "parseval", s->parseval);
-    }
-    if (s->kind == SALTUS_SPECTRUM_LINES) {
-        fprintf(file, ", \"orbits\": %d", s->orbits);
-        saltus_json_member(file, "between_lines", s->between);
-    }
-    if (s->kind == SALTUS_SPECTRUM_WELCH) {
-        fprintf(file, ", \"segments\": %lld, \"segment_periods\": %lld", s->segments, s->segment_periods);
-        saltus_json_member(file, "degrees_of_freedom", s->degrees);
-        saltus_json_member(file, "confidence", s->confidence);
-        saltus_json_member(file, "band_low", s->low);
-        saltus_json_member(file, "band_high", s->high);
+        saltus_json_fields(file, ", ", &saltus_spectrum_fields[1], NULL, s);
+        saltus_json_fields(file, ", ", &saltus_spectrum_fields[s->kind == SALTUS_SPECTRUM_LINES ? 2 : 3],
+                           NULL, s);
     }
     saltus_json_key(file, "lines");
     fputc('[', file);
