@@ -193,7 +193,7 @@ static void options_of_the_library_are_sound(void **unused) {
         &saltus_flow_table,  &saltus_orbit_table,    &saltus_harvest_table,  &saltus_branch_table,
         &saltus_sweep_table, &saltus_classify_table, &saltus_lyapunov_table, &saltus_spectrum_table};
     static double record[512]; /* as large as any of the structs */
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     for (size_t t = 0; t < sizeof tables / sizeof *tables; t++) {
         saltus_options_fill(tables[t], record);
         check_ok(saltus_options_check(tables[t], record, &message), &message);

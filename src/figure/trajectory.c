@@ -1,9 +1,10 @@
 /* A recorded trajectory as a figure: phase portrait with stroboscopic points, and time history.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "figure/gnuplot.h"
-#include "record/hdf5.h"
+#include "record/rows.h"
 #include "saltus/figure.h"
 
+#include <limits.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -14,37 +15,22 @@ typedef struct record {
     double *time, *displacement, *velocity;
 } record;
 
-static saltus_status read_column(const saltus_h5_reader *r, const char *name, long long rows, double **data) {
-    hsize_t size[SALTUS_H5_RANK_MAX] = {0}, stored;
-    char path[64];
-    snprintf(path, sizeof path, "trajectory/%s", name);
-    int rank = saltus_h5_extent(r->file, path, size, &stored);
-    if (rank != 1 || (long long)size[0] != rows || rows < 1 || !saltus_h5_believable(size[0], 1, stored))
-        return saltus_h5_refuse_part(r, "trajectory", name);
-    *data = malloc((size_t)rows * sizeof **data);
-    if (!*data)
-        return saltus_h5_no_memory(r);
-    return saltus_h5_get_array(r->file, path, H5T_NATIVE_DOUBLE, 1, size, *data)
-               ? SALTUS_OK
-               : saltus_h5_refuse_part(r, "trajectory", name);
-}
-
 static saltus_status read_record(const char *path, record *made, saltus_message *message) {
     saltus_h5_reader r = {.path = path, .kind = "trajectory", .message = message};
-    char kind[32] = "";
+    saltus_h5_head head;
+    const char *const names[] = {"time", "displacement", "velocity"};
+    double **const columns[] = {&made->time, &made->displacement, &made->velocity};
     *made = (record){.rows = 0};
     saltus_status status = saltus_h5_reader_open(&r);
-    if (status == SALTUS_OK &&
-        (!saltus_h5_get_text(r.file, "kind", kind, sizeof kind) || strcmp(kind, "trajectory") != 0))
-        status = saltus_fail(message, SALTUS_BAD_INPUT, "%s: holds no trajectory", path);
     if (status == SALTUS_OK)
-        made->rows = saltus_h5_rows(r.file, "trajectory/time");
-    if (status == SALTUS_OK)
-        status = read_column(&r, "time", made->rows, &made->time);
-    if (status == SALTUS_OK)
-        status = read_column(&r, "displacement", made->rows, &made->displacement);
-    if (status == SALTUS_OK)
-        status = read_column(&r, "velocity", made->rows, &made->velocity);
+        status = saltus_h5_get_head(&r, "trajectory", "trajectory", &head);
+    for (int k = 0; k < 3 && status == SALTUS_OK; k++) {
+        int count = 0;
+        status = saltus_h5_get_reals(&r, "trajectory", names[k], INT_MAX, true, &count, columns[k]);
+        if (status == SALTUS_OK && (count < 1 || (k > 0 && count != made->rows)))
+            status = saltus_h5_refuse_part(&r, "trajectory", names[k]);
+        made->rows = count;
+    }
     saltus_h5_reader_close(&r);
     return status;
 }

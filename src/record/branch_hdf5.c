@@ -57,7 +57,7 @@ static void put_head(saltus_h5 *w, const saltus_branch_output *o) {
     saltus_h5_put_head(w, "branch", head->scene, head->title, &head->spec, head->complete);
     saltus_h5_text(w, w->file, "integrator",
                    saltus_integrator_used(o->system, head->options.orbit.flow.integrator));
-    put_options(w, head, complete);
+    put_options(w, head, head->complete);
     hid_t group = saltus_h5_open_group(w, "start", "the orbit that the branch was begun with");
     if (w->sound)
         saltus_h5_integer(w, group, "periods", head->periods);

@@ -194,7 +194,6 @@ void saltus_branch_file_clear(saltus_branch_file *file) {
     free(file->state);
     free(file->values);
     free(file->resume);
-    free(file->resume);
     free(file->states);
     free(file->events);
     free(file->multipliers);

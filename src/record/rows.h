@@ -61,7 +61,8 @@ saltus_status saltus_h5_find_rows(const saltus_h5_reader *r, const char *group,
 saltus_status saltus_h5_get_rows(const saltus_h5_reader *r, const char *group, const saltus_field_table *kind,
                                  const int *counts, const saltus_h5_shape *shape, void *records,
                                  size_t stride);
-/* Read a dataset of numbers, at most `most`, all finite where `finite` says so; *values is to be freed, also after a failure. */
+/* Read a dataset of numbers, at most `most`, all finite where `finite` says so; *values is to be freed, also
+ * after a failure. */
 saltus_status saltus_h5_get_reals(const saltus_h5_reader *r, const char *group, const char *name, int most,
                                   bool finite, int *count, double **values);
 
