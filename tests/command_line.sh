@@ -205,7 +205,7 @@ refuse 2 "shows omega and r" plot flip.h5 -o x.png --range d=0.5:0.9
 refuse 2 "--range omega" plot flip.h5 -o x.png --range omega
 refuse 2 "--show colours" plot branch.h5 -o x.png --show colours
 refuse 2 "no point" plot branch.h5 -o x.png --range omega=50:51
-refuse 2 "run.h5" plot run.h5 -o x.png
+accept "run.png" plot run.h5 -o run.png
 refuse 2 "name one" orbit fig7d --from branch.h5
 refuse 2 "NS1" orbit fig7d --from branch.h5:NS1
 refuse 2 "model" orbit impact-oscillator --from orbit.json
