@@ -89,7 +89,8 @@ static void builtin_scenes_build(void **state) {
         assert_string_equal(same.name, scene.name);
         assert_string_equal(same.title, scene.title);
         assert_memory_equal(same.spec.parameters, scene.spec.parameters, sizeof same.spec.parameters);
-        assert_true(same.spec.model == scene.spec.model && same.spec.stop_count == scene.spec.stop_count);
+        assert_true(saltus_model_same(same.spec.model, scene.spec.model) &&
+                    same.spec.stop_count == scene.spec.stop_count);
         assert_true(same.initial_count == scene.initial_count);
         assert_null(strpbrk(scene.name, "/."));
         assert_int_equal(saltus_system_new(&scene.spec, &system, &message), SALTUS_OK);

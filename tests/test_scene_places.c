@@ -306,7 +306,9 @@ static void damage_kind(const char *layout, int which, const site *s) {
         snprintf(pair, sizeof pair, "%s: %s", s->written, wrong[list][k]);
         write_layout(layout, which, pair, text, &again);
         snprintf(words, sizeof words, "%s: must be a %s", s->key, list ? "list of" : "single value");
-        check_refusal(text, s->line, words);
+        /* A mapping in the model's place is one of equations. */
+        bool equations = strcmp(s->key, "model") == 0 && wrong[list][k][0] == '{';
+        check_refusal(text, s->line, equations ? "\"a\": unknown key; the keys here are parameters" : words);
     }
 }
 

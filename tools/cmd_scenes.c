@@ -28,10 +28,17 @@ static int list_scenes(const cli_request *request) {
     return CLI_BAD_INPUT;
 }
 
-static void print_stop(const saltus_model *model, const saltus_stop *stop, int number) {
+static void print_stop(const saltus_spec *spec, int s) {
+    const saltus_model *model = spec->model;
+    const saltus_stop *stop = &spec->stops[s];
+    const char *coordinate = saltus_stop_text(spec, s, SALTUS_STOP_COORDINATE);
     static const char *const sides[] = {"", "upper", "lower", "both"};
-    printf("stop %d: %s side%s, d = %g, r = %g, ", number, sides[stop->sides],
+    printf("stop %d: %s side%s, d = %g, r = %g, ", s + 1, sides[stop->sides],
            stop->sides == SALTUS_BOTH ? "s" : "", stop->d, stop->r);
+    if (coordinate) {
+        printf("coordinate = %s\n", coordinate);
+        return;
+    }
     int count;
     const double *place = saltus_stop_place(model, stop, &count);
     printf("%s = %s", saltus_model_stop_key(model), count > 1 ? "[" : "");
@@ -52,7 +59,7 @@ static int check_scene(const cli_request *request) {
     for (int k = 0; k < count; k++)
         printf("  %-6s %-12.9g %s\n", table[k].name, spec->parameters[k], table[k].meaning);
     for (int s = 0; s < spec->stop_count; s++)
-        print_stop(spec->model, &spec->stops[s], s + 1);
+        print_stop(spec, s);
     printf("forcing period T = %.15g, integrator %s\n", saltus_system_period(setup.system),
            saltus_system_integrator(setup.system));
     saltus_system_free(setup.system);

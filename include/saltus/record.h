@@ -86,6 +86,8 @@ typedef struct saltus_start {
  * Errors: SALTUS_BAD_INPUT with a sentence that names the file and what is wrong with it, SALTUS_NO_MEMORY.
  */
 saltus_status saltus_start_read(const char *source, saltus_start *start, saltus_message *message);
+/* Release what a start holds: the model, where it is one of equations. A zeroed start is accepted. */
+void saltus_start_release(saltus_start *start);
 /* Give a scene the parameters and stops of a start. The scene must be of the same model and shape: as many
  * degrees of freedom and stops. Errors: SALTUS_BAD_INPUT, the scene is then unchanged. */
 saltus_status saltus_start_apply(const saltus_start *start, const char *source, saltus_scene *scene,
@@ -174,11 +176,10 @@ saltus_status saltus_branch_output_close(saltus_branch_output *output, bool comp
  *                     interrupted)
  *     /parameters     an attribute for each parameter of the scene; /parameters/stop_1, ... for the stops
  *     /sweep          the options as attributes: keep, seeds, seed, adaptive, transient, record, measure,
- *                     longest, rtol, atol, order, integrator, dimension, passes ("reset,up,down"), axes, key1,
- *                     spacing1, key2, spacing2; dataset initial
- *     /axes           datasets axis1 and axis2 (where there are two): the values
- *     /rows           one dataset for each member of saltus_sweep_row, of shape [pass][axis2][axis1][seed]
- *                     (axis2 has length 1 where there is one axis): verdict (enumeration pending,
+ *                     longest, rtol, atol, order, integrator, dimension, passes ("reset,up,down"), axes,
+ * key1, spacing1, key2, spacing2; dataset initial /axes           datasets axis1 and axis2 (where there are
+ * two): the values /rows           one dataset for each member of saltus_sweep_row, of shape
+ * [pass][axis2][axis1][seed] (axis2 has length 1 where there is one axis): verdict (enumeration pending,
  *                     periodic, ...), impacts, periods, sticking, attractor, settled, ..., lyapunov; `label`,
  *                     the motion's name as text, n/p where it is periodic; and `attractors`, the number of
  *                     distinct ones, of shape [pass][axis2][axis1]

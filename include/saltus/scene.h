@@ -26,6 +26,10 @@ saltus_status saltus_scene_load(const char *source, saltus_scene *scene, saltus_
 /* Read a scene from text; `origin` names it in messages. */
 saltus_status saltus_scene_parse(const char *text, size_t length, const char *origin, saltus_scene *scene,
                                  saltus_message *message);
+/* Release what a scene holds: the model, where its equations stand in the scene. Systems keep it as long as
+ * they need it; copies of a scene or of its specification are good as long as the scene is, or a system made
+ * of them. A zeroed scene is accepted. */
+void saltus_scene_clear(saltus_scene *scene);
 /* Apply one `key=value`: a parameter of the model, or d, r, xi, sides, weight of the stop(s). With several
  * stops `d=` sets all of them and `d1=`, `d2=`, ... the first, second, ... one. `q1=`, `v1=`, ... set entries
  * of the initial state. The scene is unchanged on error. */

@@ -18,7 +18,7 @@ enum {
     SALTUS_PARAMETERS_MAX = 24, /* parameters of one model */
     SALTUS_STOPS_MAX = 4,       /* stops of one scene; a two-sided stop counts once */
     SALTUS_FACES_MAX = 8,       /* one-sided contacts: two for each two-sided stop */
-    SALTUS_STATE_MAX = 160      /* length of a state */
+    SALTUS_STATE_MAX = 288      /* length of a state */
 };
 
 /* One entry of an option or parameter table: it gives the default, the check, `--set`, `--help` and file
@@ -44,6 +44,11 @@ const saltus_model *saltus_model_at(int k);
 const saltus_model *saltus_model_find(const char *name);
 const char *saltus_model_name(const saltus_model *model);
 const char *saltus_model_summary(const saltus_model *model);
+/* The equations of a model from text as one JSON object, whole: what files of results keep; NULL for a
+ * built-in one. */
+const char *saltus_model_text(const saltus_model *model);
+/* Whether two models are one: the same built-in one, or of equal texts. */
+bool saltus_model_same(const saltus_model *a, const saltus_model *b);
 /* The parameter table of a model and its length. */
 const saltus_parameter *saltus_model_parameters(const saltus_model *model, int *count);
 /* Index of a parameter in the model's table, or -1. */
@@ -96,6 +101,15 @@ typedef struct saltus_spec {
  * is written as a number and more as a list. */
 const char *saltus_model_stop_key(const saltus_model *model);
 const double *saltus_stop_place(const saltus_model *model, const saltus_stop *stop, int *count);
+
+/* What the scene's text says of a stop's coordinate, or of its d or r where they are expressions; NULL where
+ * it says nothing, and for built-in models. */
+typedef enum saltus_stop_part {
+    SALTUS_STOP_COORDINATE,
+    SALTUS_STOP_CLEARANCE,
+    SALTUS_STOP_RESTITUTION
+} saltus_stop_part;
+const char *saltus_stop_text(const saltus_spec *spec, int stop, saltus_stop_part part);
 
 /* The model's defaults without any stop. */
 saltus_spec saltus_spec_defaults(const saltus_model *model);

@@ -230,7 +230,7 @@ static saltus_status match_axes(const saltus_branch_file *a, saltus_branch_file 
                                 saltus_message *message) {
     const saltus_branch_options *o = &a->options, *p = &b->options;
     bool locus = o->locus != SALTUS_POINT_REGULAR, same = is_axis(o, p->key[0]);
-    if (a->spec.model != b->spec.model || a->dimension != b->dimension ||
+    if (!saltus_model_same(a->spec.model, b->spec.model) || a->dimension != b->dimension ||
         a->spec.stop_count != b->spec.stop_count)
         return saltus_fail(message, SALTUS_BAD_INPUT,
                            "%.200s: is of another structure than the first file (model, N or stops differ)",

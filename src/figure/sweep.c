@@ -212,7 +212,7 @@ static saltus_status check_branch(const saltus_branch_file *file, const saltus_s
                            file->options.locus != SALTUS_POINT_REGULAR ? "are special points"
                                                                        : "are periodic orbits",
                            file->options.key[0], key);
-    if (file->spec.model != spec->model || file->spec.stop_count != spec->stop_count)
+    if (!saltus_model_same(file->spec.model, spec->model) || file->spec.stop_count != spec->stop_count)
         return saltus_fail(message, SALTUS_BAD_INPUT,
                            "%.200s: is of another structure than the sweep (model or stops differ)", path);
     const char *name = difference(&file->spec, spec, key);

@@ -24,6 +24,8 @@ static saltus_status read_record(const char *path, record *made, saltus_message 
     saltus_status status = saltus_h5_reader_open(&r);
     if (status == SALTUS_OK)
         status = saltus_h5_get_head(&r, "trajectory", "trajectory", &head);
+    if (status == SALTUS_OK)
+        saltus_h5_head_clear(&head);
     for (int k = 0; k < 3 && status == SALTUS_OK; k++) {
         int count = 0;
         status = saltus_h5_get_reals(&r, "trajectory", names[k], INT_MAX, true, &count, columns[k]);

@@ -75,6 +75,7 @@ saltus_status saltus_work_open(saltus_work *work, const saltus_kernel *kernel, c
                           .directions = directions,
                           .tolerance = tolerance,
                           .stops = system->spec.stop_count ? system->spec.stop_count : 1,
+                          .loaded.tape = system->tape,
                           .hold.count = system->face_count};
     kernel->reserve(work);
     if (!saltus_arena_open(&work->arena))

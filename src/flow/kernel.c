@@ -31,7 +31,7 @@ typedef struct frame {
     saltus_model_series model;
     saltus_holding hold;
     saltus_varied vary;
-    const lane_t *elapsed;
+    const lane_t *phase, *elapsed;
 } frame;
 
 #define ORDER_STRIDE ((long)(1 + f.columns) * f.packs)
@@ -70,6 +70,9 @@ static void reserve(saltus_work *w) {
     const size_t orders = (size_t)w->order + 2, span = (size_t)w->order_span * LANES;
     const size_t all = (size_t)w->columns + 1, row = (size_t)w->row, stops = (size_t)w->stops;
     const size_t contacts = (size_t)w->hold.count, directions = (size_t)w->directions;
+    const saltus_tape *tape = w->loaded.tape;
+    const size_t slots = tape ? (size_t)tape->slot_count : 0,
+                 registers = tape ? (size_t)tape->register_count : 0;
     w->lane = (void *)saltus_arena_doubles(a, sizeof *w->lane / sizeof(double));
     w->state = reserve_rows(a, w, all);
     w->jet = reserve_rows(a, w, orders * all);
@@ -83,12 +86,14 @@ static void reserve(saltus_work *w) {
     w->model.drive_size = model_drives * span;
     w->model.drive = saltus_arena_doubles(a, w->model.drive_size);
     w->model.ahead = saltus_arena_doubles(a, model_rows_ahead * all * row);
-    w->model.series = saltus_arena_doubles(a, model_series * orders * all * LANES);
+    w->model.series = saltus_arena_doubles(a, (model_series_count + registers) * orders * all * LANES);
+    w->loaded.slots = saltus_arena_doubles(a, slots * LANES);
     w->hold.push = saltus_arena_doubles(a, contacts * row);
     w->hold.pull = saltus_arena_doubles(a, contacts * row);
     w->hold.force = saltus_arena_doubles(a, contacts * orders * LANES);
     w->vary.scalar = saltus_arena_doubles(a, directions * SALTUS_SCALARS_MAX * LANES);
     w->vary.rows = saltus_arena_doubles(a, directions * SALTUS_ROWS_MAX * row);
+    w->vary.slots = saltus_arena_doubles(a, directions * slots * LANES);
     w->vary.drive = saltus_arena_doubles(a, directions * model_vary_drives * span);
     w->vary.push = saltus_arena_doubles(a, directions * contacts * row);
     w->vary.pull = saltus_arena_doubles(a, directions * contacts * row);
@@ -118,11 +123,14 @@ static void load_row(const saltus_work *w, double *row, int lane, const double *
 static void load(saltus_work *w, int lane, const saltus_system *system) {
     const saltus_coefficients *c = &system->coefficients;
     saltus_loaded *to = &w->loaded;
+    to->tape = system->tape;
     int n = w->dof, most = 0;
     for (int s = 0; s < SALTUS_SCALARS_MAX; s++)
         to->scalar[s * LANES + lane] = c->scalar[s];
     for (int r = 0; r < c->rows; r++)
         load_row(w, to->rows + r * w->row, lane, c->row[r]);
+    for (int s = 0; s < c->slots; s++)
+        to->slots[s * LANES + lane] = c->slot[s];
     for (int m = 0; m < c->couplings; m++)
         for (int i = 0; i < n; i++)
             for (int j = 1 - i % 2; j < n; j += 2)
@@ -154,6 +162,8 @@ static void vary(saltus_work *w, int lane, int direction, const saltus_variation
         w->vary.scalar[(direction * SALTUS_SCALARS_MAX + s) * LANES + lane] = c->scalar[s];
     for (int r = 0; r < c->rows; r++)
         load_row(w, w->vary.rows + (direction * SALTUS_ROWS_MAX + r) * w->row, lane, c->row[r]);
+    for (int s = 0; s < c->slots; s++)
+        w->vary.slots[(direction * c->slots + s) * LANES + lane] = c->slot[s];
     w->loaded.terms |= c->terms;
     w->vary.tilts |= variation->tilts;
     w->vary.orders = w->loaded.forcing_orders + 1;
@@ -286,6 +296,7 @@ KERNEL_INLINE frame make_frame(const saltus_work *w, unsigned terms, int packs, 
                .model = w->model,
                .hold = w->hold,
                .vary = w->vary,
+               .phase = NUMBERS(w->lane->phase),
                .elapsed = NUMBERS(w->lane->elapsed)};
     f.hold.count = contacts;
     f.vary.tilts &= directions > 0;

@@ -64,7 +64,9 @@ typedef struct saltus_loaded {
     double *scalar;                     /* [scalar][lane] */
     double *rows;                       /* [coefficient row][row] */
     double *coupling[SALTUS_COUPLINGS_MAX];
-    double *table; /* model's constants per order: [table][order][lane] */
+    double *table;           /* model's constants per order: [table][order][lane] */
+    const saltus_tape *tape; /* of systems from text, otherwise NULL; that of the first lane stands for all */
+    double *slots;           /* its numbers: [slot][lane] */
 } saltus_loaded;
 
 /* The model's intermediate series. */
@@ -90,6 +92,7 @@ typedef struct saltus_varied {
     bool tilts;     /* the projections at contacts change */
     double *scalar; /* [direction][scalar][lane] */
     double *rows;   /* [direction][coefficient row][row] */
+    double *slots;  /* [direction][slot][lane] */
     double *drive;  /* model's series: [direction][series][order][lane] */
     double *push;   /* [direction][contact][row] */
     double *pull;   /* [direction][contact][row] */

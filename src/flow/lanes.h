@@ -64,6 +64,9 @@ KERNEL_INLINE size_t coupling_place(int n, int i, int j) {
 KERNEL_INLINE lane_t row_element(const saltus_pack *row, int i) {
     return row[i];
 }
+KERNEL_INLINE void set_row_element(saltus_pack *row, int i, lane_t value) {
+    row[i] = value;
+}
 
 /* With 8 for the widest pack: terms i, i + 8, i + 16, ... first, then pairs four, two and one apart. */
 KERNEL_INLINE saltus_pack row_sum(const saltus_pack *row, int n, int packs) {
@@ -154,6 +157,9 @@ KERNEL_INLINE size_t coupling_place(int n, int i, int j) {
 }
 KERNEL_INLINE lane_t row_element(const saltus_pack *row, int i) {
     return ((const double *)row)[i];
+}
+KERNEL_INLINE void set_row_element(saltus_pack *row, int i, lane_t value) {
+    row[i / SALTUS_PACK][i % SALTUS_PACK] = value;
 }
 
 /* Packs begin at even orders. */

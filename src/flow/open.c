@@ -29,7 +29,7 @@ static int automatic_order(double rtol) {
 
 /* Whether a system's flow looks the same from outside: states, faces. */
 static bool same_shape(const saltus_system *a, const saltus_system *b) {
-    bool same = a->spec.model == b->spec.model && a->dof == b->dof && a->extra == b->extra &&
+    bool same = saltus_model_same(a->spec.model, b->spec.model) && a->dof == b->dof && a->extra == b->extra &&
                 a->face_count == b->face_count && a->spec.stop_count == b->spec.stop_count;
     for (int f = 0; same && f < a->face_count; f++)
         same = a->faces[f].stop == b->faces[f].stop && a->faces[f].side == b->faces[f].side;
@@ -122,8 +122,8 @@ saltus_status saltus_flow_new(const saltus_system *const *systems, int lanes,
                               saltus_message *message) {
     *flow = NULL;
     const saltus_system *first = systems[0];
-    const saltus_kernel *narrow = saltus_kernel_find(first->spec.model->name, 1);
-    const saltus_kernel *kernel = lanes == 1 ? narrow : saltus_kernel_find(first->spec.model->name, 0);
+    const saltus_kernel *narrow = saltus_kernel_find(first->spec.model->kernel, 1);
+    const saltus_kernel *kernel = lanes == 1 ? narrow : saltus_kernel_find(first->spec.model->kernel, 0);
     bool stiff =
         options->integrator == SALTUS_RADAU || (options->integrator == SALTUS_AUTOMATIC && first->stiff);
     saltus_status status = saltus_kernel_check(message);
@@ -230,5 +230,5 @@ void saltus_flow_free(saltus_flow *flow) {
 }
 
 int saltus_flow_width(const saltus_system *system) {
-    return system->stiff ? 1 : saltus_kernel_find(system->spec.model->name, 0)->lanes;
+    return system->stiff ? 1 : saltus_kernel_find(system->spec.model->kernel, 0)->lanes;
 }

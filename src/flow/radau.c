@@ -174,7 +174,7 @@ void saltus_radau_vary(saltus_radau *radau, int direction, const saltus_variatio
 saltus_status saltus_radau_open(saltus_radau **radau, const saltus_system *system, int columns,
                                 int directions, saltus_tolerance tolerance) {
     const int room = (1 << 20) / (system->dof * system->dof * nodes); /* sets of factors in 8 MiB */
-    const saltus_kernel *field = saltus_kernel_find(system->spec.model->name, 0);
+    const saltus_kernel *field = saltus_kernel_find(system->spec.model->kernel, 0);
     *radau = NULL;
     saltus_radau *r = calloc(1, sizeof *r);
     if (!r)

@@ -12,6 +12,8 @@
 #include "record/output.h"
 #include "record/rows.h"
 
+#include "system/system.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -145,6 +147,7 @@ saltus_status saltus_branch_output_open(const char *path, const saltus_scene *sc
     if (!o)
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the branch file");
     o->head.spec = scene->spec;
+    saltus_model_retain(scene->spec.model);
     o->head.periods = periods;
     status = saltus_system_new(&scene->spec, &o->system, message);
     if (status == SALTUS_OK && !fill_head(o, path, scene, state, options))

@@ -4,6 +4,8 @@
 #include "record/fields.h"
 #include "record/rows.h"
 
+#include "system/system.h"
+
 #include <limits.h>
 #include <math.h>
 #include <stdlib.h>
@@ -198,5 +200,6 @@ void saltus_branch_file_clear(saltus_branch_file *file) {
     free(file->events);
     free(file->multipliers);
     free(file->points);
+    saltus_model_release(file->spec.model);
     *file = (saltus_branch_file){0};
 }

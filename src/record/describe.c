@@ -103,11 +103,16 @@ void saltus_put_table_head(FILE *file, const char *what, const saltus_scene *sce
     fputc('\n', file);
 }
 
-void saltus_put_place(FILE *file, const saltus_model *model, const saltus_stop *stop, int digits) {
+void saltus_put_place(FILE *file, const saltus_spec *spec, int stop, int digits) {
     int count;
     char text[SALTUS_NUMBER_MAX];
-    const double *place = saltus_stop_place(model, stop, &count);
-    fprintf(file, "%s = %s", saltus_model_stop_key(model), count > 1 ? "[" : "");
+    const double *place = saltus_stop_place(spec->model, &spec->stops[stop], &count);
+    const char *coordinate = saltus_stop_text(spec, stop, SALTUS_STOP_COORDINATE);
+    if (coordinate) {
+        fprintf(file, "coordinate = %s", coordinate);
+        return;
+    }
+    fprintf(file, "%s = %s", saltus_model_stop_key(spec->model), count > 1 ? "[" : "");
     for (int k = 0; k < count; k++)
         fprintf(file, "%s%s", k ? ", " : "", write_number(place[k], digits, text));
     fputs(count > 1 ? "]" : "", file);
@@ -116,7 +121,7 @@ void saltus_put_place(FILE *file, const saltus_model *model, const saltus_stop *
 void saltus_put_stop(FILE *file, const saltus_spec *spec, int stop) {
     const saltus_stop *s = &spec->stops[stop];
     char d[SALTUS_NUMBER_MAX], r[SALTUS_NUMBER_MAX];
-    saltus_put_place(file, spec->model, s, 17);
+    saltus_put_place(file, spec, stop, 17);
     fprintf(file, ", d = %s, r = %s, sides = %s", saltus_number(s->d, d), saltus_number(s->r, r),
             saltus_sides_word(s->sides));
 }

@@ -40,7 +40,7 @@ double saltus_impacts_per_response(const saltus_system *system, const saltus_mot
  * there. */
 bool saltus_parameter_shown(const saltus_spec *spec, int k);
 /* Where a stop sits, as `key = value` with so many digits. */
-void saltus_put_place(FILE *file, const saltus_model *model, const saltus_stop *stop, int digits);
+void saltus_put_place(FILE *file, const saltus_spec *spec, int stop, int digits);
 /* A stop as `key = value` phrases with all digits. */
 void saltus_put_stop(FILE *file, const saltus_spec *spec, int stop);
 /* All parameters in the same form, then a line for each stop that begins with `prefix`; no newline at the

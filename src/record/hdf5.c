@@ -4,6 +4,8 @@
 
 #include "record/describe.h"
 #include "record/output.h"
+#include "scene/scene.h"
+#include "system/system.h"
 
 #include <errno.h>
 #include <math.h>
@@ -122,6 +124,10 @@ static const saltus_field_table *stop_table(const saltus_model *model) {
                                                  WHAT_A_STOP_DOES};
     static const saltus_field_table by_position = SALTUS_TABLE(position_fields),
                                     by_weights = SALTUS_TABLE(weight_fields);
+    static const saltus_field text_fields[] = {WHAT_A_STOP_DOES};
+    static const saltus_field_table by_text = SALTUS_TABLE(text_fields);
+    if (saltus_model_text(model))
+        return &by_text;
     return strcmp(saltus_model_stop_key(model), "xi") == 0 ? &by_position : &by_weights;
 }
 
@@ -150,6 +156,8 @@ void saltus_h5_put_head(saltus_h5 *w, const char *kind, const char *scene, const
     saltus_h5_text(w, w->file, "scene", scene);
     saltus_h5_text(w, w->file, "title", title);
     saltus_h5_text(w, w->file, "model", saltus_model_name(spec->model));
+    if (saltus_model_text(spec->model))
+        saltus_h5_text(w, w->file, "equations", saltus_model_text(spec->model));
     saltus_h5_integer(w, w->file, "complete", complete);
     put_parameters(w, spec);
 }
@@ -335,6 +343,29 @@ static saltus_status get_parameters(const saltus_h5_reader *r, const saltus_mode
     return SALTUS_OK;
 }
 
+/* The model of a file: one of the list, or made from its equations; to be released. */
+static saltus_status get_model(const saltus_h5_reader *r, const char *name, const saltus_model **model) {
+    *model = saltus_model_find(name);
+    if (*model)
+        return SALTUS_OK;
+    char *text = malloc(SALTUS_MODEL_TEXT_MAX);
+    saltus_message reason = {.text = ""};
+    if (!text)
+        return saltus_h5_no_memory(r);
+    saltus_status status = SALTUS_BAD_INPUT;
+    if (saltus_h5_get_text(r->file, "equations", text, SALTUS_MODEL_TEXT_MAX))
+        status = saltus_model_of_text(text, model, &reason);
+    else
+        saltus_fail(&reason, status, "the model %.40s is not known", name);
+    free(text);
+    return status == SALTUS_OK ? status : saltus_fail(r->message, status, "%s: %s", r->path, reason.text);
+}
+
+void saltus_h5_head_clear(saltus_h5_head *head) {
+    saltus_model_release(head->spec.model);
+    head->spec.model = NULL;
+}
+
 saltus_status saltus_h5_get_head(const saltus_h5_reader *r, const char *other_kind, const char *called,
                                  saltus_h5_head *head) {
     const struct {
@@ -361,8 +392,11 @@ saltus_status saltus_h5_get_head(const saltus_h5_reader *r, const char *other_ki
     if (!saltus_h5_get_integer(r->file, "complete", &complete))
         return saltus_h5_refuse(r, "its attribute complete must be a whole number");
     head->complete = complete != 0;
-    if (!saltus_model_find(head->model))
-        return saltus_fail(r->message, SALTUS_BAD_INPUT, "%s: the model %.40s is not known", r->path,
-                           head->model);
-    return get_parameters(r, saltus_model_find(head->model), &head->spec);
+    const saltus_model *model;
+    saltus_status status = get_model(r, head->model, &model);
+    if (status == SALTUS_OK)
+        status = get_parameters(r, model, &head->spec);
+    if (status != SALTUS_OK)
+        saltus_model_release(model);
+    return status;
 }

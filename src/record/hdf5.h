@@ -107,8 +107,11 @@ typedef struct saltus_h5_head {
     saltus_spec spec;
 } saltus_h5_head;
 
+/* Release what it holds: the model of equations; or hand that over with `spec`. */
+void saltus_h5_head_clear(saltus_h5_head *head);
 /* Read the head of a file of the reader's kind or of `other_kind`; `called` names both in the message that
- * refuses any other. All parameters and stops are there and finite. Errors: SALTUS_BAD_INPUT. */
+ * refuses any other. All parameters and stops are there and finite. On success it is to be cleared. Errors:
+ * SALTUS_BAD_INPUT, SALTUS_NO_MEMORY. */
 saltus_status saltus_h5_get_head(const saltus_h5_reader *r, const char *other_kind, const char *called,
                                  saltus_h5_head *head);
 

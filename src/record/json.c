@@ -197,11 +197,15 @@ void saltus_json_contact_force(FILE *file, const saltus_system *system, const do
 }
 
 /* The keys of a stop, first without a comma before it. */
-static void put_stop(FILE *file, const saltus_model *model, const saltus_stop *stop) {
+static void put_stop(FILE *file, const saltus_spec *spec, int s) {
+    const saltus_stop *stop = &spec->stops[s];
+    const char *coordinate = saltus_stop_text(spec, s, SALTUS_STOP_COORDINATE);
     int count;
-    const double *place = saltus_stop_place(model, stop, &count);
-    fprintf(file, "\"%s\": ", saltus_model_stop_key(model));
-    if (count == 1)
+    const double *place = saltus_stop_place(spec->model, stop, &count);
+    fprintf(file, "\"%s\": ", saltus_model_stop_key(spec->model));
+    if (coordinate)
+        put_string(file, coordinate);
+    else if (count == 1)
         saltus_json_value(file, *place);
     else
         saltus_json_vector(file, place, count);
@@ -215,18 +219,21 @@ void saltus_json_parameters(FILE *file, const saltus_spec *spec) {
     const saltus_parameter *p = saltus_model_parameters(spec->model, &count);
     saltus_json_key(file, "parameters");
     fputs("{\"model\": ", file);
-    put_string(file, saltus_model_name(spec->model));
+    if (saltus_model_text(spec->model))
+        fputs(saltus_model_text(spec->model), file);
+    else
+        put_string(file, saltus_model_name(spec->model));
     for (int k = 0; k < count; k++)
         saltus_json_member(file, p[k].name, spec->parameters[k]);
     if (spec->stop_count) {
         fputs(", ", file);
-        put_stop(file, spec->model, &spec->stops[0]);
+        put_stop(file, spec, 0);
     }
     saltus_json_key(file, "stops");
     fputc('[', file);
     for (int s = 0; s < spec->stop_count; s++) {
         fputs(s ? ", {" : "{", file);
-        put_stop(file, spec->model, &spec->stops[s]);
+        put_stop(file, spec, s);
         fputc('}', file);
     }
     fputs("]}", file);

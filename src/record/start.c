@@ -7,6 +7,7 @@
 #include "record/hdf5.h"
 #include "saltus/record.h"
 #include "scene/scene.h"
+#include "system/system.h"
 
 #include <errno.h>
 #include <math.h>
@@ -92,6 +93,8 @@ static saltus_status read_point(const source *s, saltus_start *start, saltus_mes
         memcpy(start->state, point->state, (size_t)file.dimension * sizeof *start->state);
         snprintf(start->label, sizeof start->label, "%s", point->label);
     }
+    if (status == SALTUS_OK)
+        saltus_model_retain(start->spec.model);
     saltus_branch_file_clear(&file);
     return status;
 }
@@ -218,11 +221,12 @@ static saltus_status read_parameters(const source *s, const saltus_source *json,
                                      saltus_start *start) {
     const saltus_node *parameters = saltus_node_member(object, "parameters");
     const char *name = word_of(parameters, "model");
+    const saltus_node *text = saltus_node_member(parameters, "model");
     const saltus_model *model = name ? saltus_model_find(name) : NULL;
-    if (!model)
+    if (!model && !(text && text->kind == SALTUS_NODE_MAPPING))
         return refuse(s, json->message, "parameters: must be an object that names a known model");
-    int count;
-    const saltus_parameter *p = saltus_model_parameters(model, &count);
+    int count = 0;
+    const saltus_parameter *p = model ? saltus_model_parameters(model, &count) : NULL;
     for (int k = 0; k <= count; k++) {
         const char *key = k < count ? p[k].name : "stops";
         if (!saltus_node_member(parameters, key))
@@ -371,6 +375,8 @@ static saltus_status read_row(const source *s, saltus_start *start, saltus_messa
                              file.row_count, s->path);
     else
         status = take_row(s, &file, number - 1, start, message);
+    if (status == SALTUS_OK)
+        saltus_model_retain(start->spec.model);
     saltus_sweep_file_clear(&file);
     return status;
 }
@@ -389,6 +395,11 @@ saltus_status saltus_start_read(const char *text, saltus_start *start, saltus_me
     return facts.hdf5 ? read_point(&s, start, message) : read_json(&s, start, message);
 }
 
+void saltus_start_release(saltus_start *start) {
+    saltus_model_release(start->spec.model);
+    *start = (saltus_start){.periods = 0};
+}
+
 static int degrees_of_freedom(const saltus_spec *spec) {
     saltus_spec without = *spec;
     saltus_system *system = NULL;
@@ -403,7 +414,7 @@ static int degrees_of_freedom(const saltus_spec *spec) {
 saltus_status saltus_start_apply(const saltus_start *start, const char *name, saltus_scene *scene,
                                  saltus_message *message) {
     const char *model = saltus_model_name(scene->spec.model);
-    if (start->spec.model != scene->spec.model)
+    if (!saltus_model_same(start->spec.model, scene->spec.model))
         return saltus_fail(message, SALTUS_BAD_INPUT,
                            "%.200s: is an orbit of the model %s, the scene's is %s", name,
                            saltus_model_name(start->spec.model), model);
@@ -420,7 +431,9 @@ saltus_status saltus_start_apply(const saltus_start *start, const char *name, sa
     /* A title describes the scene as it was written. */
     if (!saltus_spec_equal(&scene->spec, &start->spec))
         scene->title[0] = '\0';
+    const saltus_model *own = scene->spec.model;
     scene->spec = start->spec;
+    scene->spec.model = own;
     if (start->dimension)
         scene->initial_count = 0;
     return SALTUS_OK;

@@ -4,6 +4,8 @@
 #include "record/sweep_output.h"
 #include "sweep/options.h"
 
+#include "system/system.h"
+
 #include <limits.h>
 #include <math.h>
 #include <stdlib.h>
@@ -291,6 +293,7 @@ saltus_status saltus_sweep_identity_hdf5(const char *path, char **identity, bool
 }
 
 void saltus_sweep_file_clear(saltus_sweep_file *file) {
+    saltus_model_release(file->spec.model);
     for (int k = 0; k < SALTUS_AXES_MAX; k++)
         free((double *)file->axes[k].list);
     free(file->rows);

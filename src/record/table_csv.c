@@ -123,7 +123,7 @@ static int find_table(const char *kind, const char *name) {
 
 saltus_status saltus_file_csv(const char *path, const char *name, const char *to, saltus_message *message) {
     saltus_h5_reader r = {.path = path, .kind = "branch", .message = message};
-    saltus_h5_head head;
+    saltus_h5_head head = {.complete = false};
     rows t = {.count = 0};
     saltus_output output;
     int which = table_count;
@@ -148,6 +148,7 @@ saltus_status saltus_file_csv(const char *path, const char *name, const char *to
         status = saltus_output_close(&output, SALTUS_OK, message);
     }
     free(t.records);
+    saltus_h5_head_clear(&head);
     saltus_h5_reader_close(&r);
     return status;
 }

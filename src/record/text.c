@@ -31,7 +31,7 @@ void saltus_put_scene(FILE *file, const saltus_scene *scene, const saltus_system
     for (int s = 0; s < spec->stop_count; s++) {
         const saltus_stop *stop = &spec->stops[s];
         fprintf(file, "  stop %-9d", s + 1);
-        saltus_put_place(file, spec->model, stop, 10);
+        saltus_put_place(file, spec, s, 10);
         fprintf(file, ", d = %.10g, r = %.10g, %s\n", stop->d, stop->r,
                 stop->sides == SALTUS_BOTH    ? "both sides"
                 : stop->sides == SALTUS_UPPER ? "upper side"

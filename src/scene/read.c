@@ -9,7 +9,10 @@
 #include <stdio.h>
 #include <string.h>
 
-static bool is_parameter(const char *key) {
+/* Whether a key is a parameter of this model (NULL: none), or of any that is built in. */
+static bool is_parameter(const saltus_model *model, const char *key) {
+    if (model && saltus_model_parameter_index(model, key) >= 0)
+        return true;
     for (int k = 0; k < saltus_model_count(); k++)
         if (saltus_model_parameter_index(saltus_model_at(k), key) >= 0)
             return true;
@@ -23,11 +26,6 @@ static int index_of(const char *key, const char *const *keys, int count) {
     return k;
 }
 
-static const saltus_model *model_of(const saltus_node *root) {
-    const saltus_node *node = saltus_node_member(root, "model");
-    return node && node->kind == SALTUS_NODE_SCALAR ? saltus_model_find(node->text) : NULL;
-}
-
 /* A key that nothing has, below `top`, which is NULL at the top level. */
 static saltus_status fail_unknown(const saltus_source *source, const saltus_node *node, const char *top,
                                   const saltus_model *model) {
@@ -37,7 +35,7 @@ static saltus_status fail_unknown(const saltus_source *source, const saltus_node
     if (!top && index_of(node->key, saltus_stop_keys, stop_keys) < stop_keys)
         return saltus_node_fail(source, node, "%s: belongs to a stop; write stop: {%s: ...}", name.text,
                                 node->key);
-    if (top && is_parameter(node->key))
+    if (top && is_parameter(model, node->key))
         return saltus_node_fail(source, node, "%s: belongs to the top level, not below %s", name.text, top);
     if (!model)
         return saltus_node_fail(
@@ -109,8 +107,8 @@ static saltus_status check_stops(const saltus_source *source, const saltus_node 
     return status;
 }
 
-static saltus_status check_keys(const saltus_source *source, const saltus_node *root, bool others) {
-    const saltus_model *model = model_of(root);
+static saltus_status check_keys(const saltus_source *source, const saltus_node *root, bool others,
+                                const saltus_model *model) {
     saltus_status status = SALTUS_OK;
     for (const saltus_node *node = root->first; node && status == SALTUS_OK; node = node->next) {
         if (strcmp(node->key, "stops") == 0)
@@ -121,9 +119,11 @@ static saltus_status check_keys(const saltus_source *source, const saltus_node *
                     ? check_stop(source, node, "stop", model)
                     : fail_kind(source, node, "a mapping with the keys of a stop: stop: {d: ..., r: ...}");
         else if (strcmp(node->key, "initial") == 0)
-            status = check_initial(source, node, model);
+            status = model && model->text ? SALTUS_OK : check_initial(source, node, model);
+        else if (strcmp(node->key, "model") == 0 && model && model->text)
+            continue;
         else if (strcmp(node->key, "model") == 0 || strcmp(node->key, "title") == 0 ||
-                 is_parameter(node->key))
+                 is_parameter(model, node->key))
             status = node->kind == SALTUS_NODE_SCALAR ? SALTUS_OK : fail_kind(source, node, single);
         else if (!others)
             status = fail_unknown(source, node, NULL, model);
@@ -151,22 +151,31 @@ static saltus_status read_numbers(const saltus_source *source, const saltus_node
     return status;
 }
 
-static saltus_status read_model(const saltus_source *source, const saltus_node *root, saltus_scene *scene) {
+/* The model, by name or from its text; NULL where no key or an unknown name stands. To be released. */
+static saltus_status find_model(const saltus_source *source, const saltus_node *root,
+                                const saltus_model **model) {
     const saltus_node *node = saltus_node_member(root, "model");
-    const saltus_model *model = model_of(root);
+    *model = NULL;
+    if (node && node->kind == SALTUS_NODE_MAPPING)
+        return saltus_scene_read_text(source, root, model);
+    if (node && node->kind == SALTUS_NODE_SCALAR)
+        *model = saltus_model_find(node->text);
+    return SALTUS_OK;
+}
+
+static saltus_status fail_model(const saltus_source *source, const saltus_node *root) {
+    const saltus_node *node = saltus_node_member(root, "model");
     saltus_words names = {""};
     for (int k = 0; k < saltus_model_count(); k++)
         saltus_words_add(&names, saltus_model_name(saltus_model_at(k)));
     if (!node)
-        return saltus_source_fail(source, 0, SALTUS_BAD_INPUT, "model: missing; the models are %s",
+        return saltus_source_fail(source, 0, SALTUS_BAD_INPUT,
+                                  "model: missing; the models are %s, or a mapping with equations",
                                   names.text);
-    if (!model) {
-        saltus_quoted quoted = saltus_quote(node->text);
-        return saltus_node_fail(source, node, "model = %s: unknown; the models are %s", quoted.text,
-                                names.text);
-    }
-    scene->spec = saltus_spec_defaults(model);
-    return SALTUS_OK;
+    saltus_quoted quoted = saltus_quote(node->text);
+    return saltus_node_fail(source, node,
+                            "model = %s: unknown; the models are %s, or a mapping with equations",
+                            quoted.text, names.text);
 }
 
 static saltus_status read_title(const saltus_source *source, const saltus_node *root, saltus_scene *scene) {
@@ -191,7 +200,7 @@ static saltus_status read_parameters(const saltus_source *source, const saltus_n
         int index = saltus_model_parameter_index(model, node->key);
         if (index >= 0)
             status = read_number(source, node, node->key, &scene->spec.parameters[index]);
-        else if (is_parameter(node->key)) {
+        else if (is_parameter(NULL, node->key)) {
             const char *keys[SALTUS_TOP_KEYS_MAX];
             int count = saltus_top_keys(model, keys);
             status = saltus_node_fail(source, node, "\"%s\": not a key of the model %s; its keys are %s",
@@ -219,6 +228,9 @@ static saltus_status read_stop(const saltus_source *source, const saltus_node *n
         if (!saltus_model_has_stop_key(model, key))
             status = saltus_node_fail(source, value, "%s: a stop of the model %s is placed by %s", value->key,
                                       saltus_model_name(model), model->stop_key);
+        else if (key == stop_coordinate ||
+                 (model->text && key != stop_sides && saltus_read_stop(stop, key, value->text)))
+            continue; /* the model has read it */
         else if (key == stop_weight) {
             stop->weight[0] = stop->weight[1] = 0;
             status = read_numbers(source, value, stop->weight);
@@ -282,34 +294,47 @@ static saltus_status read_initial(const saltus_source *source, const saltus_node
                                : saltus_source_fail(source, initial->key_line, status, "%s", reason.text);
 }
 
-saltus_status saltus_scene_read(const saltus_source *source, const saltus_node *root, bool others,
-                                saltus_scene *scene) {
-    saltus_scene made = {.initial_count = 0};
-    if (root->kind != SALTUS_NODE_MAPPING)
-        return saltus_source_fail(source, root->line, SALTUS_BAD_INPUT,
-                                  "must be a mapping of keys to values that begins with model: pipe, say");
-    saltus_status status = check_keys(source, root, others);
+static saltus_status read_scene(const saltus_source *source, const saltus_node *root, bool others,
+                                const saltus_model *model, saltus_scene *made) {
+    saltus_status status = check_keys(source, root, others, model);
+    if (status != SALTUS_OK)
+        return status;
+    if (!model)
+        return fail_model(source, root);
+    made->spec = saltus_spec_defaults(model);
+    status = read_title(source, root, made);
     if (status == SALTUS_OK)
-        status = read_model(source, root, &made);
+        status = read_parameters(source, root, made);
     if (status == SALTUS_OK)
-        status = read_title(source, root, &made);
-    if (status == SALTUS_OK)
-        status = read_parameters(source, root, &made);
-    if (status == SALTUS_OK)
-        status = read_stops(source, root, &made);
+        status = read_stops(source, root, made);
     if (status != SALTUS_OK)
         return status;
 
     const saltus_node *initial = saltus_node_member(root, "initial");
     saltus_system *system = NULL;
     saltus_message reason;
-    status = saltus_system_new(&made.spec, &system, &reason);
+    status = saltus_system_new(&made->spec, &system, &reason);
     if (status != SALTUS_OK)
         return fail_system(source, root, status, &reason);
-    if (initial)
-        status = read_initial(source, initial, system, &made);
+    if (initial && !model->text)
+        status = read_initial(source, initial, system, made);
     saltus_system_free(system);
+    return status;
+}
+
+saltus_status saltus_scene_read(const saltus_source *source, const saltus_node *root, bool others,
+                                saltus_scene *scene) {
+    saltus_scene made = {.initial_count = 0};
+    const saltus_model *model;
+    if (root->kind != SALTUS_NODE_MAPPING)
+        return saltus_source_fail(source, root->line, SALTUS_BAD_INPUT,
+                                  "must be a mapping of keys to values that begins with model: pipe, say");
+    saltus_status status = find_model(source, root, &model);
+    if (status == SALTUS_OK)
+        status = read_scene(source, root, others, model, &made);
     if (status == SALTUS_OK)
         *scene = made;
+    else
+        saltus_model_release(model);
     return status;
 }

@@ -1,6 +1,7 @@
 /* Scenes from files, from text and from the built-in table.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "scene/scene.h"
+#include "system/system.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -105,6 +106,11 @@ saltus_status saltus_scene_load(const char *source, saltus_scene *scene, saltus_
     free(text);
     fclose(file);
     return status;
+}
+
+void saltus_scene_clear(saltus_scene *scene) {
+    saltus_model_release(scene->spec.model);
+    *scene = (saltus_scene){.initial_count = 0};
 }
 
 int saltus_scene_builtin_count(void) {

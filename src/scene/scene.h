@@ -10,7 +10,7 @@
 #include "scene/document.h"
 
 /* The keys of a stop, in this order everywhere. */
-enum { stop_xi, stop_d, stop_r, stop_sides, stop_weight, stop_keys };
+enum { stop_xi, stop_d, stop_r, stop_sides, stop_weight, stop_coordinate, stop_keys };
 extern const char *const saltus_stop_keys[stop_keys];
 
 /* The lists of an initial state, in the order of the state vector. */
@@ -23,7 +23,17 @@ extern const char *const saltus_initial_keys[initial_lists];
 saltus_status saltus_scene_read(const saltus_source *source, const saltus_node *root, bool others,
                                 saltus_scene *scene);
 
-/* A number that is the whole string. NULL when it is one, else what it must be ("must be a number"). */
+/* The model that the mapping `model` of a scene describes, with the stops' coordinates; to be released.
+ * Errors: SALTUS_BAD_INPUT, SALTUS_NO_MEMORY. */
+saltus_status saltus_scene_read_text(const saltus_source *source, const saltus_node *root,
+                                     const saltus_model **model);
+
+enum { SALTUS_MODEL_TEXT_MAX = 60000 }; /* bytes of a model in a file */
+/* The model that saltus_model_text describes. Errors as above. */
+saltus_status saltus_model_of_text(const char *text, const saltus_model **model, saltus_message *message);
+
+/* A number or an expression of numbers that is the whole string. NULL when it is one, else what it must be
+ * ("must be a number"). */
 const char *saltus_read_number(const char *text, double *value);
 /* Likewise the value of a stop's key other than weight; it goes to the stop. */
 const char *saltus_read_stop(saltus_stop *stop, int key, const char *text);

@@ -2,13 +2,14 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "scene/scene.h"
 #include "system/system.h"
+#include "system/text.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-const char *const saltus_stop_keys[stop_keys] = {"xi", "d", "r", "sides", "weight"};
+const char *const saltus_stop_keys[stop_keys] = {"xi", "d", "r", "sides", "weight", "coordinate"};
 const char *const saltus_initial_keys[initial_lists] = {"q", "v", "z"};
 
 int saltus_top_keys(const saltus_model *model, const char **keys) {
@@ -27,24 +28,29 @@ int saltus_model_stop_keys(const saltus_model *model, const char **keys) {
     int count = 0;
     keys[count++] = model->stop_key;
     for (int k = 0; k < stop_keys; k++)
-        if (k != stop_xi && k != stop_weight)
+        if (k != stop_xi && k != stop_weight && k != stop_coordinate)
             keys[count++] = saltus_stop_keys[k];
     return count;
 }
 
 bool saltus_model_has_stop_key(const saltus_model *model, int key) {
-    bool places = key == stop_xi || key == stop_weight;
+    bool places = key == stop_xi || key == stop_weight || key == stop_coordinate;
     return !places || strcmp(saltus_stop_keys[key], model->stop_key) == 0;
 }
 
 const char *saltus_read_number(const char *text, double *value) {
     /* Only decimal numbers: this keeps out nan, inf and hexadecimal, which strtod would take. */
     char *end = NULL;
-    if (!*text || text[strspn(text, "0123456789+-.eE")] != '\0')
-        return strpbrk(text, "nN") || strchr(text, 'f') ? "must be a finite number" : "must be a number";
-    double read = strtod(text, &end);
-    if (end == text || *end)
-        return "must be a number";
+    const bool plain = *text && text[strspn(text, "0123456789+-.eE")] == '\0';
+    double read = plain ? strtod(text, &end) : NAN;
+    if (!plain || end == text || *end) {
+        /* Otherwise an expression of numbers and pi, such as 2*pi. */
+        bool tight = *text && *text != ' ' && text[strlen(text) - 1] != ' ';
+        if (tight && saltus_constant_value(text, value, NULL) == SALTUS_OK)
+            return NULL;
+        bool infinite = !plain && *text && (strpbrk(text, "nN") || strchr(text, 'f'));
+        return infinite ? "must be a finite number" : "must be a number";
+    }
     if (!isfinite(read))
         return "must be a finite number; this one is too large";
     *value = read;

@@ -98,6 +98,7 @@ void saltus_variation_reserve(saltus_variation *variation, const saltus_system *
     size_t n = (size_t)system->dof;
     for (int r = 0; r < system->coefficients.rows; r++)
         variation->coefficients.row[r] = saltus_arena_doubles(arena, n);
+    variation->coefficients.slot = saltus_arena_doubles(arena, (size_t)system->coefficients.slots);
     for (int s = 0; s < system->spec.stop_count; s++) {
         variation->normal[s] = saltus_arena_doubles(arena, n);
         variation->impulse[s] = saltus_arena_doubles(arena, n);
@@ -132,24 +133,27 @@ void saltus_variation_fill(saltus_variation *variation, const saltus_system *sys
     size_t row = (size_t)system->dof * sizeof(double);
     c->terms = 0;
     c->rows = system->coefficients.rows;
+    c->slots = system->coefficients.slots;
+    memset(c->slot, 0, (size_t)c->slots * sizeof *c->slot);
     memset(c->scalar, 0, sizeof c->scalar);
     for (int r = 0; r < c->rows; r++)
         memset(c->row[r], 0, row);
     memset(variation->inverse_mass, 0, (size_t)system->dof * row);
-    spec->model->vary(system, direction, variation);
-    variation->omega = direction->parameter[saltus_model_parameter_index(spec->model, "omega")];
-    variation->tilts = false;
     for (int s = 0; s < spec->stop_count; s++) {
-        double *tilt = variation->normal[s];
         variation->d[s] = direction->d[s];
         variation->r[s] = direction->r[s];
-        memset(tilt, 0, row);
+        memset(variation->normal[s], 0, row);
         if (direction->xi[s] != 0 && spec->model->tilt)
-            spec->model->tilt(system->dof, &spec->stops[s], tilt);
+            spec->model->tilt(system->dof, &spec->stops[s], variation->normal[s]);
         for (int i = 0; i < system->dof; i++)
-            tilt[i] *= direction->xi[s];
+            variation->normal[s][i] *= direction->xi[s];
+    }
+    spec->model->vary(system, direction, variation);
+    variation->omega = spec->model->forcing < 0 ? 0 : direction->parameter[spec->model->forcing];
+    variation->tilts = false;
+    for (int s = 0; s < spec->stop_count; s++) {
         vary_impulse(variation, system, s);
         for (int i = 0; i < system->dof; i++)
-            variation->tilts |= tilt[i] != 0 || variation->impulse[s][i] != 0;
+            variation->tilts |= variation->normal[s][i] != 0 || variation->impulse[s][i] != 0;
     }
 }

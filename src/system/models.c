@@ -56,3 +56,25 @@ int saltus_model_parameter_index(const saltus_model *model, const char *name) {
             return k;
     return -1;
 }
+
+void saltus_model_retain(const saltus_model *model) {
+    if (model && model->own)
+        model->own(model, 1);
+}
+
+void saltus_model_release(const saltus_model *model) {
+    if (model && model->own)
+        model->own(model, -1);
+}
+
+const char *saltus_model_text(const saltus_model *model) {
+    return model->text;
+}
+
+bool saltus_model_same(const saltus_model *a, const saltus_model *b) {
+    return a == b || (a && b && a->text && b->text && strcmp(a->text, b->text) == 0);
+}
+
+const char *saltus_stop_text(const saltus_spec *spec, int stop, saltus_stop_part part) {
+    return spec->model->coordinate ? spec->model->coordinate(spec->model, stop, (int)part) : NULL;
+}

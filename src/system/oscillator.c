@@ -180,6 +180,7 @@ static double deflection(const saltus_system *system, const double *state, doubl
 
 const saltus_model saltus_oscillator = {
     .name = "oscillator",
+    .kernel = "oscillator",
     .summary = "directly forced linear oscillator, one or two masses",
     .parameters = parameters,
     .parameter_count = sizeof parameters / sizeof parameters[0],
@@ -192,6 +193,7 @@ const saltus_model saltus_oscillator = {
     .stop_key = "weight",
     .stop_place = offsetof(saltus_stop, weight),
     .stop_numbers = 2,
+    .forcing = p_omega,
     .shape = shape,
     .normal = normal,
     .reserve = reserve,

@@ -9,7 +9,7 @@
 enum { p_N, p_alpha, p_beta, p_kappa, p_u0, p_sigma, p_omega };
 
 static const saltus_parameter parameters[] = {
-    [p_N] = {"N", true, 5, 1, SALTUS_MODES_MAX, false, false, "number of Galerkin modes", NULL, 0},
+    [p_N] = {"N", true, 5, 1, 64, false, false, "number of Galerkin modes", NULL, 0},
     [p_alpha] = {"alpha", false, 0.005, 0, 10, false, false, "Kelvin-Voigt material damping", NULL, 0},
     [p_beta] = {"beta", false, 0.64, 0, 1, false, true, "fluid mass over total mass", NULL, 0},
     [p_kappa] = {"kappa", false, 5000, 0, 1e9, false, false, "axial-stretching stiffness A L^2 / (2 I)", NULL,
@@ -145,6 +145,7 @@ static double deflection(const saltus_system *system, const double *state, doubl
 
 const saltus_model saltus_pipe = {
     .name = "pipe",
+    .kernel = "pipe",
     .summary = "pinned pipe conveying pulsating fluid, N Galerkin modes",
     .parameters = parameters,
     .parameter_count = sizeof parameters / sizeof parameters[0],
@@ -157,6 +158,7 @@ const saltus_model saltus_pipe = {
     .stop_key = "xi",
     .stop_place = offsetof(saltus_stop, xi),
     .stop_numbers = 1,
+    .forcing = p_omega,
     .shape = shape,
     .normal = normal,
     .reserve = reserve,

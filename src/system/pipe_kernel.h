@@ -31,7 +31,7 @@ KERNEL_INLINE unsigned model_common_terms(int rows) {
 /* 2 sqrt(beta) u, sqrt(beta) u' and the part -u^2 - sqrt(beta) u' / 2 of W. */
 enum { drive_velocity, drive_gradient, drive_tension, model_drives };
 enum { table_velocity, table_gradient, table_tension, table_tension2, model_tables };
-enum { series_square, series_tension, model_series };
+enum { series_square, series_tension, model_series_count };
 enum { vary_velocity, vary_gradient, vary_tension, vary_all_tension, model_vary_drives };
 enum {
     ahead_resting, /* begun for the next order */

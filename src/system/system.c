@@ -42,7 +42,7 @@ bool saltus_spec_matters(const saltus_spec *spec, int k) {
 }
 
 bool saltus_spec_equal(const saltus_spec *a, const saltus_spec *b) {
-    bool equal = a->model == b->model && a->stop_count == b->stop_count;
+    bool equal = saltus_model_same(a->model, b->model) && a->stop_count == b->stop_count;
     for (int k = 0; equal && k < a->model->parameter_count; k++)
         equal = a->parameters[k] == b->parameters[k];
     for (int s = 0; equal && s < a->stop_count; s++) {
@@ -73,7 +73,8 @@ static saltus_status check_stop(const saltus_spec *spec, int s, saltus_message *
     const saltus_stop *stop = &spec->stops[s];
     const double values[] = {
         [SALTUS_STOP_XI] = stop->xi, [SALTUS_STOP_D] = stop->d, [SALTUS_STOP_R] = stop->r};
-    const bool by_xi = strcmp(spec->model->stop_key, "xi") == 0;
+    const bool by_xi = strcmp(spec->model->stop_key, "xi") == 0,
+               weighed = strcmp(spec->model->stop_key, "weight") == 0;
     char owner[32] = "";
     if (spec->stop_count > 1)
         snprintf(owner, sizeof owner, "stop %d: ", s + 1);
@@ -82,10 +83,10 @@ static saltus_status check_stop(const saltus_spec *spec, int s, saltus_message *
         if (status != SALTUS_OK)
             return status;
     }
-    if (!by_xi && !(isfinite(stop->weight[0]) && isfinite(stop->weight[1])))
+    if (weighed && !(isfinite(stop->weight[0]) && isfinite(stop->weight[1])))
         return saltus_fail_at(message, SALTUS_BAD_INPUT, (saltus_fault){.key = "weight", .stop = s + 1},
                               "%sweight: must be finite numbers", owner);
-    if (!by_xi && stop->weight[0] == 0 && stop->weight[1] == 0)
+    if (weighed && stop->weight[0] == 0 && stop->weight[1] == 0)
         return saltus_fail_at(message, SALTUS_BAD_INPUT, (saltus_fault){.key = "weight", .stop = s + 1},
                               "%sweight = [0, 0]: a stop must limit at least one mass", owner);
     if (stop->sides < SALTUS_UPPER || stop->sides > SALTUS_BOTH)
@@ -224,23 +225,30 @@ static int count_forcing_orders(const saltus_system *system) {
 saltus_status saltus_system_new(const saltus_spec *spec, saltus_system **system, saltus_message *message) {
     *system = NULL;
     int dof = 0, extra = 0;
+    saltus_spec full = *spec;
     saltus_status status = check_spec(spec, message);
     if (status == SALTUS_OK)
         status = spec->model->shape(spec, &dof, &extra, message);
+    if (status == SALTUS_OK && spec->model->complete) {
+        spec->model->complete(&full);
+        status = check_spec(&full, message);
+    }
     if (status != SALTUS_OK)
         return status;
 
     saltus_system *made = calloc(1, sizeof *made);
     if (!made)
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the system");
-    made->spec = *spec;
+    made->spec = full;
+    saltus_model_retain(full.model);
     made->dof = dof;
     made->extra = extra;
     made->dimension = 2 * dof + extra;
-    made->omega = saltus_spec_get(spec, "omega");
-    made->period = 2 * M_PI / made->omega;
+    made->omega = spec->model->forcing < 0 ? 2 * M_PI : spec->parameters[spec->model->forcing];
+    made->period = spec->model->forcing < 0 ? 1 : 2 * M_PI / made->omega;
     reserve(made);
     if (!saltus_arena_open(&made->arena)) {
+        saltus_model_release(full.model);
         free(made);
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the system");
     }
@@ -264,6 +272,7 @@ saltus_status saltus_system_new(const saltus_spec *spec, saltus_system **system,
 void saltus_system_free(saltus_system *system) {
     if (!system)
         return;
+    saltus_model_release(system->spec.model);
     saltus_arena_close(&system->arena);
     free(system);
 }
@@ -372,8 +381,7 @@ static double face_reach(const saltus_system *system, int face) {
 
 /* A small displacement, moved along the impulse of the face it violates most until it keeps a margin from all
  * of them. The margin shrinks, for stops that leave little room. */
-saltus_status saltus_system_default_state(const saltus_system *system, double *state,
-                                          saltus_message *message) {
+static saltus_status find_state(const saltus_system *system, double *state, saltus_message *message) {
     enum { corrections = 2000 };
     memset(state, 0, (size_t)system->dimension * sizeof *state);
     state[0] = 0.2 * system->scale[0];
@@ -401,6 +409,15 @@ saltus_status saltus_system_default_state(const saltus_system *system, double *s
     return saltus_fail(
         message, SALTUS_BAD_INPUT,
         "the stops contradict each other: no displacement satisfies all clearances; give another d");
+}
+
+saltus_status saltus_system_default_state(const saltus_system *system, double *state,
+                                          saltus_message *message) {
+    saltus_status status = find_state(system, state, message);
+    if (status != SALTUS_OK || !system->spec.model->start)
+        return status;
+    system->spec.model->start(system, state);
+    return saltus_system_check_state(system, state, message);
 }
 
 saltus_status saltus_system_check_state(const saltus_system *system, const double *state,

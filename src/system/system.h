@@ -5,10 +5,11 @@
 
 #include "base/memory.h"
 #include "saltus/system.h"
+#include "system/tape.h"
 
 enum {
-    SALTUS_MODES_MAX = 64, /* degrees of freedom */
-    SALTUS_ORDER_MIN = 8,  /* of Taylor series */
+    SALTUS_MODES_MAX = 128, /* degrees of freedom */
+    SALTUS_ORDER_MIN = 8,   /* of Taylor series */
     SALTUS_ORDER_MAX = 40,
     SALTUS_SCALARS_MAX = 12,
     SALTUS_ROWS_MAX = 8,
@@ -22,6 +23,8 @@ typedef struct saltus_coefficients {
     double *row[SALTUS_ROWS_MAX];           /* each dof long */
     double *coupling[SALTUS_COUPLINGS_MAX]; /* each dof x dof, row-major; zero where i + j is even */
     int rows, couplings;
+    double *slot; /* of a tape */
+    int slots;
     int forcing_orders; /* orders of the forcing's series that matter at the largest step */
     unsigned terms;     /* which terms the scene has (saltus_term) */
 } saltus_coefficients;
@@ -52,6 +55,8 @@ struct saltus_system {
     double *scale;
     double *damping, *stiffness; /* q'' + damping q' + stiffness q: the part exact in the stiff integrator */
     saltus_coefficients coefficients;
+    const saltus_tape *tape; /* of a system from text, otherwise NULL; the model's */
+    double *numbers;         /* values of its graph's nodes; those that are numbers are right */
 };
 
 /* The sizes that a face's gap is the difference of: rounding moves it by parts in 1e16 of these. */
@@ -77,6 +82,10 @@ typedef struct saltus_variation {
     double *inverse_mass;              /* dof x dof */
 } saltus_variation;
 
+/* One more owner of a model, and one less. Built-in models are not counted; NULL is accepted. */
+void saltus_model_retain(const saltus_model *model);
+void saltus_model_release(const saltus_model *model);
+
 /* Reserve a variation's arrays (called for measuring and again for handing out), and fill them in. */
 void saltus_variation_reserve(saltus_variation *variation, const saltus_system *system, saltus_arena *arena);
 void saltus_variation_fill(saltus_variation *variation, const saltus_system *system,
@@ -86,15 +95,24 @@ void saltus_variation_fill(saltus_variation *variation, const saltus_system *sys
  * the build's list of kernels. */
 struct saltus_model {
     const char *name;
+    const char *kernel; /* under which its kernels are listed */
     const char *summary;
     const saltus_parameter *parameters;
     int parameter_count;
     saltus_notation notation;
-    const char *stop_key; /* which key places a stop: "xi" or "weight" */
+    const char *stop_key; /* which key places a stop: "xi", "weight" or "coordinate" */
     size_t stop_place;    /* offset of its numbers in a saltus_stop, and how many they are */
-    int stop_numbers;
+    int stop_numbers;     /* none: the model's text says it */
+    int forcing;      /* the parameter that is the angular frequency; -1: none, time is counted in units */
+    const char *text; /* of one from saltus_text_model_new, otherwise NULL (saltus_model_text) */
+    /* What the text says of a stop: 0 its coordinate, 1 its clearance, 2 its restitution; NULL: nothing. */
+    const char *(*coordinate)(const saltus_model *model, int stop, int which);
+    void (*own)(const saltus_model *model,
+                int change); /* count owners, free without any; NULL: none counted */
     /* Checks that no single range can express; the sizes. */
     saltus_status (*shape)(const saltus_spec *spec, int *dof, int *extra, saltus_message *message);
+    /* Fill in what stops take from parameters; NULL: nothing. After `shape`. */
+    void (*complete)(saltus_spec *spec);
     /* Row vector n of a stop. */
     void (*normal)(const saltus_spec *spec, int dof, const saltus_stop *stop, double *normal);
     /* Reserve rows and couplings (called for measuring and again for handing out). */
@@ -107,6 +125,8 @@ struct saltus_model {
     void (*tilt)(int dof, const saltus_stop *stop, double *normal);
     /* Why the derivative with respect to a parameter is not defined at its present value; NULL if it is. */
     const char *(*obstacle)(const saltus_spec *spec, int parameter);
+    /* What the model's text says of the initial state, over a default one; NULL: nothing. */
+    void (*start)(const saltus_system *system, double *state);
     double (*trace)(const saltus_system *system, const double *state);
     double (*deflection)(const saltus_system *system, const double *state, double xi);
 };

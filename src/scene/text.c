@@ -1,0 +1,387 @@
+/* The model of a scene whose equations stand in it.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "system/text.h"
+#include "scene/scene.h"
+#include "system/system.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Lists that a text is made of while it is read. */
+typedef struct reading {
+    const saltus_source *source;
+    saltus_text text;
+    saltus_text_parameter parameters[SALTUS_PARAMETERS_MAX];
+    saltus_text_stop stops[SALTUS_STOPS_MAX];
+    saltus_text_constant *constants;
+    double **values; /* of the constants */
+    saltus_equation *equations[8];
+    char **words; /* names made here: entries of the mass matrix */
+    int word_count;
+} reading;
+
+static saltus_status no_memory(const reading *r) {
+    return saltus_source_fail(r->source, 0, SALTUS_NO_MEMORY, "no memory for the model");
+}
+
+static saltus_status wrong_kind(const reading *r, const saltus_node *node, const char *wanted) {
+    return saltus_node_fail(r->source, node, "%s: must be %s", node->key, wanted);
+}
+
+static saltus_status read_value(const reading *r, const saltus_node *node, double *value) {
+    saltus_message reason = {.text = ""};
+    if (node->kind != SALTUS_NODE_SCALAR)
+        return wrong_kind(r, node, "a number or an expression of numbers");
+    saltus_status status = saltus_constant_value(node->text, value, &reason);
+    return status == SALTUS_OK ? status
+                               : saltus_source_fail(r->source, node->line, status, "%s = %s: %s",
+                                                    node->key ? node->key : "entry", node->text, reason.text);
+}
+
+/* name: default, or {default, min, max, integer, meaning}. */
+static saltus_status read_parameter(reading *r, const saltus_node *node) {
+    saltus_text_parameter *p = &r->parameters[r->text.parameter_count];
+    saltus_status status = SALTUS_OK;
+    if (r->text.parameter_count == SALTUS_PARAMETERS_MAX)
+        return saltus_node_fail(r->source, node, "%s: at most %d parameters are possible", node->key,
+                                SALTUS_PARAMETERS_MAX);
+    r->text.parameter_count++;
+    *p = (saltus_text_parameter){.name = node->key, .min = -1e300, .max = 1e300, .line = node->key_line};
+    if (node->kind == SALTUS_NODE_SCALAR)
+        return read_value(r, node, &p->fallback);
+    if (node->kind != SALTUS_NODE_MAPPING)
+        return wrong_kind(r, node, "a number, or a mapping such as {default: 1, min: 0, meaning: mass}");
+    if (!saltus_node_member(node, "default"))
+        return saltus_node_fail(r->source, node, "%s: default is missing", node->key);
+    for (const saltus_node *m = node->first; m && status == SALTUS_OK; m = m->next) {
+        static const char *const keys[] = {"default", "min", "max", "integer", "meaning"};
+        if (strcmp(m->key, "default") == 0)
+            status = read_value(r, m, &p->fallback);
+        else if (strcmp(m->key, "min") == 0)
+            status = read_value(r, m, &p->min);
+        else if (strcmp(m->key, "max") == 0)
+            status = read_value(r, m, &p->max);
+        else if (strcmp(m->key, "integer") == 0 && m->kind == SALTUS_NODE_SCALAR &&
+                 (strcmp(m->text, "true") == 0 || strcmp(m->text, "false") == 0))
+            p->integer = strcmp(m->text, "true") == 0;
+        else if (strcmp(m->key, "integer") == 0)
+            status = wrong_kind(r, m, "true or false");
+        else if (strcmp(m->key, "meaning") == 0 && m->kind == SALTUS_NODE_SCALAR)
+            p->meaning = m->text;
+        else
+            status = saltus_unknown_key(r->source, m->key_line, m->key, keys, 5);
+    }
+    if (status == SALTUS_OK && p->integer && p->fallback != floor(p->fallback))
+        status = saltus_node_fail(r->source, node, "%s: the default must be a whole number", node->key);
+    if (status == SALTUS_OK && !(p->min <= p->fallback && p->fallback <= p->max))
+        status = saltus_node_fail(r->source, node, "%s: the default must lie between min and max", node->key);
+    return status;
+}
+
+static saltus_status read_parameters(reading *r, const saltus_node *node) {
+    saltus_status status = SALTUS_OK;
+    if (node->kind != SALTUS_NODE_MAPPING)
+        return wrong_kind(r, node, "a mapping of names to values");
+    for (const saltus_node *p = node->first; p && status == SALTUS_OK; p = p->next)
+        status = read_parameter(r, p);
+    return status;
+}
+
+/* A number, a list of them, or a list of rows. */
+static saltus_status read_constant(reading *r, const saltus_node *node, saltus_text_constant *made,
+                                   double **values) {
+    int rows = node->kind == SALTUS_NODE_LIST ? node->count : 0, columns = 0, at = 0;
+    saltus_status status = SALTUS_OK;
+    if (node->kind == SALTUS_NODE_MAPPING || (node->kind == SALTUS_NODE_LIST && rows == 0))
+        return wrong_kind(r, node, "a number, a vector [..] or a matrix [[..], ..]");
+    if (rows && node->first->kind == SALTUS_NODE_LIST)
+        columns = node->first->count;
+    *values = calloc((size_t)(rows ? rows : 1) * (size_t)(columns ? columns : 1) + 1, sizeof **values);
+    if (!*values)
+        return no_memory(r);
+    *made = (saltus_text_constant){node->key, rows, columns, *values, node->key_line};
+    if (!rows)
+        return read_value(r, node, *values);
+    for (const saltus_node *row = node->first; row && status == SALTUS_OK; row = row->next) {
+        bool list = row->kind == SALTUS_NODE_LIST;
+        if (row->kind == SALTUS_NODE_MAPPING || list != (columns > 0) || (list && row->count != columns))
+            return saltus_source_fail(
+                r->source, row->line, SALTUS_BAD_INPUT,
+                "%s: all rows must be lists of equally many numbers, or all entries numbers", node->key);
+        for (const saltus_node *entry = list ? row->first : row; entry && status == SALTUS_OK;
+             entry = list ? entry->next : NULL)
+            status = read_value(r, entry, &(*values)[at++]);
+    }
+    return status;
+}
+
+static saltus_status read_constants(reading *r, const saltus_node *node) {
+    saltus_status status = SALTUS_OK;
+    if (node->kind != SALTUS_NODE_MAPPING)
+        return wrong_kind(r, node, "a mapping of names to numbers, vectors and matrices");
+    r->constants = calloc((size_t)node->count + 1, sizeof *r->constants);
+    r->values = calloc((size_t)node->count + 1, sizeof *r->values);
+    if (!r->constants || !r->values)
+        return no_memory(r);
+    r->text.constants = r->constants;
+    for (const saltus_node *c = node->first; c && status == SALTUS_OK; c = c->next) {
+        int k = r->text.constant_count++;
+        status = read_constant(r, c, &r->constants[k], &r->values[k]);
+    }
+    return status;
+}
+
+/* Left sides to right sides; of a matrix of masses entries are named "x1,x2". */
+static saltus_status read_equations(reading *r, const saltus_node *node, saltus_equations *list, int which) {
+    int count = 0, at = 0;
+    if (node->kind != SALTUS_NODE_MAPPING)
+        return wrong_kind(r, node, "a mapping of names to expressions");
+    for (const saltus_node *e = node->first; e; e = e->next)
+        count += e->kind == SALTUS_NODE_MAPPING ? e->count : 1;
+    saltus_equation *items = r->equations[which] = calloc((size_t)count + 1, sizeof *items);
+    if (!items)
+        return no_memory(r);
+    for (const saltus_node *e = node->first; e; e = e->next) {
+        bool row = e->kind == SALTUS_NODE_MAPPING && strcmp(node->key, "mass") == 0;
+        if (e->kind != SALTUS_NODE_SCALAR && !row)
+            return wrong_kind(r, e,
+                              "an expression; one with a comma, or that begins with *, [ or &, needs quotes");
+        for (const saltus_node *entry = row ? e->first : e; entry; entry = row ? entry->next : NULL) {
+            const char *name = entry->key;
+            if (entry->kind != SALTUS_NODE_SCALAR)
+                return wrong_kind(r, entry, "an expression");
+            if (row) {
+                char *word = malloc(strlen(e->key) + strlen(entry->key) + 2);
+                char **words = realloc(r->words, ((size_t)r->word_count + 1) * sizeof *words);
+                if (words)
+                    r->words = words;
+                if (!word || !words) {
+                    free(word);
+                    return no_memory(r);
+                }
+                sprintf(word, "%s,%s", e->key, entry->key);
+                r->words[r->word_count++] = word;
+                name = word;
+            }
+            items[at++] = (saltus_equation){name, entry->text, entry->key_line};
+        }
+    }
+    *list = (saltus_equations){items, at};
+    return SALTUS_OK;
+}
+
+static void put_string(FILE *out, const char *text) {
+    fputc('"', out);
+    for (const unsigned char *c = (const unsigned char *)text; *c; c++)
+        if (*c == '"' || *c == '\\')
+            fprintf(out, "\\%c", *c);
+        else if (*c < 0x20)
+            fprintf(out, "\\u%04x", *c);
+        else
+            fputc(*c, out);
+    fputc('"', out);
+}
+
+/* A value as JSON: numbers as they are, everything else in quotation marks. */
+static void put_json(FILE *out, const saltus_node *node) {
+    const char *ends = node->kind == SALTUS_NODE_LIST ? "[]" : "{}", *comma = "";
+    double value;
+    if (node->kind == SALTUS_NODE_SCALAR) {
+        bool number = !node->quoted && strspn(node->text, "0123456789.eE-") == strlen(node->text) &&
+                      (node->text[0] == '-' || (node->text[0] >= '0' && node->text[0] <= '9')) &&
+                      !saltus_read_number(node->text, &value);
+        if (number)
+            fputs(node->text, out);
+        else
+            put_string(out, node->text);
+        return;
+    }
+    fputc(ends[0], out);
+    for (const saltus_node *child = node->first; child; child = child->next, comma = ", ") {
+        fputs(comma, out);
+        if (child->key) {
+            put_string(out, child->key);
+            fputs(": ", out);
+        }
+        put_json(out, child);
+    }
+    fputc(ends[1], out);
+}
+
+/* The model's mapping as one JSON object, with what the scene says of stops and of the start besides. */
+static void put_model(FILE *out, const reading *r, const saltus_node *model, const saltus_node *initial) {
+    const char *comma = "";
+    fputc('{', out);
+    for (const saltus_node *child = model->first; child; child = child->next) {
+        if (strcmp(child->key, "contacts") == 0 || strcmp(child->key, "start") == 0)
+            continue;
+        fputs(comma, out);
+        put_string(out, child->key);
+        fputs(": ", out);
+        put_json(out, child);
+        comma = ", ";
+    }
+    for (int s = 0; s < r->text.stop_count; s++) {
+        const saltus_text_stop *stop = &r->stops[s];
+        const saltus_equation *const parts[] = {&stop->coordinate, &stop->d, &stop->r};
+        fputs(s ? ", {" : ", \"contacts\": [{", out);
+        for (int k = 0; k < 3; k++)
+            if (parts[k]->text) {
+                fputs(k ? ", " : "", out);
+                put_string(out, parts[k]->name);
+                fputs(": ", out);
+                put_string(out, parts[k]->text);
+            }
+        fputs(s + 1 < r->text.stop_count ? "}" : "}]", out);
+    }
+    if (initial) {
+        fputs(", \"start\": ", out);
+        put_json(out, initial);
+    }
+    fputc('}', out);
+}
+
+/* Coordinate, and clearance and restitution where they are more than numbers. */
+static saltus_status read_stop(reading *r, const saltus_node *node) {
+    saltus_text_stop *stop = &r->stops[r->text.stop_count++];
+    const saltus_node *coordinate = saltus_node_member(node, "coordinate");
+    if (!coordinate || coordinate->kind != SALTUS_NODE_SCALAR)
+        return saltus_source_fail(
+            r->source, node->line, SALTUS_BAD_INPUT,
+            "stop: coordinate is missing; it says what the stop limits, such as coordinate: x");
+    *stop = (saltus_text_stop){.coordinate = {"coordinate", coordinate->text, coordinate->key_line}};
+    const char *const keys[] = {"d", "r"};
+    saltus_equation *const places[] = {&stop->d, &stop->r};
+    for (int k = 0; k < 2; k++) {
+        const saltus_node *number = saltus_node_member(node, keys[k]);
+        double value;
+        *places[k] = (saltus_equation){keys[k], NULL, node->line};
+        if (number && number->kind == SALTUS_NODE_SCALAR && saltus_read_number(number->text, &value))
+            *places[k] = (saltus_equation){keys[k], number->text, number->key_line};
+    }
+    return SALTUS_OK;
+}
+
+static saltus_status read_stops(reading *r, const saltus_node *root, const saltus_node *contacts) {
+    const saltus_node *one = contacts ? NULL : saltus_node_member(root, "stop");
+    const saltus_node *several = contacts ? contacts : saltus_node_member(root, "stops");
+    saltus_status status = SALTUS_OK;
+    r->text.stops = r->stops;
+    if (one && !several && one->kind == SALTUS_NODE_MAPPING)
+        return read_stop(r, one);
+    if (several && several->kind == SALTUS_NODE_LIST && several->count <= SALTUS_STOPS_MAX)
+        for (const saltus_node *node = several->first; node && status == SALTUS_OK; node = node->next)
+            if (node->kind == SALTUS_NODE_MAPPING)
+                status = read_stop(r, node);
+    return status;
+}
+
+static saltus_status read_key(reading *r, const saltus_node *node) {
+    static const char *const keys[] = {"parameters", "constants", "families", "let",     "motion",
+                                       "mass",       "states",    "forcing",  "observe", "scale",
+                                       "section",    "cyclic",    "drift",    "when",    "modes"};
+    saltus_text *t = &r->text;
+    const struct {
+        const char *key;
+        saltus_equations *list;
+    } lists[] = {{"families", &t->families}, {"let", &t->let},       {"motion", &t->motion},
+                 {"mass", &t->mass},         {"states", &t->states}, {"observe", &t->observe},
+                 {"scale", &t->scale}};
+    for (size_t k = 0; k < sizeof lists / sizeof lists[0]; k++)
+        if (strcmp(node->key, lists[k].key) == 0)
+            return read_equations(r, node, lists[k].list, (int)k);
+    if (strcmp(node->key, "parameters") == 0)
+        return read_parameters(r, node);
+    if (strcmp(node->key, "constants") == 0)
+        return read_constants(r, node);
+    if (strcmp(node->key, "forcing") == 0) {
+        if (node->kind != SALTUS_NODE_SCALAR)
+            return wrong_kind(r, node, "the name of the parameter that is the angular frequency");
+        t->forcing = (saltus_equation){"forcing", node->text, node->key_line};
+        return SALTUS_OK;
+    }
+    if (strcmp(node->key, "contacts") == 0 || strcmp(node->key, "start") == 0)
+        return SALTUS_OK; /* in files of results: what stops and initial are in a scene */
+    for (int k = 10; k < 15; k++)
+        if (strcmp(node->key, keys[k]) == 0)
+            return saltus_node_fail(r->source, node, "%s: is not possible yet", node->key);
+    return saltus_unknown_key(r->source, node->key_line, node->key, keys, 15);
+}
+
+static void close_reading(reading *r) {
+    for (int k = 0; k < r->text.constant_count; k++)
+        free(r->values[k]);
+    for (size_t k = 0; k < sizeof r->equations / sizeof r->equations[0]; k++)
+        free(r->equations[k]);
+    for (int k = 0; k < r->word_count; k++)
+        free(r->words[k]);
+    free(r->words);
+    free(r->constants);
+    free(r->values);
+}
+
+saltus_status saltus_scene_read_text(const saltus_source *source, const saltus_node *root,
+                                     const saltus_model **model) {
+    const saltus_node *node = saltus_node_member(root, "model"),
+                      *initial = saltus_node_member(root, "initial"),
+                      *contacts = saltus_node_member(node, "contacts");
+    char *json = NULL;
+    size_t length = 0;
+    reading r = {.source = source, .text = {.origin = source->origin ? source->origin : "scene"}};
+    saltus_message reason = {.text = ""};
+    saltus_status status = SALTUS_OK;
+    r.text.parameters = r.parameters;
+    for (const saltus_node *key = node->first; key && status == SALTUS_OK; key = key->next)
+        status = read_key(&r, key);
+    if (status == SALTUS_OK && r.text.motion.count + r.text.states.count == 0)
+        status = saltus_node_fail(source, node,
+                                  "model: motion is missing; it holds the equations, such as x: -x - 0.1*x'");
+    if (!initial)
+        initial = saltus_node_member(node, "start");
+    if (status == SALTUS_OK && initial)
+        status = read_equations(&r, initial, &r.text.initial, 7);
+    if (status == SALTUS_OK)
+        status = read_stops(&r, root, contacts);
+    FILE *out = status == SALTUS_OK ? open_memstream(&json, &length) : NULL;
+    if (out) {
+        put_model(out, &r, node, initial);
+        if (fclose(out) != 0) {
+            free(json);
+            json = NULL;
+        }
+    }
+    if (status == SALTUS_OK && !json)
+        status = no_memory(&r);
+    r.text.source = json;
+    if (status == SALTUS_OK) {
+        status = saltus_text_model_new(&r.text, model, &reason);
+        if (status != SALTUS_OK && source->message)
+            *source->message = reason;
+    }
+    free(json);
+    close_reading(&r);
+    return status;
+}
+
+saltus_status saltus_model_of_text(const char *text, const saltus_model **model, saltus_message *message) {
+    char *whole = malloc(strlen(text) + 16);
+    saltus_document document;
+    *model = NULL;
+    if (!whole)
+        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the model");
+    sprintf(whole, "{\"model\": %s}", text);
+    const saltus_source source = {
+        .text = whole, .length = strlen(whole), .origin = "model", .language = "JSON", .message = message};
+    saltus_status status = saltus_document_read(&source, &document);
+    if (status == SALTUS_OK) {
+        const saltus_node *node = saltus_node_member(document.root, "model");
+        status = node && node->kind == SALTUS_NODE_MAPPING
+                     ? saltus_scene_read_text(&source, document.root, model)
+                     : saltus_fail(message, SALTUS_BAD_INPUT, "the model is no mapping");
+        saltus_document_close(&document);
+    }
+    free(whole);
+    return status;
+}

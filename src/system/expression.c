@@ -1,0 +1,308 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "system/expression.h"
+
+#include <locale.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const struct {
+    const char *name;
+    int least, most;
+} functions[] = {
+#define ENTRY(name, least, most) {#name, least, most},
+    SALTUS_FUNCTIONS(ENTRY)
+#undef ENTRY
+};
+
+/* Operators between two operands. The right operand takes what binds at least as strongly as `right`. */
+static const struct {
+    char symbol[3];
+    saltus_syntax kind;
+    int left, right;
+} operators[] = {
+    {"<=", SALTUS_SYNTAX_LESS_EQUAL, 1, 2}, {">=", SALTUS_SYNTAX_GREATER_EQUAL, 1, 2},
+    {"==", SALTUS_SYNTAX_EQUAL, 1, 2},      {"!=", SALTUS_SYNTAX_UNEQUAL, 1, 2},
+    {"<", SALTUS_SYNTAX_LESS, 1, 2},        {">", SALTUS_SYNTAX_GREATER, 1, 2},
+    {"+", SALTUS_SYNTAX_ADD, 3, 4},         {"-", SALTUS_SYNTAX_SUBTRACT, 3, 4},
+    {"*", SALTUS_SYNTAX_MULTIPLY, 5, 6},    {"/", SALTUS_SYNTAX_DIVIDE, 5, 6},
+    {"^", SALTUS_SYNTAX_POWER, 9, 7},
+};
+
+/* Signs bind less than powers, more than products: -x^2 is -(x^2), x^-2 and 2*-x are possible. */
+enum { sign_binds = 7 };
+
+/* A text being parsed. */
+typedef struct parser {
+    saltus_expression *made;
+    int place, room, depth;
+    saltus_status status;
+    saltus_message *message;
+} parser;
+
+/* All errors of parsing pass here; they return no term. */
+static int refuse(parser *self, int place, const char *complaint) {
+    self->status = saltus_fail(self->message, SALTUS_BAD_INPUT, "column %d: %s", place + 1, complaint);
+    return -1;
+}
+
+static bool is_letter(char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_';
+}
+
+static bool is_digit(char c) {
+    return c >= '0' && c <= '9';
+}
+
+static const char *rest_of(parser *self) {
+    while (self->made->text[self->place] && strchr(" \t\r\n", self->made->text[self->place]))
+        self->place++;
+    return self->made->text + self->place;
+}
+
+static int add_term(parser *self, saltus_expression_term term) {
+    saltus_expression *made = self->made;
+    if (made->count == self->room) {
+        int room = 2 * self->room + 16;
+        saltus_expression_term *terms = realloc(made->terms, (size_t)room * sizeof *terms);
+        if (!terms) {
+            self->status = saltus_fail(self->message, SALTUS_NO_MEMORY, "no memory for an expression");
+            return -1;
+        }
+        made->terms = terms;
+        self->room = room;
+    }
+    term.next = -1;
+    made->terms[made->count] = term;
+    return made->count++;
+}
+
+static bool is_comparison(const parser *self, int term) {
+    return self->made->terms[term].kind >= SALTUS_SYNTAX_LESS;
+}
+
+static int parse_operand(parser *self, int binds);
+
+/* An expression that is a number, not a comparison. */
+static int parse_number_valued(parser *self, int binds) {
+    int begin = (int)(rest_of(self) - self->made->text), term = parse_operand(self, binds);
+    if (term >= 0 && is_comparison(self, term))
+        return refuse(self, begin, "a comparison can only be the first argument of if");
+    return term;
+}
+
+/* Decimal numbers, with a point whatever the locale says. */
+static int parse_number(parser *self) {
+    const char *text = self->made->text + self->place, *c = text;
+    char digits[64], *end;
+    while (is_digit(*c))
+        c++;
+    const char *point = *c == '.' ? c++ : NULL;
+    while (is_digit(*c))
+        c++;
+    if (c == text + (point != NULL))
+        return refuse(self, self->place, "a number has no digits");
+    if ((*c == 'e' || *c == 'E') && is_digit(c[1 + (c[1] == '-' || c[1] == '+')]))
+        for (c += 2; is_digit(*c);)
+            c++;
+    int length = (int)(c - text);
+    const char *mark = localeconv()->decimal_point;
+    if ((size_t)length + strlen(mark) >= sizeof digits)
+        return refuse(self, self->place, "a number has too many digits");
+    int before = point ? (int)(point - text) : length;
+    snprintf(digits, sizeof digits, "%.*s%s%.*s", before, text, point ? mark : "",
+             point ? length - before - 1 : 0, point ? point + 1 : "");
+    double value = strtod(digits, &end);
+    if (!isfinite(value))
+        return refuse(self, self->place, "the number is too large");
+    if (is_letter(*c))
+        return refuse(self, self->place + length, "an operator is missing between a number and a name");
+    int begin = self->place;
+    self->place += length;
+    return add_term(
+        self,
+        (saltus_expression_term){
+            .kind = SALTUS_SYNTAX_NUMBER, .number = value, .begin = begin, .length = length, .first = -1});
+}
+
+/* Arguments up to a closing bracket, chained behind the term; how many they are, 0 after a complaint. */
+static int parse_arguments(parser *self, int term, char closing) {
+    int count = 0, last = -1, opened = self->place - 1;
+    const bool chooses = self->made->terms[term].kind == SALTUS_SYNTAX_CALL &&
+                         self->made->terms[term].function == SALTUS_FUNCTION_if;
+    for (;;) {
+        int argument = chooses && count == 0 ? parse_operand(self, 0) : parse_number_valued(self, 0);
+        if (argument < 0)
+            return 0;
+        if (chooses && count == 0 && !is_comparison(self, argument))
+            return refuse(self, opened + 1, "the first argument of if must be a comparison, such as x < 0"),
+                   0;
+        if (last < 0)
+            self->made->terms[term].first = argument;
+        else
+            self->made->terms[last].next = argument;
+        last = argument;
+        count++;
+        char c = *rest_of(self);
+        if (c == closing) {
+            self->place++;
+            return count;
+        }
+        if (c != ',')
+            return refuse(self, c ? self->place : opened,
+                          c                ? "a comma, an operator or a closing bracket is expected"
+                          : closing == ')' ? "this parenthesis is not closed"
+                                           : "this bracket is not closed"),
+                   0;
+        self->place++;
+    }
+}
+
+static int parse_call(parser *self, int begin, int length) {
+    char complaint[128];
+    int k = 0;
+    while (k < SALTUS_FUNCTION_COUNT &&
+           !((int)strlen(functions[k].name) == length &&
+             memcmp(functions[k].name, self->made->text + begin, (size_t)length) == 0))
+        k++;
+    if (k == SALTUS_FUNCTION_COUNT)
+        return refuse(self, begin, "there is no function of this name; a product needs a *");
+    int term = add_term(self, (saltus_expression_term){.kind = SALTUS_SYNTAX_CALL,
+                                                       .function = (saltus_function)k,
+                                                       .begin = begin,
+                                                       .length = length,
+                                                       .first = -1});
+    int count = term < 0 ? 0 : parse_arguments(self, term, ')');
+    if (count == 0)
+        return -1;
+    if (count >= functions[k].least && count <= functions[k].most)
+        return term;
+    snprintf(complaint, sizeof complaint, "%s takes %d%s argument%s, not %d", functions[k].name,
+             functions[k].least, functions[k].most > functions[k].least ? " or more" : "",
+             functions[k].least == 1 && functions[k].most == 1 ? "" : "s", count);
+    return refuse(self, begin, complaint);
+}
+
+/* A name, x, x[i], x', x[i]' or, for shells, x_dot; or the call of a function. */
+static int parse_name(parser *self) {
+    const char *text = self->made->text;
+    int begin = self->place, end = begin;
+    while (is_letter(text[end]) || is_digit(text[end]))
+        end++;
+    self->place = end;
+    if (*rest_of(self) == '(') {
+        self->place++;
+        return parse_call(self, begin, end - begin);
+    }
+    bool dotted = end - begin > 4 && memcmp(text + end - 4, "_dot", 4) == 0;
+    int term = add_term(self, (saltus_expression_term){.kind = SALTUS_SYNTAX_NAME,
+                                                       .rate = dotted,
+                                                       .begin = begin,
+                                                       .length = end - begin - (dotted ? 4 : 0),
+                                                       .first = -1});
+    if (term >= 0 && *rest_of(self) == '[') {
+        self->place++;
+        if (parse_arguments(self, term, ']') == 0)
+            return -1;
+    }
+    if (term >= 0 && *rest_of(self) == '\'') {
+        if (dotted)
+            return refuse(self, self->place, "a rate has no rate of its own");
+        self->place++;
+        self->made->terms[term].rate = true;
+    }
+    return term;
+}
+
+static int parse_sign(parser *self, saltus_syntax kind) {
+    int begin = self->place++, operand = parse_number_valued(self, sign_binds);
+    if (operand < 0 || kind == SALTUS_SYNTAX_ADD)
+        return operand;
+    return add_term(self,
+                    (saltus_expression_term){.kind = kind, .begin = begin, .length = 1, .first = operand});
+}
+
+static int parse_first(parser *self) {
+    const char *c = rest_of(self);
+    if (*c == '(') {
+        int opened = self->place++, term = parse_number_valued(self, 0);
+        if (term >= 0 && *rest_of(self) != ')')
+            return refuse(self, *rest_of(self) ? self->place : opened,
+                          *rest_of(self) ? "an operator or a closing parenthesis is expected"
+                                         : "this parenthesis is not closed");
+        self->place++;
+        return term;
+    }
+    if (*c == '-' || *c == '+')
+        return parse_sign(self, *c == '-' ? SALTUS_SYNTAX_NEGATE : SALTUS_SYNTAX_ADD);
+    if (is_digit(*c) || *c == '.')
+        return parse_number(self);
+    if (is_letter(*c))
+        return parse_name(self);
+    return refuse(self, self->place,
+                  *c ? "a number, a name or a parenthesis is expected" : "the expression ends too early");
+}
+
+/* Everything from here that binds at least so strongly. */
+static int parse_operand(parser *self, int binds) {
+    enum { count = sizeof operators / sizeof operators[0] };
+    if (++self->depth > SALTUS_EXPRESSION_DEPTH_MAX)
+        return refuse(self, self->place, "the expression is nested too deeply");
+    int left = parse_first(self);
+    while (left >= 0) {
+        const char *c = rest_of(self);
+        int k = 0, begin = self->place;
+        while (k < count && strncmp(c, operators[k].symbol, strlen(operators[k].symbol)) != 0)
+            k++;
+        if (k == count || operators[k].left < binds)
+            break;
+        if (is_comparison(self, left))
+            return refuse(self, begin, "a comparison cannot be compared");
+        self->place += (int)strlen(operators[k].symbol);
+        int right = parse_number_valued(self, operators[k].right);
+        if (right < 0)
+            return -1;
+        self->made->terms[left].next = right;
+        left = add_term(self, (saltus_expression_term){.kind = operators[k].kind,
+                                                       .begin = begin,
+                                                       .length = (int)strlen(operators[k].symbol),
+                                                       .first = left});
+    }
+    self->depth--;
+    return left;
+}
+
+saltus_status saltus_expression_parse(const char *text, saltus_expression *expression,
+                                      saltus_message *message) {
+    parser self = {.made = expression, .message = message};
+    *expression = (saltus_expression){.text = text, .root = -1};
+    if (strlen(text) > SALTUS_EXPRESSION_BYTES_MAX)
+        return saltus_fail(message, SALTUS_BAD_INPUT, "an expression of more than %d characters",
+                           SALTUS_EXPRESSION_BYTES_MAX);
+    int root = parse_number_valued(&self, 0);
+    if (root >= 0 && *rest_of(&self))
+        refuse(&self, self.place,
+               *rest_of(&self) == '=' ? "= cannot stand here; equality is ==" : "an operator is expected");
+    if (self.status != SALTUS_OK)
+        saltus_expression_clear(expression);
+    else
+        expression->root = root;
+    return self.status;
+}
+
+void saltus_expression_clear(saltus_expression *expression) {
+    free(expression->terms);
+    *expression = (saltus_expression){.root = -1};
+}
+
+const char *saltus_function_name(saltus_function function) {
+    return functions[function].name;
+}
+
+int saltus_term_arguments(const saltus_expression *expression, int term) {
+    int count = 0;
+    for (int k = expression->terms[term].first; k >= 0; k = expression->terms[k].next)
+        count++;
+    return count;
+}

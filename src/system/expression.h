@@ -1,0 +1,87 @@
+/* Private: expressions as text, parsed into trees by operator precedence (V. R. Pratt, Top down operator
+ * precedence, POPL 1973). What the names in them mean is not decided here.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef SALTUS_SYSTEM_EXPRESSION_H
+#define SALTUS_SYSTEM_EXPRESSION_H
+
+#include "saltus/status.h"
+
+#include <stdbool.h>
+
+/* Functions, each with its least and its largest number of arguments. `sum` takes a name, the first and the
+ * last value of that index, and what is added; the first argument of `if` is a comparison. */
+#define SALTUS_FUNCTIONS(X)                                                                                  \
+    X(sqrt, 1, 1)                                                                                            \
+    X(exp, 1, 1)                                                                                             \
+    X(log, 1, 1)                                                                                             \
+    X(sin, 1, 1)                                                                                             \
+    X(cos, 1, 1)                                                                                             \
+    X(tan, 1, 1)                                                                                             \
+    X(asin, 1, 1)                                                                                            \
+    X(acos, 1, 1)                                                                                            \
+    X(atan, 1, 1)                                                                                            \
+    X(atan2, 2, 2)                                                                                           \
+    X(sinh, 1, 1)                                                                                            \
+    X(cosh, 1, 1)                                                                                            \
+    X(tanh, 1, 1)                                                                                            \
+    X(abs, 1, 1)                                                                                             \
+    X(sign, 1, 2)                                                                                            \
+    X(min, 2, 16)                                                                                            \
+    X(max, 2, 16)                                                                                            \
+    X(step, 1, 1)                                                                                            \
+    X(mod, 2, 2)                                                                                             \
+    X(if, 3, 3)                                                                                              \
+    X(sum, 4, 4)
+
+#define SALTUS_FUNCTION_NAMED(name, least, most) SALTUS_FUNCTION_##name,
+typedef enum saltus_function {
+    SALTUS_FUNCTIONS(SALTUS_FUNCTION_NAMED) SALTUS_FUNCTION_COUNT
+} saltus_function;
+
+typedef enum saltus_syntax {
+    SALTUS_SYNTAX_NUMBER,
+    SALTUS_SYNTAX_NAME, /* with its indices, x[i], as arguments */
+    SALTUS_SYNTAX_CALL,
+    SALTUS_SYNTAX_NEGATE,
+    SALTUS_SYNTAX_ADD,
+    SALTUS_SYNTAX_SUBTRACT,
+    SALTUS_SYNTAX_MULTIPLY,
+    SALTUS_SYNTAX_DIVIDE,
+    SALTUS_SYNTAX_POWER,
+    SALTUS_SYNTAX_LESS, /* comparisons, this and the following: in the first argument of `if` only */
+    SALTUS_SYNTAX_LESS_EQUAL,
+    SALTUS_SYNTAX_GREATER,
+    SALTUS_SYNTAX_GREATER_EQUAL,
+    SALTUS_SYNTAX_EQUAL,
+    SALTUS_SYNTAX_UNEQUAL
+} saltus_syntax;
+
+/* A node of the tree. Arguments are nodes chained by `next`; -1 ends a chain. */
+typedef struct saltus_expression_term {
+    saltus_syntax kind;
+    saltus_function function; /* of a call */
+    bool rate;                /* of a name: a prime follows, x' */
+    double number;
+    int begin, length; /* of the name, the number or the operator in the text */
+    int first, next;
+} saltus_expression_term;
+
+enum { SALTUS_EXPRESSION_BYTES_MAX = 20000, SALTUS_EXPRESSION_DEPTH_MAX = 100 };
+
+typedef struct saltus_expression {
+    const char *text; /* the caller's */
+    saltus_expression_term *terms;
+    int count, root;
+} saltus_expression;
+
+/* Parse a text, which must outlive the expression. On success the expression is to be cleared. Errors, with a
+ * sentence that tells the column, counted in bytes from 1: SALTUS_BAD_INPUT, SALTUS_NO_MEMORY. */
+saltus_status saltus_expression_parse(const char *text, saltus_expression *expression,
+                                      saltus_message *message);
+void saltus_expression_clear(saltus_expression *expression);
+
+const char *saltus_function_name(saltus_function function);
+/* Number of arguments of a term. */
+int saltus_term_arguments(const saltus_expression *expression, int term);
+
+#endif

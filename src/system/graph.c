@@ -1,0 +1,365 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "system/graph.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+bool saltus_graph_open(saltus_graph *graph) {
+    *graph = (saltus_graph){.full = false};
+    saltus_graph_constant(graph, 0);
+    return !graph->full;
+}
+
+void saltus_graph_close(saltus_graph *graph) {
+    free(graph->nodes);
+    free(graph->buckets);
+    *graph = (saltus_graph){.full = false};
+}
+
+int saltus_operation_operands(saltus_operation operation) {
+    if (operation < SALTUS_OP_ADD)
+        return 0;
+    if (operation >= SALTUS_OP_CHOOSE_LESS)
+        return 4;
+    bool one = (operation >= SALTUS_OP_SQRT && operation <= SALTUS_OP_TANH) ||
+               (operation >= SALTUS_OP_ABS && operation <= SALTUS_OP_STEP);
+    return one ? 1 : 2;
+}
+
+double saltus_operation_value(saltus_operation operation, const double x[4]) {
+    switch (operation) {
+    case SALTUS_OP_ADD:
+        return x[0] + x[1];
+    case SALTUS_OP_SUBTRACT:
+        return x[0] - x[1];
+    case SALTUS_OP_MULTIPLY:
+        return x[0] * x[1];
+    case SALTUS_OP_DIVIDE:
+        return x[0] / x[1];
+    case SALTUS_OP_POWER:
+        return pow(x[0], x[1]);
+    case SALTUS_OP_SQRT:
+        return sqrt(x[0]);
+    case SALTUS_OP_EXP:
+        return exp(x[0]);
+    case SALTUS_OP_LOG:
+        return log(x[0]);
+    case SALTUS_OP_SIN:
+        return sin(x[0]);
+    case SALTUS_OP_COS:
+        return cos(x[0]);
+    case SALTUS_OP_TAN:
+        return tan(x[0]);
+    case SALTUS_OP_ASIN:
+        return asin(x[0]);
+    case SALTUS_OP_ACOS:
+        return acos(x[0]);
+    case SALTUS_OP_ATAN:
+        return atan(x[0]);
+    case SALTUS_OP_SINH:
+        return sinh(x[0]);
+    case SALTUS_OP_COSH:
+        return cosh(x[0]);
+    case SALTUS_OP_TANH:
+        return tanh(x[0]);
+    case SALTUS_OP_ATAN2:
+        return atan2(x[0], x[1]);
+    case SALTUS_OP_MOD:
+        return x[0] - x[1] * floor(x[0] / x[1]);
+    case SALTUS_OP_ABS:
+        return fabs(x[0]);
+    case SALTUS_OP_SIGN:
+        return (x[0] > 0) - (x[0] < 0);
+    case SALTUS_OP_STEP:
+        return x[0] >= 0;
+    case SALTUS_OP_MIN:
+        return x[1] < x[0] ? x[1] : x[0];
+    case SALTUS_OP_MAX:
+        return x[1] > x[0] ? x[1] : x[0];
+    case SALTUS_OP_CHOOSE_LESS:
+        return x[0] < x[1] ? x[2] : x[3];
+    case SALTUS_OP_CHOOSE_LESS_EQUAL:
+        return x[0] <= x[1] ? x[2] : x[3];
+    case SALTUS_OP_CHOOSE_EQUAL:
+        return x[0] == x[1] ? x[2] : x[3];
+    default:
+        return NAN; /* leaves have no operands */
+    }
+}
+
+/* A hash of all that makes a node (FNV-1a over its words, mixed at the end). */
+static unsigned long long hash_of(const saltus_graph_node *node) {
+    unsigned long long bits, hash = 14695981039346656037ULL;
+    memcpy(&bits, &node->value, sizeof bits);
+    const unsigned long long words[] = {(unsigned)node->operation,  bits,
+                                        (unsigned)node->index,      (unsigned)node->operand[0],
+                                        (unsigned)node->operand[1], (unsigned)node->operand[2],
+                                        (unsigned)node->operand[3]};
+    for (size_t k = 0; k < sizeof words / sizeof words[0]; k++)
+        hash = (hash ^ words[k]) * 1099511628211ULL;
+    return hash ^ hash >> 29;
+}
+
+/* Zeros of both signs are different constants here. */
+static bool equal(const saltus_graph_node *a, const saltus_graph_node *b) {
+    return a->operation == b->operation && a->index == b->index &&
+           memcmp(&a->value, &b->value, sizeof a->value) == 0 &&
+           memcmp(a->operand, b->operand, sizeof a->operand) == 0;
+}
+
+/* Where a node stands in the table, or the empty place where it would. */
+static int *bucket_of(const saltus_graph *graph, const saltus_graph_node *node) {
+    unsigned long long mask = (unsigned long long)graph->bucket_count - 1, at = hash_of(node) & mask;
+    while (graph->buckets[at] >= 0 && !equal(&graph->nodes[graph->buckets[at]], node))
+        at = (at + 1) & mask;
+    return &graph->buckets[at];
+}
+
+/* Room for one more node, the table at most half full. */
+static bool reserve(saltus_graph *graph) {
+    if (graph->count < graph->room)
+        return true;
+    int room = graph->room ? 2 * graph->room : 64;
+    if (room > SALTUS_GRAPH_NODES_MAX)
+        return false;
+    saltus_graph_node *nodes = realloc(graph->nodes, (size_t)room * sizeof *nodes);
+    if (!nodes)
+        return false;
+    graph->nodes = nodes;
+    int *buckets = realloc(graph->buckets, 2 * (size_t)room * sizeof *buckets);
+    if (!buckets)
+        return false;
+    graph->buckets = buckets;
+    graph->bucket_count = 2 * room;
+    graph->room = room;
+    for (int k = 0; k < graph->bucket_count; k++)
+        buckets[k] = -1;
+    for (int k = 0; k < graph->count; k++)
+        *bucket_of(graph, &nodes[k]) = k;
+    return true;
+}
+
+static int add_node(saltus_graph *graph, saltus_graph_node node) {
+    if (graph->full || !reserve(graph)) {
+        graph->full = true;
+        return 0;
+    }
+    int *bucket = bucket_of(graph, &node);
+    if (*bucket < 0) {
+        *bucket = graph->count;
+        graph->nodes[graph->count++] = node;
+    }
+    return *bucket;
+}
+
+static const saltus_graph_node none = {.index = -1, .operand = {-1, -1, -1, -1}};
+
+int saltus_graph_constant(saltus_graph *graph, double value) {
+    saltus_graph_node node = none;
+    node.operation = SALTUS_OP_CONSTANT;
+    node.value = value == 0 ? 0 : value;
+    return add_node(graph, node);
+}
+
+int saltus_graph_leaf(saltus_graph *graph, saltus_operation leaf, int index) {
+    saltus_graph_node node = none;
+    node.operation = leaf;
+    node.index = index;
+    node.depends = leaf == SALTUS_OP_PARAMETER ? SALTUS_OF_PARAMETERS
+                   : leaf == SALTUS_OP_STATE   ? SALTUS_OF_STATES
+                                               : SALTUS_OF_TIME | SALTUS_OF_PARAMETERS;
+    return add_node(graph, node);
+}
+
+static bool is_constant(const saltus_graph *graph, int node, double value) {
+    return graph->nodes[node].operation == SALTUS_OP_CONSTANT && graph->nodes[node].value == value;
+}
+
+/* What an operation is without the operation; -1: nothing simpler. */
+static int simpler(saltus_graph *graph, saltus_operation operation, int a, int b) {
+    switch (operation) {
+    case SALTUS_OP_ADD:
+        return is_constant(graph, a, 0) ? b : is_constant(graph, b, 0) ? a : -1;
+    case SALTUS_OP_SUBTRACT:
+        if (a == b)
+            return 0;
+        if (is_constant(graph, a, 0))
+            return saltus_graph_apply(graph, SALTUS_OP_MULTIPLY, saltus_graph_constant(graph, -1), b);
+        return is_constant(graph, b, 0) ? a : -1;
+    case SALTUS_OP_MULTIPLY:
+        if (is_constant(graph, a, 0) || is_constant(graph, b, 0))
+            return 0;
+        return is_constant(graph, a, 1) ? b : is_constant(graph, b, 1) ? a : -1;
+    case SALTUS_OP_DIVIDE:
+        return is_constant(graph, b, 1) || is_constant(graph, a, 0) ? a : -1;
+    case SALTUS_OP_POWER:
+        return is_constant(graph, b, 1) ? a : is_constant(graph, b, 0) ? saltus_graph_constant(graph, 1) : -1;
+    default:
+        return -1;
+    }
+}
+
+/* The node of an operation whose operands stand in order; folded where all of them are constants. */
+static int add_operation(saltus_graph *graph, saltus_operation operation, const int operand[4]) {
+    saltus_graph_node node = none;
+    double value[4] = {0};
+    bool fixed = true;
+    node.operation = operation;
+    for (int k = 0; k < saltus_operation_operands(operation); k++) {
+        const saltus_graph_node *own = &graph->nodes[operand[k]];
+        node.operand[k] = operand[k];
+        node.depends |= own->depends;
+        value[k] = own->value;
+        fixed = fixed && own->operation == SALTUS_OP_CONSTANT;
+    }
+    return fixed ? saltus_graph_constant(graph, saltus_operation_value(operation, value))
+                 : add_node(graph, node);
+}
+
+int saltus_graph_apply(saltus_graph *graph, saltus_operation operation, int a, int b) {
+    bool symmetric = operation == SALTUS_OP_ADD || operation == SALTUS_OP_MULTIPLY;
+    int result = simpler(graph, operation, a, b);
+    if (result >= 0)
+        return result;
+    return add_operation(graph, operation,
+                         (const int[4]){symmetric && b < a ? b : a, symmetric && b < a ? a : b});
+}
+
+int saltus_graph_choose(saltus_graph *graph, saltus_operation comparison, int a, int b, int yes, int no) {
+    return yes == no ? yes : add_operation(graph, comparison, (const int[4]){a, b, yes, no});
+}
+
+/* Short names for building derivatives. */
+static int add(saltus_graph *g, int a, int b) {
+    return saltus_graph_apply(g, SALTUS_OP_ADD, a, b);
+}
+static int subtract(saltus_graph *g, int a, int b) {
+    return saltus_graph_apply(g, SALTUS_OP_SUBTRACT, a, b);
+}
+static int multiply(saltus_graph *g, int a, int b) {
+    return saltus_graph_apply(g, SALTUS_OP_MULTIPLY, a, b);
+}
+static int divide(saltus_graph *g, int a, int b) {
+    return saltus_graph_apply(g, SALTUS_OP_DIVIDE, a, b);
+}
+static int function(saltus_graph *g, saltus_operation operation, int a) {
+    return saltus_graph_apply(g, operation, a, -1);
+}
+static int constant(saltus_graph *g, double value) {
+    return saltus_graph_constant(g, value);
+}
+
+/* a^b -> b a^(b - 1) a' + a^b log(a) b' */
+static int differentiate_power(saltus_graph *g, int a, int b, int da, int db) {
+    int lower = saltus_graph_apply(g, SALTUS_OP_POWER, a, subtract(g, b, constant(g, 1)));
+    int first = multiply(g, multiply(g, b, lower), da);
+    if (db == 0)
+        return first;
+    int power = saltus_graph_apply(g, SALTUS_OP_POWER, a, b);
+    return add(g, first, multiply(g, multiply(g, power, function(g, SALTUS_OP_LOG, a)), db));
+}
+
+/* The factor of a' in the derivative of a function of one operand; `node` is the function itself. */
+static int outer_derivative(saltus_graph *g, saltus_operation operation, int node, int a) {
+    int one = constant(g, 1), square = multiply(g, a, a);
+    switch (operation) {
+    case SALTUS_OP_SQRT:
+        return divide(g, constant(g, 0.5), node);
+    case SALTUS_OP_EXP:
+        return node;
+    case SALTUS_OP_LOG:
+        return divide(g, one, a);
+    case SALTUS_OP_SIN:
+        return function(g, SALTUS_OP_COS, a);
+    case SALTUS_OP_COS:
+        return subtract(g, 0, function(g, SALTUS_OP_SIN, a));
+    case SALTUS_OP_TAN:
+        return add(g, one, multiply(g, node, node));
+    case SALTUS_OP_ASIN:
+        return divide(g, one, function(g, SALTUS_OP_SQRT, subtract(g, one, square)));
+    case SALTUS_OP_ACOS:
+        return divide(g, constant(g, -1), function(g, SALTUS_OP_SQRT, subtract(g, one, square)));
+    case SALTUS_OP_ATAN:
+        return divide(g, one, add(g, one, square));
+    case SALTUS_OP_SINH:
+        return function(g, SALTUS_OP_COSH, a);
+    case SALTUS_OP_COSH:
+        return function(g, SALTUS_OP_SINH, a);
+    case SALTUS_OP_TANH:
+        return subtract(g, one, multiply(g, node, node));
+    case SALTUS_OP_ABS:
+        return function(g, SALTUS_OP_SIGN, a);
+    default: /* sign and step are constant but for their jumps */
+        return 0;
+    }
+}
+
+static int differentiate(saltus_graph *g, int node, const int *d) {
+    const saltus_graph_node n = g->nodes[node];
+    int a = n.operand[0], b = n.operand[1], da = a < 0 ? 0 : d[a], db = b < 0 ? 0 : d[b];
+    switch (n.operation) {
+    case SALTUS_OP_ADD:
+        return add(g, da, db);
+    case SALTUS_OP_SUBTRACT:
+        return subtract(g, da, db);
+    case SALTUS_OP_MULTIPLY:
+        return add(g, multiply(g, da, b), multiply(g, a, db));
+    case SALTUS_OP_DIVIDE:
+        return divide(g, subtract(g, da, multiply(g, node, db)), b);
+    case SALTUS_OP_POWER:
+        return differentiate_power(g, a, b, da, db);
+    case SALTUS_OP_ATAN2:
+        return divide(g, subtract(g, multiply(g, b, da), multiply(g, a, db)),
+                      add(g, multiply(g, a, a), multiply(g, b, b)));
+    case SALTUS_OP_MOD: /* floor((a) / b) = (a - mod) / b */
+        return subtract(g, da, multiply(g, divide(g, subtract(g, a, node), b), db));
+    case SALTUS_OP_MIN:
+        return saltus_graph_choose(g, SALTUS_OP_CHOOSE_LESS, b, a, db, da);
+    case SALTUS_OP_MAX:
+        return saltus_graph_choose(g, SALTUS_OP_CHOOSE_LESS, a, b, db, da);
+    case SALTUS_OP_CHOOSE_LESS:
+    case SALTUS_OP_CHOOSE_LESS_EQUAL:
+    case SALTUS_OP_CHOOSE_EQUAL:
+        return saltus_graph_choose(g, n.operation, a, b, d[n.operand[2]], d[n.operand[3]]);
+    default:
+        return da ? multiply(g, outer_derivative(g, n.operation, node, a), da) : 0;
+    }
+}
+
+void saltus_graph_differentiate(saltus_graph *graph, int leaf, int count, unsigned among, int *derivatives) {
+    for (int k = 0; k < count; k++) {
+        bool leads = false;
+        if (graph->nodes[k].depends & ~among) {
+            derivatives[k] = 0;
+            continue;
+        }
+        for (int j = 0; j < saltus_operation_operands(graph->nodes[k].operation); j++)
+            leads |= derivatives[graph->nodes[k].operand[j]] != 0;
+        derivatives[k] = k == leaf ? constant(graph, 1) : leads ? differentiate(graph, k, derivatives) : 0;
+    }
+}
+
+void saltus_graph_evaluate(const saltus_graph *graph, const double *parameters, const double *state,
+                           double time, double phase, double *values) {
+    for (int k = 0; k < graph->count; k++) {
+        const saltus_graph_node *node = &graph->nodes[k];
+        double operand[4] = {0};
+        for (int j = 0; j < saltus_operation_operands(node->operation); j++)
+            operand[j] = values[node->operand[j]];
+        values[k] = node->operation == SALTUS_OP_CONSTANT    ? node->value
+                    : node->operation == SALTUS_OP_PARAMETER ? parameters[node->index]
+                    : node->operation == SALTUS_OP_STATE     ? state[node->index]
+                    : node->operation == SALTUS_OP_TIME      ? time
+                    : node->operation == SALTUS_OP_PHASE     ? phase
+                                                         : saltus_operation_value(node->operation, operand);
+    }
+}
+
+void saltus_graph_mark(const saltus_graph *graph, const int *roots, int root_count, bool *needed) {
+    for (int k = 0; k < root_count; k++)
+        needed[roots[k]] = true;
+    for (int k = graph->count - 1; k >= 0; k--)
+        for (int j = 0; needed[k] && j < saltus_operation_operands(graph->nodes[k].operation); j++)
+            needed[graph->nodes[k].operand[j]] = true;
+}

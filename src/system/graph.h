@@ -1,0 +1,94 @@
+/* Private: equations as a graph. Equal expressions are one node (hash-consing), constants are folded, and a
+ * node comes after those that it is made of, so that one pass in the order of nodes evaluates all. Nothing
+ * here knows how a graph is walked: series, intervals or another machine.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef SALTUS_SYSTEM_GRAPH_H
+#define SALTUS_SYSTEM_GRAPH_H
+
+#include "saltus/status.h"
+
+#include <stdbool.h>
+
+typedef enum saltus_operation {
+    SALTUS_OP_CONSTANT,
+    SALTUS_OP_PARAMETER, /* leaves: `index` tells which one */
+    SALTUS_OP_STATE,
+    SALTUS_OP_TIME,  /* from the last phase 0, in [0, T) */
+    SALTUS_OP_PHASE, /* time / T */
+    SALTUS_OP_ADD,   /* of a and b, and so on */
+    SALTUS_OP_SUBTRACT,
+    SALTUS_OP_MULTIPLY,
+    SALTUS_OP_DIVIDE,
+    SALTUS_OP_POWER,
+    SALTUS_OP_SQRT, /* of a, and so on */
+    SALTUS_OP_EXP,
+    SALTUS_OP_LOG,
+    SALTUS_OP_SIN,
+    SALTUS_OP_COS,
+    SALTUS_OP_TAN,
+    SALTUS_OP_ASIN,
+    SALTUS_OP_ACOS,
+    SALTUS_OP_ATAN,
+    SALTUS_OP_SINH,
+    SALTUS_OP_COSH,
+    SALTUS_OP_TANH,
+    SALTUS_OP_ATAN2, /* of a and b, from here on */
+    SALTUS_OP_MOD,   /* a - b floor(a / b) */
+    SALTUS_OP_ABS,   /* these switch, and belong to what depends on parameters alone */
+    SALTUS_OP_SIGN,
+    SALTUS_OP_STEP,
+    SALTUS_OP_MIN,
+    SALTUS_OP_MAX,
+    SALTUS_OP_CHOOSE_LESS,       /* a < b ? c : d */
+    SALTUS_OP_CHOOSE_LESS_EQUAL, /* a <= b ? c : d */
+    SALTUS_OP_CHOOSE_EQUAL       /* a == b ? c : d */
+} saltus_operation;
+
+/* On what the value of a node depends, as bits. */
+enum { SALTUS_OF_PARAMETERS = 1, SALTUS_OF_TIME = 2, SALTUS_OF_STATES = 4 };
+
+typedef struct saltus_graph_node {
+    saltus_operation operation;
+    unsigned depends;
+    double value;   /* of a constant */
+    int index;      /* of a leaf */
+    int operand[4]; /* nodes before this one; -1: none */
+} saltus_graph_node;
+
+enum { SALTUS_GRAPH_NODES_MAX = 1 << 20 };
+
+typedef struct saltus_graph {
+    saltus_graph_node *nodes;
+    int count, room;
+    int *buckets; /* hash table of nodes: open addressing, -1 empty */
+    int bucket_count;
+    bool full; /* memory or the largest number of nodes has run out: what was added since is node 0 */
+} saltus_graph;
+
+/* An empty graph, but for the constant 0 as node 0. */
+bool saltus_graph_open(saltus_graph *graph);
+void saltus_graph_close(saltus_graph *graph);
+
+/* The node of a value, a leaf or an operation on nodes: the one that there is, or a new one. Constants are
+ * folded and what changes nothing is left out (x + 0, 1 x, 0 x, x^1). */
+int saltus_graph_constant(saltus_graph *graph, double value);
+int saltus_graph_leaf(saltus_graph *graph, saltus_operation leaf, int index);
+int saltus_graph_apply(saltus_graph *graph, saltus_operation operation, int a, int b);
+int saltus_graph_choose(saltus_graph *graph, saltus_operation comparison, int a, int b, int yes, int no);
+
+/* Number of operands of an operation. */
+int saltus_operation_operands(saltus_operation operation);
+/* What an operation makes of numbers. */
+double saltus_operation_value(saltus_operation operation, const double operand[4]);
+
+/* For each of the first `count` nodes that depend on nothing but what is `among` the node of its derivative
+ * with respect to a leaf; 0, the constant 0, where it does not depend on it, and for all other nodes. */
+void saltus_graph_differentiate(saltus_graph *graph, int leaf, int count, unsigned among, int *derivatives);
+/* Values of all nodes; leaves are taken from the arrays. */
+void saltus_graph_evaluate(const saltus_graph *graph, const double *parameters, const double *state,
+                           double time, double phase, double *values);
+/* Mark what the given nodes are made of, themselves included (count entries of `needed`, set to false
+ * before). */
+void saltus_graph_mark(const saltus_graph *graph, const int *roots, int root_count, bool *needed);
+
+#endif

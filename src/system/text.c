@@ -1,0 +1,656 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "system/text.h"
+
+#include "system/system.h"
+#include "system/text_build.h"
+
+#include <math.h>
+#include <stdatomic.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* A model made from text. Graphs for the whole-number parameters that came up are kept in a list that only
+ * grows, so that threads may build systems side by side. */
+typedef struct text_model {
+    saltus_model model; /* first: what the library sees */
+    atomic_int owners;
+    saltus_parsed_text text;
+    char *source;
+    int *parameter_line;
+    _Atomic(saltus_equations_graph *) graphs;
+} text_model;
+
+static const text_model *of_model(const saltus_model *model) {
+    return (const text_model *)(const void *)model;
+}
+
+static bool same_sizes(const text_model *m, const saltus_equations_graph *g, const double *parameters) {
+    for (int k = 0; k < m->text.parameter_count; k++)
+        if (m->text.parameters[k].integer && g->parameters[k] != parameters[k])
+            return false;
+    return true;
+}
+
+/* The graph for a specification, NULL where it has not been built. */
+static const saltus_equations_graph *graph_of(const saltus_spec *spec) {
+    const text_model *m = of_model(spec->model);
+    const saltus_equations_graph *g = atomic_load_explicit(&m->graphs, memory_order_acquire);
+    while (g && !same_sizes(m, g, spec->parameters))
+        g = g->next;
+    return g;
+}
+
+static saltus_status shape(const saltus_spec *spec, int *dof, int *extra, saltus_message *message) {
+    text_model *m = (text_model *)(void *)(uintptr_t)spec->model;
+    const saltus_equations_graph *g = graph_of(spec);
+    if (!g) {
+        saltus_equations_graph *made, *first = atomic_load(&m->graphs);
+        saltus_status status = saltus_equations_graph_new(&m->text, spec->parameters, &made, message);
+        if (status != SALTUS_OK)
+            return status;
+        /* Another thread may have built the same one meanwhile: then there are two, which is no harm. */
+        do
+            made->next = first;
+        while (!atomic_compare_exchange_weak(&m->graphs, &first, made));
+        g = made;
+    }
+    *dof = g->dof;
+    *extra = g->extra;
+    return SALTUS_OK;
+}
+
+/* All numbers of a graph for a specification, at a state (NULL: zero) and a phase. */
+static void evaluate(const saltus_equations_graph *g, const saltus_spec *spec, const double *state,
+                     double phase, double *values) {
+    static const double zero[SALTUS_STATE_MAX];
+    double period = 1;
+    if (spec->model->forcing >= 0)
+        period = 2 * M_PI / spec->parameters[spec->model->forcing];
+    saltus_graph_evaluate(&g->graph, spec->parameters, state ? state : zero, phase * period, phase, values);
+}
+
+static double *values_of(const saltus_equations_graph *g) {
+    return malloc((size_t)g->graph.count * sizeof(double));
+}
+
+/* Clearances and restitutions that are expressions take their values here. */
+static void complete(saltus_spec *spec) {
+    const saltus_equations_graph *g = graph_of(spec);
+    double *values = g ? values_of(g) : NULL;
+    if (!values)
+        return;
+    evaluate(g, spec, NULL, 0, values);
+    for (int s = 0; s < spec->stop_count && s < of_model(spec->model)->text.coordinates.count; s++) {
+        if (g->clearance[s] >= 0)
+            spec->stops[s].d = values[g->clearance[s]];
+        if (g->restitution[s] >= 0)
+            spec->stops[s].r = values[g->restitution[s]];
+    }
+    free(values);
+}
+
+static void normal(const saltus_spec *spec, int dof, const saltus_stop *stop, double *n) {
+    const saltus_equations_graph *g = graph_of(spec);
+    const int s = (int)(stop - spec->stops);
+    double *values = values_of(g);
+    bool known = values && s < of_model(spec->model)->text.coordinates.count;
+    if (values)
+        evaluate(g, spec, NULL, 0, values);
+    for (int i = 0; i < dof; i++)
+        n[i] = known ? values[g->normal[s * dof + i]] : 0;
+    free(values);
+}
+
+static void reserve(saltus_system *system) {
+    const saltus_equations_graph *g = graph_of(&system->spec);
+    saltus_coefficients *c = &system->coefficients;
+    c->rows = c->couplings = 0;
+    c->slots = g->tape->slot_count;
+    c->slot = saltus_arena_doubles(&system->arena, (size_t)c->slots);
+    system->numbers = saltus_arena_doubles(&system->arena, (size_t)g->graph.count);
+}
+
+/* A length that displacements are likely to have: the smallest clearance, else the largest initial one,
+ * else 1. */
+static double typical_length(const saltus_system *system, const saltus_equations_graph *g) {
+    double length = 0;
+    for (int s = 0; s < system->spec.stop_count; s++) {
+        double d = fabs(system->spec.stops[s].d);
+        if (d > 0 && (length == 0 || d < length))
+            length = d;
+    }
+    for (int i = 0; i < system->dof && length == 0; i++)
+        if (g->initial[i] >= 0)
+            length = fabs(system->numbers[g->initial[i]]);
+    return length > 0 && isfinite(length) ? length : 1;
+}
+
+/* The field at a state: accelerations and rates, as the tape's outputs are in the graph. */
+static void field_at(const saltus_system *system, const saltus_equations_graph *g, const double *state,
+                     double phase, double *values, double *field) {
+    evaluate(g, &system->spec, state, phase, values);
+    for (int i = 0; i < system->dof + system->extra; i++)
+        field[i] = values[g->field[i]];
+}
+
+/* The linear part at the reference state by differences: its diagonal for the stiff integrator, a bound on
+ * its eigenvalues (rows of the first-order form) and on its decay rates, scales of velocities. */
+static void measure_rates(saltus_system *system, const saltus_equations_graph *g, const double *reference,
+                          double *values) {
+    const int n = system->dof, all = n + system->extra, dimension = system->dimension;
+    double state[SALTUS_STATE_MAX], above[SALTUS_STATE_MAX], below[SALTUS_STATE_MAX];
+    double pull[SALTUS_STATE_MAX] = {0}, drag[SALTUS_STATE_MAX] = {0}, decay = 0, stiffness = 0, damping = 0;
+    memcpy(state, reference, (size_t)dimension * sizeof *state);
+    for (int j = 0; j < dimension; j++) {
+        const double h = 1e-5 * system->scale[j];
+        state[j] = reference[j] + h;
+        field_at(system, g, state, 0.13, values, above);
+        state[j] = reference[j] - h;
+        field_at(system, g, state, 0.13, values, below);
+        state[j] = reference[j];
+        for (int i = 0; i < all; i++) {
+            double slope = (above[i] - below[i]) / (2 * h);
+            if (!isfinite(slope))
+                continue;
+            if (j < n)
+                pull[i] += fabs(slope);
+            else
+                drag[i] += fabs(slope) * (j >= 2 * n && i < n ? system->scale[j] / system->scale[n + i] : 1);
+            if (i < n && j == i)
+                system->stiffness[i] = fmax(-slope, 0);
+            if (i < n && j == n + i)
+                system->damping[i] = fmax(-slope, 0);
+            if (j == n + i)
+                decay = fmax(decay, -slope);
+        }
+    }
+    for (int i = 0; i < all; i++) {
+        stiffness = fmax(stiffness, i < n ? pull[i] : 0);
+        damping = fmax(damping, drag[i]);
+    }
+    for (int i = 0; i < n; i++)
+        if (g->scale[n + i] < 0)
+            system->scale[n + i] = system->scale[i] * fmax(g->forced ? system->omega : 0,
+                                                           fmax(sqrt(system->stiffness[i]), 1e-3));
+    system->decay = decay;
+    system->rate = fmax(fmax(sqrt(stiffness), damping), g->forced ? system->omega : 1e-3);
+    system->stiff = damping > 200 * fmax(g->forced ? system->omega : 0, sqrt(stiffness));
+}
+
+/* Whether f(-x, t + T/2) = -f(x, t), or with `shift` false f(-x, t) = -f(x, t): at points that no rule picks
+ * out. */
+static bool is_odd(const saltus_system *system, const saltus_equations_graph *g, bool shift, double *values) {
+    enum { points = 4 };
+    double state[SALTUS_STATE_MAX], here[SALTUS_STATE_MAX], there[SALTUS_STATE_MAX];
+    for (int k = 0; k < points; k++) {
+        const double phase = fmod(0.137 + 0.381966 * k, 1);
+        for (int i = 0; i < system->dimension; i++)
+            state[i] = system->scale[i] * sin(1.7 * k + 2.3 * i + 0.4);
+        field_at(system, g, state, phase, values, here);
+        for (int i = 0; i < system->dimension; i++)
+            state[i] = -state[i];
+        field_at(system, g, state, fmod(phase + (shift ? 0.5 : 0), 1), values, there);
+        double size = 0, sum = 0;
+        for (int i = 0; i < system->dof + system->extra; i++) {
+            size = fmax(size, fabs(here[i]) + fabs(there[i]));
+            sum = fmax(sum, fabs(here[i] + there[i]));
+        }
+        if (!(sum <= 1e-11 * size))
+            return false;
+    }
+    return true;
+}
+
+/* The row of the observed displacement: the first observed quantity where it is linear in the displacements,
+ * else the first stop's coordinate, else the first displacement. */
+static void find_observer(saltus_system *system, const saltus_equations_graph *g, double *values) {
+    const int n = system->dof;
+    for (int i = 0; i < n; i++)
+        system->observer[i] = system->spec.stop_count ? system->stop_normal[0][i] : i == 0;
+    if (!g->observe_count)
+        return;
+    double state[SALTUS_STATE_MAX] = {0}, row[SALTUS_MODES_MAX], rest;
+    evaluate(g, &system->spec, state, 0, values);
+    rest = values[g->observe[0]];
+    for (int i = 0; i < n; i++) {
+        state[i] = 1;
+        evaluate(g, &system->spec, state, 0, values);
+        row[i] = values[g->observe[0]] - rest;
+        state[i] = 0;
+    }
+    for (int i = 0; i < system->dimension; i++)
+        state[i] = sin(1.0 + i);
+    evaluate(g, &system->spec, state, 0.37, values);
+    double expected = 0;
+    for (int i = 0; i < n; i++)
+        expected += row[i] * state[i];
+    if (rest == 0 && fabs(values[g->observe[0]] - expected) <= 1e-12 * fabs(expected))
+        memcpy(system->observer, row, (size_t)n * sizeof *row);
+}
+
+static void build(saltus_system *system) {
+    const saltus_equations_graph *g = graph_of(&system->spec);
+    const saltus_tape *tape = g->tape;
+    const int n = system->dof;
+    double reference[SALTUS_STATE_MAX] = {0}, *values = system->numbers;
+    system->tape = tape;
+    system->forced = g->forced;
+    system->coefficients.scalar[0] = system->omega;
+    system->coefficients.terms =
+        (g->forced ? SALTUS_TERM_FORCED : 0) | (system->extra ? SALTUS_TERM_EXTRA : 0);
+    evaluate(g, &system->spec, NULL, 0, values);
+    double length = typical_length(system, g);
+    for (int i = 0; i < system->dimension; i++) {
+        if (g->initial[i] >= 0)
+            reference[i] = values[g->initial[i]];
+        double own = g->scale[i] >= 0 ? fabs(values[g->scale[i]])
+                     : i < n          ? length
+                     : i < 2 * n      ? length
+                                      : fabs(reference[i]);
+        system->scale[i] = own > 0 && isfinite(own) ? own : 1;
+    }
+    for (int i = 0; i < n * n; i++)
+        system->inverse_mass[i] = values[g->inverse_mass[i]];
+    measure_rates(system, g, reference, values);
+    system->mirror_shift = g->forced;
+    system->mirror = is_odd(system, g, g->forced, values);
+    find_observer(system, g, values);
+    evaluate(g, &system->spec, NULL, 0, values);
+    for (int s = 0; s < tape->slot_count; s++)
+        system->coefficients.slot[s] = values[tape->slot_node[s]];
+}
+
+/* The derivative of a number along a direction. */
+static double varied(const saltus_equations_graph *g, const saltus_system *system,
+                     const saltus_direction *direction, int node) {
+    double sum = 0;
+    for (int p = 0; p < g->parameter_count && node >= 0 && node < g->derivative_count; p++)
+        if (g->derivatives[p] && direction->parameter[p] != 0)
+            sum += direction->parameter[p] * system->numbers[g->derivatives[p][node]];
+    return sum;
+}
+
+static void vary(const saltus_system *system, const saltus_direction *direction,
+                 saltus_variation *variation) {
+    const saltus_equations_graph *g = graph_of(&system->spec);
+    const int n = system->dof;
+    variation->coefficients.terms = system->coefficients.terms;
+    if (system->spec.model->forcing >= 0)
+        variation->coefficients.scalar[0] = direction->parameter[system->spec.model->forcing];
+    for (int s = 0; s < g->tape->slot_count; s++)
+        variation->coefficients.slot[s] = varied(g, system, direction, g->tape->slot_node[s]);
+    for (int i = 0; i < n * n; i++)
+        variation->inverse_mass[i] = varied(g, system, direction, g->inverse_mass[i]);
+    for (int s = 0; s < system->spec.stop_count; s++) {
+        variation->d[s] += varied(g, system, direction, g->clearance[s]);
+        variation->r[s] += varied(g, system, direction, g->restitution[s]);
+        for (int i = 0; i < n; i++)
+            variation->normal[s][i] += varied(g, system, direction, g->normal[s * n + i]);
+    }
+}
+
+static const char *obstacle(const saltus_spec *spec, int parameter) {
+    (void)spec;
+    (void)parameter;
+    return NULL;
+}
+
+static double trace(const saltus_system *system, const double *state) {
+    const saltus_equations_graph *g = graph_of(&system->spec);
+    double *values = values_of(g), result = NAN;
+    if (values) {
+        evaluate(g, &system->spec, state, 0, values);
+        result = values[g->trace];
+    }
+    free(values);
+    return result;
+}
+
+static void start(const saltus_system *system, double *state) {
+    const saltus_equations_graph *g = graph_of(&system->spec);
+    for (int i = 0; i < system->dimension; i++)
+        if (g->initial[i] >= 0)
+            state[i] = system->numbers[g->initial[i]];
+}
+
+/* Displacements side by side, joined by straight lines. */
+static double deflection(const saltus_system *system, const double *state, double xi) {
+    double place = xi * system->dof;
+    int left = (int)fmin(floor(place), system->dof - 1);
+    double a = left == 0 ? 0 : state[left - 1], b = state[left];
+    return a + (b - a) * (place - left);
+}
+
+/* What the text says of a stop: 0 where it acts, 1 its clearance, 2 its restitution. */
+static const char *coordinate(const saltus_model *model, int stop, int which) {
+    const saltus_parsed_text *t = &of_model(model)->text;
+    const saltus_parsed_list *const lists[] = {&t->coordinates, &t->clearances, &t->restitutions};
+    return stop < lists[which]->count ? lists[which]->items[stop].text : NULL;
+}
+
+/* A copy of a text in memory of its own; NULL stays NULL. */
+static char *copied(const char *text, bool *whole) {
+    char *copy = text ? malloc(strlen(text) + 1) : NULL;
+    if (copy)
+        strcpy(copy, text);
+    *whole = *whole && (!text || copy);
+    return copy;
+}
+
+static saltus_status place_failure(const char *origin, const saltus_equation *e, const char *sentence,
+                                   saltus_message *message) {
+    return saltus_fail(message, SALTUS_BAD_INPUT, "%s:%d: %s: %s", origin, e->line, e->name, sentence);
+}
+
+/* "x", "x[i]" or "x[2]" of a left side, or the names of an entry of a matrix, "x1,x2", which stay whole. */
+static saltus_status parse_left(const char *origin, const saltus_equation *e, saltus_parsed *p,
+                                saltus_message *message) {
+    const char *open = strchr(e->name, '['), *name = e->name;
+    size_t length = open ? (size_t)(open - name) : strlen(name);
+    if (strchr(name, ','))
+        return SALTUS_OK;
+    if (length > 1 && name[length - 1] == '\'' && !open)
+        length--;
+    if (length == 0 || length >= sizeof p->base)
+        return place_failure(origin, e, "a name must have 1 to 31 characters", message);
+    memcpy(p->base, name, length);
+    if (!open)
+        return SALTUS_OK;
+    char *end;
+    size_t inside = strcspn(open + 1, "]");
+    if (open[1 + inside] != ']' || inside == 0 || inside >= sizeof p->index)
+        return place_failure(origin, e, "must be a name, or a name with one index such as x[i] or x[1]",
+                             message);
+    memcpy(p->index, open + 1, inside);
+    long number = strtol(p->index, &end, 10);
+    if (*end == '\0') {
+        p->number = number < 1 || number > 100000 ? -1 : (int)number;
+        p->index[0] = '\0';
+    }
+    return p->number < 0 ? place_failure(origin, e, "indices begin at 1", message) : SALTUS_OK;
+}
+
+static saltus_status parse_equation(const char *origin, const saltus_equation *e, saltus_parsed *p,
+                                    saltus_message *message) {
+    saltus_message reason = {.text = ""};
+    bool whole = true;
+    p->name = copied(e->name, &whole);
+    p->text = copied(e->text, &whole);
+    p->line = e->line;
+    p->right.root = -1;
+    if (!whole)
+        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the equations");
+    if (!p->text)
+        return SALTUS_OK;
+    saltus_status status = parse_left(origin, e, p, message);
+    if (status != SALTUS_OK)
+        return status;
+    status = saltus_expression_parse(p->text, &p->right, &reason);
+    return status == SALTUS_BAD_INPUT ? place_failure(origin, e, reason.text, message)
+           : status != SALTUS_OK      ? saltus_fail(message, status, "%s", reason.text)
+                                      : SALTUS_OK;
+}
+
+static saltus_status parse_list(const char *origin, const saltus_equation *items, int count, size_t stride,
+                                saltus_parsed_list *list, saltus_message *message) {
+    saltus_status status = SALTUS_OK;
+    list->items = calloc((size_t)count + 1, sizeof *list->items);
+    if (!list->items)
+        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the equations");
+    for (; list->count < count && status == SALTUS_OK; list->count++) {
+        const char *at = (const char *)items + (size_t)list->count * stride;
+        status = parse_equation(origin, (const saltus_equation *)(const void *)at, &list->items[list->count],
+                                message);
+    }
+    return status;
+}
+
+static void clear_list(saltus_parsed_list *list) {
+    for (int k = 0; k < list->count; k++) {
+        free(list->items[k].name);
+        free(list->items[k].text);
+        saltus_expression_clear(&list->items[k].right);
+    }
+    free(list->items);
+}
+
+/* Copies of parameters and constants. */
+static saltus_status copy_numbers(text_model *m, const saltus_text *text, saltus_message *message) {
+    saltus_parsed_text *to = &m->text;
+    bool whole = true;
+    m->parameter_line = calloc((size_t)text->parameter_count + 1, sizeof *m->parameter_line);
+    to->parameters = calloc((size_t)text->parameter_count + 1, sizeof *to->parameters);
+    to->constants = calloc((size_t)text->constant_count + 1, sizeof *to->constants);
+    to->origin = copied(text->origin, &whole);
+    to->forcing = copied(text->forcing.text, &whole);
+    m->source = copied(text->source ? text->source : "", &whole);
+    whole = whole && to->parameters && to->constants && m->parameter_line;
+    for (; whole && to->parameter_count < text->parameter_count; to->parameter_count++) {
+        const saltus_text_parameter *p = &text->parameters[to->parameter_count];
+        m->parameter_line[to->parameter_count] = p->line;
+        char *name = copied(p->name, &whole), *meaning = copied(p->meaning ? p->meaning : "", &whole);
+        to->parameters[to->parameter_count] = (saltus_parameter){.name = name,
+                                                                 .integer = p->integer,
+                                                                 .fallback = p->fallback,
+                                                                 .min = p->min,
+                                                                 .max = p->max,
+                                                                 .meaning = meaning};
+    }
+    for (; whole && to->constant_count < text->constant_count; to->constant_count++) {
+        saltus_text_constant c = text->constants[to->constant_count];
+        size_t count = (size_t)(c.rows ? c.rows : 1) * (size_t)(c.columns ? c.columns : 1);
+        double *values = malloc(count * sizeof *values);
+        c.name = copied(c.name, &whole);
+        whole = whole && values;
+        if (values)
+            memcpy(values, c.values, count * sizeof *values);
+        c.values = values;
+        to->constants[to->constant_count] = c;
+    }
+    return whole ? SALTUS_OK : saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the equations");
+}
+
+static void free_model(text_model *m) {
+    saltus_parsed_text *t = &m->text;
+    saltus_parsed_list *const lists[] = {&t->families,    &t->let,        &t->motion,      &t->mass,
+                                         &t->states,      &t->observe,    &t->scale,       &t->initial,
+                                         &t->coordinates, &t->clearances, &t->restitutions};
+    for (size_t k = 0; k < sizeof lists / sizeof lists[0]; k++)
+        clear_list(lists[k]);
+    for (int k = 0; k < t->parameter_count; k++) {
+        free((void *)(uintptr_t)t->parameters[k].name);
+        free((void *)(uintptr_t)t->parameters[k].meaning);
+    }
+    for (int k = 0; k < t->constant_count; k++) {
+        free((void *)(uintptr_t)t->constants[k].name);
+        free((void *)(uintptr_t)t->constants[k].values);
+    }
+    free(t->parameters);
+    free(t->constants);
+    free(t->origin);
+    free(t->forcing);
+    free(m->source);
+    free(m->parameter_line);
+    for (saltus_equations_graph *g = atomic_load(&m->graphs), *next; g; g = next) {
+        next = g->next;
+        saltus_equations_graph_free(g);
+    }
+    free(m);
+}
+
+static bool is_name(const char *text) {
+    static const char all[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ_0123456789";
+    return *text && !(*text >= '0' && *text <= '9') && text[strspn(text, all)] == '\0';
+}
+
+/* Names that mean something else, and those with a number behind it. */
+static bool is_reserved(const char *name) {
+    static const char *const words[] = {"t", "phase", "pi", "speed"}, *const numbered[] = {"d", "r", "xi",
+                                                                                           "sides"};
+    int number;
+    for (size_t k = 0; k < sizeof words / sizeof words[0]; k++)
+        if (strcmp(name, words[k]) == 0)
+            return true;
+    for (size_t k = 0; k < sizeof numbered / sizeof numbered[0]; k++)
+        if (saltus_key_numbered(name, numbered[k], &number))
+            return true;
+    for (int k = 0; k < SALTUS_FUNCTION_COUNT; k++)
+        if (strcmp(name, saltus_function_name((saltus_function)k)) == 0)
+            return true;
+    return false;
+}
+
+/* A name that is declared, and where. */
+typedef struct declared {
+    const char *name, *what;
+    int line;
+} declared;
+
+static int by_name(const void *a, const void *b) {
+    const declared *p = a, *q = b;
+    int order = strcmp(p->name, q->name);
+    return order ? order : p->line - q->line;
+}
+
+/* Every name is one, means nothing else and is declared once. */
+static saltus_status check_names(const text_model *m, saltus_message *message) {
+    const saltus_parsed_text *t = &m->text;
+    const struct {
+        const saltus_parsed_list *list;
+        const char *what;
+    } lists[] = {{&t->let, "an abbreviation"}, {&t->motion, "a displacement"}, {&t->states, "a state"}};
+    int room = t->parameter_count + t->constant_count, count = 0;
+    for (int k = 0; k < 3; k++)
+        room += lists[k].list->count;
+    declared *all = calloc((size_t)room + 1, sizeof *all);
+    if (!all)
+        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the equations");
+    for (int k = 0; k < t->parameter_count; k++)
+        all[count++] = (declared){t->parameters[k].name, "a parameter", m->parameter_line[k]};
+    for (int k = 0; k < t->constant_count; k++)
+        all[count++] = (declared){t->constants[k].name, "a constant", t->constants[k].line};
+    for (int l = 0; l < 3; l++)
+        for (int k = 0; k < lists[l].list->count; k++) {
+            const saltus_parsed *e = &lists[l].list->items[k];
+            /* Equations of members of one family share its name. */
+            bool again = false;
+            for (int j = 0; j < k && (e->index[0] || e->number); j++)
+                again |= strcmp(lists[l].list->items[j].base, e->base) == 0;
+            if (!again)
+                all[count++] = (declared){e->base, lists[l].what, e->line};
+        }
+    qsort(all, (size_t)count, sizeof *all, by_name);
+    saltus_status status = SALTUS_OK;
+    for (int k = 0; k < count && status == SALTUS_OK; k++) {
+        const saltus_equation place = {all[k].name, NULL, all[k].line};
+        char sentence[200];
+        if (!is_name(all[k].name))
+            status = place_failure(t->origin, &place,
+                                   "a name is made of letters, digits and _, a letter first", message);
+        else if (is_reserved(all[k].name))
+            status = place_failure(t->origin, &place, "this name is reserved", message);
+        else if (k > 0 && strcmp(all[k].name, all[k - 1].name) == 0) {
+            snprintf(sentence, sizeof sentence, "is %s already (line %d)", all[k - 1].what, all[k - 1].line);
+            status = place_failure(t->origin, &place, sentence, message);
+        }
+    }
+    free(all);
+    return status;
+}
+
+/* The parameter that is the angular frequency of the forcing; -1: there is none. */
+static saltus_status find_forcing(text_model *m, const saltus_text *text, saltus_message *message) {
+    m->model.forcing = -1;
+    for (int k = 0; k < m->text.parameter_count && m->text.forcing; k++)
+        if (strcmp(m->text.parameters[k].name, m->text.forcing) == 0)
+            m->model.forcing = k;
+    if (!m->text.forcing || m->model.forcing >= 0)
+        return SALTUS_OK;
+    char sentence[160];
+    snprintf(sentence, sizeof sentence,
+             "%.60s is not a parameter; forcing names the one that is the angular frequency",
+             m->text.forcing);
+    return place_failure(m->text.origin, &text->forcing, sentence, message);
+}
+
+static saltus_status fill_model(text_model *m, const saltus_text *text, saltus_message *message) {
+    saltus_parsed_text *t = &m->text;
+    const struct {
+        const saltus_equations *from;
+        saltus_parsed_list *to;
+    } lists[] = {{&text->families, &t->families}, {&text->let, &t->let},        {&text->motion, &t->motion},
+                 {&text->mass, &t->mass},         {&text->states, &t->states},  {&text->observe, &t->observe},
+                 {&text->scale, &t->scale},       {&text->initial, &t->initial}};
+    saltus_status status = copy_numbers(m, text, message);
+    for (size_t k = 0; k < sizeof lists / sizeof lists[0] && status == SALTUS_OK; k++)
+        status = parse_list(t->origin, lists[k].from->items, lists[k].from->count,
+                            sizeof *lists[k].from->items, lists[k].to, message);
+    saltus_parsed_list *const stops[] = {&t->coordinates, &t->clearances, &t->restitutions};
+    const saltus_equation *firsts[] = {NULL, NULL, NULL};
+    if (text->stop_count) {
+        firsts[0] = &text->stops[0].coordinate;
+        firsts[1] = &text->stops[0].d;
+        firsts[2] = &text->stops[0].r;
+    }
+    for (int k = 0; k < 3 && status == SALTUS_OK; k++)
+        status = parse_list(t->origin, firsts[k], text->stop_count, sizeof *text->stops, stops[k], message);
+    if (status == SALTUS_OK)
+        status = check_names(m, message);
+    return status == SALTUS_OK ? find_forcing(m, text, message) : status;
+}
+
+static void own(const saltus_model *model, int change) {
+    text_model *m = (text_model *)(void *)(uintptr_t)model;
+    if (atomic_fetch_add(&m->owners, change) + change == 0)
+        free_model(m);
+}
+
+saltus_status saltus_text_model_new(const saltus_text *text, const saltus_model **model,
+                                    saltus_message *message) {
+    text_model *m = calloc(1, sizeof *m);
+    *model = NULL;
+    if (!m)
+        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the equations");
+    atomic_init(&m->owners, 1);
+    atomic_init(&m->graphs, NULL);
+    saltus_status status = fill_model(m, text, message);
+    m->model = (saltus_model){.name = "text",
+                              .kernel = "tape",
+                              .summary = "equations from the scene",
+                              .parameters = m->text.parameters,
+                              .parameter_count = m->text.parameter_count,
+                              .notation = {.structure = SALTUS_STRUCTURE_BODIES,
+                                           .displacement = "x",
+                                           .coordinate = "x",
+                                           .part = "displacement",
+                                           .time = "t",
+                                           .response = 1},
+                              .stop_key = "coordinate",
+                              .forcing = m->model.forcing,
+                              .text = m->source,
+                              .coordinate = coordinate,
+                              .own = own,
+                              .shape = shape,
+                              .complete = complete,
+                              .normal = normal,
+                              .reserve = reserve,
+                              .build = build,
+                              .vary = vary,
+                              .obstacle = obstacle,
+                              .start = start,
+                              .trace = trace,
+                              .deflection = deflection};
+    /* Every name is looked up once, with the defaults. */
+    int dof, extra;
+    if (status == SALTUS_OK) {
+        saltus_spec spec = saltus_spec_defaults(&m->model);
+        status = shape(&spec, &dof, &extra, message);
+    }
+    if (status != SALTUS_OK)
+        free_model(m);
+    else
+        *model = &m->model;
+    return status;
+}

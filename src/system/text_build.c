@@ -1,0 +1,802 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "system/text_build.h"
+
+#include "system/system.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { locals_max = 400, depth_max = 200 };
+
+/* Displacements or first-order states under one name: `count` members of a family, or one (count 0). */
+typedef struct quantity {
+    const char *name;
+    int count, first; /* index of the first one */
+} quantity;
+
+/* A graph being built. */
+typedef struct builder {
+    const saltus_parsed_text *text;
+    const double *parameters;
+    saltus_equations_graph *made;
+    saltus_graph *graph;
+    quantity *displacements, *states;
+    int displacement_count, state_count;
+    struct {
+        const char *name;
+        int length;
+        double value;
+    } local[locals_max];    /* indices of families and sums */
+    int locals, own, depth; /* those from `own` on belong to the equation being read */
+    struct {
+        int *node, room; /* of an abbreviation's member; -1: not known yet */
+    } * known;
+    const saltus_parsed *equation; /* the one being read, for messages */
+    saltus_status status;
+    saltus_message *message;
+} builder;
+
+/* All complaints pass here; they return node 0. */
+static int refuse(builder *b, const saltus_expression_term *term, const char *format, ...) {
+    char sentence[400];
+    va_list arguments;
+    if (b->status != SALTUS_OK)
+        return 0;
+    va_start(arguments, format);
+    vsnprintf(sentence, sizeof sentence, format, arguments);
+    va_end(arguments);
+    char place[32] = "";
+    if (term)
+        snprintf(place, sizeof place, "column %d: ", term->begin + 1);
+    b->status = saltus_fail(b->message, SALTUS_BAD_INPUT, "%s:%d: %s: %s%s", b->text->origin,
+                            b->equation ? b->equation->line : 0, b->equation ? b->equation->name : "model",
+                            place, sentence);
+    return 0;
+}
+
+static bool no_memory(builder *b, const void *array) {
+    if (!array && b->status == SALTUS_OK)
+        b->status = saltus_fail(b->message, SALTUS_NO_MEMORY, "no memory for the equations");
+    return !array;
+}
+
+static bool is_named(const char *name, const char *text, int length) {
+    return strncmp(name, text, (size_t)length) == 0 && name[length] == '\0';
+}
+
+static int node_of(builder *b, int term);
+
+/* The value of an index or a bound of a sum, which must be a whole number. */
+static int whole_of(builder *b, int term, const char *what) {
+    const saltus_expression_term *t = &b->equation->right.terms[term];
+    int node = node_of(b, term);
+    const saltus_graph_node *n = &b->graph->nodes[node];
+    if (b->status != SALTUS_OK)
+        return 0;
+    if (n->operation != SALTUS_OP_CONSTANT || n->value != floor(n->value) || fabs(n->value) > 1e6)
+        return refuse(b, t, "%s must be a whole number made of numbers, indices and whole-number parameters",
+                      what);
+    return (int)n->value;
+}
+
+/* The member of a quantity that a term means: its index, checked. */
+static int member_of(builder *b, const saltus_expression_term *term, const quantity *q) {
+    if (q->count == 0 && term->first < 0)
+        return q->first;
+    if (q->count == 0)
+        return refuse(b, term, "%s is not a family and takes no index", q->name);
+    if (term->first < 0)
+        return refuse(b, term, "%s is a family of %d; say which one, such as %s[1]", q->name, q->count,
+                      q->name);
+    int index = whole_of(b, term->first, "an index");
+    if (b->status == SALTUS_OK && (index < 1 || index > q->count))
+        return refuse(b, term, "%s[%d]: the index must be from 1 to %d", q->name, index, q->count);
+    return b->status == SALTUS_OK ? q->first + index - 1 : 0;
+}
+
+/* Also x3 for x[3]. */
+static const quantity *find_quantity(const quantity *list, int count, const char *name, int length,
+                                     int *number) {
+    int digits = 0;
+    *number = 0;
+    for (int k = 0; k < count; k++)
+        if (is_named(list[k].name, name, length))
+            return &list[k];
+    while (digits < length - 1 && name[length - 1 - digits] >= '0' && name[length - 1 - digits] <= '9')
+        digits++;
+    if (digits == 0 || digits > 6 || name[length - digits] == '0')
+        return NULL;
+    for (int k = 0; k < count; k++)
+        if (list[k].count > 0 && is_named(list[k].name, name, length - digits)) {
+            *number = atoi(name + length - digits);
+            return *number <= list[k].count ? &list[k] : NULL;
+        }
+    return NULL;
+}
+
+static int constant_of(builder *b, const saltus_expression_term *term, const saltus_text_constant *c) {
+    int index[2] = {0, 0}, wanted = (c->rows > 0) + (c->columns > 0), given = 0;
+    for (int k = term->first; k >= 0 && given < 3; k = b->equation->right.terms[k].next, given++)
+        if (given < 2)
+            index[given] = whole_of(b, k, "an index");
+    if (b->status != SALTUS_OK)
+        return 0;
+    if (given != wanted)
+        return refuse(b, term, "%s is a %s and takes %d ind%s", c->name,
+                      wanted == 0   ? "number"
+                      : wanted == 1 ? "vector"
+                                    : "matrix",
+                      wanted, wanted == 1 ? "ex" : "ices");
+    int sizes[2] = {c->rows, c->columns};
+    for (int k = 0; k < wanted; k++)
+        if (index[k] < 1 || index[k] > sizes[k])
+            return refuse(b, term, "%s: index %d must be from 1 to %d", c->name, index[k], sizes[k]);
+    int place = wanted == 0 ? 0 : wanted == 1 ? index[0] - 1 : (index[0] - 1) * c->columns + index[1] - 1;
+    return saltus_graph_constant(b->graph, c->values[place]);
+}
+
+/* An equation's right side, with an index bound where its left side has one. */
+static int right_side(builder *b, const saltus_parsed *equation, int index) {
+    const saltus_parsed *outer = b->equation;
+    const int locals = b->locals, own = b->own;
+    b->equation = equation;
+    if (++b->depth > depth_max || locals == locals_max)
+        return refuse(b, NULL, "is defined by itself, or through too many other abbreviations");
+    b->own = locals;
+    if (equation->index[0]) {
+        b->local[locals].name = equation->index;
+        b->local[locals].length = (int)strlen(equation->index);
+        b->local[locals].value = index;
+        b->locals++;
+    }
+    int node = node_of(b, equation->right.root);
+    b->locals = locals;
+    b->own = own;
+    b->depth--;
+    if (b->status == SALTUS_OK)
+        b->equation = outer;
+    return node;
+}
+
+/* The equation for a member: one of its own, else the family's. */
+static const saltus_parsed *equation_for(const saltus_parsed_list *list, const char *base, int length,
+                                         int number) {
+    const saltus_parsed *found = NULL;
+    for (int k = 0; k < list->count; k++)
+        if (is_named(list->items[k].base, base, length)) {
+            if (list->items[k].number == number && !list->items[k].index[0])
+                return &list->items[k];
+            if (list->items[k].index[0] && number > 0)
+                found = &list->items[k];
+        }
+    return found;
+}
+
+/* The node of an abbreviation's member, read once. */
+static int abbreviation(builder *b, const saltus_parsed *equation, int number) {
+    const int k = (int)(equation - b->text->let.items);
+    if (number >= b->known[k].room) {
+        int room = 2 * number + 8, *nodes = realloc(b->known[k].node, (size_t)room * sizeof *nodes);
+        if (no_memory(b, nodes))
+            return 0;
+        for (int j = b->known[k].room; j < room; j++)
+            nodes[j] = -1;
+        b->known[k].node = nodes;
+        b->known[k].room = room;
+    }
+    if (b->known[k].node[number] < 0) {
+        int node = right_side(b, equation, number);
+        b->known[k].node[number] = node;
+    }
+    return b->known[k].node[number];
+}
+
+/* -1: there is no abbreviation of that name. */
+static int let_of(builder *b, const saltus_expression_term *term, const char *name) {
+    const saltus_parsed_list *let = &b->text->let;
+    bool known = false;
+    for (int k = 0; k < let->count; k++)
+        known |= is_named(let->items[k].base, name, term->length);
+    if (!known)
+        return -1;
+    int number = term->first >= 0 ? whole_of(b, term->first, "an index") : 0;
+    if (b->status != SALTUS_OK)
+        return 0;
+    if (term->first >= 0 && (number < 1 || number > 100000))
+        return refuse(b, term, "%.*s[%d]: an index begins at 1", term->length, name, number);
+    const saltus_parsed *equation = equation_for(let, name, term->length, number);
+    if (!equation)
+        return refuse(b, term, number ? "%.*s[%d] is not defined" : "%.*s needs an index", term->length, name,
+                      number);
+    return abbreviation(b, equation, number);
+}
+
+static int leaf_of(builder *b, const saltus_expression_term *term, const char *name) {
+    bool time = is_named("t", name, term->length), phase = is_named("phase", name, term->length);
+    if (is_named("pi", name, term->length))
+        return saltus_graph_constant(b->graph, 3.14159265358979323846);
+    if (!time && !phase)
+        return -1;
+    if (!b->text->forcing)
+        return refuse(b, term, "%.*s: the system has no forcing; name its angular frequency under forcing",
+                      term->length, name);
+    return saltus_graph_leaf(b->graph, time ? SALTUS_OP_TIME : SALTUS_OP_PHASE, -1);
+}
+
+static int parameter_of(builder *b, const saltus_expression_term *term, const char *name) {
+    for (int k = 0; k < b->text->parameter_count; k++)
+        if (is_named(b->text->parameters[k].name, name, term->length))
+            return b->text->parameters[k].integer ? saltus_graph_constant(b->graph, b->parameters[k])
+                                                  : saltus_graph_leaf(b->graph, SALTUS_OP_PARAMETER, k);
+    return -1;
+}
+
+static int state_of(builder *b, const saltus_expression_term *term, const char *name) {
+    for (int kind = 0; kind < 2; kind++) {
+        int number, count = kind ? b->state_count : b->displacement_count;
+        const quantity *q =
+            find_quantity(kind ? b->states : b->displacements, count, name, term->length, &number);
+        if (!q)
+            continue;
+        if (kind && term->rate)
+            return refuse(b, term, "%s is a first-order state and has no velocity", q->name);
+        int member = number ? q->first + number - 1 : member_of(b, term, q);
+        if (b->status != SALTUS_OK)
+            return 0;
+        return saltus_graph_leaf(b->graph, SALTUS_OP_STATE,
+                                 member + (kind         ? 2 * b->made->dof
+                                           : term->rate ? b->made->dof
+                                                        : 0));
+    }
+    return -1;
+}
+
+static int name_of(builder *b, const saltus_expression_term *term) {
+    const char *name = b->equation->right.text + term->begin;
+    for (int k = b->locals - 1; k >= b->own; k--)
+        if (b->local[k].length == term->length && memcmp(b->local[k].name, name, (size_t)term->length) == 0)
+            return saltus_graph_constant(b->graph, b->local[k].value);
+    int node = state_of(b, term, name);
+    if (node < 0 && term->rate)
+        return refuse(b, term, "%.*s is no displacement, so it has no velocity %.*s'", term->length, name,
+                      term->length, name);
+    if (node < 0)
+        node = parameter_of(b, term, name);
+    if (node < 0)
+        node = leaf_of(b, term, name);
+    for (int k = 0; k < b->text->constant_count && node < 0; k++)
+        if (is_named(b->text->constants[k].name, name, term->length))
+            node = constant_of(b, term, &b->text->constants[k]);
+    if (node < 0)
+        node = let_of(b, term, name);
+    if (node < 0)
+        return refuse(b, term, "%.*s: nothing has this name", term->length, name);
+    return node;
+}
+
+/* The value of a comparison of two constants; -1 where it is none. */
+static int decided(const builder *b, saltus_syntax kind, int x, int y) {
+    const saltus_graph_node *p = &b->graph->nodes[x], *q = &b->graph->nodes[y];
+    if (p->operation != SALTUS_OP_CONSTANT || q->operation != SALTUS_OP_CONSTANT)
+        return -1;
+    double u = p->value, v = q->value;
+    switch (kind) {
+    case SALTUS_SYNTAX_LESS:
+        return u < v;
+    case SALTUS_SYNTAX_LESS_EQUAL:
+        return u <= v;
+    case SALTUS_SYNTAX_GREATER:
+        return u > v;
+    case SALTUS_SYNTAX_GREATER_EQUAL:
+        return u >= v;
+    case SALTUS_SYNTAX_EQUAL:
+        return u == v;
+    default:
+        return u != v;
+    }
+}
+
+static bool switches(builder *b, const saltus_expression_term *term, int node) {
+    if (b->status == SALTUS_OK && b->graph->nodes[node].depends & ~(unsigned)SALTUS_OF_PARAMETERS)
+        refuse(b, term, "%s of a state or of time switches the equations, which is not possible yet",
+               saltus_function_name(term->function));
+    return b->status == SALTUS_OK;
+}
+
+/* if(a < b, yes, no): a branch that is not taken is not looked at where numbers decide. */
+static int choice_of(builder *b, const saltus_expression_term *term) {
+    const saltus_expression_term *terms = b->equation->right.terms, *test = &terms[term->first];
+    int x = node_of(b, test->first), y = node_of(b, terms[test->first].next);
+    int yes = test->next, no = terms[yes].next;
+    if (b->status != SALTUS_OK)
+        return 0;
+    int known = decided(b, test->kind, x, y);
+    if (known >= 0)
+        return node_of(b, known ? yes : no);
+    if (!switches(b, term, x) || !switches(b, term, y))
+        return 0;
+    int first = node_of(b, yes), second = node_of(b, no);
+    bool turned = test->kind == SALTUS_SYNTAX_GREATER || test->kind == SALTUS_SYNTAX_GREATER_EQUAL;
+    if (test->kind == SALTUS_SYNTAX_EQUAL || test->kind == SALTUS_SYNTAX_UNEQUAL)
+        return saltus_graph_choose(b->graph, SALTUS_OP_CHOOSE_EQUAL, x, y,
+                                   test->kind == SALTUS_SYNTAX_EQUAL ? first : second,
+                                   test->kind == SALTUS_SYNTAX_EQUAL ? second : first);
+    bool strict = test->kind == SALTUS_SYNTAX_LESS || test->kind == SALTUS_SYNTAX_GREATER;
+    return saltus_graph_choose(b->graph, strict ? SALTUS_OP_CHOOSE_LESS : SALTUS_OP_CHOOSE_LESS_EQUAL,
+                               turned ? y : x, turned ? x : y, first, second);
+}
+
+/* sum(i, first, last, what): zero where last is below first. */
+static int sum_of(builder *b, const saltus_expression_term *term) {
+    const saltus_expression_term *terms = b->equation->right.terms, *index = &terms[term->first];
+    int from = index->next, to = terms[from].next, what = terms[to].next, sum = 0;
+    if (index->kind != SALTUS_SYNTAX_NAME || index->rate || index->first >= 0)
+        return refuse(b, index, "the first argument of sum must be the name of an index, such as i");
+    int first = whole_of(b, from, "the first index of a sum"),
+        last = whole_of(b, to, "the last index of a sum");
+    if (b->status == SALTUS_OK && b->locals == locals_max)
+        return refuse(b, term, "sums are nested too deeply");
+    if (b->status != SALTUS_OK)
+        return 0;
+    int local = b->locals++;
+    b->local[local].name = b->equation->right.text + index->begin;
+    b->local[local].length = index->length;
+    for (int i = first; i <= last && b->status == SALTUS_OK && !b->graph->full; i++) {
+        b->local[local].value = i;
+        sum = saltus_graph_apply(b->graph, SALTUS_OP_ADD, sum, node_of(b, what));
+    }
+    b->locals--;
+    return sum;
+}
+
+static int call_of(builder *b, const saltus_expression_term *term) {
+    static const saltus_operation operations[] = {
+        [SALTUS_FUNCTION_sqrt] = SALTUS_OP_SQRT, [SALTUS_FUNCTION_exp] = SALTUS_OP_EXP,
+        [SALTUS_FUNCTION_log] = SALTUS_OP_LOG,   [SALTUS_FUNCTION_sin] = SALTUS_OP_SIN,
+        [SALTUS_FUNCTION_cos] = SALTUS_OP_COS,   [SALTUS_FUNCTION_tan] = SALTUS_OP_TAN,
+        [SALTUS_FUNCTION_asin] = SALTUS_OP_ASIN, [SALTUS_FUNCTION_acos] = SALTUS_OP_ACOS,
+        [SALTUS_FUNCTION_atan] = SALTUS_OP_ATAN, [SALTUS_FUNCTION_atan2] = SALTUS_OP_ATAN2,
+        [SALTUS_FUNCTION_sinh] = SALTUS_OP_SINH, [SALTUS_FUNCTION_cosh] = SALTUS_OP_COSH,
+        [SALTUS_FUNCTION_tanh] = SALTUS_OP_TANH, [SALTUS_FUNCTION_abs] = SALTUS_OP_ABS,
+        [SALTUS_FUNCTION_sign] = SALTUS_OP_SIGN, [SALTUS_FUNCTION_min] = SALTUS_OP_MIN,
+        [SALTUS_FUNCTION_max] = SALTUS_OP_MAX,   [SALTUS_FUNCTION_step] = SALTUS_OP_STEP,
+        [SALTUS_FUNCTION_mod] = SALTUS_OP_MOD,
+    };
+    const saltus_expression_term *terms = b->equation->right.terms;
+    if (term->function == SALTUS_FUNCTION_if)
+        return choice_of(b, term);
+    if (term->function == SALTUS_FUNCTION_sum)
+        return sum_of(b, term);
+    int node = node_of(b, term->first), next = terms[term->first].next;
+    bool smooth = term->function <= SALTUS_FUNCTION_tanh;
+    if (!smooth && !switches(b, term, node))
+        return 0;
+    if (term->function == SALTUS_FUNCTION_sign && next >= 0)
+        return refuse(b, term, "dry friction, sign(s, k), is not possible yet");
+    if (next < 0)
+        return b->status == SALTUS_OK ? saltus_graph_apply(b->graph, operations[term->function], node, -1)
+                                      : 0;
+    for (; next >= 0 && b->status == SALTUS_OK; next = terms[next].next) {
+        int other = node_of(b, next);
+        if (!smooth && !switches(b, term, other))
+            return 0;
+        if (b->status == SALTUS_OK)
+            node = saltus_graph_apply(b->graph, operations[term->function], node, other);
+    }
+    return node;
+}
+
+/* The node of a term of the equation being read. */
+static int node_of(builder *b, int term) {
+    const saltus_expression_term *t = &b->equation->right.terms[term];
+    static const saltus_operation operations[] = {
+        [SALTUS_SYNTAX_ADD] = SALTUS_OP_ADD,           [SALTUS_SYNTAX_SUBTRACT] = SALTUS_OP_SUBTRACT,
+        [SALTUS_SYNTAX_MULTIPLY] = SALTUS_OP_MULTIPLY, [SALTUS_SYNTAX_DIVIDE] = SALTUS_OP_DIVIDE,
+        [SALTUS_SYNTAX_POWER] = SALTUS_OP_POWER,
+    };
+    if (b->status != SALTUS_OK)
+        return 0;
+    switch (t->kind) {
+    case SALTUS_SYNTAX_NUMBER:
+        return saltus_graph_constant(b->graph, t->number);
+    case SALTUS_SYNTAX_NAME:
+        return name_of(b, t);
+    case SALTUS_SYNTAX_CALL:
+        return call_of(b, t);
+    case SALTUS_SYNTAX_NEGATE:
+        return saltus_graph_apply(b->graph, SALTUS_OP_SUBTRACT, 0, node_of(b, t->first));
+    default:
+        break;
+    }
+    int left = node_of(b, t->first), right = node_of(b, b->equation->right.terms[t->first].next);
+    if (t->kind == SALTUS_SYNTAX_DIVIDE && b->status == SALTUS_OK &&
+        b->graph->nodes[right].operation == SALTUS_OP_CONSTANT && b->graph->nodes[right].value == 0)
+        return refuse(b, t, "a division by zero");
+    return b->status == SALTUS_OK ? saltus_graph_apply(b->graph, operations[t->kind], left, right) : 0;
+}
+
+/* The sizes of the families, and what is a displacement or a state, in the order of the text. */
+static void lay_out(builder *b, const saltus_parsed_list *list, quantity **made, int *count, int *total) {
+    *made = calloc((size_t)list->count + 1, sizeof **made);
+    *count = *total = 0;
+    if (no_memory(b, *made))
+        return;
+    for (int k = 0; k < list->count && b->status == SALTUS_OK; k++) {
+        const saltus_parsed *e = &list->items[k];
+        int j = 0;
+        while (j < *count && strcmp((*made)[j].name, e->base) != 0)
+            j++;
+        if (j < *count)
+            continue;
+        int members = 0;
+        for (int f = 0; f < b->text->families.count && b->status == SALTUS_OK; f++)
+            if (strcmp(b->text->families.items[f].base, e->base) == 0) {
+                b->equation = &b->text->families.items[f];
+                members = whole_of(b, b->equation->right.root, "the size of a family");
+                if (b->status == SALTUS_OK && (members < 1 || members > SALTUS_STATE_MAX))
+                    refuse(b, NULL, "%d members: must be from 1 to %d", members, SALTUS_STATE_MAX);
+            }
+        b->equation = e;
+        if (b->status == SALTUS_OK && !members && (e->index[0] || e->number))
+            refuse(b, NULL, "%s is not among the families", e->base);
+        if (b->status == SALTUS_OK && members && !e->index[0] && !e->number)
+            refuse(b, NULL, "%s is a family: write %s[i], or %s[1] for one member", e->base, e->base,
+                   e->base);
+        (*made)[(*count)++] = (quantity){e->base, members, *total};
+        *total += members ? members : 1;
+    }
+    b->equation = NULL;
+}
+
+static void name_members(builder *b, const quantity *list, int count, int first) {
+    for (int k = 0; k < count; k++)
+        for (int j = 0; j < (list[k].count ? list[k].count : 1); j++)
+            if (list[k].count)
+                snprintf(b->made->names[first + list[k].first + j], SALTUS_NAME_MAX, "%.20s%d", list[k].name,
+                         j + 1);
+            else
+                snprintf(b->made->names[first + list[k].first], SALTUS_NAME_MAX, "%s", list[k].name);
+}
+
+/* Right sides for all members of all quantities. */
+static void read_members(builder *b, const saltus_parsed_list *equations, const quantity *list, int count,
+                         int *nodes) {
+    for (int k = 0; k < count; k++)
+        for (int j = 0; j < (list[k].count ? list[k].count : 1) && b->status == SALTUS_OK; j++) {
+            int number = list[k].count ? j + 1 : 0;
+            const saltus_parsed *e = equation_for(equations, list[k].name, (int)strlen(list[k].name), number);
+            if (!e)
+                refuse(b, NULL, "%s[%d] has no equation", list[k].name, number);
+            else
+                nodes[list[k].first + j] = right_side(b, e, number);
+        }
+}
+
+/* Which displacement a name on a left side means; -1 after a complaint. */
+static int displacement_named(builder *b, const char *name) {
+    for (int i = 0; i < b->made->dof; i++)
+        if (strcmp(b->made->names[i], name) == 0)
+            return i;
+    refuse(b, NULL, "%s is no displacement", name);
+    return -1;
+}
+
+/* The entries of the mass matrix that an equation gives: one, those of a family, or a pair's. */
+static void read_mass(builder *b, const saltus_parsed *e, int *mass, bool *given) {
+    const int n = b->made->dof;
+    const char *comma = strchr(e->name, ',');
+    b->equation = e;
+    if (comma) {
+        char first[SALTUS_NAME_MAX];
+        snprintf(first, sizeof first, "%.*s", (int)(comma - e->name), e->name);
+        int i = displacement_named(b, first), j = i < 0 ? -1 : displacement_named(b, comma + 1);
+        int node = j < 0 ? 0 : right_side(b, e, 0);
+        if (b->status == SALTUS_OK && given[i * n + j] && mass[i * n + j] != node)
+            refuse(b, NULL, "the mass matrix is not symmetric");
+        if (b->status == SALTUS_OK) {
+            mass[i * n + j] = mass[j * n + i] = node;
+            given[i * n + j] = given[j * n + i] = true;
+        }
+        return;
+    }
+    bool found = false;
+    for (int k = 0; k < b->displacement_count; k++)
+        for (int j = 0;
+             j < (b->displacements[k].count ? b->displacements[k].count : 1) && b->status == SALTUS_OK; j++) {
+            const quantity *q = &b->displacements[k];
+            int i = q->first + j;
+            bool family = e->index[0] && strcmp(q->name, e->base) == 0;
+            bool one =
+                !e->index[0] && (strcmp(b->made->names[i], e->name) == 0 ||
+                                 (strcmp(q->name, e->base) == 0 && e->number == (q->count ? j + 1 : 0)));
+            if (!family && !one)
+                continue;
+            found = true;
+            if (one || !given[i * n + i])
+                mass[i * n + i] = right_side(b, e, j + 1);
+            given[i * n + i] = true;
+        }
+    b->equation = e;
+    if (b->status == SALTUS_OK && !found)
+        refuse(b, NULL, "%s is no displacement", e->name);
+}
+
+/* The inverse of the mass matrix, entry by entry as nodes (Gauss and Jordan without pivots: it is positive
+ * definite), and what the forces become. */
+static void divide_by_mass(builder *b, int *force) {
+    const int n = b->made->dof;
+    saltus_graph *g = b->graph;
+    int *mass = calloc((size_t)n * (size_t)n + 1, sizeof *mass), *inverse = b->made->inverse_mass, one;
+    bool *given = calloc((size_t)n * (size_t)n + 1, sizeof *given);
+    int *sum = calloc((size_t)n + 1, sizeof *sum);
+    one = saltus_graph_constant(g, 1);
+    if (no_memory(b, mass) || no_memory(b, given) || no_memory(b, sum))
+        goto out;
+    for (int i = 0; i < n; i++)
+        inverse[i * n + i] = mass[i * n + i] = one;
+    for (int k = 0; k < b->text->mass.count && b->status == SALTUS_OK; k++)
+        read_mass(b, &b->text->mass.items[k], mass, given);
+    for (int k = 0; k < n * n && b->status == SALTUS_OK; k++)
+        if (g->nodes[mass[k]].depends & ~(unsigned)SALTUS_OF_PARAMETERS)
+            refuse(b, NULL, "mass: one that depends on the state or on time is not possible yet");
+    for (int p = 0; p < n && b->status == SALTUS_OK && b->text->mass.count; p++) {
+        int pivot = mass[p * n + p];
+        for (int j = 0; j < n; j++) {
+            mass[p * n + j] = saltus_graph_apply(g, SALTUS_OP_DIVIDE, mass[p * n + j], pivot);
+            inverse[p * n + j] = saltus_graph_apply(g, SALTUS_OP_DIVIDE, inverse[p * n + j], pivot);
+        }
+        for (int i = 0; i < n; i++) {
+            int factor = mass[i * n + p];
+            for (int j = 0; j < n && i != p && factor != 0; j++) {
+                int a = saltus_graph_apply(g, SALTUS_OP_MULTIPLY, factor, mass[p * n + j]);
+                int c = saltus_graph_apply(g, SALTUS_OP_MULTIPLY, factor, inverse[p * n + j]);
+                mass[i * n + j] = saltus_graph_apply(g, SALTUS_OP_SUBTRACT, mass[i * n + j], a);
+                inverse[i * n + j] = saltus_graph_apply(g, SALTUS_OP_SUBTRACT, inverse[i * n + j], c);
+            }
+        }
+    }
+    for (int i = 0; i < n && b->status == SALTUS_OK; i++)
+        for (int j = 0; j < n; j++)
+            sum[i] =
+                saltus_graph_apply(g, SALTUS_OP_ADD, sum[i],
+                                   saltus_graph_apply(g, SALTUS_OP_MULTIPLY, inverse[i * n + j], force[j]));
+    memcpy(force, sum, (size_t)n * sizeof *sum);
+out:
+    free(mass);
+    free(given);
+    free(sum);
+}
+
+/* A stop's coordinate must be linear in the displacements, with factors that depend on parameters alone. */
+static void read_stop(builder *b, int s) {
+    const saltus_parsed_text *text = b->text;
+    saltus_equations_graph *made = b->made;
+    const int n = made->dof;
+    int coordinate = right_side(b, &text->coordinates.items[s], 0), rest = coordinate;
+    b->equation = &text->coordinates.items[s];
+    for (int i = 0; i < n && b->status == SALTUS_OK; i++) {
+        int leaf = saltus_graph_leaf(b->graph, SALTUS_OP_STATE, i), count = b->graph->count;
+        int *room = calloc((size_t)count, sizeof *room);
+        if (no_memory(b, room))
+            return;
+        saltus_graph_differentiate(b->graph, leaf, count, ~0u, room);
+        int normal = made->normal[s * n + i] = room[coordinate];
+        free(room);
+        if (b->graph->nodes[normal].depends & ~(unsigned)SALTUS_OF_PARAMETERS)
+            refuse(b, NULL, "a coordinate that is not linear in the displacements is not possible yet");
+        rest = saltus_graph_apply(b->graph, SALTUS_OP_SUBTRACT, rest,
+                                  saltus_graph_apply(b->graph, SALTUS_OP_MULTIPLY, normal, leaf));
+    }
+    /* With the displacements' parts gone nothing may be left. */
+    double *values = malloc((size_t)b->graph->count * sizeof *values), state[SALTUS_STATE_MAX];
+    if (no_memory(b, values))
+        return;
+    for (int i = 0; i < SALTUS_STATE_MAX; i++)
+        state[i] = 0.3 + 0.1 * sin(1.0 + i);
+    saltus_graph_evaluate(b->graph, b->parameters, state, 0.3, 0.2, values);
+    double size = 0, left = values[rest];
+    for (int i = 0; i < n; i++)
+        size += fabs(values[made->normal[s * n + i]]);
+    free(values);
+    if (b->status == SALTUS_OK && !(fabs(left) <= 1e-12 * size))
+        refuse(b, NULL,
+               "must be a sum of displacements times numbers; what moves in time or is constant is not "
+               "possible yet");
+    made->clearance[s] = text->clearances.items[s].text ? right_side(b, &text->clearances.items[s], 0) : -1;
+    made->restitution[s] =
+        text->restitutions.items[s].text ? right_side(b, &text->restitutions.items[s], 0) : -1;
+    for (int k = 0; k < 2 && b->status == SALTUS_OK; k++) {
+        int node = k ? made->restitution[s] : made->clearance[s];
+        b->equation = k ? &text->restitutions.items[s] : &text->clearances.items[s];
+        if (node >= 0 && b->graph->nodes[node].depends & ~(unsigned)SALTUS_OF_PARAMETERS)
+            refuse(b, NULL, "must be made of numbers and parameters");
+    }
+    b->equation = NULL;
+}
+
+/* Numbers by the names of states: scale and initial. */
+static void read_by_state(builder *b, const saltus_parsed_list *list, int *nodes) {
+    const int n = b->made->dof, all = n + b->made->extra;
+    for (int k = 0; k < list->count && b->status == SALTUS_OK; k++) {
+        const saltus_parsed *e = &list->items[k];
+        int i = 0, node = right_side(b, e, 0);
+        size_t length = strlen(e->name);
+        bool rate = length > 1 && e->name[length - 1] == '\'';
+        bool dotted = length > 4 && strcmp(e->name + length - 4, "_dot") == 0;
+        b->equation = e;
+        while (i < all && !is_named(b->made->names[i], e->name, (int)(length - (rate ? 1 : dotted ? 4 : 0))))
+            i++;
+        if (i == all || ((rate || dotted) && i >= n))
+            refuse(b, NULL, "%s is no displacement, velocity or state", e->name);
+        else if (b->status == SALTUS_OK && b->graph->nodes[node].depends & ~(unsigned)SALTUS_OF_PARAMETERS)
+            refuse(b, NULL, "must be made of numbers and parameters");
+        else
+            nodes[i < n ? i + (rate || dotted ? n : 0) : i + n] = node;
+    }
+    b->equation = NULL;
+}
+
+/* Sum of the field's derivatives by the velocities and states that they are the rates of. */
+static void add_trace(builder *b, const int *field) {
+    const int n = b->made->dof, all = n + b->made->extra;
+    int count = b->graph->count, *derivatives = calloc((size_t)count, sizeof *derivatives);
+    if (no_memory(b, derivatives))
+        return;
+    for (int i = 0; i < all && !b->graph->full; i++) {
+        int leaf = saltus_graph_leaf(b->graph, SALTUS_OP_STATE, n + i);
+        if (leaf >= count)
+            continue; /* nothing depends on it */
+        saltus_graph_differentiate(b->graph, leaf, count, ~0u, derivatives);
+        b->made->trace = saltus_graph_apply(b->graph, SALTUS_OP_ADD, b->made->trace, derivatives[field[i]]);
+    }
+    free(derivatives);
+}
+
+/* Derivatives of all numbers with respect to each parameter; what depends on states has its own on the tape.
+ */
+static void add_derivatives(builder *b) {
+    saltus_equations_graph *made = b->made;
+    const int count = made->derivative_count = b->graph->count;
+    for (int p = 0; p < b->text->parameter_count && b->status == SALTUS_OK; p++) {
+        if (b->text->parameters[p].integer)
+            continue;
+        made->derivatives[p] = calloc((size_t)count, sizeof **made->derivatives);
+        int leaf = saltus_graph_leaf(b->graph, SALTUS_OP_PARAMETER, p);
+        if (!no_memory(b, made->derivatives[p]))
+            saltus_graph_differentiate(b->graph, leaf, count, SALTUS_OF_PARAMETERS, made->derivatives[p]);
+    }
+}
+
+static void *reserve(builder *b, size_t count, size_t size) {
+    void *array = calloc(count + 1, size);
+    no_memory(b, array);
+    return array;
+}
+
+static void build(builder *b) {
+    const saltus_parsed_text *text = b->text;
+    saltus_equations_graph *made = b->made;
+    b->known = reserve(b, (size_t)text->let.count, sizeof *b->known);
+    made->parameter_count = text->parameter_count;
+    made->derivatives = reserve(b, (size_t)text->parameter_count, sizeof *made->derivatives);
+    made->parameters = reserve(b, (size_t)text->parameter_count, sizeof *made->parameters);
+    if (b->status != SALTUS_OK || no_memory(b, saltus_graph_open(b->graph) ? b : NULL))
+        return;
+    memcpy(made->parameters, b->parameters, (size_t)text->parameter_count * sizeof *made->parameters);
+    lay_out(b, &text->motion, &b->displacements, &b->displacement_count, &made->dof);
+    if (b->status == SALTUS_OK)
+        lay_out(b, &text->states, &b->states, &b->state_count, &made->extra);
+    const int n = made->dof, all = n + made->extra;
+    if (b->status == SALTUS_OK && (n > SALTUS_MODES_MAX || 2 * n + made->extra > SALTUS_STATE_MAX))
+        refuse(
+            b, NULL,
+            "%d displacements and %d states: at most %d displacements and a state of %d numbers are possible",
+            n, made->extra, SALTUS_MODES_MAX, SALTUS_STATE_MAX);
+    const size_t stops = (size_t)text->coordinates.count;
+    int *field = made->field = reserve(b, (size_t)all, sizeof *field);
+    made->names = reserve(b, (size_t)all, sizeof *made->names);
+    made->inverse_mass = reserve(b, (size_t)n * (size_t)n, sizeof(int));
+    made->normal = reserve(b, stops * (size_t)n, sizeof(int));
+    made->clearance = reserve(b, stops, sizeof(int));
+    made->restitution = reserve(b, stops, sizeof(int));
+    made->observe = reserve(b, (size_t)text->observe.count, sizeof(int));
+    made->scale = reserve(b, 2 * (size_t)all, sizeof(int));
+    made->initial = reserve(b, 2 * (size_t)all, sizeof(int));
+    if (b->status == SALTUS_OK) {
+        memset(made->scale, -1, 2 * (size_t)all * sizeof(int));
+        memset(made->initial, -1, 2 * (size_t)all * sizeof(int));
+        name_members(b, b->displacements, b->displacement_count, 0);
+        name_members(b, b->states, b->state_count, n);
+        read_members(b, &text->motion, b->displacements, b->displacement_count, field);
+        read_members(b, &text->states, b->states, b->state_count, field + n);
+    }
+    if (b->status == SALTUS_OK)
+        divide_by_mass(b, field);
+    for (size_t s = 0; s < stops && b->status == SALTUS_OK; s++)
+        read_stop(b, (int)s);
+    made->observe_count = text->observe.count;
+    for (int k = 0; k < text->observe.count && b->status == SALTUS_OK; k++)
+        made->observe[k] = right_side(b, &text->observe.items[k], 0);
+    if (b->status == SALTUS_OK)
+        read_by_state(b, &text->scale, made->scale);
+    if (b->status == SALTUS_OK)
+        read_by_state(b, &text->initial, made->initial);
+    for (int i = 0; i < all && b->status == SALTUS_OK; i++)
+        made->forced |= (b->graph->nodes[field[i]].depends & SALTUS_OF_TIME) != 0;
+    if (b->status == SALTUS_OK) {
+        add_trace(b, field);
+        made->tape = saltus_tape_new(b->graph, field, all, 2 * n + made->extra);
+        if (!made->tape && b->graph->full)
+            refuse(b, NULL, "the equations have too many terms");
+        no_memory(b, made->tape);
+    }
+    if (b->status == SALTUS_OK)
+        add_derivatives(b);
+}
+
+saltus_status saltus_equations_graph_new(const saltus_parsed_text *text, const double *parameters,
+                                         saltus_equations_graph **made, saltus_message *message) {
+    builder b = {
+        .text = text, .parameters = parameters, .made = calloc(1, sizeof *b.made), .message = message};
+    *made = b.made;
+    if (no_memory(&b, b.made))
+        return b.status;
+    b.graph = &b.made->graph;
+    build(&b);
+    for (int k = 0; b.known && k < text->let.count; k++)
+        free(b.known[k].node);
+    free(b.known);
+    free(b.displacements);
+    free(b.states);
+    if (b.status != SALTUS_OK) {
+        saltus_equations_graph_free(b.made);
+        *made = NULL;
+    }
+    return b.status;
+}
+
+void saltus_equations_graph_free(saltus_equations_graph *g) {
+    if (!g)
+        return;
+    for (int k = 0; g->derivatives && k < g->parameter_count; k++)
+        free(g->derivatives[k]);
+    free(g->derivatives);
+    free(g->parameters);
+    free(g->names);
+    free(g->field);
+    free(g->inverse_mass);
+    free(g->normal);
+    free(g->clearance);
+    free(g->restitution);
+    free(g->observe);
+    free(g->scale);
+    free(g->initial);
+    saltus_tape_free(g->tape);
+    saltus_graph_close(&g->graph);
+    free(g);
+}
+
+saltus_status saltus_constant_value(const char *text, double *value, saltus_message *message) {
+    char name[] = "number", own[1] = "";
+    saltus_parsed equation = {.name = name, .text = own};
+    saltus_parsed_text nothing = {.origin = own};
+    saltus_graph graph;
+    builder b = {.text = &nothing, .graph = &graph, .equation = &equation, .message = message};
+    saltus_status status = saltus_expression_parse(text, &equation.right, message);
+    if (status != SALTUS_OK)
+        return status;
+    b.made = calloc(1, sizeof *b.made);
+    if (!no_memory(&b, b.made) && !no_memory(&b, saltus_graph_open(&graph) ? b.made : NULL)) {
+        int node = node_of(&b, equation.right.root);
+        *value = graph.nodes[node].value;
+        if (b.status == SALTUS_OK && !isfinite(*value))
+            refuse(&b, NULL, "must be a finite number");
+    }
+    saltus_graph_close(&graph);
+    saltus_expression_clear(&equation.right);
+    free(b.made);
+    return b.status;
+}

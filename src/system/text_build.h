@@ -1,0 +1,62 @@
+/* Private: from parsed equations to a graph.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef SALTUS_SYSTEM_TEXT_BUILD_H
+#define SALTUS_SYSTEM_TEXT_BUILD_H
+
+#include "system/expression.h"
+#include "system/tape.h"
+#include "system/text.h"
+
+/* An equation, parsed. Its left side is `base`, `base[number]`, or `base[index]` for all members of a family.
+ */
+typedef struct saltus_parsed {
+    char *name, *text; /* as written */
+    int line;
+    char base[SALTUS_NAME_MAX], index[SALTUS_NAME_MAX];
+    int number; /* 0: none */
+    saltus_expression right;
+} saltus_parsed;
+
+typedef struct saltus_parsed_list {
+    saltus_parsed *items;
+    int count;
+} saltus_parsed_list;
+
+/* A text, copied and parsed. */
+typedef struct saltus_parsed_text {
+    char *origin, *forcing;
+    saltus_parameter *parameters;
+    int parameter_count;
+    saltus_text_constant *constants;
+    int constant_count;
+    saltus_parsed_list families, let, motion, mass, states, observe, scale, initial, coordinates, clearances,
+        restitutions; /* the last three: one for each stop; no text where numbers do */
+} saltus_parsed_text;
+
+/* The graph of a text for given whole-number parameters, which decide its sizes. Nodes: */
+typedef struct saltus_equations_graph {
+    struct saltus_equations_graph *next; /* for other whole numbers */
+    double *parameters;                  /* those that it was made for; only whole ones matter */
+    saltus_graph graph;
+    saltus_tape *tape; /* of accelerations and rates */
+    int dof, extra;
+    char (*names)[SALTUS_NAME_MAX]; /* of displacements and states */
+    int *field;                     /* accelerations, then rates */
+    int *inverse_mass;              /* dof x dof */
+    int *normal;                    /* [stop][dof] */
+    int *clearance, *restitution;   /* of each stop; -1: a number does */
+    int *observe, observe_count;
+    int *scale, *initial; /* of each state (dimension); -1: the text says nothing */
+    int trace;
+    bool forced; /* depends on time */
+    int parameter_count;
+    int **derivatives; /* [parameter][node]: of nodes that numbers are made of; NULL for whole parameters */
+    int derivative_count;
+} saltus_equations_graph;
+
+/* Build it. Errors: SALTUS_BAD_INPUT with a sentence that tells the line, SALTUS_NO_MEMORY. */
+saltus_status saltus_equations_graph_new(const saltus_parsed_text *text, const double *parameters,
+                                         saltus_equations_graph **made, saltus_message *message);
+void saltus_equations_graph_free(saltus_equations_graph *graph);
+
+#endif

@@ -1,0 +1,171 @@
+/* Scenes whose models are equations: what is refused and where, what stops and starts take from the text, and
+ * that files of results tell the whole model.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "command.h"
+
+#include "check.h"
+
+static const char valve[] = "title: valve\n"
+                            "model:\n"
+                            "  parameters: {kappa: 1.25, delta: 10, beta: 20, q: {default: 7, min: 0}}\n"
+                            "  motion:\n"
+                            "    x: -kappa*x' - (x + delta) + p\n"
+                            "  states:\n"
+                            "    p: beta*(q - x*sqrt(p))\n"
+                            "stop: {coordinate: x, d: 0, r: 0.8, sides: lower}\n"
+                            "initial: {x: 0.5, x': 0.1*delta, p: 2*delta}\n";
+
+static void refused(const char *text, const char *words) {
+    saltus_scene scene;
+    saltus_message message = {.text = ""};
+    if (saltus_scene_parse(text, strlen(text), "my.yaml", &scene, &message) == SALTUS_OK)
+        fail_msg("not refused: %s", text);
+    if (!strstr(message.text, words))
+        fail_msg("\"%s\" does not say \"%s\" for\n%s", message.text, words, text);
+}
+
+/* A model with one line more or another right side, refused with its line. */
+static void errors_tell_the_line(void **unused) {
+    (void)unused;
+    static const struct {
+        const char *model, *words;
+    } known[] = {
+        {"  motion:\n    x: -k*x\n", "my.yaml:3: x: column 2: k: nothing has this name"},
+        {"  motion:\n    x: -x +\n", "my.yaml:3: x: column 5: the expression ends too early"},
+        {"  parameters: {k: 1}\n  motion:\n    x: -k*x\n    k: 1\n",
+         "my.yaml:5: k: is a parameter already (line 2)"},
+        {"  motion:\n    t: 1\n", "my.yaml:3: t: this name is reserved"},
+        {"  motion:\n    d2: 1\n", "my.yaml:3: d2: this name is reserved"},
+        {"  motion:\n    x: -x\n  forcing: omega\n", "my.yaml:4: forcing: omega is not a parameter"},
+        {"  motion:\n    x: -x + cos(t)\n", "my.yaml:3: x: column 10: t: the system has no forcing"},
+        {"  motion:\n    x: -x - sign(x')\n", "switches the equations, which is not possible yet"},
+        {"  motion:\n    x: -x - y'\n  states:\n    y: 1\n", "y is a first-order state and has no velocity"},
+        {"  motion:\n    x[i]: -x[i]\n", "my.yaml:3: x[i]: x is not among the families"},
+        {"  families: {x: 3}\n  motion:\n    x[i]: -x[i+1]\n", "x[4]: the index must be from 1 to 3"},
+        {"  families: {x: 3}\n  motion:\n    x[i]: -x\n", "x is a family of 3; say which one, such as x[1]"},
+        {"  families: {x: 3}\n  motion:\n    x[1]: -x[1]\n", "x[2] has no equation"},
+        {"  let: {a: b, b: a}\n  motion:\n    x: a\n", "is defined by itself"},
+        {"  parameters: {k: {min: 1}}\n  motion: {x: 1}\n", "my.yaml:2: k: default is missing"},
+        {"  parameters: {k: {default: 0, min: 1}}\n  motion: {x: 1}\n",
+         "k: the default must lie between min and max"},
+        {"  parameters: {k: fast}\n  motion: {x: 1}\n", "my.yaml:2: k = fast: "},
+        {"  motion: {x: 1}\n  when: []\n", "my.yaml:3: when: is not possible yet"},
+        {"  motion: {x: 1}\n  sates: {y: 1}\n", "my.yaml:3: \"sates\": unknown key; did you mean states?"},
+        {"  parameters: {}\n", "motion is missing"},
+        {"  motion: {x: 1}\n  mass: {y: 2}\n", "my.yaml:3: y: y is no displacement"},
+        {"  motion: {x: 1}\n  mass: {x: 1 + x}\n",
+         "mass: one that depends on the state or on time is not possible yet"},
+        {"  motion: {x: 1}\nstop: {d: 1}\n", "my.yaml:3: stop: coordinate is missing"},
+        {"  motion: {x: 1}\nstop: {coordinate: x^2, d: 1}\n",
+         "my.yaml:3: coordinate: a coordinate that is not linear"},
+        {"  motion: {x: 1}\nstop: {coordinate: x - 1, d: 1}\n",
+         "my.yaml:3: coordinate: must be a sum of displacements"},
+        {"  motion: {x: 1}\nstop: {coordinate: x}\n", "d is missing"},
+        {"  motion: {x: 1}\ninitial: {y: 1}\n", "my.yaml:3: y: y is no displacement, velocity or state"},
+    };
+    for (size_t k = 0; k < sizeof known / sizeof known[0]; k++) {
+        char text[500];
+        snprintf(text, sizeof text, "model:\n%s", known[k].model);
+        refused(text, known[k].words);
+    }
+}
+
+/* Clearance and restitution may be expressions of parameters: their columns follow, and --set of the
+ * parameter moves them. The initial state is the text's. */
+static void stops_and_starts_follow_parameters(void **unused) {
+    (void)unused;
+    static const char text[] = "model:\n"
+                               "  parameters: {c: 0.1, gap: 0.3, loss: 0.2, F: 1, omega: 1.1}\n"
+                               "  motion: {x: \"-c*x' - x + F*cos(omega*t)\"}\n"
+                               "  forcing: omega\n"
+                               "stop: {coordinate: 2*x, d: 2*gap, r: 1 - loss}\n"
+                               "initial: {x: gap/3, x': -loss}\n";
+    saltus_scene scene;
+    saltus_message message = {.text = ""};
+    double state[2];
+    check_ok(saltus_scene_parse(text, strlen(text), "my.yaml", &scene, &message), &message);
+    check_ok(saltus_scene_set(&scene, "gap=0.6", &message), &message);
+    saltus_system *system = build(&scene.spec);
+    saltus_face face = saltus_system_face(system, 0);
+    check_near(face.d, 1.2, 1e-15);
+    check_near(face.r, 0.8, 1e-15);
+    check_ok(saltus_system_default_state(system, state, &message), &message);
+    check_near(state[0], 0.2, 1e-15);
+    check_near(state[1], -0.2, 1e-15);
+    saltus_system_free(system);
+    saltus_scene_clear(&scene);
+}
+
+/* The valve between two impacts, and the one in between, by hand: x'' and p' of the paper's equations. */
+static void a_relief_valve(void **unused) {
+    (void)unused;
+    saltus_scene scene;
+    saltus_message message = {.text = ""};
+    double state[3], by_hand[3] = {0.5, 1, 20};
+    check_ok(saltus_scene_parse(valve, strlen(valve), "my.yaml", &scene, &message), &message);
+    saltus_system *system = build(&scene.spec);
+    check_ok(saltus_system_default_state(system, state, &message), &message);
+    assert_memory_equal(state, by_hand, sizeof state);
+    assert_false(saltus_system_forced(system));
+    check_near(saltus_system_period(system), 1, 0);
+    saltus_flow_options options = saltus_flow_defaults();
+    options.rtol = 1e-14;
+    saltus_flow *flow = open_flow(system, &options, 0, state);
+    advance(flow, 0.2, 0);
+    saltus_flow_state(flow, 0, state);
+    /* Runge-Kutta of fourth order with steps of 1e-5. */
+    for (int k = 0; k < 20000; k++) {
+        double rate[4][3], y[3];
+        for (int stage = 0; stage < 4; stage++) {
+            const double part = stage == 0 ? 0 : stage == 3 ? 1e-5 : 0.5e-5;
+            for (int i = 0; i < 3; i++)
+                y[i] = by_hand[i] + (stage ? part * rate[stage - 1][i] : 0);
+            rate[stage][0] = y[1];
+            rate[stage][1] = -1.25 * y[1] - (y[0] + 10) + y[2];
+            rate[stage][2] = 20 * (7 - y[0] * sqrt(y[2]));
+        }
+        for (int i = 0; i < 3; i++)
+            by_hand[i] += 1e-5 / 6 * (rate[0][i] + 2 * rate[1][i] + 2 * rate[2][i] + rate[3][i]);
+    }
+    for (int i = 0; i < 3; i++)
+        check_near(state[i], by_hand[i], 1e-11 * (1 + fabs(by_hand[i])));
+    saltus_flow_free(flow);
+    saltus_system_free(system);
+    saltus_scene_clear(&scene);
+}
+
+/* Orbits, branches and sweeps of a text scene are taken up from their files alone: the model is in them. */
+static void files_tell_the_model(void **state) {
+    free(told(*state, "orbit duffing --periods 1 --json"));
+    free(told(*state, "continue duffing --in F=0.24:0.27 -o branch.h5"));
+    char *orbit = told(*state, "orbit duffing --from branch.h5:3 --json");
+    assert_non_null(strstr(orbit, "\"motion\": {\"x\": "));
+    free(orbit);
+    free(told(*state, "plot branch.h5 -o branch.png"));
+    free(told(*state, "export branch.h5 -o branch.csv"));
+    free(told(*state, "sweep chain --over F=0.2:0.6:5 --at-most 100 --set N=3 -o sweep.h5"));
+    free(told(*state, "plot sweep.h5 -o sweep.png"));
+    saltus_branch_file file;
+    saltus_message message = {.text = ""};
+    check_ok(saltus_branch_file_read(path_in(*state, "branch.h5"), &file, &message), &message);
+    saltus_scene scene;
+    check_ok(saltus_scene_load("duffing", &scene, &message), &message);
+    assert_true(saltus_model_same(file.spec.model, scene.spec.model));
+    saltus_branch_file_clear(&file);
+    check_ok(saltus_scene_load("chain", &scene, &message), &message);
+    saltus_sweep_file sweep;
+    check_ok(saltus_sweep_file_read(path_in(*state, "sweep.h5"), &sweep, &message), &message);
+    assert_true(saltus_model_same(sweep.spec.model, scene.spec.model));
+    assert_true(saltus_spec_get(&sweep.spec, "N") == 3);
+    saltus_sweep_file_clear(&sweep);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(errors_tell_the_line),
+        cmocka_unit_test(stops_and_starts_follow_parameters),
+        cmocka_unit_test(a_relief_valve),
+        cmocka_unit_test_setup_teardown(files_tell_the_model, open_fixture, close_fixture),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
