@@ -11,7 +11,9 @@
 #endif
 #ifdef __cplusplus
 #define SALTUS_API_BEGIN SALTUS_API_VISIBLE("GCC visibility push(default)") extern "C" {
-#define SALTUS_API_END } SALTUS_API_VISIBLE("GCC visibility pop")
+#define SALTUS_API_END                                                                                       \
+    }                                                                                                        \
+    SALTUS_API_VISIBLE("GCC visibility pop")
 #else
 #define SALTUS_API_BEGIN SALTUS_API_VISIBLE("GCC visibility push(default)")
 #define SALTUS_API_END SALTUS_API_VISIBLE("GCC visibility pop")
