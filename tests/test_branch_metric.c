@@ -289,11 +289,45 @@ static void start_on_the_border(void **unused) {
     }
 }
 
+/* A branch that leaves the range ends on its border to the last bit, in the value told and in the parameters.
+ */
+static void borders_are_met_to_the_last_bit(void **unused) {
+    (void)unused;
+    enum { ranges = 60 };
+    saltus_spec spec = free_masses();
+    const double start[4] = {0};
+    unsigned long long seed = 11;
+    double number[2];
+    for (int k = 0; k < ranges; k++) {
+        for (int j = 0; j < 2; j++) {
+            seed = seed * 6364136223846793005ULL + 1442695040888963407ULL;
+            number[j] = (double)(seed >> 11) * 0x1p-53;
+        }
+        double F = saltus_spec_get(&spec, "F");
+        /* Near zero values lie closer together than unknowns do. */
+        saltus_branch_options options = branch_along("F", 1e-3 * F * number[0], F * (1 + number[1]));
+        options.step = options.step_max = 0.5;
+        branch_record record = branch_run(&spec, 1, start, &options);
+        int ends = 0;
+        for (int j = 0; j < record.count; j++) {
+            const saltus_branch_point *p = &record.point[j];
+            double bound = p->branch ? options.low[0] : options.high[0];
+            if (p->kind != SALTUS_POINT_EP)
+                continue;
+            ends++;
+            assert_true(p->value[0] == bound);
+            assert_true(saltus_spec_get(&p->spec, "F") == bound);
+        }
+        assert_int_equal(ends, 2);
+        branch_forget(&record);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(arclength_is_distance),     cmocka_unit_test(units_of_length_and_time),
         cmocka_unit_test(accuracy_bounds_the_error), cmocka_unit_test(an_island_is_closed),
-        cmocka_unit_test(start_on_the_border),
+        cmocka_unit_test(start_on_the_border),       cmocka_unit_test(borders_are_met_to_the_last_bit),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -473,8 +473,8 @@ static void places_without_value_end_curves(void **state) {
     made_close(&m);
 }
 
-/* Lack of memory is told at once, from whichever evaluation or allocation it comes, and no shorter step is
- * tried. */
+/* Lack of memory is told at once, from whichever evaluation or allocation it comes, and so is an
+ * interruption: no shorter step is tried. */
 static void lack_of_memory(void **state) {
     (void)state;
     made m;
@@ -485,23 +485,26 @@ static void lack_of_memory(void **state) {
     int reached, told = 0, made_it = 0;
     made_open(&m, 2, made_ellipse, 1, 1);
     place(&m, u, guide, &from);
-    for (int k = 1; k < 6; k++) {
+    for (int k = 2; k < 24; k++) {
         saltus_curve_point to = {0};
         double step = 0.1;
-        made_count(&m, k, SALTUS_NO_MEMORY);
-        saltus_status status = saltus_curve_step(&m.e, &from, &step, NULL, 0, &to, &reached, &message);
-        if (m.evaluations < k) {
+        int failing = k / 4 + 1, bounded = k / 2 % 2;
+        saltus_status failure = k % 2 ? SALTUS_NO_MEMORY : SALTUS_INTERRUPTED;
+        made_count(&m, failing, failure);
+        saltus_status status =
+            saltus_curve_step(&m.e, &from, &step, &bound, bounded, &to, &reached, &message);
+        if (m.evaluations < failing) {
             assert_int_equal(status, SALTUS_OK);
             made_it++;
         } else {
-            assert_int_equal(status, SALTUS_NO_MEMORY);
-            assert_int_equal(m.evaluations, k);
+            assert_int_equal(status, failure);
+            assert_int_equal(m.evaluations, failing);
             assert_true(step == 0.1);
             told++;
         }
         saltus_curve_clear(&to);
     }
-    assert_true(told >= 2 && made_it >= 1);
+    assert_true(told >= 8 && made_it >= 4);
     made_count(&m, 0, SALTUS_OK);
     for (int bounded = 0; bounded < 2; bounded++)
         for (int k = 0, ended = 0; !ended; k++) {

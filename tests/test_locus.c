@@ -83,7 +83,7 @@ static double off_curve(const closed_oscillator *start, const closed_curve *c, c
 
 static bool on_border(const closed_curve *c, const double *place) {
     for (int i = 0; i < 2; i++)
-        if (fabs(place[i] - c->low[i]) < 1e-12 || fabs(place[i] - c->high[i]) < 1e-12)
+        if (place[i] == c->low[i] || place[i] == c->high[i])
             return true;
     return false;
 }
@@ -125,8 +125,7 @@ static void check_order(const saltus_branch_options *options, const branch_recor
             double value, unit = options->high[i] - options->low[i];
             check_ok(saltus_spec_direction(&b->spec, options->key[i], &direction, &value, &message),
                      &message);
-            check_near(value, b->value[i], 1e-12 * (1 + fabs(value)));
-            assert_true(value >= options->low[i] - 1e-12 && value <= options->high[i] + 1e-12);
+            assert_true(value == b->value[i] && value >= options->low[i] && value <= options->high[i]);
             apart[i] = a ? (b->value[i] - a->value[i]) / unit : 0;
         }
         assert_int_equal(b->parent, -1);
@@ -184,6 +183,34 @@ static void curves_in_closed_form(void **unused) {
         check_order(&options, &record);
         branch_forget(&record);
     }
+}
+
+/* A curve that leaves the range ends on its border to the last bit, be the border no round number. */
+static void borders_are_met_to_the_last_bit(void **unused) {
+    (void)unused;
+    unsigned long long seed = 5;
+    int met = 0;
+    for (int k = 0; k < 12; k++) {
+        closed_curve c = curves[k % 2];
+        closed_oscillator o;
+        for (int i = 0; i < 4; i++) {
+            seed = seed * 6364136223846793005ULL + 1442695040888963407ULL;
+            double aside = 0.03 * (double)(seed >> 11) * 0x1p-53;
+            (i % 2 ? c.low : c.high)[i / 2] += aside;
+        }
+        c.omega = k % 2 ? 1 : 1.56L;
+        saltus_branch_options options = locus_options(c.kind, c.key, c.low, c.high);
+        options.step = options.step_max = 0.06;
+        branch_record record = run_curve(&c, &o, &options);
+        for (int j = 0; j < record.count; j++)
+            if (record.point[j].kind == SALTUS_POINT_EP && strstr(record.point[j].reason, "range")) {
+                assert_true(on_border(&c, record.point[j].value));
+                met++;
+            }
+        check_order(&options, &record);
+        branch_forget(&record);
+    }
+    assert_true(met >= 12);
 }
 
 /* One way only, up or down in the second parameter, from a point that lies up or down along the first: the
@@ -548,6 +575,7 @@ static void tori_end_at_resonance(void **unused) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(curves_in_closed_form),
+        cmocka_unit_test(borders_are_met_to_the_last_bit),
         cmocka_unit_test(one_way),
         cmocka_unit_test(an_interrupted_curve_goes_on),
         cmocka_unit_test(an_interrupted_curve_of_the_pipe_goes_on),

@@ -135,13 +135,8 @@ saltus_status saltus_branch_new(const saltus_spec *spec, int periods, const doub
         saltus_branch_free(b);
         return status;
     }
-    /* Never beyond the range by a rounding: a parameter's domain may end there. */
-    b->range[0] = saltus_orbits_parameter(o, options->low[0]);
-    while (o->origin + o->family.unit[0] * b->range[0] < options->low[0])
-        b->range[0] = nextafter(b->range[0], INFINITY);
-    b->range[1] = saltus_orbits_parameter(o, options->high[0]);
-    while (o->origin + o->family.unit[0] * b->range[1] > options->high[0])
-        b->range[1] = nextafter(b->range[1], -INFINITY);
+    b->range[0] = saltus_orbits_border(o->origin, o->family.unit[0], options->low[0], 0);
+    b->range[1] = saltus_orbits_border(o->origin, o->family.unit[0], options->high[0], 1);
     for (int k = 0; k < options->value_count; k++) {
         b->targets[k] = options->values[k];
         b->target_kinds[k] = SALTUS_POINT_UZ;

@@ -142,6 +142,7 @@ saltus_status saltus_curve_meet(saltus_equations *e, const saltus_curve_point *f
     to->u[k] = to->tangent[k] = value;
     saltus_status status = correct(e, from, normal, to, message);
     free(normal);
+    to->u[k] = value; /* Newton's last step may have left a rounding */
     to->ahead = product(to->u, from->tangent, m) - product(from->u, from->tangent, m);
     return status;
 }
@@ -180,6 +181,11 @@ static saltus_status approach(saltus_equations *e, const saltus_curve_point *fro
 static bool goes_on(const saltus_curve_point *from, double step, const saltus_curve_point *to) {
     return to->ahead > 0 && to->ahead < 2 * step &&
            product(from->tangent, to->tangent, to->unknowns) > turn_min;
+}
+
+/* What no shorter step can mend. */
+static bool is_final(saltus_status status) {
+    return status == SALTUS_NO_MEMORY || status == SALTUS_INTERRUPTED;
 }
 
 /* Whether a point has come out of a bound, and the border. */
@@ -222,13 +228,13 @@ saltus_status saltus_curve_step(saltus_equations *e, const saltus_curve_point *f
                                 int *reached, saltus_message *message) {
     for (;;) {
         saltus_status status = attempt(e, from, *step, bounds, bound_count, to, reached, message);
-        if (status == SALTUS_NO_MEMORY || (status == SALTUS_OK && goes_on(from, *step, to)))
+        if (is_final(status) || (status == SALTUS_OK && goes_on(from, *step, to)))
             return status;
         if (*reached >= 0) {
             const saltus_curve_bound *bound = &bounds[*reached];
             int k = bound->unknown;
             status = approach(e, from, k, from->tangent[k] > 0 ? bound->high : bound->low, to, message);
-            if (status == SALTUS_NO_MEMORY || (status == SALTUS_OK && goes_on(from, *step, to)))
+            if (is_final(status) || (status == SALTUS_OK && goes_on(from, *step, to)))
                 return status;
         }
         if (*step < step_min)

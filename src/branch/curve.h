@@ -64,7 +64,7 @@ typedef struct saltus_curve_bound {
  * the bounds it ends on the border, be the equations singular there, and *reached is the number of that
  * bound, otherwise -1. Errors:
  * SALTUS_NO_CONVERGENCE where the curve has a corner, those of the evaluation where no step is short enough;
- * SALTUS_NO_MEMORY. */
+ * SALTUS_NO_MEMORY and SALTUS_INTERRUPTED at once, without shorter steps. */
 saltus_status saltus_curve_step(saltus_equations *equations, const saltus_curve_point *from, double *step,
                                 const saltus_curve_bound *bounds, int bound_count, saltus_curve_point *to,
                                 int *reached, saltus_message *message);

@@ -19,6 +19,7 @@ struct saltus_locus {
     saltus_branch_options options;
     saltus_extended x;
     double origin;         /* of the second parameter */
+    double border[2][2];   /* of both parameter unknowns: low, high */
     double *beginning;     /* unknowns of the first point */
     saltus_sequence first; /* its sequence */
     int first_mark;
@@ -197,6 +198,9 @@ static saltus_status open_locus(const saltus_spec *spec, const saltus_branch_opt
         o->family.unit[d] = options->high[d] - options->low[d];
         status = saltus_spec_direction(spec, options->key[d], &o->family.direction[d],
                                        d ? &l->origin : &o->origin, message);
+        for (int side = 0; side < 2; side++)
+            l->border[d][side] = saltus_orbits_border(d ? l->origin : o->origin, o->family.unit[d],
+                                                      side ? options->high[d] : options->low[d], side);
     }
     return status == SALTUS_OK ? saltus_orbits_open(o, message) : status;
 }
@@ -240,6 +244,19 @@ void saltus_locus_free(saltus_locus *l) {
     free(l);
 }
 
+/* A point on a border of the range has the border's value, which the rounding of the unknown may miss. */
+static void meet_borders(const saltus_locus *l, const saltus_solution *s, saltus_branch_point *point) {
+    const saltus_family *family = &l->x.orbits.family;
+    for (int d = 0; d < 2; d++)
+        for (int side = 0; side < 2; side++) {
+            double value = side ? l->options.high[d] : l->options.low[d];
+            if (s->parameter[d] != l->border[d][side])
+                continue;
+            point->spec = saltus_spec_shifted(&point->spec, &family->direction[d], value - point->value[d]);
+            point->value[d] = value;
+        }
+}
+
 /* A point of the curve, `ahead` of `here`. */
 static saltus_status give(saltus_locus *l, const saltus_solution *s, const saltus_curve_point *at,
                           saltus_point_kind kind, double ahead, const char *reason, saltus_message *message) {
@@ -259,6 +276,7 @@ static saltus_status give(saltus_locus *l, const saltus_solution *s, const saltu
     point->arclength = l->arclength + ahead;
     point->accuracy = NAN;
     point->value[1] = l->origin + family->unit[1] * s->parameter[1];
+    meet_borders(l, s, point);
     point->heading = at->tangent[l->x.orbits.equations->count] * family->unit[0];
     if (grazing)
         point->admissible = saltus_corner_breach(&l->x, s) < 1e-9;
@@ -417,11 +435,8 @@ static saltus_status pass_grazing(saltus_locus *l, bool *passed, saltus_message 
 static saltus_status take_step(saltus_locus *l, int *reached, bool *found, saltus_message *message) {
     const double stride_min = 1e-5;
     int c = l->x.orbits.equations->count;
-    const saltus_curve_bound bounds[2] = {
-        {c, (l->options.low[0] - l->x.orbits.origin) / l->x.orbits.family.unit[0],
-         (l->options.high[0] - l->x.orbits.origin) / l->x.orbits.family.unit[0]},
-        {c + 1, (l->options.low[1] - l->origin) / l->x.orbits.family.unit[1],
-         (l->options.high[1] - l->origin) / l->x.orbits.family.unit[1]}};
+    const saltus_curve_bound bounds[2] = {{c, l->border[0][0], l->border[0][1]},
+                                          {c + 1, l->border[1][0], l->border[1][1]}};
     saltus_message why = {.text = ""};
     for (*found = false; !*found && l->step > stride_min; l->step *= *found ? 1 : 0.5) {
         saltus_status status =

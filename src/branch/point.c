@@ -79,9 +79,12 @@ saltus_status saltus_point_make(saltus_orbits *o, const saltus_solution *s, bool
     bool found = survey->follows && !prescribed;
     size_t n = (size_t)o->n, events = (size_t)(found ? survey->lap.event_count : s->sequence.count);
     double section = ceil(s->sequence.base / s->sequence.periods) * s->sequence.periods;
+    /* What the parameter's rounding leaves to the solution's value, as on a border of the range. */
+    double rest = s->value - (o->origin + o->family.unit[0] * s->parameter[0]);
+    saltus_spec spec = saltus_family_spec(&o->family, s->parameter);
     *point = (saltus_branch_point){.value = {s->value, NAN},
                                    .heading = saltus_solution_heading(s) * o->family.unit[0],
-                                   .spec = saltus_family_spec(&o->family, s->parameter),
+                                   .spec = saltus_spec_shifted(&spec, &o->family.direction[0], rest),
                                    .periods = s->sequence.periods,
                                    .dimension = o->n,
                                    .unstable = survey->unstable,

@@ -51,14 +51,25 @@ saltus_status saltus_orbits_noted(saltus_orbits *o, saltus_status status) {
     return status;
 }
 
-double saltus_orbits_parameter(const saltus_orbits *o, double value) {
-    double unit = o->family.unit[0], found = (value - o->origin) / unit;
-    /* One rounding at most is between the quotient and the number that gives the value back. */
+/* One rounding at most is between the quotient and the number that gives the value back. */
+static double unknown_at(double origin, double unit, double value) {
+    double found = (value - origin) / unit;
     for (int way = -1; way <= 1; way += 2) {
         double next = nextafter(found, way * INFINITY);
-        if (o->origin + unit * found != value && o->origin + unit * next == value)
+        if (origin + unit * found != value && origin + unit * next == value)
             found = next;
     }
+    return found;
+}
+
+double saltus_orbits_parameter(const saltus_orbits *o, double value) {
+    return unknown_at(o->origin, o->family.unit[0], value);
+}
+
+double saltus_orbits_border(double origin, double unit, double border, int side) {
+    double found = unknown_at(origin, unit, border);
+    while (side ? origin + unit * found > border : origin + unit * found < border)
+        found = nextafter(found, side ? -INFINITY : INFINITY);
     return found;
 }
 
