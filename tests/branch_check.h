@@ -122,10 +122,11 @@ static inline void branch_check_bytes(const void *a, const void *b, size_t size,
 
 /* Two points agree to the last bit in all that they tell. */
 static inline void branch_check_equal(const saltus_branch_point *a, const saltus_branch_point *b, int row) {
-    const int whole[2][11] = {{a->kind, a->branch, a->parent, a->step, a->periods, a->sticking_intervals,
-                               a->unstable, a->iterations, a->grazing_stop, a->grazing_side, a->event_count},
-                              {b->kind, b->branch, b->parent, b->step, b->periods, b->sticking_intervals,
-                               b->unstable, b->iterations, b->grazing_stop, b->grazing_side, b->event_count}};
+    const int whole[2][12] = {
+        {a->kind, a->locus, a->branch, a->parent, a->step, a->periods, a->sticking_intervals, a->unstable,
+         a->iterations, a->grazing_stop, a->grazing_side, a->event_count},
+        {b->kind, b->locus, b->branch, b->parent, b->step, b->periods, b->sticking_intervals, b->unstable,
+         b->iterations, b->grazing_stop, b->grazing_side, b->event_count}};
     const double real[2][11] = {
         {a->arclength, a->value[0], a->value[1], a->heading, a->residual, a->log_volume, a->sum_rule,
          a->accuracy, a->grazing_time, (double)a->impacts, a->contact_force},

@@ -879,7 +879,7 @@ static void write_locus(fixture *f, const char *path, bool turned) {
     f->options.value_count = 0;
     for (int k = 0; k < point_count; k++) {
         saltus_branch_point *p = &f->points[k];
-        p->kind = SALTUS_POINT_LP;
+        p->kind = p->locus = SALTUS_POINT_LP;
         p->value[turned] = 42 + 0.1 * k;
         p->value[!turned] = 0.03 + 1e-5 * k * (50 - k);
         f->multipliers[k][0] = (saltus_multiplier){1, 0, 0};

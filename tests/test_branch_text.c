@@ -34,6 +34,7 @@ static void make(made *m, saltus_point_kind locus) {
         saltus_branch_point *p = &m->point[k];
         *p = (saltus_branch_point){.kind = k % 2 ? (saltus_point_kind)(1 + k / 2 % (SALTUS_POINT_KINDS - 1))
                                                  : SALTUS_POINT_REGULAR,
+                                   .locus = locus,
                                    .branch = k < 7    ? 0
                                              : k < 15 ? 1
                                                       : 2,
@@ -292,6 +293,7 @@ static void a_point_is_told_in_json(void **state) {
             const struct {
                 const char *key, *text;
             } texts[] = {{"scene", "made"},
+                         {"locus", saltus_point_word(p->locus)},
                          {"label", saltus_point_word(p->kind)},
                          {"motion", p->label},
                          {"motion_after", p->label_after},

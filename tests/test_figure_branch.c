@@ -550,7 +550,7 @@ static void make_locus(saltus_point_kind kind) {
     made.options.locus = kind;
     for (int k = 0; k < points; k++) {
         saltus_branch_point *p = &made.point[k];
-        p->kind = kind;
+        p->kind = p->locus = kind;
         p->value[1] = 0.2 + 0.002 * k + 0.03 * p->branch;
         double critical = kind == SALTUS_POINT_PD ? -1 : 1;
         made.multiplier[k][0] = (saltus_multiplier){critical, 0, 0};

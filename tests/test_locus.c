@@ -455,6 +455,206 @@ static void curves_meet_at_corners(void **unused) {
     free(r.text);
 }
 
+/* How often to switch branches until this one. */
+static int depth_of(const branch_record *record, int branch) {
+    int depth = 0;
+    for (int k = 0; k < record->count; k++)
+        if (record->point[k].branch == branch && record->point[k].parent >= 0) {
+            branch = record->point[k].parent;
+            depth++;
+            k = -1;
+        }
+    return depth;
+}
+
+/* Whether a curve of a kind passes a place. */
+static bool passes(const branch_record *record, saltus_point_kind locus, const double *place) {
+    for (int k = 0; k < record->count; k++)
+        if (record->point[k].locus == locus && fabs(record->point[k].value[0] - place[0]) < 1e-8 &&
+            fabs(record->point[k].value[1] - place[1]) < 1e-8)
+            return true;
+    return false;
+}
+
+/* Points know what curve they are on. Where curves meet all of them have been followed, but where that is too
+ * deep; none is gone over twice: no two leave the range at one place. */
+static void check_network(const branch_record *record, const saltus_branch_options *options) {
+    for (int k = 0; k < record->count; k++) {
+        const saltus_branch_point *p = &record->point[k];
+        int depth = depth_of(record, p->branch);
+        assert_true(depth <= options->switches);
+        assert_true(depth > 0 || p->locus == options->locus);
+        if (p->kind < SALTUS_POINT_CP && p->kind != SALTUS_POINT_EP)
+            assert_int_equal(p->kind, p->locus);
+        for (int j = 0; j < k && p->kind == SALTUS_POINT_EP && strstr(p->reason, "range"); j++) {
+            const saltus_branch_point *q = &record->point[j];
+            bool ends = q->kind == SALTUS_POINT_EP && strstr(q->reason, "range") && q->locus == p->locus;
+            assert_false(ends && fabs(p->value[0] - q->value[0]) < 1e-7 &&
+                         fabs(p->value[1] - q->value[1]) < 1e-7);
+        }
+        if (depth == options->switches)
+            continue;
+        bool grazes = p->kind >= SALTUS_POINT_GR_LP && p->kind <= SALTUS_POINT_GR_BP;
+        if (grazes)
+            assert_true(passes(record, SALTUS_POINT_GR, p->value));
+        if (p->kind == SALTUS_POINT_GR_LP)
+            assert_true(passes(record, SALTUS_POINT_LP, p->value));
+        if (p->kind == SALTUS_POINT_GR_PD)
+            assert_true(passes(record, SALTUS_POINT_PD, p->value));
+    }
+}
+
+/* From a flip's meeting with grazing the curve of grazing is followed: the orbits without impact whose
+ * amplitude is the gap. */
+static void corners_start_grazing(void **unused) {
+    (void)unused;
+    closed_curve c = curves[1];
+    closed_oscillator o;
+    saltus_branch_options options = locus_options(c.kind, c.key, c.low, c.high);
+    options.switches = 1;
+    branch_record record = run_curve(&c, &o, &options);
+    int grazing = 0, ends = 0;
+    check_network(&record, &options);
+    for (int k = 0; k < record.count; k++) {
+        const saltus_branch_point *p = &record.point[k];
+        long double phase;
+        if (p->locus != SALTUS_POINT_GR)
+            continue;
+        o.omega = p->value[0];
+        check_near((double)closed_amplitude(&o, &phase), p->value[1], 1e-9);
+        ends += p->kind == SALTUS_POINT_EP && on_border(&c, p->value);
+        grazing++;
+    }
+    assert_true(grazing > 20);
+    assert_int_equal(ends, 2);
+    branch_forget(&record);
+}
+
+/* The curves of one kind in a run leave the range where those of another run do. */
+static void check_same_ends(const branch_record *one, const branch_record *other, saltus_point_kind locus,
+                            int expected) {
+    int ends = 0;
+    for (int k = 0; k < one->count; k++) {
+        const saltus_branch_point *p = &one->point[k];
+        double nearest = INFINITY;
+        if (p->locus != locus || p->kind != SALTUS_POINT_EP || !strstr(p->reason, "range"))
+            continue;
+        for (int j = 0; j < other->count; j++) {
+            const saltus_branch_point *q = &other->point[j];
+            if (q->locus == locus && q->kind == SALTUS_POINT_EP)
+                nearest =
+                    fmin(nearest, fabs(q->value[0] / p->value[0] - 1) + fabs(q->value[1] / p->value[1] - 1));
+        }
+        check_near(nearest, 0, 1e-10);
+        ends++;
+    }
+    assert_int_equal(ends, expected);
+}
+
+/* Of the pipe: the flips' curve has a double multiplier -1 twice, where tori begin, and meets grazing twice.
+ * The curve of grazing is the one that is found on its own. */
+static void corners_start_the_curves_that_meet_there(void **unused) {
+    (void)unused;
+    static const char *const key[2] = {"omega", "d"};
+    static const double low[2] = {38, 0.034}, high[2] = {46, 0.036};
+    reference r = read_reference("fig7d");
+    saltus_branch_options options = locus_options(SALTUS_POINT_PD, key, low, high);
+    options.switches = 1;
+    branch_record record = branch_run(&r.spec, r.periods, r.states[0], &options);
+    int count[SALTUS_POINT_KINDS] = {0};
+    check_network(&record, &options);
+    for (int k = 0; k < record.count; k++)
+        count[record.point[k].locus] += record.point[k].step == 0;
+    assert_true(count[SALTUS_POINT_PD] == 2 && count[SALTUS_POINT_GR] == 2 && count[SALTUS_POINT_NS] == 4);
+    for (int k = 0; k < record.count; k += 5)
+        if (record.point[k].kind == SALTUS_POINT_NS)
+            check_anew(&record.point[k], SALTUS_POINT_NS);
+    saltus_branch_options alone = locus_options(SALTUS_POINT_GR, key, low, high);
+    branch_record grazing = branch_run(&r.spec, r.periods, r.states[0], &alone);
+    check_same_ends(&grazing, &record, SALTUS_POINT_GR, 2);
+    branch_forget(&grazing);
+    branch_forget(&record);
+    free(r.text);
+}
+
+/* An oscillator whose folds, flips and grazings meet. */
+static saltus_spec meeting_curves(void) {
+    saltus_spec spec = oscillator_spec(0.12504, 1, 1.1739, 2.0486);
+    set_parameter(&spec, "F0", 0.11951);
+    add_stop(&spec, 0.42605, 0.40661, SALTUS_UPPER);
+    return spec;
+}
+
+/* Folds, flips and grazings of an oscillator and its period-doubled orbits, which meet in many points, two
+ * impacts grazing in some of them; each curve is followed once. Every grazing orbit touches its stop. */
+static void networks_of_curves(void **unused) {
+    (void)unused;
+    static const char *const key[2] = {"omega", "d"};
+    static const double low[2] = {1.2292, 0.12782}, high[2] = {3.2778, 0.85211};
+    saltus_spec spec = meeting_curves();
+    saltus_system *system = build(&spec);
+    saltus_classify_options how = saltus_classify_defaults();
+    saltus_message message = {.text = ""};
+    saltus_motion motion;
+    double state[2] = {0};
+    check_ok(saltus_classify(system, state, &how, &motion, &message), &message);
+    int curves_at[3] = {0}, found[SALTUS_POINT_KINDS] = {0};
+    /* The first fold is on the branch of twice the period. */
+    for (int switches = 1; switches < 3; switches++) {
+        saltus_branch_options options = locus_options(SALTUS_POINT_LP, key, low, high);
+        options.switches = switches;
+        options.step_max = 0.03;
+        branch_record record = branch_run(&spec, motion.periods, motion.state, &options);
+        check_network(&record, &options);
+        for (int k = 0; k < record.count; k++) {
+            const saltus_branch_point *p = &record.point[k];
+            curves_at[switches] += p->step == 0;
+            found[p->kind] += switches == 2;
+            if (p->kind == SALTUS_POINT_GR) {
+                saltus_system *own = build(&p->spec);
+                /* The speed answers to the gap like a square root. */
+                check_near(pow(slowest_contact(own, p->periods, p->state), 2), 0, 1e-9);
+                saltus_system_free(own);
+            }
+        }
+        branch_forget(&record);
+    }
+    assert_true(curves_at[1] > 2 && curves_at[2] > curves_at[1]);
+    assert_true(found[SALTUS_POINT_GR_LP] > 4 && found[SALTUS_POINT_GR_PD] > 4 &&
+                found[SALTUS_POINT_GR_GR] > 1);
+    saltus_motion_clear(&motion);
+    saltus_system_free(system);
+}
+
+/* Interrupted on any of the curves that were switched to, or between two of them, it all goes on to the last
+ * bit: which curves wait, and which have been gone over. */
+static void an_interrupted_network_goes_on(void **unused) {
+    (void)unused;
+    static const char *const key[2] = {"omega", "d"};
+    static const double low[2] = {1.2292, 0.12782}, high[2] = {3.2778, 0.85211};
+    static const double from[2] = {38, 0.034}, to[2] = {46, 0.036};
+    saltus_spec spec = meeting_curves();
+    saltus_system *system = build(&spec);
+    saltus_classify_options how = saltus_classify_defaults();
+    saltus_message message = {.text = ""};
+    saltus_motion motion;
+    double state[2] = {0};
+    check_ok(saltus_classify(system, state, &how, &motion, &message), &message);
+    saltus_branch_options options = locus_options(SALTUS_POINT_LP, key, low, high);
+    options.switches = 2;
+    options.step = options.step_max = 0.1;
+    assert_true(branch_check_resumed(&spec, motion.periods, motion.state, &options, 41) > 3);
+    saltus_motion_clear(&motion);
+    saltus_system_free(system);
+    if (!long_version())
+        return;
+    reference r = read_reference("fig7d");
+    options = locus_options(SALTUS_POINT_PD, key, from, to);
+    options.switches = 1;
+    assert_true(branch_check_resumed(&r.spec, r.periods, r.states[0], &options, 120) > 1);
+    free(r.text);
+}
+
 /* At a cusp both parameters turn back, and the curve leaves to the side that it came from. */
 static void folds_have_cusps(void **unused) {
     (void)unused;
@@ -582,6 +782,10 @@ int main(void) {
         cmocka_unit_test(no_torus),
         cmocka_unit_test(two_masses),
         cmocka_unit_test(curves_meet_at_corners),
+        cmocka_unit_test(corners_start_grazing),
+        cmocka_unit_test(corners_start_the_curves_that_meet_there),
+        cmocka_unit_test(networks_of_curves),
+        cmocka_unit_test(an_interrupted_network_goes_on),
         cmocka_unit_test(folds_have_cusps),
         cmocka_unit_test(resonances),
         cmocka_unit_test(pipe_folds),

@@ -28,8 +28,8 @@ static const cli_option points =
     CLI_WHOLE_OPTION("--points", points, "n", 2000, 1, 1e7, "points at most, on each branch");
 static const cli_option direction =
     CLI_TEXT_OPTION("--direction", direction, "way", "up, down or both (default both)");
-static const cli_option switches =
-    CLI_WHOLE_OPTION("--switch", switches, "k", 0, 0, 1000, "also follow what branches off, to this depth");
+static const cli_option switches = CLI_WHOLE_OPTION(
+    "--switch", switches, "k", 0, 0, 1000, "also follow what branches off, or meets a locus, to this depth");
 static const cli_option values =
     CLI_TEXT_OPTION("--at", values, "v[,v...]", "values of the parameter to compute a point (UZ) at");
 static const cli_option json = CLI_FLAG_OPTION("--json", json, "one JSON object for each point on stdout");
@@ -340,17 +340,24 @@ const cli_command cmd_continue = {
     .usage =
         "SCENE [--set key=value ...] [--from orbit] --in omega=lo:hi [--locus PD --and d=lo:hi] -o branch.h5 "
         "[--json]",
-    .help = "Follow a periodic orbit as a parameter changes, stable or not, and find where it folds (LP), "
-            "flips (PD),\n"
-            "bifurcates to a torus (NS), meets another branch (BP) or grazes a stop (GR), and where chatter "
-            "completes\n"
-            "(CH) or sticking changes (ST). Without --from the start is the orbit that the scene settles on; "
-            "with it, the\n"
-            "file's parameters hold where --set does not say otherwise. With --locus such points are "
-            "followed in two\n"
-            "parameters. The file can be plotted, and read, while it grows; with --resume the options are "
-            "those of the\n"
-            "interrupted run, and the file becomes the one that it would have left.",
+    .help =
+        "Follow a periodic orbit as a parameter changes, stable or not, and find where it folds (LP), "
+        "flips (PD),\n"
+        "bifurcates to a torus (NS), meets another branch (BP) or grazes a stop (GR), and where chatter "
+        "completes\n"
+        "(CH) or sticking changes (ST). Without --from the start is the orbit that the scene settles on; "
+        "with it, the\n"
+        "file's parameters hold where --set does not say otherwise. With --locus such points are "
+        "followed in two\n"
+        "parameters, through points of codimension two; there --switch also follows the other curves that "
+        "meet: that of\n"
+        "grazing, those of folds, flips, tori and branch points at grazing, tori and folds or flips at a "
+        "double multiplier\n"
+        "1 (R1) or -1 (R2), the other impact's where two graze. At R3 and R4 only orbits of period 3 and "
+        "4 begin, which\n"
+        "are branches, no such curves. The file can be plotted, and read, while it grows; with --resume the "
+        "options are\n"
+        "those of the interrupted run, and the file becomes the one that it would have left.",
     .needs_scene = true,
     .endings = endings,
     .kind = "branch",

@@ -47,13 +47,14 @@ const char *saltus_point_word(saltus_point_kind kind);
 /* One point of a branch. Arrays belong to the branch and last until its next step. */
 typedef struct saltus_branch_point {
     saltus_point_kind kind;
-    int branch;       /* 0 up from the start, 1 down from it, 2 ... switched to */
-    int parent;       /* switched: the branch it left; otherwise -1 */
-    int step;         /* counted along the branch */
-    double arclength; /* along the branch, 0 at its start */
-    double value[2];  /* of the continued parameters (the second one: loci only, otherwise NAN) */
-    double heading;   /* d value[0] / d arclength */
-    saltus_spec spec; /* all parameters */
+    saltus_point_kind locus; /* what the points of the curve are; REGULAR: orbits, on a branch */
+    int branch;              /* 0 up from the start, 1 down from it, 2 ... switched to */
+    int parent;              /* switched: the branch it left; otherwise -1 */
+    int step;                /* counted along the branch */
+    double arclength;        /* along the branch, 0 at its start */
+    double value[2];         /* of the continued parameters (the second one: loci only, otherwise NAN) */
+    double heading;          /* d value[0] / d arclength */
+    saltus_spec spec;        /* all parameters */
     int periods;
     long long impacts; /* n per orbit; -1 with complete chatter */
     int sticking_intervals;
@@ -88,9 +89,10 @@ typedef struct saltus_branch_options {
                               state in units of the system's scale */
     int points;            /* at most, per branch, special points and its end among them */
     int direction;         /* +1 up first and only, -1 down only, 0 both */
-    int switches;          /* how often to switch branches: at flips and branch points, and at grazing to
-                              orbits of twice the period that graze in one half only; 0 ... */
-    const double *values;  /* where UZ points are wanted; caller's */
+    int switches; /* how often to switch branches: at flips and branch points, and at grazing to orbits of
+                     twice the period that graze in one half only; of loci, at points of codimension two to
+                     the other curves that meet there, each of which is followed once; 0 ... */
+    const double *values; /* where UZ points are wanted; caller's */
     int value_count;
     saltus_point_kind locus; /* LP, PD, NS, BP or GR: follow such points in both parameters; else REGULAR */
 } saltus_branch_options;

@@ -18,22 +18,41 @@ static saltus_scaled plain(double value) {
     return (saltus_scaled){value, 0};
 }
 
-double saltus_corner_breach(const saltus_extended *x, const saltus_solution *s) {
+/* Whether a breach is that of the grazing impact that is followed, or its image's. */
+static bool is_own(const saltus_extended *x, const saltus_solution *s, const saltus_breach *breach) {
     const double near = 1e-4;
-    double worst = -1;
-    if (x->kind != SALTUS_POINT_GR)
-        return s->worst.value;
     const saltus_mark *own = &s->sequence.mark[x->mark];
-    for (int k = 0; k < s->breach_count; k++) {
-        const saltus_breach *breach = &s->breaches[k];
-        bool touch = breach->face == own->face && fabs(breach->time - own->time) < near;
-        /* On an orbit that is its own mirror image the impact's image grazes too. */
-        bool image = x->mirrored && breach->face != own->face &&
-                     fabs(fabs(breach->time - own->time) - 0.5 * s->sequence.periods) < near;
-        if (!touch && !image && !(breach->mark == x->mark && breach->kind == SALTUS_BREACH_SPEED))
-            worst = fmax(worst, breach->value);
+    bool touch = breach->face == own->face && fabs(breach->time - own->time) < near;
+    /* On an orbit that is its own mirror image the impact's image grazes too. */
+    bool image = x->mirrored && breach->face != own->face &&
+                 fabs(fabs(breach->time - own->time) - 0.5 * s->sequence.periods) < near;
+    return touch || image || (breach->mark == x->mark && breach->kind == SALTUS_BREACH_SPEED);
+}
+
+const saltus_breach *saltus_corner_worst(const saltus_extended *x, const saltus_solution *s) {
+    const saltus_breach *worst = NULL;
+    for (int k = 0; k < s->breach_count; k++)
+        if (s->breaches[k].value > (worst ? worst->value : -1) &&
+            !(x->kind == SALTUS_POINT_GR && is_own(x, s, &s->breaches[k])))
+            worst = &s->breaches[k];
+    return worst;
+}
+
+const saltus_breach *saltus_corner_touch(const saltus_extended *x, const saltus_solution *s) {
+    const double near = 1e-4, slow = 1e-5;
+    const saltus_breach *worst = saltus_corner_worst(x, s);
+    for (int k = 0; worst && worst->kind == SALTUS_BREACH_GAP && k < s->breach_count; k++) {
+        const saltus_breach *impact = &s->breaches[k];
+        if (impact->kind == SALTUS_BREACH_SPEED && impact->face == worst->face &&
+            fabs(impact->time - worst->time) < near && fabs(impact->value) < slow)
+            return impact;
     }
     return worst;
+}
+
+double saltus_corner_breach(const saltus_extended *x, const saltus_solution *s) {
+    const saltus_breach *worst = saltus_corner_worst(x, s);
+    return worst ? worst->value : -1;
 }
 
 /* Determinants of the equations, the parameters fixed, that the shooting has last evaluated: as they are, and
@@ -57,17 +76,17 @@ static bool determinants(saltus_shooting *shooting, int n, saltus_scaled *fold, 
     return room;
 }
 
-/* By how much the square of the modulus of the largest complex pair of multipliers exceeds 1; NAN where there
- * is none. The equations have one cut: the event times are eliminated from the derivative around the orbit.
- * False without memory. */
-static bool pair_excess(saltus_shooting *shooting, int n, double *excess) {
+/* By how much the square of the modulus of the largest complex pair of multipliers exceeds 1, and the angle
+ * of the pair; NAN where there is none. The equations have one cut: the event times are eliminated from the
+ * derivative around the orbit. False without memory. */
+static bool pair_excess(saltus_shooting *shooting, int n, double *excess, double *angle) {
     const saltus_equations *e = saltus_shooting_equations(shooting);
     int marks = e->count - n, m = e->unknowns;
     saltus_dense_lu lu = {.n = 0};
     double *work = calloc((size_t)(n * n + 2 * n + marks * (marks + n) + 1), sizeof *work);
     double *monodromy = work, *real = work + n * n, *imaginary = real + n, *times = imaginary + n;
     double *columns = times + marks * marks;
-    *excess = NAN;
+    *excess = *angle = NAN;
     bool room = work && (marks == 0 || saltus_dense_lu_open(&lu, marks)), sound = room;
     for (int i = 0; i < marks && sound; i++) {
         memcpy(times + i * marks, e->jacobian + (n + i) * m + n, (size_t)marks * sizeof *times);
@@ -86,25 +105,35 @@ static bool pair_excess(saltus_shooting *shooting, int n, double *excess) {
                 monodromy[i * n + j] += e->jacobian[i * m + n + k] * columns[j * marks + k];
         }
     if (sound && saltus_dense_eigenvalues(monodromy, n, real, imaginary))
-        for (int i = 0; i < n; i++)
-            if (imaginary[i] > 0)
-                *excess = fmax(*excess, real[i] * real[i] + imaginary[i] * imaginary[i] - 1);
+        for (int i = 0; i < n; i++) {
+            double own = real[i] * real[i] + imaginary[i] * imaginary[i] - 1;
+            if (imaginary[i] > 0 && !(own <= *excess)) {
+                *excess = own;
+                *angle = atan2(imaginary[i], real[i]);
+            }
+        }
     saltus_dense_lu_close(&lu);
     free(work);
     return room;
 }
 
+/* The sequence of an orbit without the impacts that graze. */
+static saltus_sequence less_impacts(const saltus_solution *s) {
+    saltus_sequence less;
+    int order[SALTUS_MARKS_MAX];
+    saltus_sequence_graze(&s->sequence, s->breaches, s->breach_count, &less, order);
+    return less;
+}
+
 /* The same of the orbit without the impacts that graze. What cannot be computed is NAN. False without memory.
  */
 static bool without_impact(const saltus_extended *x, const saltus_solution *s, saltus_scaled *fold,
-                           saltus_scaled *flip, double *excess) {
-    saltus_sequence less;
+                           saltus_scaled *flip, double *excess, double *angle) {
+    saltus_sequence less = less_impacts(s);
     saltus_shooting *shooting = NULL;
     saltus_message ignored;
-    int order[SALTUS_MARKS_MAX];
     *fold = *flip = plain(NAN);
-    *excess = NAN;
-    saltus_sequence_graze(&s->sequence, s->breaches, s->breach_count, &less, order);
+    *excess = *angle = NAN;
     less.cuts = 1;
     double *u;
     saltus_status status =
@@ -113,7 +142,8 @@ static bool without_impact(const saltus_extended *x, const saltus_solution *s, s
         status = saltus_equations_evaluate(saltus_shooting_equations(shooting), u, &ignored);
     bool room = status != SALTUS_NO_MEMORY;
     if (status == SALTUS_OK)
-        room = determinants(shooting, x->orbits.n, fold, flip) && pair_excess(shooting, x->orbits.n, excess);
+        room = determinants(shooting, x->orbits.n, fold, flip) &&
+               pair_excess(shooting, x->orbits.n, excess, angle);
     saltus_shooting_free(shooting);
     free(u);
     return room;
@@ -126,37 +156,101 @@ int saltus_corner_measure(const saltus_extended *x, const saltus_curve_point *po
                                                 [SALTUS_POINT_NS] = SALTUS_POINT_GR_NS,
                                                 [SALTUS_POINT_BP] = SALTUS_POINT_GR_BP,
                                                 [SALTUS_POINT_GR] = SALTUS_POINT_GR_GR};
-    double excess, theta = x->extra ? point->u[point->unknowns - 1] : 0;
+    double excess, angle, theta = x->extra ? point->u[point->unknowns - 1] : 0;
     saltus_scaled fold, flip, other_fold, other_flip;
     int count = 0;
-    corners[count++] = (saltus_corner){grazing[x->kind], plain(saltus_corner_breach(x, s)), true};
+    corners[count++] = (saltus_corner){
+        .kind = grazing[x->kind], .value = plain(saltus_corner_breach(x, s)), .breach = true, .ends = true};
     switch (x->kind) {
     case SALTUS_POINT_LP:
-        corners[count++] = (saltus_corner){SALTUS_POINT_CP, plain(saltus_extended_cusp(x)), false};
-        corners[count++] = (saltus_corner){SALTUS_POINT_R1, plain(saltus_extended_double(x)), false};
+        corners[count++] = (saltus_corner){.kind = SALTUS_POINT_CP, .value = plain(saltus_extended_cusp(x))};
+        corners[count++] =
+            (saltus_corner){.kind = SALTUS_POINT_R1, .value = plain(saltus_extended_double(x))};
         break;
     case SALTUS_POINT_PD:
-        corners[count++] = (saltus_corner){SALTUS_POINT_R2, plain(saltus_extended_double(x)), false};
+        corners[count++] =
+            (saltus_corner){.kind = SALTUS_POINT_R2, .value = plain(saltus_extended_double(x))};
         break;
     case SALTUS_POINT_NS:
-        corners[count++] = (saltus_corner){SALTUS_POINT_R1, plain(theta), true};
-        corners[count++] = (saltus_corner){SALTUS_POINT_R2, plain(theta - M_PI), true};
-        corners[count++] = (saltus_corner){SALTUS_POINT_R3, plain(theta - 2 * M_PI / 3), false};
-        corners[count++] = (saltus_corner){SALTUS_POINT_R4, plain(theta - M_PI / 2), false};
+        corners[count++] = (saltus_corner){.kind = SALTUS_POINT_R1, .value = plain(theta), .ends = true};
+        corners[count++] =
+            (saltus_corner){.kind = SALTUS_POINT_R2, .value = plain(theta - M_PI), .ends = true};
+        corners[count++] = (saltus_corner){.kind = SALTUS_POINT_R3, .value = plain(theta - 2 * M_PI / 3)};
+        corners[count++] = (saltus_corner){.kind = SALTUS_POINT_R4, .value = plain(theta - M_PI / 2)};
         break;
     case SALTUS_POINT_GR:
         if (!determinants(x->orbits.shooting, x->orbits.n, &fold, &flip) ||
-            !without_impact(x, s, &other_fold, &other_flip, &excess))
+            !without_impact(x, s, &other_fold, &other_flip, &excess, &angle))
             return -1;
-        corners[count++] = (saltus_corner){SALTUS_POINT_GR_LP, fold, false};
-        corners[count++] = (saltus_corner){SALTUS_POINT_GR_PD, flip, false};
-        corners[count++] =
-            (saltus_corner){x->mirrored ? SALTUS_POINT_GR_BP : SALTUS_POINT_GR_LP, other_fold, false};
-        corners[count++] = (saltus_corner){SALTUS_POINT_GR_PD, other_flip, false};
-        corners[count++] = (saltus_corner){SALTUS_POINT_GR_NS, plain(excess), false};
+        corners[count++] = (saltus_corner){.kind = SALTUS_POINT_GR_LP, .value = fold};
+        corners[count++] = (saltus_corner){.kind = SALTUS_POINT_GR_PD, .value = flip};
+        corners[count++] = (saltus_corner){.kind = SALTUS_POINT_GR_LP, .value = other_fold, .without = true};
+        corners[count++] = (saltus_corner){.kind = SALTUS_POINT_GR_PD, .value = other_flip, .without = true};
+        corners[count++] = (saltus_corner){
+            .kind = SALTUS_POINT_GR_NS, .value = plain(excess), .without = true, .theta = angle};
         break;
     default:
         break;
     }
     return count;
+}
+
+/* Whether the null vector of an orbit that is its own mirror image leads to orbits that are not: half an
+ * orbit later it is itself again, not minus itself as the orbit is. */
+static saltus_status breaks_symmetry(const saltus_extended *x, const saltus_solution *s, bool without,
+                                     bool *breaks, saltus_message *message) {
+    saltus_sequence halves = without ? less_impacts(s) : s->sequence;
+    saltus_shooting *shooting = NULL;
+    double value, *u, *work = NULL;
+    int n = x->orbits.n;
+    *breaks = false;
+    halves.cuts = 2;
+    halves.cut[1] = halves.base + 0.5 * halves.periods;
+    saltus_status status =
+        saltus_orbits_shoot(&x->orbits, &halves, s->parameter, s->state, &shooting, &u, message);
+    if (status == SALTUS_OK)
+        status = saltus_equations_evaluate(saltus_shooting_equations(shooting), u, message);
+    if (status == SALTUS_OK) {
+        const saltus_equations *e = saltus_shooting_equations(shooting);
+        int c = e->count;
+        double *a = work = calloc((size_t)(c * (c + 1)), sizeof *work), *null = a + c * c, sum = 0;
+        if (!work)
+            status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a locus");
+        for (int i = 0; i < c && work; i++)
+            memcpy(a + i * c, e->jacobian + i * e->unknowns, (size_t)c * sizeof *a);
+        if (work && saltus_dense_null_vectors(a, c, c, 1, null, &value))
+            for (int i = 0; i < n; i++)
+                sum += null[i] * null[n + i];
+        *breaks = sum > 0;
+    }
+    saltus_shooting_free(shooting);
+    free(u);
+    free(work);
+    return status == SALTUS_NO_MEMORY ? status : SALTUS_OK;
+}
+
+/* What a contact's end is that shrinks to nothing, or lets go. */
+static saltus_point_kind contact_change(const saltus_extended *x, const saltus_solution *s,
+                                        const saltus_breach *worst) {
+    if (x->kind != SALTUS_POINT_GR || worst->kind != SALTUS_BREACH_HOLD)
+        return SALTUS_POINT_EP;
+    int k = worst->mark - 1;
+    while (k >= 0 && s->sequence.mark[k].face != worst->face)
+        k--;
+    return k >= 0 && s->sequence.mark[k].kind == SALTUS_STICK ? SALTUS_POINT_EP : SALTUS_POINT_CH_GR;
+}
+
+saltus_status saltus_corner_tell(const saltus_extended *x, const saltus_corner *corner,
+                                 const saltus_solution *s, saltus_point_kind *kind, saltus_message *message) {
+    const saltus_breach *worst = saltus_corner_worst(x, s);
+    saltus_status status = SALTUS_OK;
+    bool breaks = false;
+    *kind = corner->kind;
+    if (corner->breach && worst && (worst->kind == SALTUS_BREACH_HOLD || worst->kind == SALTUS_BREACH_FORCE))
+        *kind = contact_change(x, s, worst);
+    if (x->kind == SALTUS_POINT_GR && x->mirrored && *kind == SALTUS_POINT_GR_LP)
+        status = breaks_symmetry(x, s, corner->without, &breaks, message);
+    if (breaks)
+        *kind = SALTUS_POINT_GR_BP;
+    return status;
 }

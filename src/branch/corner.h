@@ -11,14 +11,29 @@ enum { SALTUS_CORNERS_MAX = 6 };
 typedef struct saltus_corner {
     saltus_point_kind kind;
     saltus_scaled value;
-    bool ends; /* beyond it there is no such curve */
+    bool breach;  /* the worst of the orbit, which must be negative */
+    bool ends;    /* beyond it there is no such curve */
+    bool without; /* on a curve of grazing: seen without the impact */
+    double theta; /* there, of a pair of multipliers on the unit circle: its angle */
 } saltus_corner;
 
-/* The worst breach of an orbit but for the grazing impact that is followed. */
+/* The worst breach of an orbit but for the grazing impact that is followed; NULL: there is no other. */
+const saltus_breach *saltus_corner_worst(const saltus_extended *extended, const saltus_solution *orbit);
+/* The same, but where that is a maximum of the gap at an impact that has lost its speed, the impact. */
+const saltus_breach *saltus_corner_touch(const saltus_extended *extended, const saltus_solution *orbit);
+/* The value of the worst, -1 for none. */
 double saltus_corner_breach(const saltus_extended *extended, const saltus_solution *orbit);
 /* All functions at a point, from what the extended equations have seen there, and the orbit there. Returns
  * their number, which depends on the kind of locus alone; -1 without memory. */
 int saltus_corner_measure(const saltus_extended *extended, const saltus_curve_point *point,
                           const saltus_solution *orbit, saltus_corner *corners);
+
+/* What the corner is that has been located at an orbit: where that is its own mirror image, a fold (GR-LP),
+ * along whose null vector the orbits keep this symmetry, or a branch point (GR-BP), along whose they lose it;
+ * where a contact that chatter led to shrinks to nothing, CH-GR; where another contact begins or ends EP.
+ * Otherwise it is corner->kind. Errors: SALTUS_NO_MEMORY. */
+saltus_status saltus_corner_tell(const saltus_extended *extended, const saltus_corner *corner,
+                                 const saltus_solution *orbit, saltus_point_kind *kind,
+                                 saltus_message *message);
 
 #endif

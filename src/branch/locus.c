@@ -2,7 +2,7 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "branch/locus.h"
 
-#include "branch/corner.h"
+#include "branch/locus_starts.h"
 #include "branch/point.h"
 #include "branch/sequence.h"
 
@@ -18,17 +18,24 @@ static const double slowest = 0.1;
 struct saltus_locus {
     saltus_branch_options options;
     saltus_extended x;
-    double origin;         /* of the second parameter */
-    double border[2][2];   /* of both parameter unknowns: low, high */
+    double origin;       /* of the second parameter */
+    double border[2][2]; /* of both parameter unknowns: low, high */
+    saltus_locus_starts starts;
+    saltus_point_kind begun_at; /* of the start that is under way: the point of codimension two, */
+    int parent, depth;          /* and these */
+    bool one_way;
+    int ways[2], way_count,
+        way;               /* headings from its first point, and which of them is under way; 0: either */
     double *beginning;     /* unknowns of the first point */
     saltus_sequence first; /* its sequence */
     int first_mark;
     saltus_curve_point here, next, trial;
     saltus_solution orbit, scratch, located; /* of `here`, of `next`, of `trial` */
-    saltus_corner corners[SALTUS_CORNERS_MAX], corners_ahead[SALTUS_CORNERS_MAX]; /* of `here`, of `next` */
+    /* Of `here`, of `next`, of `trial`. */
+    saltus_corner corners[SALTUS_CORNERS_MAX], corners_ahead[SALTUS_CORNERS_MAX],
+        corners_there[SALTUS_CORNERS_MAX];
     int corner_count;
-    int heading; /* of the curve under way; 0: none yet */
-    int number, made;
+    int number, made; /* of the way */
     double arclength, step, first_plane[2], first_way[2];
     bool has_left;    /* it has been further from its first point than a few steps */
     double second[2]; /* the last place where two impacts grazed, */
@@ -104,13 +111,13 @@ static saltus_status take_up(saltus_locus *l, const double *u, double extra, sal
                                                                : status;
 }
 
-/* Onto the locus at the second parameter's value as it is; the tangent of either sign goes to `here`. */
-static saltus_status find_first(saltus_locus *l, saltus_message *message) {
-    int c = l->x.orbits.equations->count, m = l->x.equations.unknowns;
+/* Onto the locus at the value of unknown k as it is; the tangent of either sign goes to `here`. */
+static saltus_status find_first(saltus_locus *l, int k, saltus_message *message) {
+    int m = l->x.equations.unknowns;
     double *normal = calloc((size_t)m, sizeof *normal), *anchor = calloc((size_t)m, sizeof *anchor);
     saltus_status status = normal && anchor ? SALTUS_OK : no_memory(message);
     if (status == SALTUS_OK) {
-        normal[c + 1] = 1;
+        normal[k] = 1;
         memcpy(anchor, l->here.u, (size_t)m * sizeof *anchor);
         status =
             saltus_newton(&l->x.equations, l->here.u, normal, anchor, true, &l->here.iterations, message);
@@ -137,39 +144,91 @@ static double angle_on_circle(const saltus_survey *survey, int n) {
     return angle;
 }
 
-/* The first point, from one that a branch has found. */
+/* The equations become those of a kind of points. Orbits that are their own mirror images are cut in halves
+ * where others branch off. */
+static void become(saltus_locus *l, saltus_point_kind kind, bool mirrored) {
+    saltus_extended_close(&l->x);
+    l->x.kind = kind;
+    l->x.mirrored = mirrored;
+    l->x.extra = kind == SALTUS_POINT_NS || kind == SALTUS_POINT_BP;
+    l->x.copies = kind == SALTUS_POINT_NS ? 2 : 1;
+    l->x.orbits.options.segments = mirrored && kind == SALTUS_POINT_BP ? 2 : l->options.orbit.segments;
+}
+
+/* `here` becomes the orbit `at`, or one on the locus near it. Two points of a Neimark-Sacker curve have its
+ * angle 0 or pi, where the equations are singular: then the first point is a little away from there. */
+static saltus_status find_near(saltus_locus *l, double theta, saltus_message *message) {
+    static const double aside[] = {0.05, 0.1, 0.2, 0.4};
+    int c = l->x.orbits.equations->count;
+    bool meets = l->x.kind == SALTUS_POINT_NS && (theta == 0 || theta == M_PI);
+    saltus_status status = SALTUS_NO_CONVERGENCE;
+    for (int k = 0; k < (meets ? 4 : 1) && status != SALTUS_OK && status != SALTUS_NO_MEMORY; k++) {
+        double angle = meets ? fabs(theta - aside[k]) : theta;
+        status = take_up(l, l->orbit.at.u, angle, message);
+        if (status == SALTUS_OK)
+            status = find_first(l, meets ? c + 2 : c + 1, message);
+    }
+    return status;
+}
+
+/* A curve's first point, at a start. */
+static saltus_status open_start(saltus_locus *l, const saltus_locus_start *start, saltus_message *message) {
+    saltus_orbits *o = &l->x.orbits;
+    saltus_sequence sequence = start->sequence;
+    bool shift, breaks = start->kind == SALTUS_POINT_BP;
+    become(l, start->kind, false);
+    l->x.mark = start->mark;
+    l->begun_at = start->origin;
+    l->parent = start->parent;
+    l->depth = start->depth;
+    l->one_way = start->one_way;
+    l->way = 0;
+    saltus_status status =
+        saltus_solution_place(o, &sequence, start->parameter, start->state, false, &l->orbit, message);
+    if (status == SALTUS_OK && saltus_system_mirror_symmetric(o->system, &shift) &&
+        saltus_solution_half_distance(o, &l->orbit, true) < (breaks ? 1e-3 : 1e-7))
+        become(l, start->kind, true);
+    if (status == SALTUS_OK && l->x.mirrored && breaks) {
+        sequence.cuts = 2;
+        sequence.cut[1] = sequence.base + 0.5 * sequence.periods;
+        status =
+            saltus_solution_place(o, &sequence, start->parameter, start->state, false, &l->orbit, message);
+    }
+    if (status == SALTUS_OK)
+        status = find_near(l, start->theta, message);
+    if (status != SALTUS_OK)
+        return status;
+    l->first = l->orbit.sequence;
+    l->first_mark = l->x.mark;
+    free(l->beginning);
+    l->beginning = calloc((size_t)l->x.equations.unknowns, sizeof *l->beginning);
+    if (!l->beginning)
+        return no_memory(message);
+    memcpy(l->beginning, l->here.u, (size_t)l->x.equations.unknowns * sizeof *l->beginning);
+    return see_all(l, &l->here, &l->orbit, l->corners, message);
+}
+
+/* The first curve's, from a point that a branch has found. */
 static saltus_status open_first(saltus_locus *l, const saltus_solution *at, const saltus_sequence *beyond,
                                 saltus_message *message) {
     const saltus_sequence *sequence = &at->sequence;
     if (beyond && beyond->count > sequence->count)
         sequence = beyond;
     const saltus_sequence *less = sequence == beyond ? &at->sequence : beyond;
-    double parameters[2] = {at->parameter[0], 0};
-    saltus_sequence halves;
-    if (l->x.mirrored && l->x.kind == SALTUS_POINT_BP) {
-        halves = *sequence;
-        halves.cuts = 2;
-        halves.cut[1] = halves.base + 0.5 * halves.periods;
-        sequence = &halves;
-    }
-    while (beyond && l->x.mark < less->count && sequence->mark[l->x.mark].time == less->mark[l->x.mark].time)
-        l->x.mark++;
-    saltus_status status =
-        saltus_solution_place(&l->x.orbits, sequence, parameters, at->state, false, &l->orbit, message);
-    double theta = l->x.kind == SALTUS_POINT_NS ? angle_on_circle(&at->survey, l->x.orbits.n) : 0;
-    if (status == SALTUS_OK)
-        status = take_up(l, l->orbit.at.u, theta, message);
-    if (status == SALTUS_OK)
-        status = find_first(l, message);
-    if (status != SALTUS_OK)
-        return status;
-    l->first = l->orbit.sequence;
-    l->first_mark = l->x.mark;
-    l->beginning = calloc((size_t)l->x.equations.unknowns, sizeof *l->beginning);
-    if (!l->beginning)
-        return no_memory(message);
-    memcpy(l->beginning, l->here.u, (size_t)l->x.equations.unknowns * sizeof *l->beginning);
-    return see_all(l, &l->here, &l->orbit, l->corners, message);
+    saltus_locus_start start = {.kind = l->options.locus,
+                                .sequence = *sequence,
+                                .parameter = {at->parameter[0], 0},
+                                .state = at->state,
+                                .parent = -1};
+    while (beyond && start.mark < less->count &&
+           sequence->mark[start.mark].time == less->mark[start.mark].time)
+        start.mark++;
+    if (start.kind == SALTUS_POINT_NS)
+        start.theta = angle_on_circle(&at->survey, l->x.orbits.n);
+    l->way_count = l->options.direction ? 1 : 2;
+    l->ways[0] = l->options.direction < 0 ? -1 : 1;
+    l->ways[1] = -1;
+    return open_start(l, &start, message);
 }
 
 /* A locus with orbits of both parameters, on none yet. */
@@ -183,9 +242,8 @@ static saltus_status open_locus(const saltus_spec *spec, const saltus_branch_opt
         return no_memory(message);
     saltus_orbits *o = &l->x.orbits;
     l->options = *options;
-    l->x.kind = options->locus;
-    l->x.extra = options->locus == SALTUS_POINT_NS || options->locus == SALTUS_POINT_BP;
-    l->x.copies = options->locus == SALTUS_POINT_NS ? 2 : 1;
+    l->number = -1;
+    l->ended = true;
     l->x.equations = (saltus_equations){.self = &l->x,
                                         .evaluate = saltus_extended_evaluate,
                                         .tolerance = fmax(tolerance, options->orbit.tolerance),
@@ -205,31 +263,17 @@ static saltus_status open_locus(const saltus_spec *spec, const saltus_branch_opt
     return status == SALTUS_OK ? saltus_orbits_open(o, message) : status;
 }
 
-/* Orbits that are their own mirror images are cut in halves where such branch off. */
-static void set_mirrored(saltus_locus *l, bool mirrored) {
-    l->x.mirrored = mirrored;
-    if (mirrored && l->x.kind == SALTUS_POINT_BP)
-        l->x.orbits.options.segments = 2;
-}
-
 saltus_status saltus_locus_new(const saltus_spec *spec, const saltus_branch_options *options,
                                const saltus_solution *at, const saltus_sequence *beyond, saltus_locus **locus,
                                saltus_message *message) {
-    bool shift;
     saltus_status status = open_locus(spec, options, locus, message);
-    if (status != SALTUS_OK)
-        return status;
-    saltus_locus *l = *locus;
-    saltus_orbits *o = &l->x.orbits;
-    set_mirrored(l, saltus_system_mirror_symmetric(o->system, &shift) &&
-                        saltus_solution_half_distance(o, at, true) <
-                            (l->x.kind == SALTUS_POINT_BP ? 1e-3 : 1e-7));
-    return open_first(l, at, beyond, message);
+    return status == SALTUS_OK ? open_first(*locus, at, beyond, message) : status;
 }
 
 void saltus_locus_free(saltus_locus *l) {
     if (!l)
         return;
+    saltus_locus_starts_clear(&l->starts);
     saltus_extended_close(&l->x);
     saltus_curve_clear(&l->here);
     saltus_curve_clear(&l->next);
@@ -270,8 +314,9 @@ static saltus_status give(saltus_locus *l, const saltus_solution *s, const saltu
     if (l->ended && kind != SALTUS_POINT_EP)
         reason = "as many points as asked for";
     point->kind = l->ended ? SALTUS_POINT_EP : kind;
+    point->locus = l->x.kind;
     point->branch = l->number;
-    point->parent = -1;
+    point->parent = l->parent;
     point->step = l->made++;
     point->arclength = l->arclength + ahead;
     point->accuracy = NAN;
@@ -288,37 +333,6 @@ static saltus_status give(saltus_locus *l, const saltus_solution *s, const saltu
     snprintf(point->reason, sizeof point->reason, "%s", reason ? reason : "");
     l->made_count++;
     return status;
-}
-
-/* The first point again, one way or the other. */
-static saltus_status begin(saltus_locus *l, int heading, saltus_message *message) {
-    saltus_status status = SALTUS_OK;
-    if (l->heading != 0) { /* the second way: back from where the first one ended */
-        l->x.mark = l->first_mark;
-        status = saltus_shooting_shape(l->x.orbits.shooting, &l->first, message);
-        if (status == SALTUS_OK)
-            status = take_up(l, l->beginning, l->beginning[l->x.orbits.equations->unknowns + l->x.extra - 1],
-                             message);
-        if (status == SALTUS_OK)
-            status = find_first(l, message);
-        if (status == SALTUS_OK)
-            status = see_all(l, &l->here, &l->orbit, l->corners, message);
-    }
-    if (status != SALTUS_OK)
-        return status;
-    int c = l->x.orbits.equations->count;
-    if (l->here.tangent[c + 1] * heading < 0)
-        saltus_curve_turn(&l->here);
-    l->number += l->heading != 0;
-    l->heading = heading;
-    l->made = 0;
-    l->arclength = 0;
-    l->has_left = l->lost = l->strict = false;
-    l->gap = l->closer = 0;
-    l->step = 0.1 * l->options.step;
-    memcpy(l->first_plane, l->here.u + c, sizeof l->first_plane);
-    memcpy(l->first_way, l->here.tangent + c, sizeof l->first_way);
-    return give(l, &l->orbit, &l->here, l->x.kind, 0, NULL, message);
 }
 
 /* Whether the last step, to `here` from what is now `next`, has led over the first point, the same way. */
@@ -392,43 +406,119 @@ static void step_on(saltus_locus *l) {
     saltus_curve_bend(&l->next, &l->here);
 }
 
+/* From `here`, a point of codimension two, a little on, as in the very place the signs of functions mean
+ * nothing; `turns`: the other way if the orbit is not admissible this way. *found: whether it is. Errors:
+ * SALTUS_NO_MEMORY. */
+static saltus_status leave(saltus_locus *l, bool turns, bool *found, saltus_message *message) {
+    const double ahead = 1e-4;
+    saltus_message why = {.text = ""};
+    *found = false;
+    for (int way = 0; way < 1 + turns && !*found; way++) {
+        if (way > 0)
+            saltus_curve_turn(&l->here);
+        saltus_status status = saltus_curve_visit(&l->x.equations, &l->here, ahead, &l->next, &why);
+        if (status == SALTUS_OK)
+            status = see_all(l, &l->next, &l->scratch, l->corners_ahead, &why);
+        if (status == SALTUS_NO_MEMORY)
+            return no_memory(message);
+        *found = status == SALTUS_OK && saltus_corner_breach(&l->x, &l->scratch) < 0;
+    }
+    if (*found) {
+        memcpy(l->corners, l->corners_ahead, sizeof l->corners);
+        step_on(l);
+    }
+    return SALTUS_OK;
+}
+
 /* Beyond a second grazing, `located`, the curve of the first goes on with the second impact born or dead:
  * `here` becomes an orbit a little beyond with that sequence, where it is admissible; in the very place,
  * where the second impact has no speed, the signs of the functions mean nothing. *passed: whether there is
  * such a way. Errors: SALTUS_NO_MEMORY. */
 static saltus_status pass_grazing(saltus_locus *l, bool *passed, saltus_message *message) {
-    const double ahead = 1e-4;
-    int order[SALTUS_MARKS_MAX], worst = -1;
+    int order[SALTUS_MARKS_MAX];
     saltus_sequence old = l->located.sequence, fresh;
     saltus_message why = {.text = ""};
-    const double value = saltus_corner_breach(&l->x, &l->located);
+    const saltus_breach *other = saltus_corner_touch(&l->x, &l->located);
     *passed = false;
-    for (int k = 0; k < l->located.breach_count; k++)
-        if (l->located.breaches[k].value == value)
-            worst = k;
-    if (worst < 0)
+    if (!other)
         return SALTUS_OK;
-    saltus_breach touch = l->located.breaches[worst];
+    saltus_breach touch = *other;
     touch.value = 0;
     saltus_sequence_graze(&old, &touch, 1, &fresh, order);
     saltus_status status = saltus_solution_place(&l->x.orbits, &fresh, l->located.parameter, l->located.state,
                                                  false, &l->orbit, &why);
     if (status == SALTUS_OK)
         status = install(l, &old, l->trial.tangent, 0, order, &why);
-    for (int way = 0; way < 2 && status == SALTUS_OK && !*passed; way++) {
-        saltus_corner corners[SALTUS_CORNERS_MAX];
-        if (way > 0)
-            saltus_curve_turn(&l->here);
-        saltus_status tried = saltus_curve_visit(&l->x.equations, &l->here, ahead, &l->next, &why);
-        if (tried == SALTUS_OK)
-            tried = see_all(l, &l->next, &l->scratch, corners, &why);
-        *passed = tried == SALTUS_OK && saltus_corner_breach(&l->x, &l->scratch) < 0;
-        if (*passed)
-            memcpy(l->corners, corners, sizeof corners);
-    }
-    if (*passed)
-        step_on(l);
+    if (status == SALTUS_OK && l->options.switches)
+        status = saltus_locus_starts_pass(&l->x, &l->orbit, &l->starts, &why);
+    if (status == SALTUS_OK)
+        status = leave(l, true, passed, message);
     return status == SALTUS_NO_MEMORY ? no_memory(message) : SALTUS_OK;
+}
+
+/* The first point, and from a point of codimension two a little on. */
+static saltus_status begin(saltus_locus *l, saltus_message *message) {
+    int c = l->x.orbits.equations->count, heading = l->ways[l->way];
+    saltus_status status = SALTUS_OK;
+    bool found = true;
+    if (l->way > 0) { /* back from where the first way ended */
+        l->x.mark = l->first_mark;
+        status = saltus_shooting_shape(l->x.orbits.shooting, &l->first, message);
+        if (status == SALTUS_OK)
+            status = take_up(l, l->beginning, l->beginning[l->x.orbits.equations->unknowns + l->x.extra - 1],
+                             message);
+        c = l->x.orbits.equations->count;
+        if (status == SALTUS_OK)
+            status = find_first(l, c + 1, message);
+        if (status == SALTUS_OK)
+            status = see_all(l, &l->here, &l->orbit, l->corners, message);
+    }
+    if (status != SALTUS_OK)
+        return status;
+    if (l->here.tangent[c + 1] * heading < 0)
+        saltus_curve_turn(&l->here);
+    l->way++;
+    l->number++;
+    l->made = 0;
+    l->arclength = 0;
+    l->has_left = l->lost = l->strict = false;
+    l->gap = l->closer = 0;
+    l->step = 0.1 * l->options.step;
+    memcpy(l->first_plane, l->here.u + c, sizeof l->first_plane);
+    memcpy(l->first_way, l->here.tangent + c, sizeof l->first_way);
+    status = give(l, &l->orbit, &l->here, l->x.kind, 0, NULL, message);
+    bool resonance = l->begun_at == SALTUS_POINT_R1 || l->begun_at == SALTUS_POINT_R2;
+    if (status != SALTUS_OK || !l->begun_at || (resonance && l->x.kind == SALTUS_POINT_NS) || l->ended)
+        return status;
+    status = leave(l, l->one_way, &found, message);
+    memcpy(l->first_way, l->here.tangent + l->x.orbits.equations->count, sizeof l->first_way);
+    if (status == SALTUS_OK && !found)
+        status = give(l, &l->orbit, &l->here, SALTUS_POINT_EP, 0,
+                      "the curve does not go on this way with admissible orbits", message);
+    return status;
+}
+
+/* Another curve, from where it meets one that was followed. Where none can be begun one point says why. */
+static saltus_status switch_to(saltus_locus *l, saltus_locus_start *start, saltus_message *message) {
+    saltus_message why = {.text = ""};
+    char reason[SALTUS_REASON_MAX];
+    start->done = true;
+    l->way_count = start->one_way ? 1 : 2;
+    l->ways[0] = start->one_way ? 0 : 1;
+    l->ways[1] = -1;
+    saltus_status status = open_start(l, start, &why);
+    if (status == SALTUS_OK)
+        return begin(l, message);
+    l->way = l->way_count;
+    if (status == SALTUS_NO_MEMORY || !l->orbit.at.u)
+        return no_memory(message);
+    l->number++;
+    l->made = 0;
+    l->arclength = 0;
+    snprintf(reason, sizeof reason, "no curve of %s points can be begun at this %s: %.90s",
+             saltus_point_word(start->kind), saltus_point_word(start->origin), why.text);
+    saltus_curve_point at = {.tangent = l->orbit.at.tangent};
+    return give(l, &l->orbit, &at, SALTUS_POINT_EP, 0, reason, message);
 }
 
 /* A step onto a sound orbit, halved until there is one; false if there is none. */
@@ -463,12 +553,11 @@ typedef struct location {
 static bool corner_at(void *context, double ahead, double *value) {
     location *self = context;
     saltus_locus *l = self->l;
-    saltus_corner corners[SALTUS_CORNERS_MAX];
     saltus_message ignored;
     if (saltus_curve_visit(&l->x.equations, &l->here, ahead, &l->trial, &ignored) != SALTUS_OK ||
-        see_all(l, &l->trial, &l->located, corners, &ignored) != SALTUS_OK)
+        see_all(l, &l->trial, &l->located, l->corners_there, &ignored) != SALTUS_OK)
         return false;
-    *value = saltus_scaled_in(corners[self->corner].value, l->corners[self->corner].value.exponent);
+    *value = saltus_scaled_in(l->corners_there[self->corner].value, l->corners[self->corner].value.exponent);
     return true;
 }
 
@@ -544,6 +633,7 @@ static const char *const corner_reasons[] = {
     [SALTUS_POINT_GR_NS] = "a Neimark-Sacker point meets grazing",
     [SALTUS_POINT_GR_GR] = "two impacts graze",
     [SALTUS_POINT_GR_BP] = "a branch point meets grazing",
+    [SALTUS_POINT_CH_GR] = "complete chatter begins or ends at grazing",
     [SALTUS_POINT_R1] = "the pair of multipliers meets at 1",
     [SALTUS_POINT_R2] = "the pair of multipliers meets at -1",
 };
@@ -560,10 +650,16 @@ static bool accumulates(saltus_locus *l) {
 }
 
 /* `trial` and `located` are a corner, at which the curve may end, or go on with other events: *moved. */
-static saltus_status give_corner(saltus_locus *l, const saltus_corner *corner, double ahead, bool *moved,
+static saltus_status give_corner(saltus_locus *l, saltus_corner corner, double ahead, bool *moved,
                                  saltus_message *message) {
-    saltus_point_kind kind = corner->kind;
-    bool ends = corner->ends, resonance = l->x.kind == SALTUS_POINT_NS && ends && kind != SALTUS_POINT_GR_NS;
+    bool ends = corner.ends, resonance = l->x.kind == SALTUS_POINT_NS && ends && !corner.breach;
+    *moved = false;
+    saltus_status status = saltus_corner_tell(&l->x, &corner, &l->located, &corner.kind, message);
+    if (status != SALTUS_OK)
+        return status;
+    saltus_point_kind kind = corner.kind;
+    if (kind == SALTUS_POINT_EP)
+        return give(l, &l->located, &l->trial, kind, ahead, "a contact begins, ends or splits", message);
     if (resonance) {
         sharpen_resonance(l, kind == SALTUS_POINT_R2 ? M_PI : 0);
         /* There the curve of tori turns back: theta goes on beyond 0 or pi, and gives the same orbits again.
@@ -571,9 +667,15 @@ static saltus_status give_corner(saltus_locus *l, const saltus_corner *corner, d
         for (int d = 0; d < 2; d++)
             l->trial.tangent[l->x.orbits.equations->count + d] = 0;
     }
-    saltus_status status = give(l, &l->located, &l->trial, kind, ahead, NULL, message);
-    *moved = false;
+    status = give(l, &l->located, &l->trial, kind, ahead, NULL, message);
     if (status != SALTUS_OK || l->ended)
+        return status;
+    if (l->options.switches)
+        status = saltus_locus_starts_pass(&l->x, &l->located, &l->starts, message);
+    if (status == SALTUS_OK && l->depth < l->options.switches)
+        status = saltus_locus_starts_meet(&l->x, &corner, &l->located, l->number, l->depth + 1, &l->starts,
+                                          message);
+    if (status != SALTUS_OK)
         return status;
     if (kind == SALTUS_POINT_GR_GR && accumulates(l))
         return give(l, &l->located, &l->trial, SALTUS_POINT_EP, ahead,
@@ -623,7 +725,7 @@ static saltus_status advance(saltus_locus *l, saltus_message *message) {
         l->x.sharp = false;
         if (!found)
             continue;
-        status = give_corner(l, &l->corners[self.corner], crossed.place[k], &moved, message);
+        status = give_corner(l, l->corners_there[self.corner], crossed.place[k], &moved, message);
         if (status != SALTUS_OK || l->ended || moved)
             return status;
     }
@@ -645,17 +747,27 @@ static saltus_status advance(saltus_locus *l, saltus_message *message) {
     return l->lost ? SALTUS_OK : status;
 }
 
+/* The other way from the first point, or the next curve. *more is false when all is done. */
+static saltus_status begin_next(saltus_locus *l, bool *more, saltus_message *message) {
+    saltus_locus_starts *starts = &l->starts;
+    if (l->way < l->way_count)
+        return begin(l, message);
+    while (starts->next < starts->count && starts->start[starts->next].done)
+        starts->next++;
+    *more = starts->next < starts->count;
+    if (!*more)
+        return SALTUS_OK;
+    /* The list may grow while the curve is followed. */
+    return switch_to(l, &starts->start[starts->next++], message);
+}
+
 saltus_status saltus_locus_step(saltus_locus *l, saltus_branch_point *point, bool *more,
                                 saltus_message *message) {
-    int way = l->options.direction;
     saltus_status status = SALTUS_OK;
     *more = true;
     if (l->given == l->made_count) {
         l->given = l->made_count = 0;
-        *more = !(l->ended && (way != 0 || l->heading < 0));
-        if (*more)
-            status = l->heading == 0 || l->ended ? begin(l, l->ended || way < 0 ? -1 : 1, message)
-                                                 : advance(l, message);
+        status = l->ended ? begin_next(l, more, message) : advance(l, message);
         if (status == SALTUS_OK && l->x.orbits.starved)
             status = no_memory(message);
     }
@@ -665,7 +777,23 @@ saltus_status saltus_locus_step(saltus_locus *l, saltus_branch_point *point, boo
 }
 
 bool saltus_locus_rests(const saltus_locus *l) {
-    return l->given == l->made_count && l->heading != 0 && !l->lost;
+    return l->given == l->made_count && l->number >= 0 && !l->lost;
+}
+
+/* The start of the curve under way, and the ways that lead from there. */
+static void archive_start(saltus_locus *l, saltus_archive *a) {
+    saltus_point_kind kind = saltus_locus_start_kind(a, l->x.kind);
+    bool mirrored = saltus_archive_flag(a, l->x.mirrored);
+    if (a->reading)
+        become(l, kind, mirrored);
+    l->begun_at = (saltus_point_kind)saltus_archive_whole(a, l->begun_at, 0, SALTUS_POINT_KINDS - 1);
+    l->parent = (int)saltus_archive_whole(a, l->parent, -1, INT_MAX);
+    l->depth = (int)saltus_archive_whole(a, l->depth, 0, INT_MAX);
+    l->one_way = saltus_archive_flag(a, l->one_way);
+    l->way_count = (int)saltus_archive_whole(a, l->way_count, 1, 2);
+    l->way = (int)saltus_archive_whole(a, l->way, 1, l->way_count);
+    for (int k = 0; k < l->way_count; k++)
+        l->ways[k] = (int)saltus_archive_whole(a, l->ways[k], -1, 1);
 }
 
 /* The sequence of the first point, and its unknowns. */
@@ -702,14 +830,12 @@ static saltus_status archive_here(saltus_locus *l, saltus_archive *a, saltus_mes
     return SALTUS_OK;
 }
 
+/* The functions whose zeros are corners, as far as the next step compares them. */
 static void archive_corners(saltus_locus *l, saltus_archive *a) {
     l->corner_count = (int)saltus_archive_whole(a, l->corner_count, 0, SALTUS_CORNERS_MAX);
     for (int k = 0; k < l->corner_count; k++) {
-        saltus_corner *corner = &l->corners[k];
-        corner->kind = (saltus_point_kind)saltus_archive_whole(a, corner->kind, 0, SALTUS_POINT_KINDS - 1);
-        saltus_archive_real(a, &corner->value.mantissa);
-        saltus_archive_real(a, &corner->value.exponent);
-        corner->ends = saltus_archive_flag(a, corner->ends);
+        saltus_archive_real(a, &l->corners[k].value.mantissa);
+        saltus_archive_real(a, &l->corners[k].value.exponent);
     }
     saltus_archive_finite(a, l->second, 2);
     saltus_archive_finite(a, &l->gap, 1);
@@ -722,10 +848,10 @@ saltus_status saltus_locus_archive(const saltus_spec *spec, const saltus_branch_
     if (status != SALTUS_OK)
         return status;
     saltus_locus *l = *locus;
-    set_mirrored(l, saltus_archive_flag(a, l->x.mirrored));
+    saltus_locus_starts_archive(a, &l->starts);
+    archive_start(l, a);
     archive_first(l, a);
-    l->heading = saltus_archive_flag(a, l->heading > 0) ? 1 : -1;
-    l->number = (int)saltus_archive_whole(a, l->number, 0, 1);
+    l->number = (int)saltus_archive_whole(a, l->number, 0, INT_MAX);
     l->made = (int)saltus_archive_whole(a, l->made, 0, INT_MAX);
     saltus_archive_finite(a, &l->arclength, 1);
     saltus_archive_finite(a, &l->step, 1);

@@ -64,24 +64,22 @@ double saltus_plot_y(const saltus_plot_page *page, const saltus_branch_point *po
     }
 }
 
-static int parent_of(const saltus_branch_file *f, int branch) {
+static const saltus_branch_point *first_of(const saltus_branch_file *f, int branch) {
     for (int k = 0; k < f->point_count; k++)
         if (f->points[k].branch == branch)
-            return f->points[k].parent;
-    return -1;
+            return &f->points[k];
+    return NULL;
 }
 
 int saltus_plot_hue(const saltus_plot_page *page, int file, int branch) {
+    const saltus_branch_point *first = first_of(&page->files[file], branch);
     if (page->locus)
-        return (page->files[file].options.locus - SALTUS_POINT_LP) % SALTUS_HUES;
+        return ((first ? first->locus : page->files[file].options.locus) - SALTUS_POINT_LP) % SALTUS_HUES;
     if (page->count > 1)
         return file % SALTUS_HUES;
     int depth = 0;
-    for (int parent = branch; depth <= SALTUS_HUES; depth++) {
-        parent = parent_of(&page->files[file], parent);
-        if (parent < 0)
-            break;
-    }
+    for (; first && first->parent >= 0 && depth <= SALTUS_HUES; depth++)
+        first = first_of(&page->files[file], first->parent);
     return depth % SALTUS_HUES;
 }
 
@@ -116,8 +114,8 @@ static bool counts_grazing_impact(const saltus_branch_point *point) {
  * those of the nearest point that do tell. */
 static bool bounds_stable(const saltus_branch_file *f, int k) {
     const saltus_branch_point *points = f->points;
-    if (f->options.locus != SALTUS_POINT_GR)
-        return !others_outside(&points[k], f->options.locus);
+    if (points[k].locus != SALTUS_POINT_GR)
+        return !others_outside(&points[k], points[k].locus);
     for (int reach = 0; reach < f->point_count; reach++)
         for (int side = -1; side <= 1; side += 2) {
             int j = k + side * reach;
@@ -141,7 +139,7 @@ bool saltus_plot_marked(const saltus_branch_file *file, const saltus_branch_poin
     /* A curve that ends at a point of codimension two has that one's mark. */
     if (point->kind == SALTUS_POINT_EP)
         return ends_early(file, point) && !(point > file->points && point[-1].kind >= SALTUS_POINT_CP);
-    return point->kind != SALTUS_POINT_REGULAR && point->kind != file->options.locus;
+    return point->kind != SALTUS_POINT_REGULAR && point->kind != point->locus;
 }
 
 /* Whether a point of a branch is as stable as its neighbours: not one at which that changes. */

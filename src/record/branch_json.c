@@ -28,6 +28,7 @@ void saltus_write_point_json(FILE *file, const saltus_scene *scene, const saltus
     saltus_json_named(file, "branch", table, counts, &row);
     saltus_json_member(file, "parent", point->parent < 0 ? NAN : point->parent);
     saltus_json_named(file, "step", table, counts, &row);
+    saltus_json_text(file, "locus", saltus_point_word(point->locus));
     saltus_json_text(file, "label", saltus_point_word(point->kind));
     saltus_json_list(file, "values", point->value, isnan(point->value[1]) ? 1 : 2);
     saltus_json_named(file, "heading, arclength, motion, motion_after", table, counts, &row);

@@ -117,7 +117,9 @@ static bool is_touch(const saltus_system *system, const saltus_branch_point *poi
 /* Whether a row is one of a branch. */
 static bool is_point(const reader *r, const saltus_point_row *row, long long events) {
     const saltus_branch_point *point = &row->point;
-    return point->event_count >= 0 && row->event_first >= 0 &&
+    const bool on_locus = point->locus >= SALTUS_POINT_LP && point->locus <= SALTUS_POINT_GR;
+    const bool fits = r->made->options.locus ? on_locus : point->locus == SALTUS_POINT_REGULAR;
+    return fits && point->event_count >= 0 && row->event_first >= 0 &&
            row->event_first <= events - point->event_count && point->periods >= 1 &&
            all_finite(point->state, r->made->dimension) &&
            all_finite(point->spec.parameters, r->counts[SALTUS_COUNT_PARAMETERS]) &&

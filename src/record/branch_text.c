@@ -20,8 +20,8 @@ static bool is_locus(const saltus_branch_file *file) {
 }
 
 /* All special points; on a curve of special points only those of another kind than the curve's. */
-static bool is_listed(const saltus_branch_file *file, const saltus_branch_point *point) {
-    return point->kind != SALTUS_POINT_REGULAR && point->kind != file->options.locus;
+static bool is_listed(const saltus_branch_point *point) {
+    return point->kind != SALTUS_POINT_REGULAR && point->kind != point->locus;
 }
 
 /* The largest multiplier, and the others with a modulus above 1/2; of a complex pair only one. */
@@ -112,7 +112,7 @@ static void put_point(FILE *out, const saltus_branch_file *file, int row) {
              changes ? point->label_after : "");
     add(&line, motion_width, text);
     text[0] = '\0';
-    if (point->kind != SALTUS_POINT_GR && file->options.locus != SALTUS_POINT_GR)
+    if (point->kind != SALTUS_POINT_GR && point->locus != SALTUS_POINT_GR)
         name_multipliers(point, text, sizeof text);
     add(&line, multiplier_width, text);
     if (!is_locus(file))
@@ -130,7 +130,7 @@ static void put_heading(FILE *out, const saltus_branch_file *file, int row) {
         fprintf(out, "off branch %d, ", first->parent);
     fprintf(out, "%sfrom %s = %.12g", way, o->key[0], first->value[0]);
     if (is_locus(file))
-        fprintf(out, ", %s = %.12g: %s of %s\n", o->key[1], first->value[1], saltus_point_word(o->locus),
+        fprintf(out, ", %s = %.12g: %s of %s\n", o->key[1], first->value[1], saltus_point_word(first->locus),
                 first->label);
     else
         fprintf(out, ": %s, %s\n", first->label, stability(first));
@@ -157,7 +157,7 @@ void saltus_write_branch_text(FILE *out, const saltus_branch_file *file) {
         if (file->points[row].branch != branch)
             put_heading(out, file, row);
         branch = file->points[row].branch;
-        if (is_listed(file, &file->points[row]))
+        if (is_listed(&file->points[row]))
             put_point(out, file, row);
     }
 }

@@ -29,6 +29,8 @@ static const saltus_field point_fields[] = {
     POINT(branch, "1", "number of the branch: 0 up from the start, 1 down, 2 ... switched to", SALTUS_INT),
     POINT(parent, "1", "the branch that a switched one left, otherwise -1", SALTUS_INT),
     POINT(step, "1", "counted along the branch", SALTUS_INT),
+    POINT(locus, "1", "loci: what this curve is of, LP, PD, NS, BP or GR; otherwise regular", SALTUS_CHOICE,
+          .words = saltus_point_words),
     POINT(arclength, "1", "along the branch", SALTUS_REAL),
     POINT(value, "1", "continued parameters key1, key2 (NaN without a second one)", SALTUS_REAL, 2),
     POINT(heading, "1", "change of value[0] with arclength", SALTUS_REAL),

@@ -1,0 +1,250 @@
+/* Where other curves of special points begin.
+ *
+ * Where an impact grazes on a curve of folds, flips, tori or branch points, the curve of that grazing goes
+ * through, to both sides. Where a curve of grazing has a special orbit, be it with or without the impact,
+ * the curve of such orbits begins, to the side where it is admissible. Where two impacts graze, the curve of
+ * the other one goes through, the first impact being born there: it comes in two pieces. Where a double
+ * multiplier is 1 or -1 on a curve of folds or flips, one of tori begins.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "branch/locus_starts.h"
+
+#include "branch/sequence.h"
+
+#include <limits.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+void saltus_locus_starts_clear(saltus_locus_starts *starts) {
+    for (int k = 0; k < starts->count; k++)
+        free(starts->start[k].state);
+    free(starts->start);
+    *starts = (saltus_locus_starts){.count = 0};
+}
+
+static saltus_status add(saltus_locus_starts *starts, int n, const saltus_locus_start *start,
+                         const saltus_solution *at, saltus_message *message) {
+    saltus_locus_start *grown = realloc(starts->start, ((size_t)starts->count + 1) * sizeof *grown);
+    if (grown)
+        starts->start = grown;
+    double *state = calloc((size_t)n, sizeof *state);
+    if (!grown || !state) {
+        free(state);
+        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a locus");
+    }
+    memcpy(state, at->state, (size_t)n * sizeof *state);
+    saltus_locus_start *own = &starts->start[starts->count++];
+    *own = *start;
+    own->state = state;
+    memcpy(own->parameter, at->parameter, sizeof own->parameter);
+    return SALTUS_OK;
+}
+
+/* Whether two starts are of one curve: at one place, with as many events, and with the same impact grazing,
+ * whichever of the orbit's periods it is in. */
+static bool are_one(const saltus_locus_start *a, const saltus_locus_start *b) {
+    const double near = 1e-6, near_time = 1e-4;
+    if (a->kind != b->kind || a->sequence.periods != b->sequence.periods ||
+        a->sequence.count != b->sequence.count || fabs(a->parameter[0] - b->parameter[0]) > near ||
+        fabs(a->parameter[1] - b->parameter[1]) > near)
+        return false;
+    const saltus_mark *one = &a->sequence.mark[a->mark], *other = &b->sequence.mark[b->mark];
+    return a->kind != SALTUS_POINT_GR ||
+           (one->face == other->face && fabs(remainder(one->time - other->time, 1)) < near_time);
+}
+
+saltus_status saltus_locus_starts_pass(const saltus_extended *x, const saltus_solution *at,
+                                       saltus_locus_starts *starts, saltus_message *message) {
+    saltus_locus_start own = {.kind = x->kind, .sequence = at->sequence, .mark = x->mark, .done = true};
+    memcpy(own.parameter, at->parameter, sizeof own.parameter);
+    bool known = false;
+    for (int k = 0; k < starts->count; k++)
+        if (are_one(&starts->start[k], &own))
+            known = starts->start[k].done = true;
+    return known ? SALTUS_OK : add(starts, x->orbits.n, &own, at, message);
+}
+
+/* The least number of periods after which an orbit is where it was; its own if that cannot be told. */
+static int least_periods(saltus_orbits *o, const saltus_solution *at) {
+    const double near = 1e-7;
+    int periods = at->sequence.periods, least = 1;
+    saltus_message ignored;
+    double *state = calloc((size_t)o->n, sizeof *state);
+    if (!state) {
+        saltus_orbits_noted(o, SALTUS_NO_MEMORY);
+        return periods;
+    }
+    while (least < periods &&
+           (periods % least ||
+            saltus_solution_state_at(o, at, at->sequence.base + least, state, &ignored) != SALTUS_OK ||
+            !(saltus_system_distance(o->system, state, at->state) < near)))
+        least++;
+    free(state);
+    return least;
+}
+
+/* A touch as it is in the first so many periods of an orbit. */
+static saltus_breach fold_touch(const saltus_sequence *s, int periods, saltus_breach touch) {
+    while (touch.time >= s->base + periods)
+        touch.time -= periods;
+    touch.value = 0;
+    touch.kind = SALTUS_BREACH_GAP;
+    return touch;
+}
+
+/* The marks of an orbit with the impacts that graze at it, and which of them `worst` is; -1: it cannot be
+ * told. An orbit whose only impact has lost its speed, and others, may close after fewer periods than its
+ * sequence has. It grazes in each of them then: the curve of grazing is that of the shorter orbit. */
+static int with_impacts(saltus_orbits *o, const saltus_solution *at, const saltus_breach *worst,
+                        saltus_sequence *with) {
+    const double together = 1e-7, near = 1e-4;
+    int order[SALTUS_MARKS_MAX], count = 0, found = -1, periods = least_periods(o, at);
+    saltus_sequence less;
+    saltus_breach *touches = calloc((size_t)at->breach_count + 1, sizeof *touches);
+    if (!touches) {
+        saltus_orbits_noted(o, SALTUS_NO_MEMORY);
+        return -1;
+    }
+    for (int k = 0; k < at->breach_count; k++)
+        if (at->breaches[k].kind == SALTUS_BREACH_SPEED)
+            touches[count++] = at->breaches[k];
+    saltus_sequence_graze(&at->sequence, touches, count, &less, order);
+    less.periods = periods;
+    while (less.count > 0 && less.mark[less.count - 1].time >= less.base + periods)
+        less.count--;
+    saltus_breach own = fold_touch(&less, periods, *worst);
+    touches[0] = own;
+    count = 1;
+    for (int k = 0; k < at->breach_count; k++) {
+        saltus_breach touch = fold_touch(&less, periods, at->breaches[k]);
+        bool grazes = fabs(at->breaches[k].value) < together && at->breaches[k].kind <= SALTUS_BREACH_GAP;
+        for (int j = 0; j < count; j++)
+            grazes = grazes && !(touches[j].face == touch.face &&
+                                 fabs(remainder(touches[j].time - touch.time, periods)) < near);
+        if (grazes)
+            touches[count++] = touch;
+    }
+    saltus_sequence_graze(&less, touches, count, with, order);
+    for (int k = 0; k < with->count; k++)
+        if (order[k] < 0 && with->mark[k].face == own.face && with->mark[k].time == own.time)
+            found = k;
+    free(touches);
+    return found;
+}
+
+/* An orbit's marks without one of them. */
+static void without_mark(const saltus_sequence *old, int mark, saltus_sequence *fresh) {
+    const saltus_breach dead = {.kind = SALTUS_BREACH_SPEED, .mark = mark};
+    int order[SALTUS_MARKS_MAX];
+    saltus_sequence_graze(old, &dead, 1, fresh, order);
+}
+
+/* The curves of the other impact's grazing, with the first impact and without it. */
+static int other_grazing(saltus_extended *x, const saltus_solution *at, saltus_locus_start *starts) {
+    const saltus_breach *touch = saltus_corner_touch(x, at);
+    const saltus_mark *first = &at->sequence.mark[x->mark];
+    int own = 0, other = touch ? with_impacts(&x->orbits, at, touch, &starts[0].sequence) : -1;
+    if (other < 0 || starts[0].sequence.periods != at->sequence.periods)
+        return 0;
+    while (starts[0].sequence.mark[own].face != first->face ||
+           fabs(starts[0].sequence.mark[own].time - first->time) > 1e-4)
+        if (++own == starts[0].sequence.count)
+            return 0;
+    without_mark(&starts[0].sequence, own, &starts[1].sequence);
+    for (int k = 0; k < 2; k++) {
+        starts[k].kind = SALTUS_POINT_GR;
+        starts[k].mark = other - (k == 1 && own < other);
+        starts[k].one_way = true;
+    }
+    return 2;
+}
+
+static int curves_at(saltus_extended *x, const saltus_corner *corner, const saltus_solution *at,
+                     saltus_locus_start *starts) {
+    static const saltus_point_kind special[SALTUS_POINT_KINDS] = {[SALTUS_POINT_GR_LP] = SALTUS_POINT_LP,
+                                                                  [SALTUS_POINT_GR_PD] = SALTUS_POINT_PD,
+                                                                  [SALTUS_POINT_GR_NS] = SALTUS_POINT_NS,
+                                                                  [SALTUS_POINT_GR_BP] = SALTUS_POINT_BP};
+    int order[SALTUS_MARKS_MAX];
+    saltus_locus_start *start = &starts[0];
+    start->sequence = at->sequence;
+    start->theta = corner->theta;
+    if (corner->kind == SALTUS_POINT_GR_GR)
+        return other_grazing(x, at, starts);
+    if (corner->kind == SALTUS_POINT_R1 || corner->kind == SALTUS_POINT_R2) {
+        bool at_one = corner->kind == SALTUS_POINT_R1;
+        start->kind = x->kind != SALTUS_POINT_NS ? SALTUS_POINT_NS
+                      : at_one                   ? SALTUS_POINT_LP
+                                                 : SALTUS_POINT_PD;
+        start->theta = at_one ? 0 : M_PI;
+        return 1;
+    }
+    if (!special[corner->kind])
+        return 0;
+    if (x->kind == SALTUS_POINT_GR) {
+        start->kind = special[corner->kind];
+        start->one_way = true;
+        if (corner->without)
+            saltus_sequence_graze(&at->sequence, at->breaches, at->breach_count, &start->sequence, order);
+        return 1;
+    }
+    const saltus_breach *touch = saltus_corner_touch(x, at);
+    start->kind = SALTUS_POINT_GR;
+    start->mark = touch ? with_impacts(&x->orbits, at, touch, &start->sequence) : -1;
+    return start->mark >= 0;
+}
+
+saltus_status saltus_locus_starts_meet(saltus_extended *x, const saltus_corner *corner,
+                                       const saltus_solution *at, int parent, int depth,
+                                       saltus_locus_starts *starts, saltus_message *message) {
+    saltus_locus_start fresh[2] = {{.origin = corner->kind, .parent = parent, .depth = depth},
+                                   {.origin = corner->kind, .parent = parent, .depth = depth}};
+    int count = curves_at(x, corner, at, fresh);
+    saltus_status status = SALTUS_OK;
+    for (int k = 0; k < count && status == SALTUS_OK; k++) {
+        bool known = false;
+        fresh[k].sequence.cuts = 1;
+        memcpy(fresh[k].parameter, at->parameter, sizeof at->parameter);
+        for (int j = 0; j < starts->count; j++)
+            known = known || are_one(&starts->start[j], &fresh[k]);
+        if (!known)
+            status = add(starts, x->orbits.n, &fresh[k], at, message);
+    }
+    return status;
+}
+
+saltus_point_kind saltus_locus_start_kind(saltus_archive *a, saltus_point_kind kind) {
+    kind = (saltus_point_kind)saltus_archive_whole(a, kind, 0, SALTUS_POINT_KINDS - 1);
+    a->sound = a->sound && (kind == SALTUS_POINT_LP || kind == SALTUS_POINT_PD || kind == SALTUS_POINT_NS ||
+                            kind == SALTUS_POINT_BP || kind == SALTUS_POINT_GR);
+    return kind;
+}
+
+static void archive_start(saltus_archive *a, saltus_locus_start *start) {
+    start->kind = saltus_locus_start_kind(a, start->kind);
+    saltus_archive_sequence(a, &start->sequence);
+    saltus_archive_finite(a, start->parameter, 2);
+    saltus_archive_array(a, &start->state, (size_t)a->n);
+    start->mark = (int)saltus_archive_whole(a, start->mark, 0, SALTUS_MARKS_MAX - 1);
+    a->sound = a->sound && (start->kind != SALTUS_POINT_GR || start->mark < start->sequence.count);
+    saltus_archive_finite(a, &start->theta, 1);
+    start->one_way = saltus_archive_flag(a, start->one_way);
+    start->origin = (saltus_point_kind)saltus_archive_whole(a, start->origin, 0, SALTUS_POINT_KINDS - 1);
+    start->parent = (int)saltus_archive_whole(a, start->parent, -1, INT_MAX);
+    start->depth = (int)saltus_archive_whole(a, start->depth, 0, INT_MAX);
+    start->done = saltus_archive_flag(a, start->done);
+}
+
+void saltus_locus_starts_archive(saltus_archive *a, saltus_locus_starts *starts) {
+    enum { numbers_min = 15 }; /* of a start */
+    size_t count = saltus_archive_length(a, (size_t)starts->count, numbers_min);
+    if (a->reading) {
+        saltus_locus_starts_clear(starts);
+        starts->start = a->sound ? calloc(count + 1, sizeof *starts->start) : NULL;
+        a->starved = a->starved || (a->sound && !starts->start);
+        starts->count = starts->start ? (int)count : 0;
+    }
+    starts->next = (int)saltus_archive_whole(a, starts->next, 0, starts->count);
+    for (int k = 0; k < starts->count; k++)
+        archive_start(a, &starts->start[k]);
+}
