@@ -655,6 +655,81 @@ static void an_interrupted_network_goes_on(void **unused) {
     free(r.text);
 }
 
+/* How far a mass comes down on an orbit of one period: the lowest of the parabolas through its way. */
+static double reach_down(const saltus_branch_point *point) {
+    enum { pieces = 8192 };
+    saltus_flow_options options = saltus_flow_defaults();
+    saltus_system *system = build(&point->spec);
+    saltus_flow *flow = open_flow(system, &options, 0, point->state);
+    double before[2], after[2] = {point->state[0], point->state[1]}, reach = 0;
+    double step = 2 * acos(-1) / (saltus_spec_get(&point->spec, "omega") * pieces);
+    for (int k = 1; k <= pieces; k++) {
+        memcpy(before, after, sizeof after);
+        advance(flow, (double)k / pieces, 0);
+        saltus_flow_state(flow, 0, after);
+        if (before[1] < 0 && after[1] >= 0)
+            reach = fmax(reach, 0.5 * before[1] * before[1] * step / (after[1] - before[1]) - before[0]);
+    }
+    saltus_flow_free(flow);
+    saltus_system_free(system);
+    return reach;
+}
+
+/* A mass that chatters on one stop and touches another one: the other stop does nothing, so that the curve of
+ * that touch is where it stands at the reach of the mass; it ends where the mass alone ceases to chatter. */
+static void grazing_ends_with_chatter(void **unused) {
+    (void)unused;
+    static const struct {
+        double c, F, F0, r, omega, high;
+    } rows[] = {{0.1, 2, 0.5, 0.3, 1.2, 1.29}, {0.1, 2, 0.3, 0.3, 1.1, 1.4}, {0.2, 1.5, 0.4, 0.4, 0.9, 1.5}};
+    static const char *const key[2] = {"d2", "omega"};
+    for (size_t k = 0; k < sizeof rows / sizeof rows[0]; k++) {
+        saltus_spec spec = oscillator_spec(rows[k].c, 1, rows[k].F, rows[k].omega);
+        set_parameter(&spec, "F0", rows[k].F0);
+        add_stop(&spec, 0, rows[k].r, SALTUS_UPPER);
+        saltus_system *system = build(&spec);
+        saltus_classify_options how = saltus_classify_defaults();
+        saltus_message message = {.text = ""};
+        saltus_motion motion;
+        const double start[2] = {-0.5, 0};
+        check_ok(saltus_classify(system, start, &how, &motion, &message), &message);
+        assert_string_equal(motion.label, "chatter/1");
+        /* The mass alone. */
+        saltus_branch_options up = branch_along("omega", 0.8 * rows[k].omega, rows[k].high);
+        up.direction = 1;
+        branch_record alone = branch_run(&spec, 1, motion.state, &up);
+        int ends = 0;
+        while (ends < alone.count && alone.point[ends].kind != SALTUS_POINT_CH)
+            ends++;
+        assert_true(ends < alone.count);
+        const saltus_branch_point *chatter = &alone.point[ends];
+        double reach = reach_down(chatter);
+        /* With the other stop. */
+        add_stop(&spec, 5, 0.7, SALTUS_LOWER);
+        const double low[2] = {0.3 * reach, 0.8 * rows[k].omega}, high[2] = {6, rows[k].high};
+        saltus_branch_options options = locus_options(SALTUS_POINT_GR, key, low, high);
+        branch_record record = branch_run(&spec, 1, motion.state, &options);
+        int corners = 0;
+        for (int j = 0; j < record.count; j++) {
+            const saltus_branch_point *p = &record.point[j];
+            assert_string_equal(p->label, "chatter/1");
+            if (p->kind != SALTUS_POINT_CH_GR) {
+                assert_true(p->kind == SALTUS_POINT_GR || p->kind == SALTUS_POINT_EP);
+                continue;
+            }
+            corners++;
+            check_near(p->value[1], chatter->value[0], 1e-9);
+            check_near(p->value[0], reach, 1e-9);
+            assert_true(j + 1 < record.count && p[1].kind == SALTUS_POINT_EP);
+        }
+        assert_int_equal(corners, 1);
+        branch_forget(&record);
+        branch_forget(&alone);
+        saltus_motion_clear(&motion);
+        saltus_system_free(system);
+    }
+}
+
 /* At a cusp both parameters turn back, and the curve leaves to the side that it came from. */
 static void folds_have_cusps(void **unused) {
     (void)unused;
@@ -786,6 +861,7 @@ int main(void) {
         cmocka_unit_test(corners_start_the_curves_that_meet_there),
         cmocka_unit_test(networks_of_curves),
         cmocka_unit_test(an_interrupted_network_goes_on),
+        cmocka_unit_test(grazing_ends_with_chatter),
         cmocka_unit_test(folds_have_cusps),
         cmocka_unit_test(resonances),
         cmocka_unit_test(pipe_folds),

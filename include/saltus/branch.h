@@ -33,11 +33,14 @@ typedef enum saltus_point_kind {
     SALTUS_POINT_GR_NS,
     SALTUS_POINT_GR_GR, /* two impacts graze */
     SALTUS_POINT_GR_BP,
-    SALTUS_POINT_CH_GR, /* complete chatter begins or ends at grazing */
-    SALTUS_POINT_R1,    /* resonances: a double multiplier 1, */
-    SALTUS_POINT_R2,    /* a double multiplier -1, */
-    SALTUS_POINT_R3,    /* a pair at a third */
-    SALTUS_POINT_R4,    /* or a quarter of the circle */
+    /* On a curve of grazing: the contact that chatter on another impact's face leads to shrinks to nothing,
+     * so that the curve along which chatter completes meets this one. The equations are gap and speed of the
+     * grazing impact and that the chatter completes in the very time of the release; the curve ends there. */
+    SALTUS_POINT_CH_GR,
+    SALTUS_POINT_R1, /* resonances: a double multiplier 1, */
+    SALTUS_POINT_R2, /* a double multiplier -1, */
+    SALTUS_POINT_R3, /* a pair at a third */
+    SALTUS_POINT_R4, /* or a quarter of the circle */
     SALTUS_POINT_KINDS
 } saltus_point_kind;
 

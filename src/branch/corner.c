@@ -149,6 +149,14 @@ static bool without_impact(const saltus_extended *x, const saltus_solution *s, s
     return room;
 }
 
+/* Determinants with the impact and without it are of like size where neither is zero. Where all that the
+ * impact does is lost in complete chatter after it, that with it is nothing but rounding. */
+static saltus_corner of_determinant(saltus_point_kind kind, saltus_scaled own, saltus_scaled other,
+                                    bool without) {
+    return (saltus_corner){
+        .kind = kind, .value = own, .quiet = other.exponent + log(1e-9), .without = without};
+}
+
 int saltus_corner_measure(const saltus_extended *x, const saltus_curve_point *point, const saltus_solution *s,
                           saltus_corner *corners) {
     static const saltus_point_kind grazing[] = {[SALTUS_POINT_LP] = SALTUS_POINT_GR_LP,
@@ -182,10 +190,10 @@ int saltus_corner_measure(const saltus_extended *x, const saltus_curve_point *po
         if (!determinants(x->orbits.shooting, x->orbits.n, &fold, &flip) ||
             !without_impact(x, s, &other_fold, &other_flip, &excess, &angle))
             return -1;
-        corners[count++] = (saltus_corner){.kind = SALTUS_POINT_GR_LP, .value = fold};
-        corners[count++] = (saltus_corner){.kind = SALTUS_POINT_GR_PD, .value = flip};
-        corners[count++] = (saltus_corner){.kind = SALTUS_POINT_GR_LP, .value = other_fold, .without = true};
-        corners[count++] = (saltus_corner){.kind = SALTUS_POINT_GR_PD, .value = other_flip, .without = true};
+        corners[count++] = of_determinant(SALTUS_POINT_GR_LP, fold, other_fold, false);
+        corners[count++] = of_determinant(SALTUS_POINT_GR_PD, flip, other_flip, false);
+        corners[count++] = of_determinant(SALTUS_POINT_GR_LP, other_fold, fold, true);
+        corners[count++] = of_determinant(SALTUS_POINT_GR_PD, other_flip, flip, true);
         corners[count++] = (saltus_corner){
             .kind = SALTUS_POINT_GR_NS, .value = plain(excess), .without = true, .theta = angle};
         break;

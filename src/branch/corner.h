@@ -11,6 +11,7 @@ enum { SALTUS_CORNERS_MAX = 6 };
 typedef struct saltus_corner {
     saltus_point_kind kind;
     saltus_scaled value;
+    double quiet; /* a determinant of no more than e to this is rounding; 0: it is none */
     bool breach;  /* the worst of the orbit, which must be negative */
     bool ends;    /* beyond it there is no such curve */
     bool without; /* on a curve of grazing: seen without the impact */

@@ -16,6 +16,7 @@ static void reserve(saltus_extended *x, int count) {
     x->c = saltus_arena_doubles(&x->arena, k * c);
     x->aside = saltus_arena_doubles(&x->arena, m);
     x->along = saltus_arena_doubles(&x->arena, k * c * m);
+    x->fresh = saltus_arena_doubles(&x->arena, k * c * m);
     x->anchor = saltus_arena_doubles(&x->arena, m);
 }
 
@@ -35,6 +36,7 @@ saltus_status saltus_extended_shape(saltus_extended *x, saltus_message *message)
         !saltus_dense_lu_open(&x->equations.lu, count + 2 + x->extra))
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a locus");
     reserve(x, count);
+    x->differs = false;
     return SALTUS_OK;
 }
 
@@ -139,6 +141,20 @@ static saltus_status differentiate(saltus_extended *x, const double *u, const do
     return status;
 }
 
+/* A' v at u. Near where the events change there may be no orbits aside; then the last one is good enough. */
+static saltus_status renew_along(saltus_extended *x, const double *u, saltus_message *message) {
+    int c = x->orbits.equations->count, m = x->orbits.equations->unknowns;
+    saltus_status status = SALTUS_OK;
+    for (int k = 0; k < x->copies && status == SALTUS_OK; k++)
+        status = differentiate(x, u, x->right + k * c, x->fresh + k * c * m, message);
+    if (status == SALTUS_NO_MEMORY || status == SALTUS_INTERRUPTED || (status != SALTUS_OK && !x->differs))
+        return status;
+    if (status == SALTUS_OK)
+        memcpy(x->along, x->fresh, (size_t)(x->copies * c * m) * sizeof *x->along);
+    x->differs = true;
+    return SALTUS_OK;
+}
+
 /* The rows of g: its value and gradient, from v, w and A' v. */
 static void fill_special(saltus_extended *x, const double *u) {
     const saltus_equations *orbit = x->orbits.equations;
@@ -192,8 +208,7 @@ saltus_status saltus_extended_evaluate(void *self, const double *u, saltus_messa
         pick_speed(x);
     else if (!solve_bordered(x, theta))
         return saltus_fail(message, SALTUS_SINGULAR, "the bordered matrix is singular");
-    for (int k = 0; k < x->copies && status == SALTUS_OK; k++)
-        status = differentiate(x, u, x->right + k * c, x->along + k * c * m, message);
+    status = renew_along(x, u, message);
     if (status != SALTUS_OK)
         return status;
     fill_special(x, u);

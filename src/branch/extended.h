@@ -31,13 +31,14 @@ typedef struct saltus_extended {
     saltus_equations equations;
     /* Of the present sequence. */
     saltus_arena arena;
-    saltus_dense_lu lu;   /* of the bordered matrix */
-    double *matrix;       /* it */
-    double *right, *left; /* its solutions: v, g; copies of w */
-    double *b, *c;        /* borders, copies x count */
-    double *aside;        /* an orbit aside */
-    double *along;        /* A' v, copies of count x unknowns */
-    double *anchor;       /* where the orbit may not move along c */
+    saltus_dense_lu lu;    /* of the bordered matrix */
+    double *matrix;        /* it */
+    double *right, *left;  /* its solutions: v, g; copies of w */
+    double *b, *c;         /* borders, copies x count */
+    double *aside;         /* an orbit aside */
+    double *along, *fresh; /* A' v, copies of count x unknowns, and room for another */
+    bool differs;          /* it has been computed */
+    double *anchor;        /* where the orbit may not move along c */
 } saltus_extended;
 
 /* Room for the sequence that the shooting has. Errors: SALTUS_NO_MEMORY. */

@@ -323,6 +323,11 @@ static saltus_status give(saltus_locus *l, const saltus_solution *s, const saltu
     point->value[1] = l->origin + family->unit[1] * s->parameter[1];
     meet_borders(l, s, point);
     point->heading = at->tangent[l->x.orbits.equations->count] * family->unit[0];
+    /* Whether it grazes the flow sees by chance, but not whether chatter completes. */
+    if (grazing && s->survey.walked && s->survey.impacts < 0) {
+        point->impacts = s->survey.impacts;
+        memcpy(point->label, s->survey.label, sizeof point->label);
+    }
     if (grazing)
         point->admissible = saltus_corner_breach(&l->x, s) < 1e-9;
     if (l->x.kind == SALTUS_POINT_GR) {
@@ -579,9 +584,13 @@ static bool find_corners(saltus_locus *l, crossings *found) {
         double near = saltus_scaled_in(l->corners[k].value, l->corners[k].value.exponent);
         double far = saltus_scaled_in(l->corners_ahead[k].value, l->corners[k].value.exponent);
         double place = 0, width, value;
+        double quiet = l->corners[k].quiet;
+        bool heard = quiet == 0 ||
+                     !(l->corners[k].value.exponent < quiet && l->corners_ahead[k].value.exponent < quiet);
         location self = {l, k};
-        bool located = near * far < 0 && saltus_curve_zero(l->x.orbits.solver, corner_at, &self, near,
-                                                           l->next.ahead, far, &place, &width);
+        bool located =
+            near * far < 0 && heard &&
+            saltus_curve_zero(l->x.orbits.solver, corner_at, &self, near, l->next.ahead, far, &place, &width);
         /* The first function is the breach, which may begin with a jump, where a maximum of the gap appears.
          */
         if (k == 0 && far > 1e-9 && !(located && corner_at(&self, place, &value) && fabs(value) < jump))
@@ -625,6 +634,37 @@ static void sharpen_resonance(saltus_locus *l, double theta) {
     free(u);
     if (found)
         see_orbit(l, &l->trial, &l->located, &ignored);
+}
+
+/* Where a contact that chatter leads to shrinks to nothing the equations end, and with them the curve, and
+ * what is left of the contact falls like a power of the arclength: the place is bracketed. `trial` and
+ * `located` become the last orbit at which chatter completes. *found: whether the curve ends so just ahead of
+ * `here`. Errors: SALTUS_NO_MEMORY. */
+static saltus_status end_contact(saltus_locus *l, bool *found, saltus_message *message) {
+    enum { halvings = 40 };
+    const double reach = 1e-3, nothing = 1e-4, sharp = 1e-11;
+    double low = 0, high = reach, usual = l->x.equations.tolerance;
+    saltus_message ignored;
+    saltus_corner contact = {.kind = SALTUS_POINT_GR_GR, .breach = true};
+    saltus_status status = SALTUS_OK;
+    *found = false;
+    /* A little speed at grazing moves the place by as much. */
+    l->x.equations.tolerance = sharp;
+    for (int k = 0; k <= halvings; k++) {
+        double middle = k < halvings ? 0.5 * (low + high) : low;
+        status = saltus_curve_visit(&l->x.equations, &l->here, middle, &l->trial, &ignored);
+        if (status == SALTUS_OK)
+            status = see_orbit(l, &l->trial, &l->located, &ignored);
+        if (status == SALTUS_NO_MEMORY)
+            return no_memory(message);
+        *found = status == SALTUS_OK && saltus_corner_breach(&l->x, &l->located) <= 0;
+        *(*found ? &low : &high) = middle;
+    }
+    l->x.equations.tolerance = usual;
+    if (*found && saltus_corner_breach(&l->x, &l->located) > -nothing)
+        status = saltus_corner_tell(&l->x, &contact, &l->located, &contact.kind, message);
+    *found = contact.kind == SALTUS_POINT_CH_GR;
+    return status == SALTUS_NO_MEMORY ? status : SALTUS_OK;
 }
 
 static const char *const corner_reasons[] = {
@@ -691,8 +731,17 @@ static saltus_status give_corner(saltus_locus *l, saltus_corner corner, double a
 
 /* The curve ends where it is, as it does not go on. */
 static saltus_status give_end(saltus_locus *l, saltus_message *message) {
-    return give(l, &l->orbit, &l->here, SALTUS_POINT_EP, 0,
-                "the curve ends: its orbit changes its events or the curve has a corner", message);
+    bool contact = false;
+    saltus_status status = l->lost ? SALTUS_OK : end_contact(l, &contact, message);
+    if (status != SALTUS_OK)
+        return status;
+    if (!contact)
+        return give(l, &l->orbit, &l->here, SALTUS_POINT_EP, 0,
+                    "the curve ends: its orbit changes its events or the curve has a corner", message);
+    status = give(l, &l->located, &l->trial, SALTUS_POINT_CH_GR, l->trial.ahead, NULL, message);
+    return status != SALTUS_OK || l->ended ? status
+                                           : give(l, &l->located, &l->trial, SALTUS_POINT_EP, l->trial.ahead,
+                                                  corner_reasons[SALTUS_POINT_CH_GR], message);
 }
 
 /* One step along the curve under way, with the corners on it. */
@@ -836,6 +885,7 @@ static void archive_corners(saltus_locus *l, saltus_archive *a) {
     for (int k = 0; k < l->corner_count; k++) {
         saltus_archive_real(a, &l->corners[k].value.mantissa);
         saltus_archive_real(a, &l->corners[k].value.exponent);
+        saltus_archive_real(a, &l->corners[k].quiet);
     }
     saltus_archive_finite(a, l->second, 2);
     saltus_archive_finite(a, &l->gap, 1);
