@@ -35,12 +35,36 @@ bool saltus_change_pass(saltus_orbits *o, const saltus_sequence *beyond, const d
     return false;
 }
 
+/* The breaches of an orbit at grazing that are the change: the worst, and its mirror image. In a run of ever
+ * slower impacts the last of them are almost as slow as one that is just born or dies, but it is one that
+ * does. Returns their number. */
+static int pick_change(const saltus_solution *at, saltus_breach *picked) {
+    const double together = 1e-9, near = 1e-5;
+    saltus_breach_kind kind = at->worst.kind;
+    int count = 0;
+    /* A maximum at an impact that has no speed is that impact's own touch. */
+    for (int k = 0; k < at->breach_count && kind == SALTUS_BREACH_GAP; k++) {
+        const saltus_breach *b = &at->breaches[k];
+        if (b->kind == SALTUS_BREACH_SPEED && b->face == at->worst.face && fabs(b->value) < together &&
+            fabs(b->time - at->worst.time) < near)
+            kind = SALTUS_BREACH_SPEED;
+    }
+    for (int k = 0; k < at->breach_count; k++)
+        if (at->breaches[k].kind == kind && fabs(at->breaches[k].value) < together)
+            picked[count++] = at->breaches[k];
+    return count;
+}
+
 saltus_status saltus_change_graze(saltus_orbits *o, const saltus_solution *at, saltus_sequence *beyond,
                                   saltus_solution *here, saltus_solution *next, saltus_change *change,
                                   saltus_message *message) {
     int order[SALTUS_MARKS_MAX];
+    saltus_breach *picked = calloc((size_t)at->breach_count + 1, sizeof *picked);
     *change = (saltus_change){.kind = SALTUS_POINT_GR};
-    change->reason = saltus_sequence_graze(&at->sequence, at->breaches, at->breach_count, beyond, order);
+    if (!picked)
+        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch");
+    change->reason = saltus_sequence_graze(&at->sequence, picked, pick_change(at, picked), beyond, order);
+    free(picked);
     double *old = calloc((size_t)(o->n * beyond->cuts + beyond->count + 1), sizeof *old);
     if (!old)
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch");

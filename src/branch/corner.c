@@ -117,19 +117,25 @@ static bool pair_excess(saltus_shooting *shooting, int n, double *excess, double
     return room;
 }
 
-/* The sequence of an orbit without the impacts that graze. */
-static saltus_sequence less_impacts(const saltus_solution *s) {
-    saltus_sequence less;
+saltus_sequence saltus_corner_without(const saltus_extended *x, const saltus_solution *s) {
+    saltus_sequence less, kept = s->sequence;
     int order[SALTUS_MARKS_MAX];
-    saltus_sequence_graze(&s->sequence, s->breaches, s->breach_count, &less, order);
-    return less;
+    for (int k = s->breach_count - 1; k >= 0; k--) {
+        saltus_breach gone = s->breaches[k];
+        if (gone.kind != SALTUS_BREACH_SPEED || !is_own(x, s, &gone))
+            continue;
+        gone.value = 0;
+        saltus_sequence_graze(&kept, &gone, 1, &less, order);
+        kept = less;
+    }
+    return kept;
 }
 
 /* The same of the orbit without the impacts that graze. What cannot be computed is NAN. False without memory.
  */
 static bool without_impact(const saltus_extended *x, const saltus_solution *s, saltus_scaled *fold,
                            saltus_scaled *flip, double *excess, double *angle) {
-    saltus_sequence less = less_impacts(s);
+    saltus_sequence less = saltus_corner_without(x, s);
     saltus_shooting *shooting = NULL;
     saltus_message ignored;
     *fold = *flip = plain(NAN);
@@ -207,7 +213,7 @@ int saltus_corner_measure(const saltus_extended *x, const saltus_curve_point *po
  * orbit later it is itself again, not minus itself as the orbit is. */
 static saltus_status breaks_symmetry(const saltus_extended *x, const saltus_solution *s, bool without,
                                      bool *breaks, saltus_message *message) {
-    saltus_sequence halves = without ? less_impacts(s) : s->sequence;
+    saltus_sequence halves = without ? saltus_corner_without(x, s) : s->sequence;
     saltus_shooting *shooting = NULL;
     double value, *u, *work = NULL;
     int n = x->orbits.n;

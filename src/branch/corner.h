@@ -24,6 +24,8 @@ const saltus_breach *saltus_corner_worst(const saltus_extended *extended, const 
 const saltus_breach *saltus_corner_touch(const saltus_extended *extended, const saltus_solution *orbit);
 /* The value of the worst, -1 for none. */
 double saltus_corner_breach(const saltus_extended *extended, const saltus_solution *orbit);
+/* The marks of an orbit without the grazing impact that is followed, and its image. */
+saltus_sequence saltus_corner_without(const saltus_extended *extended, const saltus_solution *orbit);
 /* All functions at a point, from what the extended equations have seen there, and the orbit there. Returns
  * their number, which depends on the kind of locus alone; -1 without memory. */
 int saltus_corner_measure(const saltus_extended *extended, const saltus_curve_point *point,

@@ -165,7 +165,6 @@ static int curves_at(saltus_extended *x, const saltus_corner *corner, const salt
                                                                   [SALTUS_POINT_GR_PD] = SALTUS_POINT_PD,
                                                                   [SALTUS_POINT_GR_NS] = SALTUS_POINT_NS,
                                                                   [SALTUS_POINT_GR_BP] = SALTUS_POINT_BP};
-    int order[SALTUS_MARKS_MAX];
     saltus_locus_start *start = &starts[0];
     start->sequence = at->sequence;
     start->theta = corner->theta;
@@ -185,7 +184,7 @@ static int curves_at(saltus_extended *x, const saltus_corner *corner, const salt
         start->kind = special[corner->kind];
         start->one_way = true;
         if (corner->without)
-            saltus_sequence_graze(&at->sequence, at->breaches, at->breach_count, &start->sequence, order);
+            start->sequence = saltus_corner_without(x, at);
         return 1;
     }
     const saltus_breach *touch = saltus_corner_touch(x, at);
