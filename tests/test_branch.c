@@ -1455,6 +1455,60 @@ static void longer_version(void **unused) {
     check_resumed(closed_two_periods, 0.85, 0.78, 0.985, 0, 1);
 }
 
+/* Impacts are born one after the other, ever slower and ever closer in the parameter, until chatter is
+ * complete where they accumulate: none is passed over, none is taken for another, and the branch goes on. */
+static void births_lead_to_chatter(void **unused) {
+    (void)unused;
+    static const struct {
+        const char *key;
+        double value;
+    } settings[] = {{"N", 2}, {"alpha", 0.005466}, {"u0", 4.33}, {"sigma", 0.2003}, {"omega", 32}};
+    saltus_scene pipe;
+    saltus_message message = {""};
+    check_ok(saltus_scene_load("pipe", &pipe, &message), &message);
+    saltus_spec spec = pipe.spec;
+    for (size_t k = 0; k < sizeof settings / sizeof settings[0]; k++)
+        set_parameter(&spec, settings[k].key, settings[k].value);
+    spec.stops[0].d = 0.01892;
+    spec.stops[0].r = 0.4106;
+    spec.stops[0].sides = SALTUS_BOTH;
+    saltus_system *system = build(&spec);
+    saltus_classify_options how = saltus_classify_defaults();
+    saltus_motion motion;
+    double start[16];
+    check_ok(saltus_system_default_state(system, start, &message), &message);
+    check_ok(saltus_classify(system, start, &how, &motion, &message), &message);
+    assert_string_equal(motion.label, "1/2");
+    saltus_branch_options options = branch_along("u0", 3.519, 5.148);
+    options.direction = 1;
+    options.step_max = 0.03;
+    branch_record record = branch_run(&spec, 2, motion.state, &options);
+    double last = NAN, gap = NAN;
+    long long impacts = 1;
+    int completed = 0;
+    for (int k = 0; k < record.count; k++) {
+        const saltus_branch_point *p = &record.point[k];
+        if (p->kind == SALTUS_POINT_GR) {
+            assert_int_equal(p->impacts, impacts);
+            impacts++;
+            gap = fabs(p->value[0] - last);
+            last = p->value[0];
+        }
+        if (p->kind == SALTUS_POINT_CH) {
+            /* The births are a geometric sequence in the end, whose sum is less than the last term. */
+            assert_string_equal(p->label_after, "chatter/2");
+            assert_true(p->value[0] > last && p->value[0] < last + gap);
+            completed++;
+        }
+    }
+    assert_int_equal(completed, 1);
+    assert_true(impacts > 16);
+    assert_non_null(strstr(record.point[record.count - 1].reason, "range"));
+    branch_forget(&record);
+    saltus_motion_clear(&motion);
+    saltus_system_free(system);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(points_of_one_stop),
@@ -1493,6 +1547,7 @@ int main(void) {
         cmocka_unit_test(joins_are_no_branch_points),
         cmocka_unit_test(resumed_from_another_run),
         cmocka_unit_test(longer_version),
+        cmocka_unit_test(births_lead_to_chatter),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -483,6 +483,19 @@ static saltus_status leap(saltus_branch *b, double ahead, bool lost, const char 
     return status;
 }
 
+/* Whether an orbit grazes at the end of a run of impacts that have hardly any speed: chatter all but
+ * completes. */
+static bool ends_run(const saltus_solution *s) {
+    const double slow = 1e-8, near = 1e-3;
+    for (int k = 0; k < s->breach_count; k++) {
+        const saltus_breach *b = &s->breaches[k];
+        if (b->kind == SALTUS_BREACH_SPEED && b->face == s->worst.face && b->value > -slow &&
+            b->time < s->worst.time && s->worst.time - b->time < near)
+            return true;
+    }
+    return false;
+}
+
 /* Beyond grazing at `next`, to a point a little further on. */
 static saltus_status graze(saltus_branch *b, double accuracy, saltus_message *message) {
     trace *t = &b->trace;
@@ -499,6 +512,13 @@ static saltus_status graze(saltus_branch *b, double accuracy, saltus_message *me
     saltus_status status = saltus_change_graze(o, at, &beyond, b->spare, b->trial, &change, message);
     if (status != SALTUS_OK)
         return status;
+    /* Further impacts are beyond rounding: on to where chatter is complete. */
+    if (change.kind == SALTUS_POINT_EP && !joins && ends_run(at)) {
+        status = saltus_shooting_shape(o->shooting, &t->here->sequence, message);
+        return status == SALTUS_OK
+                   ? leap(b, 2 * at->at.ahead, true, "grazings follow one another ever more closely", message)
+                   : status;
+    }
     if (b->options.locus == SALTUS_POINT_GR && !joins)
         return open_locus(b, at, &beyond, message);
     bool goes_on = change.kind == SALTUS_POINT_GR && !joins;

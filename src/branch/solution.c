@@ -419,8 +419,8 @@ saltus_zero saltus_solution_crossing(saltus_orbits *o, const saltus_solution *fr
          pass++) {
         const double *last = u + (m - 1) * crossing_samples;
         double at = saltus_curve_interpolate(test, last, crossing_samples);
-        double accuracy =
-            o->family.unit[0] * fabs(at - saltus_curve_interpolate(test, last, crossing_samples - 2));
+        double spread = fabs(at - saltus_curve_interpolate(test, last, crossing_samples - 2));
+        double accuracy = o->family.unit[0] * fmax(spread, saltus_rounding_at(apart));
         if (pass > 1 && !(accuracy < zero.accuracy))
             break;
         zero = (saltus_zero){.found = pass > 0, .accuracy = accuracy};

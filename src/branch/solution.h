@@ -8,6 +8,8 @@
 #include "orbit/multipliers.h"
 #include "orbit/shooting.h"
 
+#include <math.h>
+
 /* What the event-driven flow makes of an orbit of a prescribed sequence. */
 typedef struct saltus_survey {
     bool follows; /* the flow meets the events that are prescribed, and no others */
@@ -149,6 +151,10 @@ saltus_zero saltus_solution_zero(saltus_orbits *orbits, saltus_test test, double
 saltus_zero saltus_solution_zero_between(saltus_orbits *orbits, saltus_test test, double target,
                                          const saltus_solution *from, const double ends[2],
                                          const double values[2], saltus_solution *out);
+/* So near to where equations are singular, their solutions are told no better than this. */
+static inline double saltus_rounding_at(double apart) {
+    return 1e-14 / fabs(apart);
+}
 /* The point where curves cross near `ahead` from `from`, as `out`: its equations are singular, so it is
  * interpolated from points around it, not further than a tenth of `reach`. */
 saltus_zero saltus_solution_crossing(saltus_orbits *orbits, const saltus_solution *from, double ahead,

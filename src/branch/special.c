@@ -141,8 +141,8 @@ static bool zero_elsewhere(saltus_orbits *o, const saltus_sequence *sequence, co
         }
         if (status == SALTUS_OK) {
             centre = saltus_curve_interpolate(test, value, samples);
-            *accuracy =
-                o->family.unit[0] * fabs(centre - saltus_curve_interpolate(test + 1, value + 1, samples - 2));
+            double spread = fabs(centre - saltus_curve_interpolate(test + 1, value + 1, samples - 2));
+            *accuracy = o->family.unit[0] * fmax(spread, saltus_rounding_at(apart));
         }
     }
     saltus_shooting_free(shooting);
