@@ -501,6 +501,8 @@ static void check_network(const branch_record *record, const saltus_branch_optio
             assert_true(passes(record, SALTUS_POINT_LP, p->value));
         if (p->kind == SALTUS_POINT_GR_PD)
             assert_true(passes(record, SALTUS_POINT_PD, p->value));
+        if (p->kind == SALTUS_POINT_GR_BP)
+            assert_true(passes(record, SALTUS_POINT_BP, p->value));
     }
 }
 
@@ -653,6 +655,47 @@ static void an_interrupted_network_goes_on(void **unused) {
     options.switches = 1;
     assert_true(branch_check_resumed(&r.spec, r.periods, r.states[0], &options, 120) > 1);
     free(r.text);
+}
+
+/* Grazing of orbits that are their own mirror images, with branch points and folds on its way: what the curve
+ * of grazing tells by the symmetry of a null vector the curves of folds and of branch points, on which the
+ * symmetric orbits have other equations, tell by themselves where they end. */
+static void symmetric_grazing(void **unused) {
+    (void)unused;
+    static const char *const key[2] = {"omega", "d"};
+    static const double low[2] = {0.20374, 0.1}, high[2] = {0.81494, 2};
+    saltus_spec spec = oscillator_spec(0.064962, 1, 0.81997, 0.40747);
+    add_stop(&spec, 0.5, 0.68926, SALTUS_BOTH);
+    saltus_system *system = build(&spec);
+    saltus_classify_options how = saltus_classify_defaults();
+    saltus_message message = {.text = ""};
+    saltus_motion motion;
+    double state[2];
+    check_ok(saltus_system_default_state(system, state, &message), &message);
+    check_ok(saltus_classify(system, state, &how, &motion, &message), &message);
+    saltus_branch_options options = locus_options(SALTUS_POINT_GR, key, low, high);
+    options.switches = 1;
+    options.step_max = 0.03;
+    branch_record record = branch_run(&spec, motion.periods, motion.state, &options);
+    int ends[SALTUS_POINT_KINDS] = {0};
+    check_network(&record, &options);
+    for (int k = 0; k < record.count; k++) {
+        const saltus_branch_point *p = &record.point[k];
+        bool folds = p->locus == SALTUS_POINT_LP && p->kind == SALTUS_POINT_GR_LP;
+        if (!folds && !(p->locus == SALTUS_POINT_BP && p->kind == SALTUS_POINT_GR_BP))
+            continue;
+        double nearest = INFINITY;
+        for (int j = 0; j < record.count; j++)
+            if (record.point[j].locus == SALTUS_POINT_GR && record.point[j].kind == p->kind)
+                nearest = fmin(nearest, fabs(record.point[j].value[0] / p->value[0] - 1) +
+                                            fabs(record.point[j].value[1] / p->value[1] - 1));
+        check_near(nearest, 0, 1e-9);
+        ends[p->kind]++;
+    }
+    assert_true(ends[SALTUS_POINT_GR_LP] > 0 && ends[SALTUS_POINT_GR_BP] > 0);
+    branch_forget(&record);
+    saltus_motion_clear(&motion);
+    saltus_system_free(system);
 }
 
 /* How far a mass comes down on an orbit of one period: the lowest of the parabolas through its way. */
@@ -861,6 +904,7 @@ int main(void) {
         cmocka_unit_test(corners_start_the_curves_that_meet_there),
         cmocka_unit_test(networks_of_curves),
         cmocka_unit_test(an_interrupted_network_goes_on),
+        cmocka_unit_test(symmetric_grazing),
         cmocka_unit_test(grazing_ends_with_chatter),
         cmocka_unit_test(folds_have_cusps),
         cmocka_unit_test(resonances),
