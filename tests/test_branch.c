@@ -1455,6 +1455,38 @@ static void longer_version(void **unused) {
     check_resumed(closed_two_periods, 0.85, 0.78, 0.985, 0, 1);
 }
 
+/* A mass between two walls, down to where it does not rebound. There the orbit of two impacts breaches
+ * nothing, but halfway it would pass through the walls: the births of two impacts more are seen in their
+ * place, with their touch, and not leapt over. */
+static void births_before_the_border(void **unused) {
+    (void)unused;
+    saltus_scene pair;
+    saltus_message message = {""};
+    check_ok(saltus_scene_load("impact-pair", &pair, &message), &message);
+    saltus_system *system = build(&pair.spec);
+    saltus_classify_options how = saltus_classify_defaults();
+    saltus_motion motion;
+    double start[16];
+    check_ok(saltus_system_default_state(system, start, &message), &message);
+    check_ok(saltus_classify(system, start, &how, &motion, &message), &message);
+    saltus_branch_options options = branch_along("r", 0, 1);
+    options.direction = -1;
+    branch_record record = branch_run(&pair.spec, 1, motion.state, &options);
+    int changes = 0;
+    for (int k = 1; k < record.count; k++) {
+        const saltus_branch_point *p = &record.point[k], *before = p - 1;
+        if (p->kind == SALTUS_POINT_GR)
+            assert_true(isfinite(p->grazing_time));
+        changes += before->impacts != p->impacts;
+        /* The number of impacts changes at grazing alone. */
+        assert_true(before->impacts == p->impacts || before->kind == SALTUS_POINT_GR);
+    }
+    assert_true(changes >= 1);
+    branch_forget(&record);
+    saltus_motion_clear(&motion);
+    saltus_system_free(system);
+}
+
 /* Impacts are born one after the other, ever slower and ever closer in the parameter, until chatter is
  * complete where they accumulate: none is passed over, none is taken for another, and the branch goes on. */
 static void births_lead_to_chatter(void **unused) {
@@ -1547,6 +1579,7 @@ int main(void) {
         cmocka_unit_test(joins_are_no_branch_points),
         cmocka_unit_test(resumed_from_another_run),
         cmocka_unit_test(longer_version),
+        cmocka_unit_test(births_before_the_border),
         cmocka_unit_test(births_lead_to_chatter),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -583,6 +583,22 @@ static bool is_vertical(const saltus_solution *s) {
     return fabs(saltus_solution_heading(s)) < 1e-10;
 }
 
+/* The length of a step at whose end an orbit breaches, though `next` does not, as on a border of the range on
+ * which an impact rebounds no more; 0: none is found, ever closer to `next`. */
+static double hidden_breach(saltus_branch *b) {
+    enum { halvings = 10 };
+    double rest = b->next->at.ahead;
+    saltus_message ignored;
+    for (int k = 0; k < halvings; k++) {
+        rest *= 0.5;
+        if (saltus_solution_visit(&b->orbits, b->trace.here, b->next->at.ahead - rest, b->trial, &ignored) ==
+                SALTUS_OK &&
+            b->trial->worst.value > 0 && b->trial->worst.kind == SALTUS_BREACH_GAP)
+            return b->next->at.ahead - rest;
+    }
+    return 0;
+}
+
 /* One step along the branch under way. */
 static saltus_status advance(saltus_branch *b, saltus_message *message) {
     saltus_orbits *o = &b->orbits;
@@ -619,8 +635,14 @@ static saltus_status advance(saltus_branch *b, saltus_message *message) {
     if (is_vertical(t->here) && is_vertical(b->next))
         return end(b, b->next, b->next->at.ahead, "the orbits of one value of the parameter form a family",
                    message);
-    if (!breached && !b->next->survey.follows)
-        return leap(b, b->next->at.ahead, false, "events change", message);
+    if (!breached && !b->next->survey.follows) {
+        bool free = t->here->survey.impacts >= 0 && t->here->survey.sticking_intervals == 0;
+        double hidden = free && reached >= 0 ? hidden_breach(b) : 0;
+        if (hidden == 0)
+            return leap(b, b->next->at.ahead, false, "events change", message);
+        t->step = hidden;
+        return SALTUS_OK;
+    }
     status = give_specials(b, message);
     if (status != SALTUS_OK || b->phase != RUN_FOLLOW || b->locus)
         return status;
