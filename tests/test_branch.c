@@ -1461,7 +1461,7 @@ static void longer_version(void **unused) {
 static void births_before_the_border(void **unused) {
     (void)unused;
     saltus_scene pair;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     check_ok(saltus_scene_load("impact-pair", &pair, &message), &message);
     saltus_system *system = build(&pair.spec);
     saltus_classify_options how = saltus_classify_defaults();
@@ -1496,7 +1496,7 @@ static void births_lead_to_chatter(void **unused) {
         double value;
     } settings[] = {{"N", 2}, {"alpha", 0.005466}, {"u0", 4.33}, {"sigma", 0.2003}, {"omega", 32}};
     saltus_scene pipe;
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     check_ok(saltus_scene_load("pipe", &pipe, &message), &message);
     saltus_spec spec = pipe.spec;
     for (size_t k = 0; k < sizeof settings / sizeof settings[0]; k++)

@@ -229,18 +229,19 @@ static saltus_status breaks_symmetry(const saltus_extended *x, const saltus_solu
         int c = e->count;
         double *a = work = calloc((size_t)(c * (c + 1)), sizeof *work), *null = a + c * c, sum = 0;
         if (!work)
-            status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a locus");
+            status = SALTUS_NO_MEMORY;
         for (int i = 0; i < c && work; i++)
             memcpy(a + i * c, e->jacobian + i * e->unknowns, (size_t)c * sizeof *a);
-        if (work && saltus_dense_null_vectors(a, c, c, 1, null, &value))
-            for (int i = 0; i < n; i++)
-                sum += null[i] * null[n + i];
+        if (work)
+            status = saltus_dense_null_vectors(a, c, c, 1, null, &value);
+        for (int i = 0; i < n && status == SALTUS_OK; i++)
+            sum += null[i] * null[n + i];
         *breaks = sum > 0;
     }
     saltus_shooting_free(shooting);
     free(u);
     free(work);
-    return status == SALTUS_NO_MEMORY ? status : SALTUS_OK;
+    return status == SALTUS_NO_MEMORY ? saltus_fail(message, status, "no memory for a locus") : SALTUS_OK;
 }
 
 /* What a contact's end is that shrinks to nothing, or lets go. */

@@ -855,7 +855,7 @@ static void archive_first(saltus_locus *l, saltus_archive *a) {
     saltus_archive_finite(a, l->first_way, 2);
 }
 
-/* The orbit at `here`, and the equations' own vectors there. */
+/* The orbit at `here`, and the equations' own vectors and derivative there. */
 static saltus_status archive_here(saltus_locus *l, saltus_archive *a, saltus_message *message) {
     saltus_extended *x = &l->x;
     x->mark = (int)saltus_archive_whole(a, x->mark, 0, SALTUS_MARKS_MAX - 1);
@@ -871,6 +871,9 @@ static saltus_status archive_here(saltus_locus *l, saltus_archive *a, saltus_mes
     saltus_archive_finite(a, x->b, size);
     saltus_archive_finite(a, x->c, size);
     saltus_archive_finite(a, x->anchor, count + 2);
+    x->differs = saltus_archive_flag(a, x->differs);
+    if (x->differs)
+        saltus_archive_finite(a, x->along, size * (count + 2));
     saltus_archive_point(a, &l->here);
     saltus_archive_solution(a, &l->orbit);
     bool marked = x->kind != SALTUS_POINT_GR || x->mark < l->orbit.sequence.count;
