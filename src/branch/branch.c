@@ -33,6 +33,13 @@ typedef enum run_phase {
     RUN_FOLLOW /* go on along the branch under way */
 } run_phase;
 
+/* The last places where impacts were born, one after the other. */
+enum { run_length = 4 };
+typedef struct birth_run {
+    int count;
+    double place[run_length]; /* parameter unknowns, the last one last */
+} birth_run;
+
 /* The branch under way. */
 typedef struct trace {
     int number, parent, depth;
@@ -41,6 +48,7 @@ typedef struct trace {
     double arclength, shown; /* of `here`; of the last regular point given out */
     double step;
     bool fresh; /* no step made since the branch was switched to */
+    birth_run run;
     double first_value;
     saltus_lap first; /* section points of the orbit it began with */
     saltus_solution *here;
@@ -449,12 +457,25 @@ static saltus_status survey_before(saltus_branch *b, saltus_message *message) {
     return status;
 }
 
+/* `spare`, so far along the branch, becomes `here`. */
+static saltus_status go_on_at(saltus_branch *b, double distance, saltus_message *message) {
+    trace *t = &b->trace;
+    t->arclength += distance;
+    b->spare->at.ahead = 0;
+    swap(&t->here, &b->spare);
+    t->step = fmin(t->step, b->options.step);
+    t->shown = t->arclength;
+    saltus_status status = give(b, t->here, (notice){.accuracy = NAN}, message);
+    t->regular++;
+    return status;
+}
+
 /* Over a change of events that only the event-driven flow sees, somewhere before `ahead`. */
-static saltus_status leap(saltus_branch *b, double ahead, bool lost, const char *why,
+static saltus_status leap(saltus_branch *b, double ahead, saltus_leap kind, const char *why,
                           saltus_message *message) {
     trace *t = &b->trace;
     saltus_change change;
-    saltus_status status = saltus_change_leap(&b->orbits, t->here, ahead, lost, why, b->range, b->trial,
+    saltus_status status = saltus_change_leap(&b->orbits, t->here, ahead, kind, why, b->range, b->trial,
                                               b->spare, b->other, &change, message);
     if (status != SALTUS_OK)
         return status;
@@ -473,14 +494,7 @@ static saltus_status leap(saltus_branch *b, double ahead, bool lost, const char 
         status = give(b, b->trial, what, message);
     if (status != SALTUS_OK || b->phase != RUN_FOLLOW)
         return status;
-    t->arclength += b->trial->at.ahead + change.distance;
-    b->spare->at.ahead = 0;
-    swap(&t->here, &b->spare);
-    t->step = fmin(t->step, b->options.step);
-    t->shown = t->arclength;
-    status = give(b, t->here, (notice){.accuracy = NAN}, message);
-    t->regular++;
-    return status;
+    return go_on_at(b, b->trial->at.ahead + change.distance, message);
 }
 
 /* Whether an orbit grazes at the end of a run of impacts that have hardly any speed: chatter all but
@@ -494,6 +508,48 @@ static bool ends_run(const saltus_solution *s) {
             return true;
     }
     return false;
+}
+
+/* Another impact is born at a place; or one dies, and the run ends. */
+static void note_birth(birth_run *run, bool born, double place) {
+    if (run->count == run_length)
+        memmove(run->place, run->place + 1, (size_t)--run->count * sizeof *run->place);
+    run->count = born ? run->count + 1 : 0;
+    if (born)
+        run->place[run->count - 1] = place;
+}
+
+/* Whether births follow one another in a geometric sequence: how far from the last of them it ends. */
+static bool accumulates(const birth_run *run, double *rest) {
+    const double steady = 0.05, slowest = 0.95, least = 1e-10;
+    double ratio[run_length - 2];
+    if (run->count < run_length)
+        return false;
+    for (int k = 0; k < run_length - 2; k++)
+        ratio[k] = (run->place[k + 2] - run->place[k + 1]) / (run->place[k + 1] - run->place[k]);
+    *rest = (run->place[run_length - 1] - run->place[run_length - 2]) * ratio[1] / (1 - ratio[1]);
+    return ratio[1] > 0 && ratio[1] < slowest && fabs(ratio[1] - ratio[0]) < steady * ratio[1] &&
+           fabs(*rest) > least;
+}
+
+/* Where births accumulate the branch goes on beyond them, with complete chatter, if that is found. */
+static saltus_status complete_run(saltus_branch *b, saltus_message *message) {
+    trace *t = &b->trace;
+    saltus_change change;
+    double rest;
+    if (!accumulates(&t->run, &rest))
+        return SALTUS_OK;
+    if (!saltus_change_complete(&b->orbits, t->here, t->run.place[run_length - 1] + rest, rest, b->range,
+                                b->trial, b->spare, &change))
+        return saltus_shooting_shape(b->orbits.shooting, &t->here->sequence, message);
+    t->run.count = 0;
+    notice what = {.kind = change.kind,
+                   .accuracy = change.accuracy,
+                   .reason = change.reason,
+                   .after = change.after,
+                   .change = true};
+    saltus_status status = give(b, b->trial, what, message);
+    return status == SALTUS_OK && b->phase == RUN_FOLLOW ? go_on_at(b, change.distance, message) : status;
 }
 
 /* Beyond grazing at `next`, to a point a little further on. */
@@ -515,9 +571,9 @@ static saltus_status graze(saltus_branch *b, double accuracy, saltus_message *me
     /* Further impacts are beyond rounding: on to where chatter is complete. */
     if (change.kind == SALTUS_POINT_EP && !joins && ends_run(at)) {
         status = saltus_shooting_shape(o->shooting, &t->here->sequence, message);
-        return status == SALTUS_OK
-                   ? leap(b, 2 * at->at.ahead, true, "grazings follow one another ever more closely", message)
-                   : status;
+        return status == SALTUS_OK ? leap(b, 2 * at->at.ahead, SALTUS_LEAP_RUN,
+                                          "grazings follow one another ever more closely", message)
+                                   : status;
     }
     if (b->options.locus == SALTUS_POINT_GR && !joins)
         return open_locus(b, at, &beyond, message);
@@ -538,12 +594,14 @@ static saltus_status graze(saltus_branch *b, double accuracy, saltus_message *me
                          : "grazing: no orbit of this period goes on with other events",
                    message);
     t->arclength += at->at.ahead;
+    note_birth(&t->run, beyond.count > at->sequence.count, at->parameter[0]);
     swap(&t->here, &b->spare);
     swap(&b->next, &b->trial);
     t->step = fmax(b->next->at.ahead, 0.25 * t->step);
     status = give_specials(b, message);
-    return status == SALTUS_OK && b->phase == RUN_FOLLOW && !b->locus ? accept(b, true, false, NULL, message)
-                                                                      : status;
+    if (status == SALTUS_OK && b->phase == RUN_FOLLOW && !b->locus)
+        status = accept(b, true, false, NULL, message);
+    return status == SALTUS_OK && b->phase == RUN_FOLLOW && !b->locus ? complete_run(b, message) : status;
 }
 
 /* Contacts that begin or end where the sequence is left to the flow are located; of the many impacts in the
@@ -614,12 +672,12 @@ static saltus_status advance(saltus_branch *b, saltus_message *message) {
     if (status == SALTUS_NO_MEMORY)
         return no_memory(message);
     if (status != SALTUS_OK)
-        return leap(b, 2 * t->step, true, why.text, message);
+        return leap(b, 2 * t->step, SALTUS_LEAP_LOST, why.text, message);
     bool breached = b->next->worst.value > 0;
     if (breached) {
         breach = saltus_solution_zero(o, SALTUS_TEST_BREACH, 0, t->here, b->next, b->trial);
         if (!breach.found)
-            return leap(b, b->next->at.ahead, false, "events change", message);
+            return leap(b, b->next->at.ahead, SALTUS_LEAP_EVENTS, "events change", message);
         swap(&b->next, &b->trial);
         reached = -1;
         for (int k = 0; k < 2; k++)
@@ -639,7 +697,7 @@ static saltus_status advance(saltus_branch *b, saltus_message *message) {
         bool free = t->here->survey.impacts >= 0 && t->here->survey.sticking_intervals == 0;
         double hidden = free && reached >= 0 ? hidden_breach(b) : 0;
         if (hidden == 0)
-            return leap(b, b->next->at.ahead, false, "events change", message);
+            return leap(b, b->next->at.ahead, SALTUS_LEAP_EVENTS, "events change", message);
         t->step = hidden;
         return SALTUS_OK;
     }
@@ -653,7 +711,7 @@ static saltus_status advance(saltus_branch *b, saltus_message *message) {
         return end(b, b->next, b->next->at.ahead, range_ends, message);
     }
     if (breached && (kind == SALTUS_BREACH_HOLD || kind == SALTUS_BREACH_FORCE))
-        return leap(b, b->next->at.ahead, false, "the contact changes", message);
+        return leap(b, b->next->at.ahead, SALTUS_LEAP_EVENTS, "the contact changes", message);
     if (breached)
         return graze(b, breach.accuracy, message);
     return settle(b, message);
@@ -862,6 +920,8 @@ static void archive_trace(saltus_branch *b, saltus_archive *a) {
     saltus_archive_finite(a, &t->step, 1);
     a->sound = a->sound && (!a->reading || (t->step > 0 && t->step <= b->options.step_max));
     t->fresh = saltus_archive_flag(a, t->fresh);
+    t->run.count = (int)saltus_archive_whole(a, t->run.count, 0, run_length);
+    saltus_archive_finite(a, t->run.place, (size_t)t->run.count);
     saltus_archive_finite(a, &t->first_value, 1);
     size_t periods = first->points ? (size_t)first->periods : 0;
     periods = saltus_archive_length(a, periods, (size_t)a->n);

@@ -183,9 +183,12 @@ static bool begins_at(saltus_orbits *o, const saltus_solution *at, const saltus_
     return width < back && end->at.ahead > -0.99 * back && fabs(end->parameter[0] - at->parameter[0]) < apart;
 }
 
+/* So far beyond the last grazing of a run, at which impacts are slow to rounding, chatter may complete. */
+static const double rest_of_run = 1e-6;
+
 /* The branch of `here`, beyond the change at `at`, heads away from that. Where it is told better from beyond
  * goes to the change. */
-static void head_on(saltus_orbits *o, const saltus_solution *at, double heading, bool lost,
+static void head_on(saltus_orbits *o, const saltus_solution *at, double heading, saltus_leap leap,
                     saltus_solution *here, saltus_solution *scratch, saltus_change *change) {
     const saltus_survey *before = &at->survey, *after = &here->survey;
     saltus_solution_head(here, heading);
@@ -203,21 +206,22 @@ static void head_on(saltus_orbits *o, const saltus_solution *at, double heading,
         return;
     /* From beyond chatter that completes is told sharper. Where the curve was lost, and what was found does
      * not begin there, an orbit of another branch was hit upon. */
-    double apart = after->impacts < 0 ? 0.01 * change->distance : 1e-7;
+    double close = leap == SALTUS_LEAP_RUN ? rest_of_run : 0.01 * change->distance;
+    double apart = after->impacts < 0 ? close : 1e-7;
     bool begins = begins_at(o, at, here, change->distance, apart, scratch, &accuracy);
     if (begins && after->impacts < 0) {
         change->value = scratch->value;
         change->accuracy = accuracy;
-    } else if (!begins && lost && change->kind != SALTUS_POINT_REGULAR) {
+    } else if (!begins && leap != SALTUS_LEAP_EVENTS && change->kind != SALTUS_POINT_REGULAR) {
         change->kind = SALTUS_POINT_EP;
         change->after[0] = 0;
     }
 }
 
-saltus_status saltus_change_leap(saltus_orbits *o, const saltus_solution *from, double ahead, bool lost,
-                                 const char *why, const double range[2], saltus_solution *at,
-                                 saltus_solution *here, saltus_solution *scratch, saltus_change *change,
-                                 saltus_message *message) {
+saltus_status saltus_change_leap(saltus_orbits *o, const saltus_solution *from, double ahead,
+                                 saltus_leap leap, const char *why, const double range[2],
+                                 saltus_solution *at, saltus_solution *here, saltus_solution *scratch,
+                                 saltus_change *change, saltus_message *message) {
     static const double reach[] = {1e-6, 1e-5, 1e-4, 1e-3, 3e-3, 1e-2};
     double width = bracket(o, from, ahead, NULL, at), heading = saltus_solution_heading(at);
     *change = (saltus_change){.kind = SALTUS_POINT_EP, .reason = why, .accuracy = NAN};
@@ -250,8 +254,42 @@ saltus_status saltus_change_leap(saltus_orbits *o, const saltus_solution *from, 
                    : before->sticking_intervals != after->sticking_intervals ? SALTUS_POINT_ST
                    : before->impacts != after->impacts                       ? SALTUS_POINT_GR
                                                                              : SALTUS_POINT_REGULAR;
-    head_on(o, at, heading, lost, here, scratch, change);
+    head_on(o, at, heading, leap, here, scratch, change);
     return SALTUS_OK;
+}
+
+bool saltus_change_complete(saltus_orbits *o, const saltus_solution *from, double limit, double rest,
+                            const double range[2], saltus_solution *at, saltus_solution *here,
+                            saltus_change *change) {
+    static const double reach[] = {1, 4, 0.25, 16};
+    const double sharp = 0.2, near = 1e-2;
+    double *state = calloc((size_t)o->n, sizeof *state);
+    bool found = false;
+    if (!state)
+        saltus_orbits_noted(o, SALTUS_NO_MEMORY);
+    for (size_t k = 0; k < 2 * sizeof reach / sizeof reach[0] && state && !found; k++) {
+        double way = copysign(k % 2 ? -1 : 1, limit - from->parameter[0]),
+               distance = reach[k / 2] * fabs(rest);
+        double parameter = limit + way * distance, heading;
+        memcpy(state, from->state, (size_t)o->n * sizeof *state);
+        if (parameter < range[0] || parameter > range[1] ||
+            !shoot_freely(o, &from->sequence, &parameter, state, here) || here->survey.impacts >= 0)
+            continue;
+        saltus_solution_head(here, way);
+        heading = fabs(saltus_solution_heading(here));
+        double back = 2 * distance / fmax(heading, 1e-3), width = bracket(o, here, -back, NULL, at);
+        found = width < back && at->at.ahead > -0.99 * back && at->survey.impacts < 0 &&
+                fabs(at->parameter[0] - limit) < sharp * fabs(rest) &&
+                saltus_system_distance(o->system, at->survey.lap.points, from->survey.lap.points) < near;
+        *change = (saltus_change){.kind = SALTUS_POINT_CH,
+                                  .value = at->value,
+                                  .accuracy = width * slope(o, at),
+                                  .reason = "births of impacts accumulate: chatter completes",
+                                  .distance = fabs(at->at.ahead)};
+        memcpy(change->after, here->survey.label, sizeof change->after);
+    }
+    free(state);
+    return found;
 }
 
 bool saltus_change_within(saltus_orbits *o, const saltus_solution *from, const saltus_solution *to,

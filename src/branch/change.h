@@ -34,14 +34,27 @@ bool saltus_change_pass(saltus_orbits *orbits, const saltus_sequence *beyond, co
 saltus_status saltus_change_graze(saltus_orbits *orbits, const saltus_solution *at, saltus_sequence *beyond,
                                   saltus_solution *here, saltus_solution *next, saltus_change *change,
                                   saltus_message *message);
-/* The flow's events cease to be those of `from` before `ahead`, or, `lost`, the equations have no solution
- * from somewhere on: `at` becomes the last orbit at which they are, `here` one beyond, at a parameter in
- * [low, high]. If there is none kind is EP; if there is no such last orbit either, `at` is not set and
- * accuracy is NAN. `scratch` is overwritten. */
-saltus_status saltus_change_leap(saltus_orbits *orbits, const saltus_solution *from, double ahead, bool lost,
-                                 const char *why, const double range[2], saltus_solution *at,
-                                 saltus_solution *here, saltus_solution *scratch, saltus_change *change,
-                                 saltus_message *message);
+/* What makes the branch leap. */
+typedef enum saltus_leap {
+    SALTUS_LEAP_EVENTS, /* the flow's events cease to be those that are prescribed */
+    SALTUS_LEAP_LOST,   /* the equations have no solution from somewhere on */
+    SALTUS_LEAP_RUN     /* grazings follow one another so closely that the next is beyond rounding */
+} saltus_leap;
+
+/* The branch ceases to be as it is at `from` before `ahead`: `at` becomes the last orbit at which they are,
+ * `here` one beyond, at a parameter in [low, high]. If there is none kind is EP; if there is no such last
+ * orbit either, `at` is not set and accuracy is NAN. `scratch` is overwritten. */
+saltus_status saltus_change_leap(saltus_orbits *orbits, const saltus_solution *from, double ahead,
+                                 saltus_leap leap, const char *why, const double range[2],
+                                 saltus_solution *at, saltus_solution *here, saltus_solution *scratch,
+                                 saltus_change *change, saltus_message *message);
+/* Impacts are born one after the other, where they accumulate chatter completes: near the parameter `limit`,
+ * but for a part of `rest`, which is as far as the last of them. From `from`, an orbit near there, `at`
+ * becomes the orbit at which the contact after complete chatter is nothing, `here` one beyond, at a parameter
+ * in [low, high]. False: none that begins there was found. */
+bool saltus_change_complete(saltus_orbits *orbits, const saltus_solution *from, double limit, double rest,
+                            const double range[2], saltus_solution *at, saltus_solution *here,
+                            saltus_change *change);
 /* The label changes between `from` and `to` though the prescribed events stay: in the part of the sequence
  * that is left to the flow. `at` becomes the last orbit with the contacts of `from`. False if there is none.
  */

@@ -167,9 +167,9 @@ saltus_status saltus_shooting_fill(saltus_shooting *p, const double *parameters,
         u[p->count + d] = parameters[d];
     saltus_status status = SALTUS_OK;
     for (int cut = 1; cut < s->cuts && status == SALTUS_OK; cut++) {
-        /* The residual of the segment before this cut is the state at its end less the unknown, still zero.
-         */
-        status = saltus_equations_evaluate(&p->equations, u, message);
+        /* The residual of the segment before this cut is the state at its end less the unknown, still zero,
+         * from where the flow could not find the events of the later segments. */
+        status = saltus_shooting_along(p, cut, u, message);
         for (int i = 0; i < n && status == SALTUS_OK; i++)
             u[cut * n + i] += p->equations.residual[(cut - 1) * n + i];
     }

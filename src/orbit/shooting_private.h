@@ -26,6 +26,10 @@ struct saltus_shooting {
     int breach_count, breach_room;
 };
 
+/* Along the first so many segments: their residuals, whatever the states at later cuts may be. Errors: those
+ * of the flow; marks out of order. */
+saltus_status saltus_shooting_along(saltus_shooting *shooting, int segments, const double *u,
+                                    saltus_message *message);
 /* Once around: residuals, Jacobian and breaches at u. `self` is the shooting. Errors: those of the flow;
  * marks out of order. */
 saltus_status saltus_shooting_around(void *self, const double *u, saltus_message *message);

@@ -231,8 +231,8 @@ static saltus_status tune(saltus_shooting *p, const double *parameters, saltus_m
     return SALTUS_OK;
 }
 
-saltus_status saltus_shooting_around(void *self, const double *u, saltus_message *message) {
-    saltus_shooting *p = self;
+saltus_status saltus_shooting_along(saltus_shooting *p, int segments, const double *u,
+                                    saltus_message *message) {
     const saltus_sequence *s = &p->sequence;
     for (int j = 0; j < p->count; j++)
         p->plain[j] = u[j] * p->scale[j];
@@ -243,7 +243,7 @@ saltus_status saltus_shooting_around(void *self, const double *u, saltus_message
         w.held_since[f] = s->base;
     p->breach_count = 0;
     saltus_status status = tune(p, u + p->count, message);
-    for (int cut = 0; cut < s->cuts && status == SALTUS_OK; cut++) {
+    for (int cut = 0; cut < segments && status == SALTUS_OK; cut++) {
         double until = cut + 1 < s->cuts ? s->cut[cut + 1] : s->base + s->periods;
         status = open_segment(&w, cut, contacts, message);
         while (status == SALTUS_OK && k < s->count && (cut + 1 == s->cuts || s->mark[k].time < until))
@@ -254,6 +254,12 @@ saltus_status saltus_shooting_around(void *self, const double *u, saltus_message
             match(&w, cut);
         contacts = saltus_flow_contacts(p->flow, 0);
     }
+    return status;
+}
+
+saltus_status saltus_shooting_around(void *self, const double *u, saltus_message *message) {
+    saltus_shooting *p = self;
+    saltus_status status = saltus_shooting_along(p, p->sequence.cuts, u, message);
     if (status == SALTUS_OK)
         scale_columns(p);
     return status;
