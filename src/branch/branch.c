@@ -540,7 +540,7 @@ static saltus_status complete_run(saltus_branch *b, saltus_message *message) {
     if (!accumulates(&t->run, &rest))
         return SALTUS_OK;
     if (!saltus_change_complete(&b->orbits, t->here, t->run.place[run_length - 1] + rest, rest, b->range,
-                                b->trial, b->spare, &change))
+                                b->trial, b->spare, b->other, &change))
         return saltus_shooting_shape(b->orbits.shooting, &t->here->sequence, message);
     t->run.count = 0;
     notice what = {.kind = change.kind,

@@ -258,9 +258,33 @@ saltus_status saltus_change_leap(saltus_orbits *o, const saltus_solution *from, 
     return SALTUS_OK;
 }
 
+/* Back along the branch of `here`, at which chatter is complete, to where the contact after it is nothing, as
+ * `at`: how sharp that is in arclength, NAN if it is not found. Steps for which the tangent says too little
+ * are made in parts. *ahead: from `here` to there. */
+static double find_vanishing(saltus_orbits *o, const saltus_solution *here, double back, saltus_solution *at,
+                             saltus_solution *scratch, double *ahead) {
+    enum { parts_max = 12 };
+    const double nothing = 1e-4;
+    const saltus_solution *from = here;
+    *ahead = 0;
+    for (int k = 0; k < parts_max; k++) {
+        double width = bracket(o, from, -back, NULL, at);
+        if (isnan(width) || at->at.ahead == 0)
+            return NAN;
+        *ahead += at->at.ahead;
+        if (at->worst.kind == SALTUS_BREACH_HOLD && at->worst.value > -nothing)
+            return at->survey.impacts < 0 ? width : NAN;
+        saltus_solution reached = *at;
+        *at = *scratch;
+        *scratch = reached;
+        from = scratch;
+    }
+    return NAN;
+}
+
 bool saltus_change_complete(saltus_orbits *o, const saltus_solution *from, double limit, double rest,
                             const double range[2], saltus_solution *at, saltus_solution *here,
-                            saltus_change *change) {
+                            saltus_solution *scratch, saltus_change *change) {
     static const double reach[] = {1, 4, 0.25, 16};
     const double sharp = 0.2, near = 1e-2;
     double *state = calloc((size_t)o->n, sizeof *state);
@@ -268,24 +292,24 @@ bool saltus_change_complete(saltus_orbits *o, const saltus_solution *from, doubl
     if (!state)
         saltus_orbits_noted(o, SALTUS_NO_MEMORY);
     for (size_t k = 0; k < 2 * sizeof reach / sizeof reach[0] && state && !found; k++) {
-        double way = copysign(k % 2 ? -1 : 1, limit - from->parameter[0]),
-               distance = reach[k / 2] * fabs(rest);
-        double parameter = limit + way * distance, heading;
+        double way = copysign(k % 2 ? -1 : 1, rest), distance = reach[k / 2] * fabs(rest), ahead;
+        double parameter = limit + way * distance;
         memcpy(state, from->state, (size_t)o->n * sizeof *state);
         if (parameter < range[0] || parameter > range[1] ||
             !shoot_freely(o, &from->sequence, &parameter, state, here) || here->survey.impacts >= 0)
             continue;
         saltus_solution_head(here, way);
-        heading = fabs(saltus_solution_heading(here));
-        double back = 2 * distance / fmax(heading, 1e-3), width = bracket(o, here, -back, NULL, at);
-        found = width < back && at->at.ahead > -0.99 * back && at->survey.impacts < 0 &&
-                fabs(at->parameter[0] - limit) < sharp * fabs(rest) &&
+        double slope_here = fmax(fabs(saltus_solution_heading(here)), 1e-3);
+        double width = find_vanishing(o, here, 2 * distance / slope_here, at, scratch, &ahead);
+        found = !isnan(width) && fabs(at->parameter[0] - limit) < sharp * fabs(rest) &&
                 saltus_system_distance(o->system, at->survey.lap.points, from->survey.lap.points) < near;
+        if (!found)
+            continue;
         *change = (saltus_change){.kind = SALTUS_POINT_CH,
                                   .value = at->value,
                                   .accuracy = width * slope(o, at),
                                   .reason = "births of impacts accumulate: chatter completes",
-                                  .distance = fabs(at->at.ahead)};
+                                  .distance = -ahead};
         memcpy(change->after, here->survey.label, sizeof change->after);
     }
     free(state);
