@@ -1487,8 +1487,9 @@ static void births_before_the_border(void **unused) {
     saltus_system_free(system);
 }
 
-/* Impacts are born one after the other, ever slower and ever closer in the parameter, until chatter is
- * complete where they accumulate: none is passed over, none is taken for another, and the branch goes on. */
+/* Impacts are born one after the other, ever slower and ever closer in the parameter, and chatter is complete
+ * where they accumulate: none of the first is passed over, none is taken for another, how far they are from
+ * there is a geometric sequence, and the branch goes on. */
 static void births_lead_to_chatter(void **unused) {
     (void)unused;
     static const struct {
@@ -1515,30 +1516,78 @@ static void births_lead_to_chatter(void **unused) {
     options.direction = 1;
     options.step_max = 0.03;
     branch_record record = branch_run(&spec, 2, motion.state, &options);
-    double last = NAN, gap = NAN;
-    long long impacts = 1;
+    double born[64];
+    int births = 0;
     int completed = 0;
     for (int k = 0; k < record.count; k++) {
         const saltus_branch_point *p = &record.point[k];
         if (p->kind == SALTUS_POINT_GR) {
-            assert_int_equal(p->impacts, impacts);
-            impacts++;
-            gap = fabs(p->value[0] - last);
-            last = p->value[0];
+            assert_int_equal(p->impacts, births + 1);
+            assert_true(births < 64);
+            born[births++] = p->value[0];
         }
         if (p->kind == SALTUS_POINT_CH) {
-            /* The births are a geometric sequence in the end, whose sum is less than the last term. */
             assert_string_equal(p->label_after, "chatter/2");
-            assert_true(p->value[0] > last && p->value[0] < last + gap);
+            assert_true(births >= 4);
+            double before = (p->value[0] - born[births - 2]) / (p->value[0] - born[births - 3]);
+            double after = (p->value[0] - born[births - 1]) / (p->value[0] - born[births - 2]);
+            assert_true(after > 0 && after < 1);
+            check_near(before / after, 1, 0.02);
             completed++;
         }
     }
     assert_int_equal(completed, 1);
-    assert_true(impacts > 16);
     assert_non_null(strstr(record.point[record.count - 1].reason, "range"));
     branch_forget(&record);
     saltus_motion_clear(&motion);
     saltus_system_free(system);
+}
+
+/* A scene's orbits along u0, from where its default motion settles. */
+static branch_record chattering_pipe(double u0, int direction, const char *label) {
+    static const struct {
+        const char *key;
+        double value;
+    } settings[] = {{"alpha", 0.00241}, {"sigma", 0.154}, {"omega", 43.644}};
+    saltus_spec spec = pipe_spec(5, 43.644);
+    saltus_message message = {.text = ""};
+    saltus_motion motion;
+    double start[16];
+    for (size_t k = 0; k < sizeof settings / sizeof settings[0]; k++)
+        set_parameter(&spec, settings[k].key, settings[k].value);
+    set_parameter(&spec, "u0", u0);
+    add_stop(&spec, 0.01616, 0.597, SALTUS_LOWER);
+    spec.stops[0].xi = 0.3589;
+    saltus_system *system = build(&spec);
+    saltus_classify_options how = saltus_classify_defaults();
+    check_ok(saltus_system_default_state(system, start, &message), &message);
+    check_ok(saltus_classify(system, start, &how, &motion, &message), &message);
+    assert_string_equal(motion.label, label);
+    saltus_branch_options options = branch_along("u0", 4.9, 5);
+    options.direction = direction;
+    branch_record record = branch_run(&spec, motion.periods, motion.state, &options);
+    saltus_motion_clear(&motion);
+    saltus_system_free(system);
+    return record;
+}
+
+/* The branch of chattering orbits of twice the period ends on that of the single ones, at its flip. */
+static void chatter_doubles(void **unused) {
+    (void)unused;
+    branch_record doubled = chattering_pipe(4.965, -1, "chatter/2");
+    branch_record single = chattering_pipe(4.92, 1, "chatter/1");
+    const saltus_branch_point *end = &doubled.point[doubled.count - 1];
+    int flips = 0;
+    assert_int_equal(end->kind, SALTUS_POINT_EP);
+    assert_non_null(strstr(end->reason, "joins the orbits of half the period"));
+    for (int k = 0; k < single.count; k++)
+        if (single.point[k].kind == SALTUS_POINT_PD) {
+            check_near(single.point[k].value[0], end->value[0], end->accuracy);
+            flips++;
+        }
+    assert_int_equal(flips, 1);
+    branch_forget(&doubled);
+    branch_forget(&single);
 }
 
 int main(void) {
@@ -1581,6 +1630,7 @@ int main(void) {
         cmocka_unit_test(longer_version),
         cmocka_unit_test(births_before_the_border),
         cmocka_unit_test(births_lead_to_chatter),
+        cmocka_unit_test(chatter_doubles),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
