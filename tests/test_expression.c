@@ -250,6 +250,7 @@ static void random_systems(void **unused) {
             snprintf(texts[k] + used, sizeof texts[k] - used, k ? ")" : ") - x");
         }
         const saltus_equation motion[] = {{"x", texts[0], 1}}, states[] = {{"z", texts[1], 2}};
+        const saltus_equation seen = {"seen", "a*x", 4};
         /* Time is taken from 0 to well before its period's end. */
         const saltus_text_parameter parameters[] = {{.name = "a", .fallback = 0.6, .min = -9, .max = 9},
                                                     {.name = "omega", .fallback = 0.5, .min = 0, .max = 9}};
@@ -258,6 +259,7 @@ static void random_systems(void **unused) {
                                   .parameter_count = 2,
                                   .motion = {motion, 1},
                                   .states = {states, 1},
+                                  .observe = {&seen, 1}, /* a parameter must be somewhere */
                                   .forcing = {"forcing", "omega", 3}};
         const saltus_model *model;
         saltus_message message = {.text = ""};

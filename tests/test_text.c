@@ -14,6 +14,9 @@ static const saltus_equation oscillator_motion[] = {
 static const saltus_equation oscillator_states[] = {{"z", "kz*x1' - z/tz", 3}};
 static const saltus_equation oscillator_mass[] = {{"x1", "m", 4}, {"x2", "m2", 5}};
 
+/* The first mass, whatever their number says: every parameter must be somewhere. */
+static const saltus_equation oscillator_seen[] = {{"seen", "x1 - x2 + 0*N", 8}};
+
 /* The parameters of a built-in model under the same names. */
 static int parameters_of(const char *model, saltus_text_parameter *list) {
     int count;
@@ -38,6 +41,7 @@ static const saltus_model *oscillator_text(void) {
                         .motion = LIST(oscillator_motion),
                         .mass = LIST(oscillator_mass),
                         .states = LIST(oscillator_states),
+                        .observe = LIST(oscillator_seen),
                         .forcing = {"forcing", "omega", 7}};
     saltus_message message = {.text = ""};
     const saltus_model *model = NULL;

@@ -560,6 +560,67 @@ static saltus_status check_names(const text_model *m, saltus_message *message) {
     return status;
 }
 
+/* Whether an expression of any list has a name. */
+static bool is_used(const saltus_parsed_text *t, const char *name) {
+    const saltus_parsed_list *const lists[] = {&t->families,    &t->let,        &t->motion,      &t->mass,
+                                               &t->states,      &t->observe,    &t->scale,       &t->initial,
+                                               &t->coordinates, &t->clearances, &t->restitutions};
+    const size_t length = strlen(name);
+    for (size_t l = 0; l < sizeof lists / sizeof lists[0]; l++)
+        for (int k = 0; k < lists[l]->count; k++) {
+            const saltus_expression *e = &lists[l]->items[k].right;
+            for (int j = 0; j < e->count; j++)
+                if (e->terms[j].kind == SALTUS_SYNTAX_NAME && (size_t)e->terms[j].length == length &&
+                    memcmp(e->text + e->terms[j].begin, name, length) == 0)
+                    return true;
+        }
+    return t->forcing && strcmp(t->forcing, name) == 0;
+}
+
+/* A parameter that nothing has is a mistake, mostly of spelling. */
+static saltus_status check_used(const text_model *m, saltus_message *message) {
+    const saltus_parsed_text *t = &m->text;
+    for (int k = 0; k < t->parameter_count; k++)
+        if (!is_used(t, t->parameters[k].name)) {
+            const saltus_equation place = {t->parameters[k].name, NULL, m->parameter_line[k]};
+            return place_failure(t->origin, &place, "no equation has this parameter", message);
+        }
+    return SALTUS_OK;
+}
+
+/* The field a period later is the same: otherwise t goes on where the forcing begins anew. */
+static saltus_status check_periodic(const text_model *m, const saltus_spec *spec, saltus_message *message) {
+    const saltus_equations_graph *g = graph_of(spec);
+    if (spec->model->forcing < 0 || !g->forced)
+        return SALTUS_OK;
+    const double period = 2 * M_PI / spec->parameters[spec->model->forcing];
+    double *now = values_of(g), *later = values_of(g), state[SALTUS_STATE_MAX];
+    const saltus_parsed *worst = NULL;
+    for (int k = 0; k < 3 && now && later && !worst; k++) {
+        const double phase = 0.17 + 0.29 * k;
+        for (int i = 0; i < SALTUS_STATE_MAX; i++)
+            state[i] = 0.3 + 0.2 * sin(1.3 * i + k);
+        saltus_graph_evaluate(&g->graph, spec->parameters, state, phase * period, phase, now);
+        saltus_graph_evaluate(&g->graph, spec->parameters, state, (phase + 1) * period, phase, later);
+        for (int i = 0; i < g->dof + g->extra && !worst; i++)
+            if (fabs(later[g->field[i]] - now[g->field[i]]) > 1e-9 * (1 + fabs(now[g->field[i]])))
+                worst =
+                    i < g->dof || !m->text.states.count ? &m->text.motion.items[0] : &m->text.states.items[0];
+    }
+    bool known = now && later;
+    free(now);
+    free(later);
+    if (!known)
+        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the equations");
+    if (!worst)
+        return SALTUS_OK;
+    const saltus_equation place = {"motion", NULL, worst->line};
+    return place_failure(
+        m->text.origin, &place,
+        "time must enter with the period of the forcing, as in cos(omega*t): t begins anew every period",
+        message);
+}
+
 /* The parameter that is the angular frequency of the forcing; -1: there is none. */
 static saltus_status find_forcing(text_model *m, const saltus_text *text, saltus_message *message) {
     m->model.forcing = -1;
@@ -647,6 +708,10 @@ saltus_status saltus_text_model_new(const saltus_text *text, const saltus_model 
     if (status == SALTUS_OK) {
         saltus_spec spec = saltus_spec_defaults(&m->model);
         status = shape(&spec, &dof, &extra, message);
+        if (status == SALTUS_OK)
+            status = check_used(m, message);
+        if (status == SALTUS_OK)
+            status = check_periodic(m, &spec, message);
     }
     if (status != SALTUS_OK)
         free_model(m);
