@@ -94,7 +94,8 @@ static void errors_tell_the_column(void **unused) {
     assert_int_equal(saltus_constant_value(deep, &value, NULL), SALTUS_BAD_INPUT);
 }
 
-/* A random expression of x, x', a state z, time and a parameter: its text, and itself for plain evaluation.
+/* A random expression of x, x', a state z, the forcing and a parameter: its text, and itself for plain
+ * evaluation.
  */
 enum { nodes_max = 64, text_max = 2000 };
 typedef struct tree {
@@ -131,7 +132,7 @@ static int grow(tree *t, int depth) {
 /* What is divided by or taken the root of is kept away from zero. */
 static void print(const tree *t, int k, char *text, size_t *used) {
     int kind = t->node[k].kind, left = t->node[k].left, right = t->node[k].right;
-    static const char *const leaves[] = {"x", "x'", "z", "t", "a"};
+    static const char *const leaves[] = {"x", "x'", "z", "sin(omega*t)", "a"};
 #define PUT(...) (*used += (size_t)snprintf(text + *used, text_max - *used, __VA_ARGS__))
     if (kind == leaf_number)
         PUT("(%g)", t->node[k].number);
@@ -228,7 +229,7 @@ typedef struct pair {
 
 static int field(double t, const double *y, double *rate, void *context) {
     const pair *p = context;
-    const double leaf[] = {y[0], y[1], y[2], t, p->a};
+    const double leaf[] = {y[0], y[1], y[2], sin(0.5 * t), p->a};
     rate[0] = y[1];
     rate[1] = tanh(plain(&p->motion, 0, leaf)) - y[0];
     rate[2] = tanh(plain(&p->rate, 0, leaf));
@@ -251,7 +252,6 @@ static void random_systems(void **unused) {
         }
         const saltus_equation motion[] = {{"x", texts[0], 1}}, states[] = {{"z", texts[1], 2}};
         const saltus_equation seen = {"seen", "a*x", 4};
-        /* Time is taken from 0 to well before its period's end. */
         const saltus_text_parameter parameters[] = {{.name = "a", .fallback = 0.6, .min = -9, .max = 9},
                                                     {.name = "omega", .fallback = 0.5, .min = 0, .max = 9}};
         const saltus_text text = {.origin = "test",
