@@ -247,6 +247,7 @@ static void scenes_are_listed_and_printed(void **state) {
         assert_non_null(line);
         assert_true(strncmp(line, name, length) == 0 && line[length] == ' ');
         assert_string_equal(line + length + strspn(line + length, " "), scene.title);
+        saltus_scene_clear(&scene);
     }
     assert_null(strtok_r(rest, "\n", &rest));
     free(list);

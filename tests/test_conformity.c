@@ -46,6 +46,7 @@ static subject subject_of(int k, bool stops) {
             start[i] -= 0.02 * saltus_system_scale(s.system)[i] * sin(1 + 2 * i);
     check_ok(saltus_system_check_state(s.system, start, &message), &message);
     memcpy(s.state, start, sizeof s.state);
+    saltus_scene_clear(&scene); /* the system keeps the model */
     return s;
 }
 
@@ -336,6 +337,7 @@ static void files_tell_the_same_system(void **unused) {
         assert_true(saltus_spec_equal(&start.spec, &s.spec));
         assert_int_equal(start.periods, 3);
         assert_memory_equal(start.state, s.state, (size_t)s.n * sizeof *s.state);
+        saltus_start_release(&start);
         saltus_system_free(s.system);
     }
     folder_files(folder, true);

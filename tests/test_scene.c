@@ -99,6 +99,8 @@ static void builtin_scenes_build(void **state) {
         else
             assert_int_equal(scene.initial_count, saltus_system_dimension(system));
         saltus_system_free(system);
+        saltus_scene_clear(&same);
+        saltus_scene_clear(&scene);
     }
 }
 

@@ -156,12 +156,14 @@ static void files_tell_the_model(void **state) {
     check_ok(saltus_scene_load("duffing", &scene, &message), &message);
     assert_true(saltus_model_same(file.spec.model, scene.spec.model));
     saltus_branch_file_clear(&file);
+    saltus_scene_clear(&scene);
     check_ok(saltus_scene_load("chain", &scene, &message), &message);
     saltus_sweep_file sweep;
     check_ok(saltus_sweep_file_read(path_in(*state, "sweep.h5"), &sweep, &message), &message);
     assert_true(saltus_model_same(sweep.spec.model, scene.spec.model));
     assert_true(saltus_spec_get(&sweep.spec, "N") == 3);
     saltus_sweep_file_clear(&sweep);
+    saltus_scene_clear(&scene);
 }
 
 int main(void) {

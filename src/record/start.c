@@ -381,6 +381,11 @@ static saltus_status read_row(const source *s, saltus_start *start, saltus_messa
     return status;
 }
 
+void saltus_start_release(saltus_start *start) {
+    saltus_model_release(start->spec.model);
+    *start = (saltus_start){.periods = 0};
+}
+
 saltus_status saltus_start_read(const char *text, saltus_start *start, saltus_message *message) {
     source s;
     saltus_message own; /* what went wrong decides how to go on */
@@ -392,12 +397,10 @@ saltus_status saltus_start_read(const char *text, saltus_start *start, saltus_me
     const saltus_file_facts facts = saltus_file_identify(s.path);
     if (strcmp(facts.kind, "sweep") == 0 || strcmp(facts.kind, "basins") == 0)
         return read_row(&s, start, message);
-    return facts.hdf5 ? read_point(&s, start, message) : read_json(&s, start, message);
-}
-
-void saltus_start_release(saltus_start *start) {
-    saltus_model_release(start->spec.model);
-    *start = (saltus_start){.periods = 0};
+    status = facts.hdf5 ? read_point(&s, start, message) : read_json(&s, start, message);
+    if (status != SALTUS_OK && !facts.hdf5)
+        saltus_start_release(start); /* the model may have been read before what was wrong */
+    return status;
 }
 
 static int degrees_of_freedom(const saltus_spec *spec) {

@@ -23,5 +23,6 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
                "an orbit without a state or a period is taken");
     fuzz_check(saltus_scene_load("fig7d", &scene, &message) == SALTUS_OK, message.text);
     fuzz_check_refusal(saltus_start_apply(&start, source, &scene, &message), &message);
+    saltus_start_release(&start);
     return 0;
 }

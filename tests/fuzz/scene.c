@@ -15,5 +15,6 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     fuzz_check(saltus_system_new(&scene.spec, &system, &message) == SALTUS_OK, message.text);
     fuzz_check_refusal(saltus_system_default_state(system, state, &message), &message);
     saltus_system_free(system);
+    saltus_scene_clear(&scene);
     return 0;
 }

@@ -41,5 +41,6 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
         line = end ? end + 1 : NULL;
     }
     free(text);
+    saltus_scene_clear(&scene);
     return 0;
 }
