@@ -18,6 +18,9 @@ enum {
     FIGURE_MARKS = 600,
     FIGURE_ELEMENTS = 80,
     FIGURE_PANELS = 8,
+    FIGURE_VARIABLES = 60,
+    FIGURE_LINE = 6000,
+    FIGURE_DEPTH = 8,
     FIGURE_TEXT = 700
 };
 
@@ -66,6 +69,11 @@ typedef struct figure_panel {
     char format[2][24];
 } figure_panel;
 
+/* A variable of the script: what stands for it. */
+typedef struct figure_variable {
+    char name[32], value[FIGURE_TEXT];
+} figure_variable;
+
 typedef struct figure {
     char *script;
     size_t length;
@@ -75,6 +83,10 @@ typedef struct figure {
     figure_panel panel[FIGURE_PANELS];
     int panel_count;
     char function[160]; /* of x, called cut */
+    figure_variable variable[FIGURE_VARIABLES];
+    int variable_count;
+    bool skipped[FIGURE_DEPTH]; /* the blocks of `if` that are open, whether each is left out */
+    int depth;
 } figure;
 
 /* Put the keeper of scripts first in PATH; the script lies at folder/script. */
@@ -191,10 +203,14 @@ static inline double figure_order(figure_sum *s) {
             return value;
 }
 
+static inline double figure_truth(figure_sum *s) {
+    return figure_take(s, "!") ? figure_order(s) == 0 : figure_order(s);
+}
+
 static inline double figure_both(figure_sum *s) {
-    double value = figure_order(s);
+    double value = figure_truth(s);
     while (figure_take(s, "&&")) {
-        double other = figure_order(s);
+        double other = figure_truth(s);
         value = value != 0 && other != 0;
     }
     return value;
@@ -468,6 +484,81 @@ static inline void figure_plot(const figure *f, figure_panel *panel, const char 
     }
 }
 
+/* Variables and choices */
+
+static inline const char *figure_value(const figure *f, const char *name, size_t length) {
+    for (int k = 0; k < f->variable_count; k++)
+        if (strlen(f->variable[k].name) == length && strncmp(f->variable[k].name, name, length) == 0)
+            return f->variable[k].value;
+    return NULL;
+}
+
+/* A line with the values of its variables, outside quotes; a macro's without the quotes around it. */
+static inline void figure_expand(const figure *f, const char *line, char *text) {
+    size_t used = 0;
+    char quote = '\0';
+    while (*line) {
+        size_t length = 0;
+        bool word =
+            !quote && (used == 0 || !(isalnum((unsigned char)text[used - 1]) || text[used - 1] == '_'));
+        const char *name = line + (*line == '@');
+        while (word && isupper((unsigned char)*name) &&
+               (isalnum((unsigned char)name[length]) || name[length] == '_'))
+            length++;
+        const char *value = length ? figure_value(f, name, length) : NULL;
+        assert_true(used + FIGURE_TEXT < FIGURE_LINE);
+        if (value && *line == '@') {
+            char own[FIGURE_LINE], inner[FIGURE_LINE];
+            snprintf(own, sizeof own, "%.*s", (int)strlen(value) - 2, value + 1);
+            figure_expand(f, own, inner);
+            used += (size_t)snprintf(text + used, FIGURE_LINE - used, "%s", inner);
+        } else if (value)
+            used += (size_t)snprintf(text + used, FIGURE_LINE - used, "%s", value);
+        if (value) {
+            line = name + length;
+            continue;
+        }
+        if (quote ? *line == quote : *line == '\'' || *line == '"')
+            quote = quote ? '\0' : *line;
+        text[used++] = *line++;
+    }
+    text[used] = '\0';
+}
+
+/* Whether a line is an assignment or the begin or end of a choice, which is then taken in; one that is left
+ * out counts as taken in. */
+static inline bool figure_flow(figure *f, const char *line) {
+    char text[FIGURE_LINE];
+    size_t length = strspn(line, "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789");
+    bool skipped = f->depth > 0 && f->skipped[f->depth - 1];
+    if (strncmp(line, "if (", 4) == 0) {
+        figure_expand(f, line + 3, text);
+        figure_sum sum = {.at = text};
+        assert_true(f->depth < FIGURE_DEPTH);
+        f->skipped[f->depth] = skipped || figure_choice(&sum) == 0;
+        f->depth++;
+        return true;
+    }
+    if (strcmp(line, "}") == 0) {
+        assert_true(f->depth > 0);
+        f->depth--;
+        return true;
+    }
+    if (skipped || !isupper((unsigned char)*line) || strncmp(line + length, " = ", 3) != 0)
+        return skipped;
+    figure_variable *variable = NULL;
+    for (int k = 0; k < f->variable_count; k++)
+        if (strlen(f->variable[k].name) == length && strncmp(f->variable[k].name, line, length) == 0)
+            variable = &f->variable[k];
+    if (!variable) {
+        assert_true(f->variable_count < FIGURE_VARIABLES && length < sizeof variable->name);
+        variable = &f->variable[f->variable_count++];
+        snprintf(variable->name, sizeof variable->name, "%.*s", (int)length, line);
+    }
+    snprintf(variable->value, sizeof variable->value, "%s", line + length + 3);
+    return true;
+}
+
 /* The script that the keeper was given last. */
 static inline figure figure_taken(const char *folder) {
     figure f = {.script = NULL};
@@ -492,14 +583,24 @@ static inline figure figure_taken(const char *folder) {
             assert_non_null(end);
         }
         *end = '\0';
-        if (figure_begins(line, "plot ")) {
+        char expanded[FIGURE_LINE];
+        const char *command = line;
+        if (figure_flow(&f, line)) {
+            line = end + 1;
+            continue;
+        }
+        if (strlen(line) < FIGURE_LINE - FIGURE_TEXT && !strstr(line, " binary ")) {
+            figure_expand(&f, line, expanded);
+            command = expanded;
+        }
+        if (figure_begins(command, "plot ")) {
             assert_true(f.panel_count < FIGURE_PANELS);
             figure_panel *panel = &f.panel[f.panel_count++];
             *panel = now;
             panel->mark = calloc((size_t)now.mark_count + 1, sizeof *panel->mark);
             assert_non_null(panel->mark);
             memcpy(panel->mark, now.mark, (size_t)now.mark_count * sizeof *panel->mark);
-            figure_plot(&f, panel, line + 5);
+            figure_plot(&f, panel, command + 5);
             for (int k = 0; k < panel->element_count; k++)
                 if (panel->element[k].width) {
                     panel->element[k].pixels = (unsigned char *)end + 1;
@@ -507,7 +608,7 @@ static inline figure figure_taken(const char *folder) {
                 }
             assert_true(end < f.script + f.length);
         } else
-            figure_set(&f, &now, line);
+            figure_set(&f, &now, command);
         line = end + 1;
     }
     free(now.mark);

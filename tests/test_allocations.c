@@ -619,7 +619,7 @@ static saltus_status draw_sheet(trial *t) {
         status = saltus_motion_spectra(system, &motion, &lines, &spectra, &t->message);
     const saltus_diagnosis diagnosis = {&motion, &made, NULL, &spectra};
     if (status == SALTUS_OK)
-        status = saltus_write_sheet(&scene, system, &diagnosis, &how.flow, figure, NULL, &t->message);
+        status = saltus_write_sheet(&scene, system, &diagnosis, &how.flow, NULL, figure, NULL, &t->message);
     saltus_spectra_clear(&spectra);
     saltus_trajectory_clear(&made);
     saltus_motion_clear(&motion);

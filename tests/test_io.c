@@ -66,7 +66,7 @@ static saltus_status write_record(const fixture *f, const char *path, saltus_mes
 static saltus_status write_sheet(const fixture *f, const char *path, const char *data,
                                  saltus_message *message) {
     const saltus_diagnosis diagnosis = {.motion = &f->motion, .record = &f->record};
-    return saltus_write_sheet(&f->scene, f->system, &diagnosis, &f->options, path, data, message);
+    return saltus_write_sheet(&f->scene, f->system, &diagnosis, &f->options, NULL, path, data, message);
 }
 
 static char *json_of(const fixture *f) {
@@ -497,7 +497,7 @@ static char *script_of(const fixture *f, const saltus_system *drawn, const saltu
     saltus_message message = {.text = ""};
     char path[128], data[128], command[512];
     size_t length;
-    saltus_status status = saltus_write_sheet(&f->scene, drawn, diagnosis, &f->options,
+    saltus_status status = saltus_write_sheet(&f->scene, drawn, diagnosis, &f->options, NULL,
                                               path_in(f, "s.svg", path), path_in(f, "d.h5", data), &message);
     if (gnuplot_is_there()) {
         check_ok(status, &message);

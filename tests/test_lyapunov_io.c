@@ -6,7 +6,6 @@
 
 #include "figure/caption.h"
 #include "figure/convergence.h"
-#include "figure/gnuplot.h"
 #include "record/lyapunov_words.h"
 
 #include <sys/stat.h>
@@ -136,7 +135,7 @@ static const char *path_in(const fixture *f, const char *name, char path[128]) {
 }
 
 static saltus_status write_file(const fixture *f, const char *path, saltus_message *message) {
-    return saltus_write_convergence(&f->scene, f->system, &f->options, &f->result, path, message);
+    return saltus_write_convergence(&f->scene, f->system, &f->options, &f->result, NULL, path, message);
 }
 
 /* As many digits as two of the error's. */
@@ -435,22 +434,27 @@ static void figures_are_drawn(void **state) {
 /* A panel leaves nothing behind that would spoil the next one, and gnuplot has nothing to say. */
 static void panels_stand_side_by_side(void **state) {
     fixture *f = *state;
-    static const double across[2][2] = {{0.08, 0.47}, {0.58, 0.97}}, up[2] = {0.1, 0.9};
+    saltus_message message = {.text = ""};
     char path[128], command[512];
     if (system("gnuplot --version >/dev/null 2>&1") != 0)
         skip();
     for (int k = 0; make_awkward(f, k); k++) {
-        FILE *file = fopen(path_in(f, "panel.gp", path), "w");
+        saltus_page page;
         saltus_course course = saltus_lyapunov_course(&f->result);
-        fprintf(file, "set terminal %s\nset output 'panel.svg'\n", saltus_gnuplot_terminal("panel.svg"));
-        saltus_course_data(file, &course);
-        fputs("set multiplot\n", file);
+        check_ok(saltus_page_open(&page, "panel.svg", NULL, &message), &message);
+        fclose(page.file);
+        page.file = fopen(path_in(f, "panel.gp", path), "w");
+        saltus_page_begin(&page);
+        fputs("set output 'panel.svg'\n", page.file);
+        saltus_course_data(&page, &course);
+        fputs("set multiplot\n", page.file);
         for (int side = 0; side < 2; side++)
-            saltus_course_panel(file, f->system, &course, across[side], up);
+            saltus_course_panel(&page, f->system, &course,
+                                (saltus_frame){128 + 800 * side, 752 + 800 * side, 120, 1080});
         fputs("set xlabel ''\nset ylabel ''\nset xrange [-1:1]\nset yrange [-1:1]\nplot x\nshow arrow\nshow "
               "logscale\nunset multiplot\n",
-              file);
-        fclose(file);
+              page.file);
+        fclose(page.file);
         snprintf(command, sizeof command,
                  "cd %s && gnuplot panel.gp 2>said; test -s panel.svg && grep -q 'logscaling on none' said "
                  "&& ! grep -q "

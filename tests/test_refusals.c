@@ -142,12 +142,10 @@ static void sentences_name_what_is_wrong(void **state) {
         {"plot two.h5 --label F=1,c=2,b --label F=1,c=2, -o never.png", 2, "--label F=1,c=2,: must have "},
         {"plot two.h5 --label F=1,c=nan,a -o never.png", 2, "--label F=1,c=nan,a: must have the form "},
         {"plot two.h5 --label F=,c=1,a -o never.png", 2, "--label F=,c=1,a: must have the form "},
-        {"plot sweep.h5 --view impacts --show speed -o never.png", 2,
-         "plot: --view, --title and --over are of "},
+        {"plot sweep.h5 --view impacts --show speed -o never.png", 2, "plot: --view and --over are of "},
         {"plot sweep.h5 --title A --label F=1,c=2,a -o never.png", 2,
-         "plot: --view, --title and --over are of "},
-        {"plot sweep.h5 sweep.h5 --title A -o never.png", 2,
-         "plot: --view, --title and --over are of one sweep"},
+         "sweep.h5: is a sweep; what is shown of it is chosen as a view"},
+        {"plot sweep.h5 sweep.h5 --view speed -o never.png", 2, "plot: --view and --over are of one sweep"},
 
         /* admissible, and too much: told soon, with what was too much */
         {"classify pipe --set omega=1e-300", 1, "a forcing period, T = 6.28319e+300, |omega is too small"},

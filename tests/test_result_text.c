@@ -459,8 +459,9 @@ static void spectra_are_the_same_in_every_format(void **state) {
             for (int q = 0; q < 2; q++)
                 if (still >> q & 1)
                     m.s.spectra[q].kind = SALTUS_SPECTRUM_CONSTANT;
-            check_ok(saltus_spectra_write(&s.scene, s.system, &made_motion, &m.s, &flow, path, &message),
-                     &message);
+            check_ok(
+                saltus_spectra_write(&s.scene, s.system, &made_motion, &m.s, &flow, NULL, path, &message),
+                &message);
             size_t length;
             char *csv = read_all(path, &length);
             const char *row = strstr(csv, "frequency_over_omega,");
@@ -609,7 +610,7 @@ static void spectra_go_where_they_can(void **state) {
         saltus_message message = {.text = ""};
         snprintf(path, sizeof path, "%s/%s", folder, rows[k].name);
         saltus_status status =
-            saltus_spectra_write(&s.scene, s.system, &made_motion, &m.s, &flow, path, &message);
+            saltus_spectra_write(&s.scene, s.system, &made_motion, &m.s, &flow, NULL, path, &message);
         assert_int_equal(status, rows[k].status);
         assert_int_equal(message.text[0] != 0, status != SALTUS_OK);
     }

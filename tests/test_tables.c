@@ -103,9 +103,9 @@ static void write_tables(const saltus_scene *scene, const saltus_system *system,
     check_ok(saltus_write_trajectory(&m.record, scene, system, flow, path_in("t.csv", path), &message),
              &message);
     text[0] = read_all(path, &length);
-    check_ok(saltus_spectra_write(scene, system, &motion, &spectra, flow, path, &message), &message);
+    check_ok(saltus_spectra_write(scene, system, &motion, &spectra, flow, NULL, path, &message), &message);
     text[1] = read_all(path, &length);
-    check_ok(saltus_write_convergence(scene, system, options, lyapunov, path, &message), &message);
+    check_ok(saltus_write_convergence(scene, system, options, lyapunov, NULL, path, &message), &message);
     text[2] = read_all(path, &length);
 }
 

@@ -6,6 +6,7 @@
 #include "ranks.h"
 #include "target.h"
 
+#include <ctype.h>
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
@@ -88,7 +89,7 @@ static bool parse_list_item(const cli_option *option, const char *text, cli_list
         return false;
     }
     bool twice = option->kind == CLI_KEYS && has_key_of(text, list->items, list->count);
-    for (int k = 0; k < list->count && option->kind == CLI_LIST; k++)
+    for (int k = 0; k < list->count && option->kind != CLI_KEYS; k++)
         twice = twice || strcmp(text, list->items[k]) == 0;
     if (twice) {
         fprintf(stderr, "saltus: %s %s: %.*s is given twice\n", option->name, text,
@@ -99,13 +100,27 @@ static bool parse_list_item(const cli_option *option, const char *text, cli_list
     return true;
 }
 
+const cli_option cli_size =
+    CLI_TEXT_OPTION("--size", size, "WxH",
+                    "on paper, with type of 8 pt: column (85 mm wide), two-columns (175 mm), W or WxH in mm");
+const cli_option cli_no_heading =
+    CLI_FLAG_OPTION("--no-heading", no_heading, "panels and legends alone, no words above them");
+const cli_option cli_title =
+    CLI_TEXT_OPTION("--title", title, "text", "heading in place of the figure's own; \"\": none");
+const cli_option cli_swap = CLI_FLAG_OPTION("--swap", swap, "exchange the axes");
+const cli_option cli_log = CLI_LIST_OPTION("--log", logarithmic, "key",
+                                           "logarithmic axis: a parameter or what is shown (speed, ...); "
+                                           "may be repeated");
+const cli_option cli_keep_script =
+    CLI_TEXT_OPTION("--keep-script", script, "file.gp", "keep gnuplot's script, with the data in it");
+
 static bool parse_value(const cli_option *option, const char *text, cli_request *request) {
     char *place = (char *)request + option->offset, *end = NULL;
     if (option->kind == CLI_TEXT) {
         *(const char **)(void *)place = text;
         return true;
     }
-    if (option->kind == CLI_LIST || option->kind == CLI_KEYS)
+    if (option->kind == CLI_LIST || option->kind == CLI_KEYS || option->kind == CLI_FILES)
         return parse_list_item(option, text, (cli_list *)(void *)place);
     double value = strtod(text, &end);
     bool number = end != text && *end == '\0' && isfinite(value);
@@ -197,7 +212,12 @@ static int take_option(const cli_command *command, int count, char **arguments, 
         fprintf(stderr, "saltus: %s: needs a value (%s)\n", name, option->argument);
         return 0;
     }
-    return parse_value(option, arguments[1], request) ? 2 : 0;
+    int taken = 0;
+    do
+        if (!parse_value(option, arguments[1 + taken++], request))
+            return 0;
+    while (option->kind == CLI_FILES && 1 + taken < count && arguments[1 + taken][0] != '-');
+    return 1 + taken;
 }
 
 /* An argument without an option: the scene, or one of the files. */
@@ -450,6 +470,73 @@ bool cli_choose(const cli_option *option, const char *text, const char *const *w
 void cli_tell_written(const cli_request *request, const char *what) {
     if (!request->quiet && !request->to_stdout)
         printf("%s: %s\n", what, request->output);
+}
+
+/* "column", "two-columns", "W" or "WxH". */
+static bool read_size(const char *text, double *width, double *height) {
+    static const struct {
+        const char *word;
+        double width;
+    } words[] = {{"column", 85}, {"two-columns", 175}};
+    char *end = NULL;
+    for (size_t k = 0; k < sizeof words / sizeof words[0]; k++)
+        if (strcmp(text, words[k].word) == 0) {
+            *width = words[k].width;
+            return true;
+        }
+    *width = strtod(text, &end);
+    if (end != text && *end == 'x' && isdigit((unsigned char)end[1])) {
+        *height = strtod(end + 1, &end);
+        if (!(*height > 0))
+            return false;
+    }
+    return isdigit((unsigned char)text[0]) && *end == '\0' && *width > 0 && isfinite(*width) &&
+           isfinite(*height);
+}
+
+bool cli_figure_options(const cli_request *request, saltus_figure_options *look) {
+    *look = saltus_figure_defaults();
+    look->no_heading = request->no_heading;
+    look->title = request->title;
+    look->swap = request->swap;
+    look->logarithmic = request->logarithmic.items;
+    look->logarithmic_count = request->logarithmic.count;
+    look->script = request->script;
+    if (request->size && !read_size(request->size, &look->width, &look->height)) {
+        fprintf(stderr, "saltus: --size %s: must be column, two-columns, W or WxH in mm, such as 85x60\n",
+                request->size);
+        return false;
+    }
+    for (int k = 0; k < look->logarithmic_count; k++)
+        if (!isalpha((unsigned char)look->logarithmic[k][0]) || strpbrk(look->logarithmic[k], "~=:,. ")) {
+            fprintf(stderr,
+                    "saltus: --log %s: must be a parameter or what is shown, such as omega or speed\n",
+                    look->logarithmic[k]);
+            return false;
+        }
+    if (request->script && !cli_ends_in(request->script, ".gp")) {
+        fprintf(stderr, "saltus: --keep-script %s: the ending must be .gp\n", request->script);
+        return false;
+    }
+    saltus_message message = {.text = ""};
+    const char *output = request->output;
+    bool drawn =
+        output && (cli_ends_in(output, ".png") || cli_ends_in(output, ".pdf") || cli_ends_in(output, ".svg"));
+    const char *given = request->size         ? "--size"
+                        : request->script     ? "--keep-script"
+                        : request->title      ? "--title"
+                        : request->no_heading ? "--no-heading"
+                                              : NULL;
+    if (!drawn && given && (!output || cli_ends_in(output, ".csv"))) {
+        fprintf(stderr, "saltus: %s: there is no figure: -o file.png, file.pdf or file.svg is needed\n",
+                given);
+        return false;
+    }
+    if (!drawn || saltus_figure_check(output, look, &message) == SALTUS_OK)
+        return true;
+    fprintf(stderr, "saltus: %s%s: %s\n", request->size ? "--size " : "-o ",
+            request->size ? request->size : output, message.text);
+    return false;
 }
 
 bool cli_ends_in(const char *path, const char *ending) {

@@ -27,19 +27,29 @@ typedef struct cli_request {
     int input_count;
     const char *settings[CLI_SETTINGS_MAX];
     int setting_count;
-    bool json, quiet, help, unstable, mirror, verbose, resume, force, quick, all;
+    bool json, quiet, help, unstable, mirror, verbose, resume, force, quick, all, no_heading, swap;
     bool to_stdout; /* -o -: the result goes to standard output, `output` is where it is made */
     const char *output, *data, *integrator, *from, *range, *second_range, *locus, *direction, *values, *show;
-    const char *start, *what, *table, *figure, *format, *view, *title;
-    cli_list parts, labels, over, of;
+    const char *start, *what, *table, *figure, *format, *view, *title, *size, *script;
+    cli_list parts, labels, over, of, logarithmic;
     long seeds, seed, transient, longest, periods, samples, segments, points, switches, most, search;
     long segment, record, lanes, threads, exponents, members, measure;
     double rtol, atol, step, step_max, precision, interval;
 } cli_request;
 
-/* Of all kinds but the last three an option is given once. The keys of --set and of a CLI_KEYS option, what
- * stands before '=', are given once each; so are the texts of a CLI_LIST option. */
-typedef enum cli_kind { CLI_FLAG, CLI_TEXT, CLI_WHOLE, CLI_REAL, CLI_SETTINGS, CLI_KEYS, CLI_LIST } cli_kind;
+/* Of all kinds but the last four an option is given once. The keys of --set and of a CLI_KEYS option, what
+ * stands before '=', are given once each; so are the texts of a CLI_LIST option and of a CLI_FILES option,
+ * which takes all up to the next option. */
+typedef enum cli_kind {
+    CLI_FLAG,
+    CLI_TEXT,
+    CLI_WHOLE,
+    CLI_REAL,
+    CLI_SETTINGS,
+    CLI_KEYS,
+    CLI_LIST,
+    CLI_FILES
+} cli_kind;
 
 /* One option: it gives the parser, the range check, the default and a line of --help. */
 typedef struct cli_option {
@@ -61,6 +71,8 @@ typedef struct cli_option {
     { name, CLI_LIST, offsetof(cli_request, member), 0, 0, 0, argument, help }
 #define CLI_KEYS_OPTION(name, member, argument, help)                                                        \
     { name, CLI_KEYS, offsetof(cli_request, member), 0, 0, 0, argument, help }
+#define CLI_FILES_OPTION(name, member, argument, help)                                                       \
+    { name, CLI_FILES, offsetof(cli_request, member), 0, 0, 0, argument, help }
 #define CLI_WHOLE_OPTION(name, member, argument, fallback, min, max, help)                                   \
     { name, CLI_WHOLE, offsetof(cli_request, member), fallback, min, max, argument, help }
 #define CLI_REAL_OPTION(name, member, argument, fallback, min, max, help)                                    \
@@ -87,10 +99,14 @@ extern const cli_command cmd_classify, cmd_diagnose, cmd_simulate, cmd_scenes, c
 
 extern const cli_option cli_set, cli_json, cli_output, cli_data, cli_integrator, cli_seeds, cli_seed,
     cli_transient, cli_longest, cli_periods, cli_samples, cli_settle, cli_measure, cli_rtol, cli_atol,
-    cli_loose_rtol, cli_loose_atol, cli_from, cli_resume, cli_force;
+    cli_loose_rtol, cli_loose_atol, cli_from, cli_resume, cli_force, cli_size, cli_no_heading, cli_title,
+    cli_swap, cli_log, cli_keep_script;
 
 /* Endings of figures; of figures that may be tables; of records. */
 extern const char *const cli_figures[], *const cli_figures_or_table[], *const cli_records[];
+
+/* What every command that draws can be told of its figure. */
+#define CLI_FIGURE_OPTIONS &cli_size, &cli_no_heading, &cli_title, &cli_keep_script
 
 /* What most subcommands work on. */
 typedef struct cli_setup {
@@ -140,6 +156,9 @@ bool cli_choose(const cli_option *option, const char *text, const char *const *w
 /* "figure: file" on stdout, unless --quiet says otherwise or the result itself goes there. */
 void cli_tell_written(const cli_request *request, const char *what);
 bool cli_ends_in(const char *path, const char *ending);
+/* How a figure is laid out, from all options of figures; the texts are the request's. False after a message.
+ */
+bool cli_figure_options(const cli_request *request, saltus_figure_options *look);
 /* With the program's flag for signals as `stop`. */
 saltus_flow_options cli_flow_options(const cli_request *request);
 saltus_classify_options cli_classify_options(const cli_request *request);

@@ -4,9 +4,9 @@
 
 #include "interrupt.h"
 
-static const cli_option *const options[] = {&cli_set,       &cli_from,       &cli_output,  &cli_data,
-                                            &cli_transient, &cli_longest,    &cli_measure, &cli_rtol,
-                                            &cli_atol,      &cli_integrator, NULL};
+static const cli_option *const options[] = {&cli_set,       &cli_from,       &cli_output,        &cli_data,
+                                            &cli_transient, &cli_longest,    &cli_measure,       &cli_rtol,
+                                            &cli_atol,      &cli_integrator, CLI_FIGURE_OPTIONS, NULL};
 
 /* A motion and what its page shows. */
 typedef struct page {
@@ -58,7 +58,8 @@ static saltus_status analyse_motion(const saltus_system *system, const saltus_fl
                        : SALTUS_OK;
 }
 
-static saltus_status diagnose(const cli_request *request, const cli_setup *setup, saltus_message *message) {
+static saltus_status diagnose(const cli_request *request, const cli_setup *setup,
+                              const saltus_figure_options *look, saltus_message *message) {
     const saltus_scene *scene = &setup->scene;
     const saltus_system *system = setup->system;
     saltus_classify_options how = cli_classify_options(request);
@@ -74,8 +75,8 @@ static saltus_status diagnose(const cli_request *request, const cli_setup *setup
     if (status == SALTUS_OK) {
         const saltus_diagnosis diagnosis = {&p.motion, &p.record, p.sectioned ? &p.section : NULL,
                                             p.analysed ? &p.spectra : NULL};
-        status =
-            saltus_write_sheet(scene, system, &diagnosis, &how.flow, request->output, request->data, message);
+        status = saltus_write_sheet(scene, system, &diagnosis, &how.flow, look, request->output,
+                                    request->data, message);
     }
     if (status == SALTUS_OK || (classified && interrupt_asked()))
         saltus_write_motion_text(stdout, scene, system, &p.motion);
@@ -95,10 +96,13 @@ static int run(const cli_request *request) {
         fprintf(stderr, "saltus: diagnose: needs -o file.png, file.pdf or file.svg\n");
         return CLI_BAD_INPUT;
     }
+    saltus_figure_options look;
+    if (!cli_figure_options(request, &look))
+        return CLI_BAD_INPUT;
     int code = cli_build(request, &setup);
     if (code != CLI_DONE)
         return code;
-    saltus_status status = diagnose(request, &setup, &message);
+    saltus_status status = diagnose(request, &setup, &look, &message);
     saltus_system_free(setup.system);
     if (status != SALTUS_OK && interrupt_asked())
         return interrupt_report("no figure was drawn");

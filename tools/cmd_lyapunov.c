@@ -24,8 +24,9 @@ static const cli_option seed =
     CLI_WHOLE_OPTION("--seed", seed, "s", 0, 0, 4294967295.0,
                      "seed of the first directions; other than 0 the start is disturbed, too");
 static const cli_option *const options[] = {
-    &cli_set,  &cli_from, &all,      &exponents,      &precision,      &transient,      &periods,    &members,
-    &interval, &seed,     &cli_json, &cli_loose_rtol, &cli_loose_atol, &cli_integrator, &cli_output, NULL};
+    &cli_set,    &cli_from,          &all,  &exponents, &precision,      &transient,      &periods,
+    &members,    &interval,          &seed, &cli_json,  &cli_loose_rtol, &cli_loose_atol, &cli_integrator,
+    &cli_output, CLI_FIGURE_OPTIONS, NULL};
 
 /* A measurement under way. */
 typedef struct watch {
@@ -76,13 +77,13 @@ static saltus_status choose(const cli_request *request, const saltus_system *sys
 /* The numbers first: a figure that cannot be drawn does not take them along. */
 static saltus_status deliver(const cli_request *request, const cli_setup *setup,
                              const saltus_lyapunov_options *how, const saltus_lyapunov *result,
-                             saltus_message *message) {
+                             const saltus_figure_options *look, saltus_message *message) {
     (request->json ? saltus_write_lyapunov_json : saltus_write_lyapunov_text)(stdout, &setup->scene,
                                                                               setup->system, how, result);
     if (!request->output)
         return SALTUS_OK;
     saltus_status status =
-        saltus_write_convergence(&setup->scene, setup->system, how, result, request->output, message);
+        saltus_write_convergence(&setup->scene, setup->system, how, result, look, request->output, message);
     if (status == SALTUS_OK && !request->json)
         cli_tell_written(request, "convergence");
     return status;
@@ -114,6 +115,9 @@ static int run(const cli_request *request) {
     saltus_message message = {.text = ""};
     saltus_lyapunov_options how;
     watch w = {.shown = cli_shows_progress(request)};
+    saltus_figure_options look;
+    if (!cli_figure_options(request, &look))
+        return CLI_BAD_INPUT;
     int code = cli_build(request, &setup);
     if (code != CLI_DONE)
         return code;
@@ -128,7 +132,7 @@ static int run(const cli_request *request) {
             progress_line("%s", "");
     }
     if (status == SALTUS_OK)
-        status = deliver(request, &setup, &how, &w.result, &message);
+        status = deliver(request, &setup, &how, &w.result, &look, &message);
     if (status == SALTUS_OK && w.interrupted)
         code = interrupt_report("the numbers rest on what was measured so far");
     saltus_lyapunov_clear(&w.result);

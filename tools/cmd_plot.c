@@ -23,12 +23,13 @@ static const cli_option view =
                     "of a sweep: turning, impacts, stroboscopic (over one axis), class, attractors, largest, "
                     "speed, rate, contact, lyapunov or settled");
 
-static const cli_option title = CLI_TEXT_OPTION("--title", title, "text", "heading of a sweep's figure");
+static const cli_option over =
+    CLI_FILES_OPTION("--over", over, "file.h5 ...",
+                     "draw files of saltus continue over a sweep: branches over a diagram, curves of special "
+                     "points over a map");
 
-static const cli_option over = CLI_LIST_OPTION(
-    "--over", over, "branch.h5", "draw a file of saltus continue over a sweep's diagram; may be repeated");
-
-static const cli_option *const options[] = {&cli_output, &show, &range, &label, &view, &title, &over, NULL};
+static const cli_option *const options[] = {&cli_output,        &show,     &range,   &label, &view, &over,
+                                            CLI_FIGURE_OPTIONS, &cli_swap, &cli_log, NULL};
 
 /* What the options point to. */
 typedef struct plot_wishes {
@@ -75,9 +76,10 @@ static bool read_wishes(const cli_request *request, plot_wishes *wishes) {
 }
 
 /* What only a sweep can be asked for. */
-static int draw_sweep(const cli_request *request, const plot_wishes *wishes) {
+static int draw_sweep(const cli_request *request, const plot_wishes *wishes,
+                      const saltus_figure_options *look) {
     saltus_message message = {.text = ""};
-    saltus_sweep_view how = {.title = request->title,
+    saltus_sweep_view how = {.look = *look,
                              .parts = wishes->parts,
                              .part_count = request->parts.count,
                              .branches = request->over.items,
@@ -87,7 +89,7 @@ static int draw_sweep(const cli_request *request, const plot_wishes *wishes) {
         return CLI_BAD_INPUT;
     how.view = (saltus_view)(chosen + 1);
     if (request->input_count > 1 || request->show || request->labels.count) {
-        fprintf(stderr, "saltus: plot: --view, --title and --over are of one sweep, --show and --label of "
+        fprintf(stderr, "saltus: plot: --view and --over are of one sweep, --show and --label of "
                         "files of saltus continue\n");
         return CLI_BAD_INPUT;
     }
@@ -98,16 +100,15 @@ static int draw_sweep(const cli_request *request, const plot_wishes *wishes) {
 }
 
 /* A trajectory is drawn whole, in one way. */
-static int draw_trajectory(const cli_request *request) {
+static int draw_trajectory(const cli_request *request, const saltus_figure_options *look) {
     saltus_message message = {.text = ""};
-    if (request->input_count > 1 || request->show || request->view || request->title ||
-        request->parts.count || request->labels.count || request->over.count) {
-        fprintf(stderr,
-                "saltus: plot: %s: is a trajectory, which is drawn alone and takes no further options\n",
+    if (request->input_count > 1 || request->show || request->view || request->parts.count ||
+        request->labels.count || request->over.count || look->swap || look->logarithmic_count) {
+        fprintf(stderr, "saltus: plot: %s: is a trajectory, which is drawn alone, whole and in one way\n",
                 request->inputs[0]);
         return CLI_BAD_INPUT;
     }
-    saltus_status status = saltus_plot_trajectory(request->inputs[0], request->output, &message);
+    saltus_status status = saltus_plot_trajectory(request->inputs[0], look, request->output, &message);
     if (status == SALTUS_OK)
         cli_tell_written(request, "figure");
     return cli_report(status, &message);
@@ -122,12 +123,13 @@ static int run(const cli_request *request) {
         fprintf(stderr, "saltus: plot: needs a file and -o figure.png, figure.pdf or figure.svg\n");
         return CLI_BAD_INPUT;
     }
-    if (!cli_choose(&show, request->show, shows, &chosen) || !read_wishes(request, &wishes))
+    if (!cli_choose(&show, request->show, shows, &chosen) || !read_wishes(request, &wishes) ||
+        !cli_figure_options(request, &how.look))
         return CLI_BAD_INPUT;
     if (strcmp(saltus_file_identify(request->inputs[0]).kind, "trajectory") == 0)
-        return draw_trajectory(request);
-    if (request->view || request->title || request->over.count)
-        return draw_sweep(request, &wishes);
+        return draw_trajectory(request, &how.look);
+    if (request->view || request->over.count)
+        return draw_sweep(request, &wishes, &how.look);
     how.show = (saltus_show)(chosen + 1);
     how.parts = wishes.parts;
     how.part_count = request->parts.count;
@@ -143,7 +145,7 @@ static int run(const cli_request *request) {
 const cli_command cmd_plot = {
     .name = "plot",
     .usage =
-        "FILE.h5 [FILE.h5 ...] -o figure.png|pdf|svg [--show what | --view name] [--range key=lo:hi] ...",
+        "FILE.h5 [FILE.h5 ...] -o figure.png|pdf|svg [--show what | --view name] [--over file.h5 ...] ...",
     .help =
         "Draw a file of saltus sweep or basins: a diagram over one axis with the class of motion along it, "
         "a map over\n"

@@ -16,8 +16,9 @@ static const cli_option samples =
     CLI_WHOLE_OPTION("--samples", samples, "k", 0, 16, 65536,
                      "samples per period, a multiple of 4; otherwise chosen by what aliases");
 static const cli_option *const options[] = {
-    &cli_set,    &cli_from, &of,       &periods,       &segment,     &samples,        &cli_json,
-    &cli_output, &cli_rtol, &cli_atol, &cli_transient, &cli_longest, &cli_integrator, NULL};
+    &cli_set,        &cli_from,          &of,       &periods,  &segment,       &samples,
+    &cli_json,       &cli_output,        &cli_rtol, &cli_atol, &cli_transient, &cli_longest,
+    &cli_integrator, CLI_FIGURE_OPTIONS, NULL};
 
 /* What is asked for, checked before anything is computed. */
 static saltus_status read_wishes(const cli_request *request, const saltus_system *system,
@@ -42,7 +43,8 @@ static saltus_status read_wishes(const cli_request *request, const saltus_system
     return SALTUS_OK;
 }
 
-static saltus_status analyse(const cli_request *request, const cli_setup *setup, saltus_message *message) {
+static saltus_status analyse(const cli_request *request, const cli_setup *setup,
+                             const saltus_figure_options *look, saltus_message *message) {
     const saltus_scene *scene = &setup->scene;
     const saltus_system *system = setup->system;
     saltus_classify_options how = cli_classify_options(request);
@@ -58,8 +60,8 @@ static saltus_status analyse(const cli_request *request, const cli_setup *setup,
     if (status == SALTUS_OK)
         status = saltus_motion_spectra(system, &motion, &wishes, &spectra, message);
     if (status == SALTUS_OK && request->output)
-        status =
-            saltus_spectra_write(scene, system, &motion, &spectra, &wishes.flow, request->output, message);
+        status = saltus_spectra_write(scene, system, &motion, &spectra, &wishes.flow, look, request->output,
+                                      message);
     if (status == SALTUS_OK)
         (request->json ? saltus_write_spectra_json : saltus_write_spectra_text)(stdout, scene, system,
                                                                                 &motion, &spectra);
@@ -73,10 +75,13 @@ static saltus_status analyse(const cli_request *request, const cli_setup *setup,
 static int run(const cli_request *request) {
     cli_setup setup;
     saltus_message message = {.text = ""};
+    saltus_figure_options look;
+    if (!cli_figure_options(request, &look))
+        return CLI_BAD_INPUT;
     int code = cli_build(request, &setup);
     if (code != CLI_DONE)
         return code;
-    saltus_status status = analyse(request, &setup, &message);
+    saltus_status status = analyse(request, &setup, &look, &message);
     saltus_system_free(setup.system);
     return cli_report(status, &message);
 }

@@ -159,7 +159,15 @@ static int check_data(const cli_command *command, const cli_request *request) {
         one.st_ino == other.st_ino)
         return refuse(CLI_BAD_INPUT, &data, "is the same file as -o %s", request->output);
     const place beside = {"--data", script, NULL};
-    return check_place(command, request, &beside);
+    return request->script ? CLI_DONE : check_place(command, request, &beside);
+}
+
+/* The files that a command writes beside its result. */
+static int check_others(const cli_command *command, const cli_request *request) {
+    static const char *const endings[] = {".gp", NULL};
+    const place script = {"--keep-script", request->script, endings};
+    int code = request->script ? check_place(command, request, &script) : CLI_DONE;
+    return code == CLI_DONE && request->data ? check_data(command, request) : code;
 }
 
 /* The ending of what goes to standard output: the one of --format, or the first that can. */
@@ -228,7 +236,7 @@ int target_open(const cli_command *command, cli_request *request, target *out) {
         return CLI_DONE;
     const place result = {"-o", request->output, command->endings};
     int code = to_stdout ? divert(command, request, out) : check_place(command, request, &result);
-    return code == CLI_DONE && request->data ? check_data(command, request) : code;
+    return code == CLI_DONE ? check_others(command, request) : code;
 }
 
 /* The file as it is. False, with errno, where it could not be read or written. */

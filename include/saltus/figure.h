@@ -7,12 +7,36 @@
 
 SALTUS_API_BEGIN
 
+/* How a figure is laid out and what it says of itself. Zeros are the defaults. Texts and lists are the
+ * caller's. */
+typedef struct saltus_figure_options {
+    double width, height; /* on paper, in mm, with type of 8 points; height 0: chosen by the figure; width 0:
+                             a page for screens, 1600 x 1200 dots, in a PDF file 297 x 223 mm */
+    bool no_heading;      /* neither the heading nor the lines of parameters and method above the panels */
+    const char *title;    /* in place of the heading's own words; "": none; NULL: its own */
+    bool swap;            /* exchange the axes across and up the page (of what is drawn by saltus_plot, where
+                             it has two parameters or shows branches) */
+    const char *const *logarithmic; /* keys of the axes that are logarithmic, parameters or "measure"; of what
+                                       is drawn by saltus_plot */
+    int logarithmic_count;
+    const char *script; /* keep gnuplot's script there, data included, as a file that ends in .gp and draws
+                           the figure again; NULL: not kept */
+} saltus_figure_options;
+
+/* The usual page: zeros. */
+saltus_figure_options saltus_figure_defaults(void);
+/* Whether a figure can be drawn so at a path, before a long computation: its ending is .png, .pdf or .svg,
+ * its size from 30 to 2000 mm, its script's ending .gp. Nothing is written. Errors: SALTUS_BAD_INPUT. */
+saltus_status saltus_figure_check(const char *path, const saltus_figure_options *look,
+                                  saltus_message *message);
+
 /* How the estimate of the largest exponent converged: a figure (.png, .pdf, .svg) or its rows (.csv),
- * complete or not at all. Errors: SALTUS_BAD_INPUT for another ending, SALTUS_IO. */
+ * complete or not at all. `look` may be NULL, here and below: the defaults. Errors: SALTUS_BAD_INPUT for
+ * another ending or an unsound size, SALTUS_IO. */
 saltus_status saltus_write_convergence(const saltus_scene *scene, const saltus_system *system,
                                        const saltus_lyapunov_options *options,
-                                       const saltus_lyapunov *lyapunov, const char *path,
-                                       saltus_message *message);
+                                       const saltus_lyapunov *lyapunov, const saltus_figure_options *look,
+                                       const char *path, saltus_message *message);
 /* Whether the ending of a path is one of these and the file can be written, before a long computation.
  * Nothing is left behind. Errors: SALTUS_BAD_INPUT, SALTUS_IO. */
 saltus_status saltus_convergence_check(const char *path, saltus_message *message);
@@ -22,8 +46,8 @@ saltus_status saltus_convergence_check(const char *path, saltus_message *message
  * absent or failed). */
 saltus_status saltus_spectra_write(const saltus_scene *scene, const saltus_system *system,
                                    const saltus_motion *motion, const saltus_spectra *spectra,
-                                   const saltus_flow_options *flow, const char *path,
-                                   saltus_message *message);
+                                   const saltus_flow_options *flow, const saltus_figure_options *look,
+                                   const char *path, saltus_message *message);
 
 /* What the page of a motion is made of; all the caller's. */
 typedef struct saltus_diagnosis {
@@ -36,12 +60,13 @@ typedef struct saltus_diagnosis {
 
 /* The one-page diagnosis of a motion: phase portrait, time history, impact map, shapes, spectrum,
  * multipliers; without a period the stroboscopic section and the convergence of the largest exponent;
- * caption. `path` ends in .png, .pdf or .svg. With `data` (a .h5 path, may be NULL) the record goes there and
- * gnuplot's script beside it, with the ending .gp. Errors: SALTUS_BAD_INPUT, SALTUS_IO (gnuplot absent or
- * failed, file not writable). */
+ * caption. `path` ends in .png, .pdf or .svg. With `data` (a .h5 path, may be NULL) the record goes there
+ * and, unless `look` names another place, gnuplot's script beside it, with the ending .gp. Errors:
+ * SALTUS_BAD_INPUT, SALTUS_IO (gnuplot absent or failed, file not writable). */
 saltus_status saltus_write_sheet(const saltus_scene *scene, const saltus_system *system,
                                  const saltus_diagnosis *diagnosis, const saltus_flow_options *options,
-                                 const char *path, const char *data, saltus_message *message);
+                                 const saltus_figure_options *look, const char *path, const char *data,
+                                 saltus_message *message);
 
 /* What a bifurcation diagram shows of an orbit, up the page. */
 typedef enum saltus_show {
@@ -72,6 +97,7 @@ typedef struct saltus_plot_options {
     int part_count;
     const saltus_plot_label *labels; /* the caller's */
     int label_count;
+    saltus_figure_options look;
 } saltus_plot_options;
 
 /* Automatic measure, whole ranges, no labels. */
@@ -103,19 +129,21 @@ typedef enum saltus_view {
 
 typedef struct saltus_sweep_view {
     saltus_view view;
-    const char *title;             /* NULL: the scene's */
     const saltus_plot_part *parts; /* shown of the axes' ranges; the caller's */
     int part_count;
-    const char *const *branches; /* branch files drawn over a diagram; the caller's */
+    const char *const *branches; /* files drawn over it: of periodic orbits over a diagram, of curves of
+                                    special points over a map; the caller's */
     int branch_count;
+    saltus_figure_options look;
 } saltus_sweep_view;
 
 /* Draw a sweep file. Errors as saltus_plot. */
 saltus_status saltus_plot_sweep(const char *path, const saltus_sweep_view *view, const char *figure,
                                 saltus_message *message);
 /* Draw a recorded trajectory: phase portrait and time history, with points where a forcing period begins.
- * Errors as saltus_plot. */
-saltus_status saltus_plot_trajectory(const char *path, const char *figure, saltus_message *message);
+ * `look` may be NULL; its axes are neither swapped nor logarithmic. Errors as saltus_plot. */
+saltus_status saltus_plot_trajectory(const char *path, const saltus_figure_options *look, const char *figure,
+                                     saltus_message *message);
 
 SALTUS_API_END
 #endif

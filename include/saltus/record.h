@@ -213,12 +213,13 @@ typedef struct saltus_sweep_file {
     char version[16];
     char scene[128], title[160];
     bool basins, complete;
-    saltus_spec spec; /* of the scene; the axes' keys vary */
+    saltus_spec spec;                       /* of the scene; the axes' keys vary */
+    double initial[SALTUS_SCENE_STATE_MAX]; /* the scene's initial state, initial_count entries; 0: the
+                                               default */
+    int initial_count;
     int axis_count;
     saltus_axis axes[SALTUS_AXES_MAX]; /* `list` holds all values, whatever the spacing */
     saltus_sweep_options options;
-    int initial_count; /* the scene's initial state; 0: the system's default */
-    double initial[SALTUS_SCENE_STATE_MAX];
     int pass_count;
     saltus_pass passes[SALTUS_PASSES];
     long long points, row_count;

@@ -3,8 +3,6 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "figure/branch.h"
 
-#include "figure/caption.h"
-#include "figure/gnuplot.h"
 #include "record/describe.h"
 #include "record/hdf5.h"
 #include "record/output.h"
@@ -38,15 +36,20 @@ static void name_measure(const saltus_plot_page *page, saltus_line *line) {
 static void put_axes(const saltus_plot_page *page) {
     const saltus_branch_options *o = &page->files[0].options;
     const saltus_spec *spec = &page->files[0].spec;
-    saltus_line x = {.length = 0}, y = {.length = 0};
-    saltus_line_parameter(&x, spec, o->key[0]);
+    saltus_line name[2] = {{.length = 0}, {.length = 0}};
+    saltus_line_parameter(&name[page->swap], spec, o->key[0]);
     if (page->locus)
-        saltus_line_parameter(&y, spec, o->key[1]);
+        saltus_line_parameter(&name[1], spec, o->key[1]);
     else
-        name_measure(page, &y);
-    fprintf(page->file, "set xlabel '%s'\nset xrange [%.12g:%.12g]\n", x.text, page->x.low, page->x.high);
-    fprintf(page->file, "set ylabel '%s' offset -0.6,0\nset yrange [%.9g:%.9g]\n", y.text, page->y.low,
-            page->y.high);
+        name_measure(page, &name[!page->swap]);
+    for (int axis = 0; axis < 2; axis++) {
+        saltus_range range = axis ? page->y : page->x;
+        saltus_page_axis(page->page, "xy"[axis], name[axis].text, range);
+        if (!page->logarithmic[axis])
+            continue;
+        fprintf(page->file, "set logscale %c\n", "xy"[axis]);
+        saltus_page_log_tics(page->page, "xy"[axis], range);
+    }
 }
 
 /* The parameters that all files share, and those of the first where they do not. */
@@ -61,10 +64,9 @@ static void add_parameters(const saltus_plot_page *page, saltus_line *line) {
         saltus_line_add(line, ", where nothing else is said");
 }
 
-static void put_caption(const saltus_plot_page *page) {
+static void put_caption(const saltus_plot_page *page, saltus_page *paper) {
     const saltus_branch_options *o = &page->files[0].options;
     saltus_line head = {.length = 0}, parameters = {.length = 0};
-    double height = 0.932;
     saltus_line_plain(&head, page->files[0].scene);
     saltus_line_add(&head, ":  %s in ", page->locus ? "special points" : "periodic orbits");
     saltus_line_symbol(&head, o->key[0]);
@@ -73,31 +75,28 @@ static void put_caption(const saltus_plot_page *page) {
         saltus_line_symbol(&head, o->key[1]);
     }
     add_parameters(page, &parameters);
-    fprintf(page->file, "set label '{/=20:Bold %s}' at screen 0.03,0.967 left front\n", head.text);
-    saltus_line_put(page->file, &parameters, "#202020", &height);
-    saltus_put_version(page->file);
-    bool long_names = page->locus || page->count > 1;
-    int columns = long_names ? 5 : 8, rows = (saltus_plot_legend_entries(page) + columns - 1) / columns;
-    fprintf(page->file,
-            "set tmargin at screen %.4f\n"
-            "set key at screen 0.03, screen %.4f left top horizontal Left reverse samplen 1.8 width 1 "
-            "maxrows %d font ',11' textcolor rgb '#303030'\n",
-            height - 0.026 - 0.024 * rows, height + 0.008, rows);
+    saltus_page_heading(paper, &head);
+    saltus_page_words(paper, &parameters, "#202020");
 }
 
-static void write_script(const saltus_plot_page *page, const char *path) {
-    fprintf(page->file, "set terminal %s\n", saltus_gnuplot_terminal(path));
-    saltus_put_style(page->file, "eeeeee");
-    fputs("set lmargin at screen 0.09\nset rmargin at screen 0.973\nset bmargin at screen 0.078\n",
-          page->file);
-    saltus_plot_data(page);
+static bool write_script(saltus_plot_page *page, saltus_page *paper) {
+    int rows;
+    if (paper->free_height)
+        paper->height += saltus_plot_legend_height(page, paper->width, &rows);
+    saltus_page_begin(paper);
+    put_caption(page, paper);
+    page->page = paper;
+    page->file = paper->file;
+    page->frame = saltus_page_rest(paper, 31.2 + saltus_plot_legend_place(page, paper->top));
+    bool sound = saltus_plot_data(page);
+    saltus_page_frame(paper, page->frame);
     put_axes(page);
-    put_caption(page);
     saltus_plot_labels(page);
     fputs("plot \\\n", page->file);
     saltus_plot_curves(page);
     saltus_plot_marks(page);
     saltus_plot_legend(page);
+    return sound;
 }
 
 /* Where nothing was asked for: impact speeds where there are impacts, displacements otherwise. */
@@ -124,41 +123,88 @@ static bool asked_for(const saltus_plot_page *page, int axis, saltus_range *rang
     return false;
 }
 
-/* The range of an axis, from the points that are in the range asked for of the other axis. */
-static saltus_range find_range(const saltus_plot_page *page, int axis) {
+/* Widen a range by a point's value, or by all that it shows; a logarithmic axis has positive ones only. */
+static void add_values(const saltus_plot_page *page, int file, int k, bool up, bool logarithmic,
+                       saltus_range *range) {
+    const saltus_branch_point *point = &page->files[file].points[k];
+    const saltus_visits *visits = page->visits ? &page->visits[file][k] : NULL;
+    double own = up != page->swap ? saltus_plot_y(page, point) : saltus_plot_x(page, point);
+    for (int v = -1; v < (up && visits ? visits->count : 0); v++) {
+        double value = v < 0 ? own : visits->list[v].value;
+        if (!logarithmic || value > 0)
+            saltus_range_add(range, value);
+    }
+}
+
+/* The range of the first parameter, or of what goes with it, from the points that are in the range asked for
+ * of the other one. */
+static saltus_range find_range(const saltus_plot_page *page, bool measure) {
     saltus_range found = {INFINITY, -INFINITY};
     for (int i = 0; i < page->count; i++)
-        for (int k = 0; k < page->files[i].point_count; k++) {
-            const saltus_branch_point *point = &page->files[i].points[k];
-            if (!saltus_plot_shown(page, point))
-                continue;
-            saltus_range_add(&found, axis ? saltus_plot_y(page, point) : saltus_plot_x(point));
-            bool every_impact = axis && page->show == SALTUS_SHOW_IMPACTS && !page->locus;
-            for (int e = 0; e < point->event_count && every_impact; e++)
-                saltus_range_add(&found, saltus_impact_speed(&point->events[e]));
-        }
+        for (int k = 0; k < page->files[i].point_count; k++)
+            if (saltus_plot_shown(page, &page->files[i].points[k]))
+                add_values(page, i, k, measure, page->logarithmic[measure != page->swap], &found);
     return found;
+}
+
+/* Room around the values of an axis. */
+static void pad(saltus_range *range, bool logarithmic, double part, double scale) {
+    if (!logarithmic) {
+        saltus_range_pad(range, part, scale);
+        return;
+    }
+    double factor = pow(fmax(range->high / range->low, 1.1), part);
+    *range = (saltus_range){range->low / factor, range->high * factor};
 }
 
 static void find_ranges(saltus_plot_page *page) {
     const saltus_branch_options *o = &page->files[0].options;
     bool speeds = !page->locus && (page->show == SALTUS_SHOW_SPEED || page->show == SALTUS_SHOW_IMPACTS);
+    saltus_range *parameter = page->swap ? &page->y : &page->x, *measure = page->swap ? &page->x : &page->y;
+    bool log_measure = page->logarithmic[!page->swap];
     page->x = page->y = (saltus_range){-INFINITY, INFINITY};
-    bool part[2] = {asked_for(page, 0, &page->x), page->locus && asked_for(page, 1, &page->y)};
+    bool part[2] = {asked_for(page, 0, parameter), page->locus && asked_for(page, 1, measure)};
     if (!part[0]) {
-        page->x = find_range(page, 0);
-        saltus_range_pad(&page->x, 0.03, 1e-3 * (o->high[0] - o->low[0]));
+        *parameter = find_range(page, false);
+        pad(parameter, page->logarithmic[page->swap], 0.03, 1e-3 * (o->high[0] - o->low[0]));
     }
     if (part[1])
         return;
-    page->y = find_range(page, 1);
-    if (speeds && page->y.low < 0.4 * page->y.high)
-        saltus_range_add(&page->y, 0);
-    saltus_range_pad(&page->y, 0.07,
-                     page->locus ? 1e-3 * (o->high[1] - o->low[1])
-                                 : 1e-3 * fmax(fabs(page->y.high), fabs(page->y.low)));
-    if (speeds && page->y.low < 0)
-        page->y.low = -0.02 * page->y.high;
+    *measure = find_range(page, true);
+    if (speeds && !log_measure && measure->low < 0.4 * measure->high)
+        saltus_range_add(measure, 0);
+    pad(measure, log_measure, 0.07,
+        page->locus ? 1e-3 * (o->high[1] - o->low[1]) : 1e-3 * fmax(fabs(measure->high), fabs(measure->low)));
+    if (speeds && measure->low < 0)
+        measure->low = -0.02 * measure->high;
+}
+
+/* Which axes are logarithmic. */
+static saltus_status choose_scales(saltus_plot_page *page, saltus_message *message) {
+    static const char *const words[] = {"speed", "speed", "impacts", "displacement", "velocity", "period"};
+    const saltus_branch_options *o = &page->files[0].options;
+    const saltus_figure_options *look = &page->options->look;
+    const char *const keys[2] = {o->key[0], page->locus ? o->key[1] : words[page->show]};
+    for (int k = 0; k < 2; k++)
+        page->logarithmic[k != page->swap] = saltus_plot_logarithmic(look, keys[k]);
+    for (int k = 0; k < look->logarithmic_count; k++)
+        if (strcmp(look->logarithmic[k], keys[0]) != 0 && strcmp(look->logarithmic[k], keys[1]) != 0)
+            return saltus_fail(message, SALTUS_BAD_INPUT,
+                               "logarithmic axis %.40s: the figure shows %s and %s", look->logarithmic[k],
+                               keys[0], keys[1]);
+    return SALTUS_OK;
+}
+
+/* A logarithmic axis shows positive values only. */
+static saltus_status check_scales(const saltus_plot_page *page, saltus_message *message) {
+    for (int axis = 0; axis < 2; axis++) {
+        saltus_range range = axis ? page->y : page->x;
+        if (page->logarithmic[axis] && !(range.low > 0 && range.high < INFINITY))
+            return saltus_fail(message, SALTUS_BAD_INPUT,
+                               "a logarithmic axis needs positive values, these go from %g to %g", range.low,
+                               range.high);
+    }
+    return SALTUS_OK;
 }
 
 static saltus_status check_points(const saltus_plot_page *page, saltus_message *message) {
@@ -170,30 +216,43 @@ static saltus_status check_points(const saltus_plot_page *page, saltus_message *
     if (page->locus)
         return saltus_fail(message, SALTUS_BAD_INPUT, "there is no point from %s = %g to %g, %s = %g to %g",
                            o->key[0], page->x.low, page->x.high, o->key[1], page->y.low, page->y.high);
+    saltus_range range = page->swap ? page->y : page->x;
     return saltus_fail(message, SALTUS_BAD_INPUT, "there is no point from %s = %g to %g", o->key[0],
-                       page->x.low, page->x.high);
+                       range.low, range.high);
 }
 
 static saltus_status draw(const saltus_branch_file *files, int count, const saltus_plot_options *options,
                           const char *figure, saltus_message *message) {
     saltus_system *system = NULL;
+    saltus_page paper;
     saltus_status status = saltus_system_new(&files[0].spec, &system, message);
     if (status != SALTUS_OK)
         return status;
+    bool locus = files[0].options.locus != SALTUS_POINT_REGULAR;
     saltus_plot_page page = {.files = files,
                              .count = count,
                              .system = system,
                              .options = options,
-                             .locus = files[0].options.locus != SALTUS_POINT_REGULAR};
+                             .swap = options->look.swap && !locus,
+                             .locus = locus};
     page.show = choose_measure(&page, options->show);
-    find_ranges(&page);
-    status = check_points(&page, message);
+    status = choose_scales(&page, message);
     if (status == SALTUS_OK)
-        status = saltus_gnuplot_open(&page.file, message);
+        status = saltus_plot_find_visits(&page, message);
     if (status == SALTUS_OK) {
-        write_script(&page, figure);
-        status = saltus_gnuplot_draw(page.file, figure, message);
+        find_ranges(&page);
+        status = check_points(&page, message);
     }
+    if (status == SALTUS_OK)
+        status = check_scales(&page, message);
+    if (status == SALTUS_OK)
+        status = saltus_page_open(&paper, figure, &options->look, message);
+    if (status == SALTUS_OK) {
+        if (!write_script(&page, &paper))
+            status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the curves of %d files", count);
+        status = saltus_page_close(&paper, status, message);
+    }
+    saltus_plot_free_visits(&page);
     saltus_system_free(system);
     return status;
 }
@@ -204,25 +263,6 @@ saltus_plot_options saltus_plot_defaults(void) {
 
 static bool is_axis(const saltus_branch_options *o, const char *key) {
     return strcmp(key, o->key[0]) == 0 || (o->key[1][0] && strcmp(key, o->key[1]) == 0);
-}
-
-/* Exchange the two parameters of a curve of special points. */
-static void turn_axes(saltus_branch_file *file) {
-    saltus_branch_options *o = &file->options;
-    char key[SALTUS_KEY_MAX];
-    double low = o->low[0], high = o->high[0];
-    memcpy(key, o->key[0], sizeof key);
-    memcpy(o->key[0], o->key[1], sizeof key);
-    memcpy(o->key[1], key, sizeof key);
-    o->low[0] = o->low[1];
-    o->high[0] = o->high[1];
-    o->low[1] = low;
-    o->high[1] = high;
-    for (int k = 0; k < file->point_count; k++) {
-        double *value = file->points[k].value, first = value[0];
-        value[0] = value[1];
-        value[1] = first;
-    }
 }
 
 /* Diagrams over each other need the same axes. */
@@ -240,7 +280,7 @@ static saltus_status match_axes(const saltus_branch_file *a, saltus_branch_file 
                            path, p->key[0], *p->key[1] ? " and " : "", p->key[1], o->key[0],
                            *o->key[1] ? " and " : "", o->key[1]);
     if (strcmp(o->key[0], p->key[0]) != 0)
-        turn_axes(b);
+        saltus_plot_turn(b);
     return SALTUS_OK;
 }
 
@@ -279,7 +319,8 @@ static bool is_sweep(const char *path) {
 /* Draw a sweep where the first file is one; *drawn tells. */
 static saltus_status draw_sweep(const char *const *paths, int count, const saltus_plot_options *options,
                                 const char *figure, bool *drawn, saltus_message *message) {
-    saltus_sweep_view view = {.parts = options->parts, .part_count = options->part_count};
+    saltus_sweep_view view = {
+        .parts = options->parts, .part_count = options->part_count, .look = options->look};
     *drawn = is_sweep(paths[0]);
     if (!*drawn)
         return SALTUS_OK;
@@ -296,8 +337,9 @@ saltus_status saltus_plot(const char *const *paths, int count, const saltus_plot
                           const char *figure, saltus_message *message) {
     saltus_status status = SALTUS_OK;
     int read = 0;
-    if (!saltus_gnuplot_terminal(figure))
-        return saltus_fail(message, SALTUS_BAD_INPUT, "%s: the ending must be .png, .pdf or .svg", figure);
+    status = saltus_figure_check(figure, &options->look, message);
+    if (status != SALTUS_OK)
+        return status;
     if (count < 1)
         return saltus_fail(message, SALTUS_BAD_INPUT, "there is no file to draw");
     bool sweep;
@@ -309,6 +351,8 @@ saltus_status saltus_plot(const char *const *paths, int count, const saltus_plot
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for %d branch files", count);
     for (; read < count && status == SALTUS_OK; read++) {
         status = saltus_branch_file_read(paths[read], &files[read], message);
+        if (status == SALTUS_OK && read == 0 && options->look.swap && *files[0].options.key[1])
+            saltus_plot_turn(&files[0]);
         if (status == SALTUS_OK)
             status = match_axes(&files[0], &files[read], paths[read], message);
     }

@@ -3,26 +3,54 @@
 #ifndef SALTUS_FIGURE_BRANCH_H
 #define SALTUS_FIGURE_BRANCH_H
 
-#include "figure/caption.h"
-#include "figure/gnuplot.h"
-#include "saltus/figure.h"
+#include "figure/page.h"
+
+/* A value that an orbit shows when it passes somewhere: the speed of an impact, the displacement where it
+ * turns. */
+typedef struct saltus_visit {
+    double time, value; /* time in periods from phase 0 */
+    int face;           /* that is hit; -1: none */
+} saltus_visit;
+
+/* The visits of a point of a branch. */
+typedef struct saltus_visits {
+    saltus_visit *list;
+    int count;
+} saltus_visits;
 
 /* Branch files over each other in one pair of axes. */
 typedef struct saltus_plot_page {
-    FILE *file;                      /* gnuplot's script */
+    const saltus_page *page;
+    FILE *file;                      /* the page's script */
+    saltus_frame frame;              /* of the panel */
     const saltus_branch_file *files; /* all with the same keys in the same order */
     int count;
     const saltus_system *system; /* of the first file's start */
     bool locus;                  /* a second parameter goes up the page */
+    bool turning;                /* displacements where orbits turn, in place of what `show` says */
+    bool swap;                   /* the parameter goes up the page and what is shown of orbits across it */
+    bool over_map;               /* curves lie on colours, from which a rim lifts them off */
+    bool logarithmic[2];         /* across the page, up it */
     saltus_show show;
     const saltus_plot_options *options;
     saltus_range x, y;
+    saltus_visits **visits; /* where orbits show several values: of each file's points, otherwise NULL */
 } saltus_plot_page;
 
-/* What a point shows along the page and up it, and whether it is on the page. */
+/* What a point shows across the page and up it, and whether its parameters are on the page. */
 bool saltus_plot_shown(const saltus_plot_page *page, const saltus_branch_point *point);
-double saltus_plot_x(const saltus_branch_point *point);
+double saltus_plot_x(const saltus_plot_page *page, const saltus_branch_point *point);
 double saltus_plot_y(const saltus_plot_page *page, const saltus_branch_point *point);
+/* A place of the axes in the page's units from the panel's lower left corner. */
+void saltus_plot_place(const saltus_plot_page *page, double x, double y, double place[2]);
+/* Find the visits where impacts or turning points are shown; the caller frees them. Errors: those of the flow
+ * along orbits, SALTUS_NO_MEMORY. */
+saltus_status saltus_plot_find_visits(saltus_plot_page *page, saltus_message *message);
+void saltus_plot_free_visits(saltus_plot_page *page);
+/* Whether an axis with that key is to be logarithmic. */
+bool saltus_plot_logarithmic(const saltus_figure_options *look, const char *key);
+/* Exchange the two parameters of a curve of special points. */
+void saltus_plot_turn(saltus_branch_file *file);
 /* Speed of an event where it is an impact, otherwise NAN. */
 double saltus_impact_speed(const saltus_event *event);
 
@@ -39,6 +67,9 @@ typedef enum saltus_stroke {
 } saltus_stroke;
 enum { SALTUS_STROKES = 3, SALTUS_HUES = 6 };
 
+/* How a curve goes on from a point to the next one of its branch. */
+saltus_stroke saltus_plot_stroke(const saltus_branch_file *file, int from, int to);
+
 /* Which hue a branch has: of its kind of special point, of its file where there are several, otherwise of how
  * often it was switched. */
 int saltus_plot_hue(const saltus_plot_page *page, int file, int branch);
@@ -47,15 +78,20 @@ int saltus_plot_hue(const saltus_plot_page *page, int file, int branch);
 enum { SALTUS_PLOT_MARKS = SALTUS_POINT_CP + 1 };
 saltus_point_kind saltus_plot_mark(saltus_point_kind kind);
 
-/* plot_curves.c: elements of a plot command that goes on: curves, marks, and what they are in the legend. */
+/* branch_curves.c: elements of a plot command that goes on: curves, marks, and what they are in the legend.
+ */
 void saltus_plot_curves(const saltus_plot_page *page);
 void saltus_plot_marks(const saltus_plot_page *page);
 void saltus_plot_legend(const saltus_plot_page *page);
-/* How many things the legend explains. */
-int saltus_plot_legend_entries(const saltus_plot_page *page);
-/* plot_data.c: the datablocks $curve_HUE_STROKE and $marks_KIND. */
-void saltus_plot_data(const saltus_plot_page *page);
-/* plot_labels.c: names of regions, n/p along the branches and the names of special points, as gnuplot labels.
+/* The height of a legend's rows on a page of that width, and how many there are. */
+double saltus_plot_legend_height(const saltus_plot_page *page, double width, int *rows);
+/* Ask for a legend that begins so high on the page; the height of its rows. */
+double saltus_plot_legend_place(const saltus_plot_page *page, double top);
+/* branch_data.c: the datablocks $curve_HUE_STROKE, $marks_KIND and, along curves of special points,
+ * $signs_HUE. */
+bool saltus_plot_data(const saltus_plot_page *page);
+/* branch_labels.c: names of regions, n/p along the branches and the names of special points, as gnuplot
+ * labels.
  */
 void saltus_plot_labels(const saltus_plot_page *page);
 /* The rank-th parameter (from 0) in which the files differ, other than those of the axes, as a key of --set;

@@ -2,6 +2,8 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "figure/branch.h"
 
+#include <math.h>
+
 static const char *const hues[SALTUS_HUES] = {"#2c5f8a", "#c44e2a", "#2f8f6f",
                                               "#8a5aa0", "#b08a00", "#555555"};
 
@@ -12,10 +14,10 @@ static const struct {
     const char *colour, *meaning;
 } marks[SALTUS_PLOT_MARKS] = {
     [SALTUS_POINT_LP] = {5, 1.15, "#1c1c1c", "LP  fold"},
-    [SALTUS_POINT_PD] = {13, 1.5, "#b5179e", "PD  flip"},
-    [SALTUS_POINT_NS] = {9, 1.4, "#e07a00", "NS  torus"},
+    [SALTUS_POINT_PD] = {13, 1.5, "#7b1fa2", "PD  flip"},
+    [SALTUS_POINT_NS] = {9, 1.4, "#0077a8", "NS  torus"},
     [SALTUS_POINT_BP] = {7, 1.2, "#0a7d32", "BP  branch point"},
-    [SALTUS_POINT_GR] = {11, 1.4, "#c1121f", "GR  grazing"},
+    [SALTUS_POINT_GR] = {11, 1.4, "#d95f02", "GR  grazing"},
     [SALTUS_POINT_CH] = {15, 1.4, "#7209b7", "CH  chatter"},
     [SALTUS_POINT_ST] = {4, 1.2, "#3a5a98", "ST  sticking"},
     [SALTUS_POINT_UZ] = {6, 1.1, "#404040", "UZ  wanted"},
@@ -48,7 +50,7 @@ static bool has_kind(const saltus_plot_page *page, saltus_point_kind kind) {
     return false;
 }
 
-int saltus_plot_legend_entries(const saltus_plot_page *page) {
+static int legend_entries(const saltus_plot_page *page) {
     int count = page->locus ? 1 : page->count == 1 ? 2 : 2 + page->count;
     for (int hue = 0; hue < SALTUS_HUES; hue++)
         count += page->locus && has_hue(page, hue);
@@ -57,14 +59,48 @@ int saltus_plot_legend_entries(const saltus_plot_page *page) {
     return count;
 }
 
+double saltus_plot_legend_height(const saltus_plot_page *page, double width, int *rows) {
+    bool long_names = page->locus || page->count > 1;
+    int most = (int)(width / (long_names ? 310 : 190)), columns = most > 1 ? most : 1;
+    *rows = (legend_entries(page) + columns - 1) / columns;
+    return 10 + 19 * *rows;
+}
+
+double saltus_plot_legend_place(const saltus_plot_page *page, double top) {
+    int rows;
+    double height = saltus_plot_legend_height(page, page->page->width, &rows);
+    fprintf(page->page->file,
+            "set key at screen %.4f, screen %.4f left top horizontal Left reverse samplen 1.8 width 1 "
+            "maxrows %d font ',11' textcolor rgb '#303030'\n",
+            page->page->width < 1000 ? 0.01 : 0.03,
+            fmin(top + 9.6, page->page->height - 4) / page->page->height, rows);
+    return height;
+}
+
+/* Curves, those of stable motion uppermost; on a map each has a white rim. */
 void saltus_plot_curves(const saltus_plot_page *page) {
     static const char *const look[SALTUS_STROKES] = {"lw 2.6", "dt (9,6) lw 1.9", "dt (2,5) lw 1.3"};
     static const char *const border[SALTUS_STROKES] = {"lw 2.6", "dt (7,9) lw 1.2", "lw 1"};
     for (int stroke = SALTUS_STROKES - 1; stroke >= 0; stroke--)
-        for (int hue = 0; hue < SALTUS_HUES; hue++)
-            if (has_hue(page, hue))
-                fprintf(page->file, "     $curve_%d_%d using 1:2 with lines %s lc rgb '%s' notitle, \\\n",
-                        hue, stroke, (page->locus ? border : look)[stroke], hue_colour(page, hue));
+        for (int hue = 0; hue < SALTUS_HUES; hue++) {
+            if (!has_hue(page, hue))
+                continue;
+            if (page->over_map)
+                fprintf(page->file,
+                        "     $curve_%d_%d using 1:2 with lines lw %s lc rgb '#ffffff' notitle, \\\n", hue,
+                        stroke, stroke ? "4" : "5.4");
+            fprintf(page->file, "     $curve_%d_%d using 1:2 with lines %s lc rgb '%s' notitle, \\\n", hue,
+                    stroke, (page->locus ? border : look)[stroke], hue_colour(page, hue));
+        }
+    for (int hue = 0; hue < SALTUS_HUES && page->locus; hue++)
+        if (has_hue(page, hue)) {
+            const int kind = SALTUS_POINT_LP + hue;
+            fprintf(page->file,
+                    "     $signs_%d using 1:2 with points pt %d ps %g lc rgb '#ffffff' notitle, \\\n"
+                    "     $signs_%d using 1:2 with points pt %d ps %g lc rgb '%s' notitle, \\\n",
+                    hue, marks[kind].point_type, 0.7 * marks[kind].size + 0.4, hue, marks[kind].point_type,
+                    0.7 * marks[kind].size, marks[kind].colour);
+        }
 }
 
 /* Marks with a white rim, which lifts them off the curves; those that often lie under others come last. */
@@ -88,7 +124,9 @@ static void put_line_legend(const saltus_plot_page *page) {
     static const char *const line = "     NaN with lines %s lc rgb '%s' title '%s', \\\n";
     for (int hue = 0; hue < SALTUS_HUES && page->locus; hue++)
         if (has_hue(page, hue))
-            fprintf(page->file, line, "lw 2.6", hue_colour(page, hue), marks[SALTUS_POINT_LP + hue].meaning);
+            fprintf(page->file, "     NaN with linespoints lw 2.6 pt %d ps %g lc rgb '%s' title '%s', \\\n",
+                    marks[SALTUS_POINT_LP + hue].point_type, 0.7 * marks[SALTUS_POINT_LP + hue].size,
+                    hue_colour(page, hue), marks[SALTUS_POINT_LP + hue].meaning);
     for (int i = 0; i < page->count && page->count > 1 && !page->locus; i++) {
         saltus_line name = {.length = 0};
         saltus_line_plain(&name, page->files[i].scene);

@@ -2,15 +2,68 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "figure/branch.h"
 
-#include <math.h>
+#include "orbit/lap.h"
+#include "record/describe.h"
 
-double saltus_plot_x(const saltus_branch_point *point) {
-    return point->value[0];
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* What a point shows of its orbit. */
+static double measure(const saltus_plot_page *page, const saltus_branch_point *point);
+
+double saltus_plot_x(const saltus_plot_page *page, const saltus_branch_point *point) {
+    return page->swap ? measure(page, point) : point->value[0];
+}
+
+double saltus_plot_y(const saltus_plot_page *page, const saltus_branch_point *point) {
+    return page->locus ? point->value[1] : page->swap ? point->value[0] : measure(page, point);
 }
 
 bool saltus_plot_shown(const saltus_plot_page *page, const saltus_branch_point *point) {
-    double x = saltus_plot_x(point), y = page->locus ? point->value[1] : page->y.low;
-    return x >= page->x.low && x <= page->x.high && y >= page->y.low && y <= page->y.high;
+    saltus_range first = page->swap ? page->y : page->x;
+    return point->value[0] >= first.low && point->value[0] <= first.high &&
+           (!page->locus || (point->value[1] >= page->y.low && point->value[1] <= page->y.high));
+}
+
+bool saltus_plot_logarithmic(const saltus_figure_options *look, const char *key) {
+    for (int k = 0; k < look->logarithmic_count; k++)
+        if (strcmp(look->logarithmic[k], key) == 0)
+            return true;
+    return false;
+}
+
+void saltus_plot_turn(saltus_branch_file *file) {
+    saltus_branch_options *o = &file->options;
+    char key[SALTUS_KEY_MAX];
+    double low = o->low[0], high = o->high[0];
+    memcpy(key, o->key[0], sizeof key);
+    memcpy(o->key[0], o->key[1], sizeof key);
+    memcpy(o->key[1], key, sizeof key);
+    o->low[0] = o->low[1];
+    o->high[0] = o->high[1];
+    o->low[1] = low;
+    o->high[1] = high;
+    for (int k = 0; k < file->point_count; k++) {
+        double *value = file->points[k].value, first = value[0];
+        value[0] = value[1];
+        value[1] = first;
+    }
+}
+
+static double part_of(saltus_range range, bool logarithmic, double value) {
+    return logarithmic ? log(value / range.low) / log(range.high / range.low)
+                       : (value - range.low) / (range.high - range.low);
+}
+
+static double value_at(saltus_range range, bool logarithmic, double part) {
+    return logarithmic ? range.low * pow(range.high / range.low, part)
+                       : range.low + part * (range.high - range.low);
+}
+
+void saltus_plot_place(const saltus_plot_page *page, double x, double y, double place[2]) {
+    place[0] = (page->frame.right - page->frame.left) * part_of(page->x, page->logarithmic[0], x);
+    place[1] = (page->frame.top - page->frame.bottom) * part_of(page->y, page->logarithmic[1], y);
 }
 
 /* Whether a point lies on the border of what was asked for. */
@@ -47,9 +100,43 @@ saltus_point_kind saltus_plot_mark(saltus_point_kind kind) {
     return kind > SALTUS_POINT_CP ? SALTUS_POINT_CP : kind;
 }
 
-double saltus_plot_y(const saltus_plot_page *page, const saltus_branch_point *point) {
-    if (page->locus)
-        return point->value[1];
+/* The speed of the impact that grazes, where it is known which one does; it may not be among the events, as
+ * the orbit touches the stop without an impact. */
+static double grazing_speed(const saltus_plot_page *page, const saltus_branch_point *point) {
+    const double same = 1e-4;
+    for (int k = 0; k < point->event_count && !isnan(point->grazing_time); k++) {
+        saltus_face face = saltus_system_face(page->system, point->events[k].face);
+        double apart = remainder(saltus_time_periods(point->events[k].time) - point->grazing_time,
+                                 fmax(1, point->periods));
+        if (!isnan(saltus_impact_speed(&point->events[k])) && fabs(apart) < same &&
+            face.stop + 1 == point->grazing_stop && face.side == point->grazing_side)
+            return saltus_impact_speed(&point->events[k]);
+    }
+    return isnan(point->grazing_time) ? slowest(point) : 0;
+}
+
+/* Where an orbit that grazes touches the stop; otherwise its largest displacement among those shown. */
+static double turning_value(const saltus_plot_page *page, const saltus_branch_point *point) {
+    double largest = NAN;
+    for (int i = 0; i < page->count && page->visits; i++) {
+        ptrdiff_t k = point - page->files[i].points;
+        if (k < 0 || k >= page->files[i].point_count)
+            continue;
+        for (int v = 0; v < page->visits[i][k].count; v++)
+            largest = fmax(largest, page->visits[i][k].list[v].value);
+    }
+    for (int f = 0; f < saltus_system_face_count(page->system); f++) {
+        saltus_face face = saltus_system_face(page->system, f);
+        if (face.stop + 1 == point->grazing_stop && face.side == point->grazing_side &&
+            saltus_stop_observed(page->system, face.stop))
+            return face.side * point->spec.stops[face.stop].d;
+    }
+    return largest;
+}
+
+static double measure(const saltus_plot_page *page, const saltus_branch_point *point) {
+    if (page->turning)
+        return turning_value(page, point);
     switch (page->show) {
     case SALTUS_SHOW_DISPLACEMENT:
         return saltus_system_observed(page->system, point->state);
@@ -58,10 +145,87 @@ double saltus_plot_y(const saltus_plot_page *page, const saltus_branch_point *po
     case SALTUS_SHOW_PERIOD:
         return point->periods;
     case SALTUS_SHOW_IMPACTS:
-        return point->kind == SALTUS_POINT_GR ? slowest(point) : largest_speed(point);
+        return point->kind == SALTUS_POINT_GR ? grazing_speed(page, point) : largest_speed(point);
     default:
         return largest_speed(point);
     }
+}
+
+/* The impacts of an orbit. */
+static bool find_impacts(const saltus_branch_point *point, saltus_visits *visits) {
+    visits->list = calloc((size_t)point->event_count + 1, sizeof *visits->list);
+    for (int k = 0; k < point->event_count && visits->list; k++) {
+        double speed = saltus_impact_speed(&point->events[k]);
+        if (!isnan(speed))
+            visits->list[visits->count++] =
+                (saltus_visit){saltus_time_periods(point->events[k].time), speed, point->events[k].face};
+    }
+    return visits->list != NULL;
+}
+
+/* The displacements at which an orbit turns, freely or at a stop, from once around it. One that cannot be
+ * followed, such as one that the equations have beyond a stop, shows none. */
+static saltus_status find_turnings(const saltus_branch_point *point, saltus_visits *visits,
+                                   saltus_message *message) {
+    saltus_flow_options options = saltus_flow_defaults();
+    saltus_system *system = NULL;
+    saltus_flow *flow = NULL;
+    saltus_lap lap = {.keeps_events = true, .keeps_turnings = true};
+    saltus_message unfollowed = {.text = ""};
+    saltus_status status = saltus_system_new(&point->spec, &system, message);
+    if (status == SALTUS_OK)
+        status = saltus_flow_new((const saltus_system *const *)&system, 1, &options, &flow, message);
+    bool sound = status == SALTUS_OK;
+    if (sound && saltus_flow_start(flow, 0, (saltus_time){0, 0}, point->state, &unfollowed) == SALTUS_OK) {
+        saltus_lap_begin(&lap, system, point->state);
+        saltus_lap_run(&lap, flow, (saltus_time){point->periods, 0}, true, &unfollowed);
+    }
+    visits->list = sound ? calloc((size_t)lap.event_count + 1, sizeof *visits->list) : NULL;
+    if (sound && !visits->list)
+        status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the turning points of a branch");
+    for (int k = 0; k < lap.event_count && visits->list; k++) {
+        const saltus_event *event = &lap.events[k];
+        bool turns = event->kind == SALTUS_TURNING ||
+                     (event->kind != SALTUS_RELEASE &&
+                      saltus_stop_observed(system, saltus_system_face(system, event->face).stop));
+        if (turns)
+            visits->list[visits->count++] =
+                (saltus_visit){saltus_time_periods(event->time), event->displacement, -1};
+    }
+    saltus_lap_close(&lap);
+    saltus_flow_free(flow);
+    saltus_system_free(system);
+    return status;
+}
+
+saltus_status saltus_plot_find_visits(saltus_plot_page *page, saltus_message *message) {
+    saltus_status status = SALTUS_OK;
+    if (page->locus || !(page->turning || page->show == SALTUS_SHOW_IMPACTS))
+        return SALTUS_OK;
+    page->visits = calloc((size_t)page->count, sizeof *page->visits);
+    for (int i = 0; i < page->count && page->visits && status == SALTUS_OK; i++) {
+        const saltus_branch_file *f = &page->files[i];
+        page->visits[i] = calloc((size_t)f->point_count + 1, sizeof *page->visits[i]);
+        for (int k = 0; k < f->point_count && page->visits[i] && status == SALTUS_OK; k++)
+            if (page->turning)
+                status = find_turnings(&f->points[k], &page->visits[i][k], message);
+            else if (!find_impacts(&f->points[k], &page->visits[i][k]))
+                status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the impacts of a branch");
+        if (!page->visits[i])
+            status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the impacts of a branch");
+    }
+    return page->visits ? status
+                        : saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the impacts of a branch");
+}
+
+void saltus_plot_free_visits(saltus_plot_page *page) {
+    for (int i = 0; i < page->count && page->visits; i++) {
+        for (int k = 0; k < page->files[i].point_count && page->visits[i]; k++)
+            free(page->visits[i][k].list);
+        free(page->visits[i]);
+    }
+    free(page->visits);
+    page->visits = NULL;
 }
 
 static const saltus_branch_point *first_of(const saltus_branch_file *f, int branch) {
@@ -149,7 +313,7 @@ static bool tells(const saltus_branch_point *point) {
 }
 
 /* How the curve runs from a point to the next one: at a special point the side tells, not the point. */
-static saltus_stroke stroke_between(const saltus_branch_file *f, int from, int to) {
+saltus_stroke saltus_plot_stroke(const saltus_branch_file *f, int from, int to) {
     const saltus_branch_point *a = &f->points[from], *b = &f->points[to];
     if (f->options.locus != SALTUS_POINT_REGULAR)
         return bounds_stable(f, from) && bounds_stable(f, to) ? SALTUS_STROKE_STABLE : SALTUS_STROKE_UNSTABLE;
@@ -160,53 +324,153 @@ static saltus_stroke stroke_between(const saltus_branch_file *f, int from, int t
     return stable ? SALTUS_STROKE_STABLE : SALTUS_STROKE_UNSTABLE;
 }
 
-static void put_pieces(const saltus_plot_page *page, const saltus_branch_file *f, int branch,
-                       saltus_stroke stroke) {
-    int last = -1;
-    bool drawing = false;
-    for (int k = 0; k < f->point_count; k++) {
-        const saltus_branch_point *point = &f->points[k];
-        if (point->branch != branch)
-            continue;
-        bool wanted = last >= 0 && stroke_between(f, last, k) == stroke;
-        if (wanted && !drawing)
-            fprintf(page->file, "\n%.12g %.9g\n", saltus_plot_x(&f->points[last]),
-                    saltus_plot_y(page, &f->points[last]));
-        if (wanted)
-            fprintf(page->file, "%.12g %.9g\n", saltus_plot_x(point), saltus_plot_y(page, point));
-        drawing = wanted;
-        last = k;
+/* Curves */
+
+/* A run of points through which one smooth curve goes: places on the page and values of the axes. */
+typedef struct run {
+    double (*at)[2];
+    int count;
+} run;
+
+/* Whether a branch may have a corner at a point: where an impact comes or goes, chatter or sticking. */
+static bool corner(const saltus_branch_point *point) {
+    return point->kind == SALTUS_POINT_GR || point->kind == SALTUS_POINT_CH ||
+           point->kind == SALTUS_POINT_ST || point->kind == SALTUS_POINT_EP;
+}
+
+/* The tangent at a point of a run by the parabola through it and its neighbours, over the way along the
+ * chords; at the run's ends by that of the next three. */
+static void tangent(const run *r, int k, double slope[2]) {
+    int middle = k == 0 ? 1 : k == r->count - 1 ? k - 1 : k;
+    const double *a = r->at[middle - 1], *b = r->at[middle], *c = r->at[middle + 1];
+    double first = hypot(b[0] - a[0], b[1] - a[1]), second = hypot(c[0] - b[0], c[1] - b[1]);
+    for (int i = 0; i < 2; i++) {
+        double before = first > 0 ? (b[i] - a[i]) / first : 0,
+               after = second > 0 ? (c[i] - b[i]) / second : 0;
+        double bend = first + second > 0 ? (after - before) / (first + second) : 0;
+        slope[i] = k < middle   ? before - bend * first
+                   : k > middle ? after + bend * second
+                                : (before * second + after * first) / fmax(first + second, 1e-300);
     }
 }
 
-static int branch_count(const saltus_branch_file *f) {
-    int count = 0;
-    for (int k = 0; k < f->point_count; k++)
-        if (f->points[k].branch >= count)
-            count = f->points[k].branch + 1;
-    return count;
+/* The rows between points k and k + 1 of a run: a cubic where it can be told from the chord on the page, and
+ * where the points stand so near to each other that they tell of its course. */
+static void put_arc(const saltus_plot_page *page, const run *r, int k) {
+    enum { pieces = 8 };
+    const double seen = 0.8, far = 0.25; /* in units; of the page */
+    double slope[2][2], way = hypot(r->at[k + 1][0] - r->at[k][0], r->at[k + 1][1] - r->at[k][1]);
+    if (r->count < 3 || way > far * (page->frame.right - page->frame.left))
+        return;
+    tangent(r, k, slope[0]);
+    tangent(r, k + 1, slope[1]);
+    double across = slope[0][0] - slope[1][0], up = slope[0][1] - slope[1][1];
+    if (way * hypot(across, up) / 8 < seen)
+        return;
+    for (int n = 1; n < pieces; n++) {
+        double t = (double)n / pieces, place[2];
+        for (int i = 0; i < 2; i++)
+            place[i] = (1 + 2 * t) * (1 - t) * (1 - t) * r->at[k][i] + t * t * (3 - 2 * t) * r->at[k + 1][i] +
+                       way * t * (1 - t) * ((1 - t) * slope[0][i] - t * slope[1][i]);
+        fprintf(page->file, "%.12g %.9g\n",
+                value_at(page->x, page->logarithmic[0], place[0] / (page->frame.right - page->frame.left)),
+                value_at(page->y, page->logarithmic[1], place[1] / (page->frame.top - page->frame.bottom)));
+    }
 }
 
-static void put_curves(const saltus_plot_page *page, int hue, saltus_stroke stroke) {
-    fprintf(page->file, "$curve_%d_%d << EOD\n# parameter, measure\n", hue, (int)stroke);
-    for (int i = 0; i < page->count; i++)
-        for (int branch = 0; branch < branch_count(&page->files[i]); branch++)
-            if (saltus_plot_hue(page, i, branch) == hue)
-                put_pieces(page, &page->files[i], branch, stroke);
-    fputs("\nEOD\n", page->file);
+/* A curve through points of the axes as the lines of one stroke; `drawn[k]` tells whether its piece from
+ * point k to the next has that stroke, `corners[k]` where it may have a corner. */
+static bool put_curve(const saltus_plot_page *page, double (*points)[2], const bool *drawn,
+                      const bool *corners, int count) {
+    double(*places)[2] = calloc((size_t)count + 1, sizeof *places);
+    if (!places)
+        return false;
+    for (int k = 0; k < count; k++)
+        saltus_plot_place(page, points[k][0], points[k][1], places[k]);
+    for (int first = 0, last; first + 1 < count; first = last) {
+        for (last = first + 1; last + 1 < count && !corners[last];)
+            last++;
+        const run smooth = {places + first, last - first + 1};
+        for (int k = first; k < last; k++) {
+            if (!drawn[k])
+                continue;
+            if (k == 0 || !drawn[k - 1])
+                fprintf(page->file, "\n%.12g %.9g\n", points[k][0], points[k][1]);
+            put_arc(page, &smooth, k - first);
+            fprintf(page->file, "%.12g %.9g\n", points[k + 1][0], points[k + 1][1]);
+        }
+    }
+    free(places);
+    return true;
 }
 
-/* The impact of point b that is nearest in time to event e of point a, on the same face; -1 when there is
- * none near. Where an impact is born or dies it has no partner. */
-static int nearest_impact(const saltus_branch_point *a, int e, const saltus_branch_point *b) {
+/* How far a place is from the chord between two others. */
+static double distance(const double at[2], const double a[2], const double b[2]) {
+    double dx = b[0] - a[0], dy = b[1] - a[1], square = dx * dx + dy * dy;
+    double part = square > 0 ? ((at[0] - a[0]) * dx + (at[1] - a[1]) * dy) / square : 0;
+    part = fmin(fmax(part, 0), 1);
+    return hypot(at[0] - a[0] - part * dx, at[1] - a[1] - part * dy);
+}
+
+/* Whether the piece of a curve from one place to another lies on an earlier one of the same file that is
+ * drawn with dashes too: those of both would fill each other's gaps and look solid. */
+static bool covered(const saltus_plot_page *page, int file, int branch, const double from[2],
+                    const double to[2]) {
+    const double near = 2; /* units */
+    const saltus_branch_file *f = &page->files[file];
+    bool on[3] = {false, false, false};
+    const double middle[2] = {0.5 * (from[0] + to[0]), 0.5 * (from[1] + to[1])};
+    const double *const places[3] = {from, middle, to};
+    for (int k = 0; k + 1 < f->point_count && !(on[0] && on[1] && on[2]); k++) {
+        double a[2], b[2];
+        if (f->points[k].branch >= branch || f->points[k].branch != f->points[k + 1].branch ||
+            saltus_plot_stroke(f, k, k + 1) != SALTUS_STROKE_UNSTABLE)
+            continue;
+        saltus_plot_place(page, saltus_plot_x(page, &f->points[k]), saltus_plot_y(page, &f->points[k]), a);
+        saltus_plot_place(page, saltus_plot_x(page, &f->points[k + 1]),
+                          saltus_plot_y(page, &f->points[k + 1]), b);
+        for (int n = 0; n < 3; n++)
+            on[n] = on[n] || distance(places[n], a, b) < near;
+    }
+    return on[0] && on[1] && on[2];
+}
+
+/* A branch of one stroke, by the value that its points show. */
+static bool put_branch(const saltus_plot_page *page, int file, int first, int last, saltus_stroke stroke) {
+    const saltus_branch_file *f = &page->files[file];
+    int count = last - first + 1;
+    double(*points)[2] = calloc((size_t)count, sizeof *points);
+    bool *drawn = calloc((size_t)count, sizeof *drawn), *corners = calloc((size_t)count, sizeof *corners);
+    for (int k = 0; k < count && points && drawn && corners; k++) {
+        const saltus_branch_point *point = &f->points[first + k];
+        points[k][0] = saltus_plot_x(page, point);
+        points[k][1] = saltus_plot_y(page, point);
+        corners[k] = corner(point) || isnan(points[k][1]);
+        drawn[k] = k + 1 < count && saltus_plot_stroke(f, first + k, first + k + 1) == stroke;
+    }
+    for (int k = 0; k + 1 < count && stroke == SALTUS_STROKE_UNSTABLE && !page->locus && points && drawn;
+         k++) {
+        double from[2], to[2];
+        saltus_plot_place(page, points[k][0], points[k][1], from);
+        saltus_plot_place(page, points[k + 1][0], points[k + 1][1], to);
+        drawn[k] = drawn[k] && !covered(page, file, f->points[first].branch, from, to);
+    }
+    bool sound = points && drawn && corners && put_curve(page, points, drawn, corners, count);
+    free(points);
+    free(drawn);
+    free(corners);
+    return sound;
+}
+
+/* The visit of point b that is nearest in time to one of point a, on the same face; -1 when there is none
+ * near. Where an impact is born or dies it has no partner. */
+static int nearest_visit(const saltus_visit *from, const saltus_visits *b, int periods) {
     const double near = 0.2; /* of a forcing period */
-    const saltus_event *from = &a->events[e];
-    double least = near, p = a->periods;
+    double least = near;
     int nearest = -1;
-    for (int k = 0; k < b->event_count; k++) {
-        double apart =
-            fabs(remainder(saltus_time_periods(b->events[k].time) - saltus_time_periods(from->time), p));
-        if (isnan(saltus_impact_speed(&b->events[k])) || b->events[k].face != from->face || apart >= least)
+    for (int k = 0; k < b->count; k++) {
+        double apart = fabs(remainder(b->list[k].time - from->time, (double)periods));
+        if (b->list[k].face != from->face || apart >= least)
             continue;
         least = apart;
         nearest = k;
@@ -214,46 +478,87 @@ static int nearest_impact(const saltus_branch_point *a, int e, const saltus_bran
     return nearest;
 }
 
-/* The same impact at the next point of a branch: each must be the other's nearest. */
-static int partner(const saltus_branch_point *a, int e, const saltus_branch_point *b) {
-    int found =
-        a->periods == b->periods && !isnan(saltus_impact_speed(&a->events[e])) ? nearest_impact(a, e, b) : -1;
-    return found >= 0 && nearest_impact(b, found, a) == e ? found : -1;
-}
-
-/* Whether the points k and k + 1 of a file follow each other on a branch of that hue with that stroke. */
-static bool linked(const saltus_plot_page *page, int file, int k, int hue, saltus_stroke stroke) {
-    const saltus_branch_file *f = &page->files[file];
-    return k >= 0 && k + 1 < f->point_count && f->points[k].branch == f->points[k + 1].branch &&
-           saltus_plot_hue(page, file, f->points[k].branch) == hue && stroke_between(f, k, k + 1) == stroke;
-}
-
-/* An impact from the point where it begins to have this stroke to where it ends. */
-static void put_impact(const saltus_plot_page *page, int file, int k, int e, int hue, saltus_stroke stroke) {
+/* The same visit at the next point of a branch: each must be the other's nearest. */
+static int partner(const saltus_plot_page *page, int file, int k, int v) {
     const saltus_branch_point *points = page->files[file].points;
-    if (linked(page, file, k - 1, hue, stroke) && partner(&points[k], e, &points[k - 1]) >= 0)
-        return;
-    for (bool first = true; linked(page, file, k, hue, stroke); k++, first = false) {
-        int next = partner(&points[k], e, &points[k + 1]);
-        if (next < 0)
-            return;
-        if (first)
-            fprintf(page->file, "\n%.12g %.9g\n", saltus_plot_x(&points[k]),
-                    saltus_impact_speed(&points[k].events[e]));
-        e = next;
-        fprintf(page->file, "%.12g %.9g\n", saltus_plot_x(&points[k + 1]),
-                saltus_impact_speed(&points[k + 1].events[e]));
-    }
+    const saltus_visits *a = &page->visits[file][k], *b = &page->visits[file][k + 1];
+    int found = points[k].periods == points[k + 1].periods && points[k].branch == points[k + 1].branch
+                    ? nearest_visit(&a->list[v], b, points[k].periods)
+                    : -1;
+    return found >= 0 && nearest_visit(&b->list[found], a, points[k].periods) == v ? found : -1;
 }
 
-/* Each impact as a curve of its own. */
-static void put_impacts(const saltus_plot_page *page, int hue, saltus_stroke stroke) {
-    fprintf(page->file, "$curve_%d_%d << EOD\n# parameter, speed\n", hue, (int)stroke);
-    for (int i = 0; i < page->count; i++)
-        for (int k = 0; k < page->files[i].point_count; k++)
-            for (int e = 0; linked(page, i, k, hue, stroke) && e < page->files[i].points[k].event_count; e++)
-                put_impact(page, i, k, e, hue, stroke);
+/* Each visit as a curve of its own, from where it is born to where it dies. */
+static bool put_visits(const saltus_plot_page *page, int file, int first, int last, saltus_stroke stroke) {
+    const saltus_branch_file *f = &page->files[file];
+    int room = last - first + 1;
+    double(*points)[2] = calloc((size_t)room, sizeof *points);
+    bool *drawn = calloc((size_t)room, sizeof *drawn), *corners = calloc((size_t)room, sizeof *corners);
+    bool sound = points && drawn && corners;
+    for (int k = first; k < last && sound; k++)
+        for (int v = 0; v < page->visits[file][k].count; v++) {
+            /* It begins here where no visit of the point before leads to it. */
+            bool begins = true;
+            for (int w = 0; k > first && begins && w < page->visits[file][k - 1].count; w++)
+                begins = partner(page, file, k - 1, w) != v;
+            int count = 0;
+            for (int at = k, visit = v; begins && visit >= 0 && at <= last; at++) {
+                double value = page->visits[file][at].list[visit].value;
+                points[count][page->swap] = f->points[at].value[0];
+                points[count][!page->swap] = value;
+                corners[count] = corner(&f->points[at]);
+                visit = at < last ? partner(page, file, at, visit) : -1;
+                drawn[count++] = visit >= 0 && saltus_plot_stroke(f, at, at + 1) == stroke;
+            }
+            sound = sound && (count < 2 || put_curve(page, points, drawn, corners, count));
+        }
+    free(points);
+    free(drawn);
+    free(corners);
+    return sound;
+}
+
+static bool put_curves(const saltus_plot_page *page, int hue, saltus_stroke stroke) {
+    bool sound = true;
+    fprintf(page->file, "$curve_%d_%d << EOD\n# parameter, measure\n", hue, (int)stroke);
+    for (int i = 0; i < page->count; i++) {
+        const saltus_branch_file *f = &page->files[i];
+        for (int first = 0, last; first < f->point_count; first = last + 1) {
+            for (last = first;
+                 last + 1 < f->point_count && f->points[last + 1].branch == f->points[first].branch;)
+                last++;
+            if (saltus_plot_hue(page, i, f->points[first].branch) == hue)
+                sound = sound && (page->visits ? put_visits : put_branch)(page, i, first, last, stroke);
+        }
+    }
     fputs("\nEOD\n", page->file);
+    return sound;
+}
+
+/* Signs along curves of special points, at equal distances on the page, so that kinds differ by more than
+ * hue. */
+static void put_signs(const saltus_plot_page *page, int hue) {
+    const double apart = 130; /* units */
+    fprintf(page->file, "$signs_%d << EOD\n# parameters\nNaN NaN\n", hue);
+    for (int i = 0; i < page->count; i++) {
+        const saltus_branch_file *f = &page->files[i];
+        double passed = 0.5 * apart;
+        for (int k = 1; k < f->point_count; k++) {
+            double a[2], b[2];
+            const saltus_branch_point *p = &f->points[k - 1], *q = &f->points[k];
+            if (p->branch != q->branch || saltus_plot_hue(page, i, q->branch) != hue ||
+                !saltus_plot_shown(page, q))
+                continue;
+            saltus_plot_place(page, p->value[0], p->value[1], a);
+            saltus_plot_place(page, q->value[0], q->value[1], b);
+            passed += hypot(b[0] - a[0], b[1] - a[1]);
+            if (passed < apart || saltus_plot_marked(f, q))
+                continue;
+            fprintf(page->file, "%.12g %.9g\n", q->value[0], q->value[1]);
+            passed = 0;
+        }
+    }
+    fputs("EOD\n", page->file);
 }
 
 static void put_marks(const saltus_plot_page *page, saltus_point_kind kind) {
@@ -262,19 +567,20 @@ static void put_marks(const saltus_plot_page *page, saltus_point_kind kind) {
         for (int k = 0; k < page->files[i].point_count; k++) {
             const saltus_branch_point *point = &page->files[i].points[k];
             if (saltus_plot_mark(point->kind) == kind && saltus_plot_marked(&page->files[i], point))
-                fprintf(page->file, "%.12g %.9g\n", saltus_plot_x(point), saltus_plot_y(page, point));
+                fprintf(page->file, "%.12g %.9g\n", saltus_plot_x(page, point), saltus_plot_y(page, point));
         }
     fputs("EOD\n", page->file);
 }
 
-void saltus_plot_data(const saltus_plot_page *page) {
-    for (int hue = 0; hue < SALTUS_HUES; hue++)
-        for (int stroke = 0; stroke < SALTUS_STROKES; stroke++) {
-            if (page->show == SALTUS_SHOW_IMPACTS && !page->locus)
-                put_impacts(page, hue, (saltus_stroke)stroke);
-            else
-                put_curves(page, hue, (saltus_stroke)stroke);
-        }
+bool saltus_plot_data(const saltus_plot_page *page) {
+    bool sound = true;
+    for (int hue = 0; hue < SALTUS_HUES; hue++) {
+        for (int stroke = 0; stroke < SALTUS_STROKES; stroke++)
+            sound = put_curves(page, hue, (saltus_stroke)stroke) && sound;
+        if (page->locus)
+            put_signs(page, hue);
+    }
     for (int kind = SALTUS_POINT_LP; kind < SALTUS_PLOT_MARKS; kind++)
         put_marks(page, (saltus_point_kind)kind);
+    return sound;
 }

@@ -2,18 +2,18 @@
  * the names of special points.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "figure/branch.h"
-#include "figure/caption.h"
 
 #include <math.h>
 #include <string.h>
 
 enum { places_max = 400 };
 
-/* Size of the diagram and of a word in it, roughly, in units of a word's height. */
-static const double page_width = 70, page_height = 46, letter_width = 0.62;
+/* A word's height, in the page's units, and the width of a letter in heights. */
+static const double word_height = 20.2, letter_width = 0.62;
 
+/* Places are in heights of a word, from the panel's lower left corner. */
 typedef struct place {
-    double x, y, half_width;
+    double x, y, half_width, half_height;
 } place;
 
 typedef struct places {
@@ -21,10 +21,22 @@ typedef struct places {
     int count;
 } places;
 
+static double wide(const saltus_plot_page *page) {
+    return (page->frame.right - page->frame.left) / word_height;
+}
+
+static double high(const saltus_plot_page *page) {
+    return (page->frame.top - page->frame.bottom) / word_height;
+}
+
+static place place_at(const saltus_plot_page *page, double x, double y, double letters) {
+    double at[2];
+    saltus_plot_place(page, x, y, at);
+    return (place){at[0] / word_height, at[1] / word_height, 0.5 * letter_width * letters + 0.5, 0.75};
+}
+
 static place place_of(const saltus_plot_page *page, const saltus_branch_point *point, size_t letters) {
-    return (place){page_width * (saltus_plot_x(point) - page->x.low) / (page->x.high - page->x.low),
-                   page_height * (saltus_plot_y(page, point) - page->y.low) / (page->y.high - page->y.low),
-                   0.5 * letter_width * (double)letters + 0.5};
+    return place_at(page, saltus_plot_x(page, point), saltus_plot_y(page, point), (double)letters);
 }
 
 /* The way on the page from row k - 1 to row k of a file. */
@@ -33,20 +45,20 @@ static double way_to(const saltus_plot_page *page, const saltus_branch_file *f, 
     return hypot(b.x - a.x, b.y - a.y);
 }
 
-static bool is_free(const places *all, place wanted) {
+static bool is_free(const saltus_plot_page *page, const places *all, place wanted) {
     if (all->count == places_max || wanted.x < wanted.half_width ||
-        wanted.x > page_width - wanted.half_width || wanted.y < 0.6 || wanted.y > page_height - 0.6)
+        !(wanted.x <= wide(page) - wanted.half_width) || wanted.y < 0.6 || !(wanted.y <= high(page) - 0.6))
         return false;
     for (int k = 0; k < all->count; k++)
         if (fabs(all->taken[k].x - wanted.x) < all->taken[k].half_width + wanted.half_width &&
-            fabs(all->taken[k].y - wanted.y) < 1.5)
+            fabs(all->taken[k].y - wanted.y) < all->taken[k].half_height + wanted.half_height)
             return false;
     return true;
 }
 
 static void put_label(const saltus_plot_page *page, const saltus_line *line, place where, const char *style) {
-    fprintf(page->file, "set label '%s' at graph %.4f,%.4f %s\n", line->text, where.x / page_width,
-            where.y / page_height, style);
+    fprintf(page->file, "set label '%s' at graph %.4f,%.4f %s\n", line->text, where.x / wide(page),
+            where.y / high(page), style);
 }
 
 /* How far the curves stay away from a place, as far as it matters. */
@@ -88,24 +100,25 @@ static bool named_already(const saltus_plot_page *page, const saltus_branch_poin
     return false;
 }
 
-/* A special point's name beside it, where it is farthest from the curves. */
+/* A special point's name beside it, as near as the curves allow. */
 static void name_point(const saltus_plot_page *page, const saltus_branch_point *point, places *all) {
-    static const double shift[][2] = {{0, 1.5},    {1.8, 0.9},   {-1.8, 0.9}, {2.1, 0}, {-2.1, 0},
-                                      {1.8, -0.9}, {-1.8, -0.9}, {0, -1.5},   {0, 2.4}, {0, -2.4}};
+    static const double shift[][2] = {{0, 1.2},    {1.7, 0.6},   {-1.7, 0.6}, {1.8, 0}, {-1.8, 0},
+                                      {1.7, -0.6}, {-1.7, -0.6}, {0, -1.2},   {0, 1.9}, {0, -1.9}};
+    const double enough = 0.75;
     const char *word = saltus_point_word(point->kind);
-    place best = {0, 0, 0};
+    place best = {0, 0, 0, 0};
     double widest = 0;
     if (point->kind == SALTUS_POINT_UZ || point->kind == SALTUS_POINT_EP || named_already(page, point))
         return;
-    for (size_t k = 0; k < sizeof shift / sizeof shift[0]; k++) {
+    for (size_t k = 0; k < sizeof shift / sizeof shift[0] && widest < enough; k++) {
         place wanted = place_of(page, point, strlen(word));
         /* The shifts are those of a name of two letters. */
         double longer = 0.5 * letter_width * ((double)strlen(word) - 2);
         wanted.x += shift[k][0] + (shift[k][0] > 0 ? longer : shift[k][0] < 0 ? -longer : 0);
         if (shift[k][0] == 0)
-            wanted.x = fmin(fmax(wanted.x, wanted.half_width), page_width - wanted.half_width);
+            wanted.x = fmin(fmax(wanted.x, wanted.half_width), wide(page) - wanted.half_width);
         wanted.y += shift[k][1];
-        double away = is_free(all, wanted) ? clearance(page, wanted) : 0;
+        double away = is_free(page, all, wanted) ? clearance(page, wanted) : 0;
         if (away <= widest + 0.1)
             continue;
         widest = away;
@@ -115,7 +128,9 @@ static void name_point(const saltus_plot_page *page, const saltus_branch_point *
         return;
     saltus_line line = {.length = 0};
     saltus_line_plain(&line, word);
-    put_label(page, &line, best, "center front tc rgb '#303030' font ',10'");
+    put_label(page, &line, best,
+              page->over_map ? "center front boxed tc rgb '#202020' font ',10'"
+                             : "center front tc rgb '#303030' font ',10'");
     take_place(all, best);
 }
 
@@ -130,7 +145,9 @@ static stretch find_stretch(const saltus_plot_page *page, const saltus_branch_fi
     for (int k = first + 1;
          k < f->point_count && f->points[k].branch == f->points[first].branch &&
          saltus_plot_shown(page, &f->points[k]) == saltus_plot_shown(page, &f->points[first]) &&
-         strcmp(f->points[k].label, f->points[first].label) == 0;
+         strcmp(f->points[k].label, f->points[first].label) == 0 &&
+         (k == first + 1 || page->locus ||
+          saltus_plot_stroke(f, k - 1, k) == saltus_plot_stroke(f, first, first + 1));
          k++) {
         s.length += way_to(page, f, k);
         s.last = k;
@@ -161,26 +178,83 @@ static int stretch_name(const saltus_plot_page *page, int file, stretch s, saltu
     return (int)name->length > letters ? letters + 10 : letters;
 }
 
+/* Whether a curve is drawn at a row of a file: the row's own visits may have none. */
+static bool has_curve(const saltus_plot_page *page, int file, int k) {
+    const saltus_branch_point *point = &page->files[file].points[k];
+    return !page->visits || page->visits[file][k].count > 0 || !(fabs(saltus_plot_y(page, point)) > 0);
+}
+
+/* Whether the row of a stretch lies on an earlier curve of the same motion, which has the name. */
+static bool named_below(const saltus_plot_page *page, int file, int row) {
+    const double near = 0.15;
+    const saltus_branch_file *f = &page->files[file];
+    place own = place_of(page, &f->points[row], 0);
+    for (int k = 0; k + 1 < f->point_count && f->points[k].branch < f->points[row].branch; k++) {
+        place a = place_of(page, &f->points[k], 0), b = place_of(page, &f->points[k + 1], 0);
+        double dx = b.x - a.x, dy = b.y - a.y, square = dx * dx + dy * dy;
+        double part = square > 0 ? ((own.x - a.x) * dx + (own.y - a.y) * dy) / square : 0;
+        part = fmin(fmax(part, 0), 1);
+        if (strcmp(f->points[k].label, f->points[row].label) == 0 &&
+            f->points[k].branch == f->points[k + 1].branch && f->points[k].stable == f->points[row].stable &&
+            hypot(own.x - a.x - part * dx, own.y - a.y - part * dy) < near)
+            return true;
+    }
+    return false;
+}
+
+/* The name of a stretch on its curve where that is long enough, otherwise beside it. */
 static void name_stretch(const saltus_plot_page *page, int file, stretch s, places *all) {
     static const double parts[] = {0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8, 0.1, 0.9};
+    static const double shift[][2] = {{0, 0}, {1.6, 0.9}, {-1.6, 0.9}, {1.6, -0.9}, {-1.6, -0.9}};
     static const char *const colour[SALTUS_HUES] = {"#1d4566", "#8f3719", "#1f6650",
                                                     "#634078", "#7a5c00", "#444444"};
     const saltus_branch_file *f = &page->files[file];
     saltus_line name = {.length = 0};
     int letters = stretch_name(page, file, s, &name);
     int hue = saltus_plot_hue(page, file, f->points[s.first].branch);
-    char style[96];
-    snprintf(style, sizeof style, "center front boxed tc rgb '%s' font ',11'",
-             page->locus ? "#202020" : colour[hue]);
-    if (s.length < 1.5 * letter_width * letters + 1)
+    bool long_enough = s.length >= 1.5 * letter_width * letters + 1;
+    const size_t ways = page->locus ? 1 : sizeof shift / sizeof shift[0];
+    if (s.length < 0.8 || (page->locus && !long_enough) || named_below(page, file, row_at(page, f, s, 0.5)))
         return;
-    for (size_t k = 0; k < sizeof parts / sizeof parts[0]; k++) {
-        place wanted = place_of(page, &f->points[row_at(page, f, s, parts[k])], (size_t)letters + 1);
-        if (!is_free(all, wanted))
-            continue;
-        put_label(page, &name, wanted, style);
-        take_place(all, wanted);
-        return;
+    for (size_t way = long_enough ? 0 : 1; way < ways; way++)
+        for (size_t k = 0; k < sizeof parts / sizeof parts[0]; k++) {
+            char style[96];
+            int row = row_at(page, f, s, parts[k]);
+            place wanted = place_of(page, &f->points[row], (size_t)letters + (way == 0));
+            wanted.x += shift[way][0] + (shift[way][0] > 0   ? 1
+                                         : shift[way][0] < 0 ? -1
+                                                             : 0) *
+                                            fmax(0, 0.5 * letter_width * (letters - 3));
+            wanted.y += shift[way][1];
+            if (!has_curve(page, file, row) || !is_free(page, all, wanted) ||
+                (way > 0 && clearance(page, wanted) < 0.75))
+                continue;
+            snprintf(style, sizeof style, "center front %stc rgb '%s' font ',11'", way ? "" : "boxed ",
+                     page->locus ? "#202020" : colour[hue]);
+            put_label(page, &name, wanted, style);
+            take_place(all, wanted);
+            return;
+        }
+}
+
+/* The stretches of one stability; those at the same place of the page with one name have one label. */
+static void name_stretches(const saltus_plot_page *page, bool stable, places *all) {
+    for (int i = 0; i < page->count; i++) {
+        const saltus_branch_file *f = &page->files[i];
+        for (int k = 0; k < f->point_count;) {
+            stretch s = find_stretch(page, f, k);
+            bool solid =
+                s.last > s.first && saltus_plot_stroke(f, s.first, s.first + 1) == SALTUS_STROKE_STABLE;
+            if (saltus_plot_shown(page, &f->points[s.first]) && solid == stable)
+                name_stretch(page, i, s, all);
+            k = s.last > s.first && s.last + 1 < f->point_count &&
+                        f->points[s.last + 1].branch == f->points[s.last].branch &&
+                        strcmp(f->points[s.last + 1].label, f->points[s.last].label) == 0 &&
+                        saltus_plot_shown(page, &f->points[s.last + 1]) ==
+                            saltus_plot_shown(page, &f->points[s.last])
+                    ? s.last
+                    : s.last + 1;
+        }
     }
 }
 
@@ -190,10 +264,12 @@ static void name_points(const saltus_plot_page *page, places *all) {
         for (int i = 0; i < page->count; i++)
             for (int k = 0; k < page->files[i].point_count; k++) {
                 const saltus_branch_point *point = &page->files[i].points[k];
-                if (!saltus_plot_marked(&page->files[i], point))
+                if (!saltus_plot_marked(&page->files[i], point) || !saltus_plot_shown(page, point))
                     continue;
+                place mark = place_of(page, point, 0);
+                mark.half_width = mark.half_height = 0.42;
                 if (pass == 0)
-                    take_place(all, place_of(page, point, 1));
+                    take_place(all, mark);
                 else
                     name_point(page, point, all);
             }
@@ -207,9 +283,7 @@ static void name_regions(const saltus_plot_page *page, places *all) {
         bool turned = strcmp(label->key[0], first) != 0;
         double x = label->value[turned], y = label->value[!turned];
         saltus_line line = {.length = 0};
-        place where = {page_width * (x - page->x.low) / (page->x.high - page->x.low),
-                       page_height * (y - page->y.low) / (page->y.high - page->y.low),
-                       letter_width * (double)strlen(label->text) + 0.5};
+        place where = place_at(page, x, y, 2 * (double)strlen(label->text));
         if (x < page->x.low || x > page->x.high || y < page->y.low || y > page->y.high)
             continue;
         saltus_line_plain(&line, label->text);
@@ -281,15 +355,10 @@ void saltus_plot_add_differences(const saltus_plot_page *page, int file, saltus_
 
 void saltus_plot_labels(const saltus_plot_page *page) {
     places all = {.count = 0};
-    fputs("set style textbox opaque noborder fillcolor '#ffffff' margins 0.4,0.2\n", page->file);
     name_regions(page, &all);
     name_points(page, &all);
-    for (int i = 0; i < page->count; i++) {
-        const saltus_branch_file *f = &page->files[i];
-        for (int k = 0; k < f->point_count;) {
-            stretch s = find_stretch(page, f, k);
-            name_stretch(page, i, s, &all);
-            k = s.last + 1;
-        }
-    }
+    if (page->over_map) /* which tells the motions by colours */
+        return;
+    name_stretches(page, true, &all);
+    name_stretches(page, false, &all);
 }

@@ -126,10 +126,7 @@ void saltus_line_parameters(saltus_line *l, const saltus_system *system, const c
         saltus_line_add(l, ";  no stop");
 }
 
-/* How many bytes of enhanced text fit into one line of the page: up to a blank outside braces, after a comma
- * or semicolon where there is one in the second half of the line. */
-static size_t piece(const char *text) {
-    enum { widest = 150 };
+size_t saltus_line_piece(const char *text, int letters) {
     size_t fits = 0, word = 0;
     int depth = 0, shown = 0;
     for (size_t k = 0; text[k]; k++) {
@@ -140,33 +137,15 @@ static size_t piece(const char *text) {
             depth += text[k] == '{' ? 1 : -1;
         else if (text[k] == ' ' && depth == 0) {
             word = k;
-            if (k && shown > widest / 2 && strchr(",;", text[k - 1]))
+            if (k && shown > letters / 2 && strchr(",;", text[k - 1]))
                 fits = k;
             shown++;
         } else if (text[k] != '_' && text[k] != '\\' && ((unsigned char)text[k] & 0xc0) != 0x80)
             shown++;
-        if (shown > widest && word)
+        if (shown > letters && word)
             return fits ? fits : word;
     }
     return strlen(text);
-}
-
-void saltus_line_put(FILE *file, const saltus_line *l, const char *colour, double *height) {
-    const char *text = l->text;
-    while (*text) {
-        size_t length = piece(text);
-        fprintf(file, "set label '%.*s' at screen 0.03,%.4f left front tc rgb '%s'\n", (int)length, text,
-                *height, colour);
-        *height -= 0.0255;
-        text += length;
-        text += strspn(text, " ");
-    }
-}
-
-void saltus_put_version(FILE *file) {
-    fputs("set label 'Saltus " SALTUS_VERSION
-          "' at screen 0.985,0.012 right tc rgb '#909090' font ',9' front\n",
-          file);
 }
 
 void saltus_observed_name(const saltus_system *system, bool velocity, char *text, size_t room) {

@@ -5,7 +5,7 @@
 
 #include "record/lyapunov_words.h"
 
-#include <stdio.h>
+#include <stddef.h>
 
 /* Text under construction; what does not fit is cut off. */
 typedef struct saltus_line {
@@ -33,9 +33,8 @@ void saltus_observed_name(const saltus_system *system, bool velocity, char *text
 void saltus_line_uncertain(saltus_line *line, saltus_uncertain number);
 /* Model, parameters and stops, without the keys (NULL: none) that vary in the figure. */
 void saltus_line_parameters(saltus_line *l, const saltus_system *system, const char *const varied[2]);
-/* Write it as one label or more at the left; the height of the next in *height. */
-void saltus_line_put(FILE *file, const saltus_line *l, const char *colour, double *height);
-/* Who drew the page, in its lower right corner. */
-void saltus_put_version(FILE *file);
+/* How many bytes of enhanced text fit into a line of so many letters: up to a blank outside braces, after a
+ * comma or semicolon where there is one in the second half of the line. */
+size_t saltus_line_piece(const char *text, int letters);
 
 #endif

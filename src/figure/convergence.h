@@ -3,7 +3,7 @@
 #ifndef SALTUS_FIGURE_CONVERGENCE_H
 #define SALTUS_FIGURE_CONVERGENCE_H
 
-#include "saltus/figure.h"
+#include "figure/page.h"
 
 /* The course of an estimate and where it ended; the caller's. */
 typedef struct saltus_course {
@@ -14,11 +14,10 @@ typedef struct saltus_course {
 
 saltus_course saltus_lyapunov_course(const saltus_lyapunov *lyapunov);
 /* The datablock $convergence: time, exponent, standard error. It comes before the panel in the script. */
-void saltus_course_data(FILE *file, const saltus_course *course);
-/* The panel between these parts of the page's width and height, with axes, a key above its right end and no
- * heading of its own. It sets margins, axis labels and ranges; scale, tics, labels, arrows and the key are as
- * before when it is done (tics automatic, the key off). */
-void saltus_course_panel(FILE *file, const saltus_system *system, const saltus_course *course,
-                         const double across[2], const double up[2]);
+void saltus_course_data(const saltus_page *page, const saltus_course *course);
+/* The panel in a frame, with a key above its right end; a heading is the caller's label. Nothing of it stays
+ * for the next panel. */
+void saltus_course_panel(const saltus_page *page, const saltus_system *system, const saltus_course *course,
+                         saltus_frame frame);
 
 #endif

@@ -1,8 +1,6 @@
 /* How the estimate of the largest exponent converged, as a figure and as a table.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "figure/caption.h"
 #include "figure/convergence.h"
-#include "figure/gnuplot.h"
 #include "record/describe.h"
 #include "record/lyapunov_words.h"
 #include "record/output.h"
@@ -72,12 +70,11 @@ static void add_measurement(saltus_line *line, saltus_line *doubt, const saltus_
                         doubt->length ? ";  " : "");
 }
 
-/* The lower edge of the caption. */
-static double put_caption(FILE *file, const saltus_scene *scene, const saltus_system *system,
-                          const saltus_lyapunov *l, double precision) {
+static void put_figure(saltus_page *page, const saltus_scene *scene, const saltus_system *system,
+                       const saltus_lyapunov *l, double precision) {
+    saltus_course course = saltus_lyapunov_course(l);
     saltus_line head = {.length = 0}, title = {.length = 0}, parameters = {.length = 0},
                 measurement = {.length = 0}, doubt = {.length = 0};
-    double height = 0.932;
     saltus_line_plain(&head, scene->name);
     saltus_line_add(&head, ":  largest Lyapunov exponent  ");
     if (isfinite(l->exponents[0]))
@@ -87,29 +84,19 @@ static double put_caption(FILE *file, const saltus_scene *scene, const saltus_sy
     saltus_line_plain(&title, scene->title);
     saltus_line_parameters(&parameters, system, (const char *const[2]){NULL, NULL});
     add_measurement(&measurement, &doubt, l, precision);
-    fprintf(file, "set label '{/=20:Bold %s}' at screen 0.03,0.967 left front\n", head.text);
-    saltus_line_put(file, &title, "#606060", &height);
-    saltus_line_put(file, &parameters, "#202020", &height);
-    saltus_line_put(file, &measurement, "#202020", &height);
-    saltus_line_put(file, &doubt, "#c44e2a", &height);
-    saltus_put_version(file);
-    return height;
-}
-
-static void put_figure(FILE *file, const saltus_scene *scene, const saltus_system *system,
-                       const saltus_lyapunov *l, double precision, const char *path) {
-    saltus_course course = saltus_lyapunov_course(l);
-    fprintf(file, "set terminal %s\n", saltus_gnuplot_terminal(path));
-    saltus_course_data(file, &course);
-    saltus_put_style(file, "eeeeee");
-    double top = put_caption(file, scene, system, l, precision);
-    const double across[2] = {0.09, 0.973}, up[2] = {0.078, top - 0.03};
-    saltus_course_panel(file, system, &course, across, up);
+    saltus_page_begin(page);
+    saltus_course_data(page, &course);
+    saltus_page_heading(page, &head);
+    saltus_page_words(page, &title, "#606060");
+    saltus_page_words(page, &parameters, "#202020");
+    saltus_page_words(page, &measurement, "#202020");
+    saltus_page_words(page, &doubt, "#c44e2a");
+    saltus_course_panel(page, system, &course, saltus_page_rest(page, page->width < 1000 ? 76 : 36));
 }
 
 saltus_status saltus_convergence_check(const char *path, saltus_message *message) {
     struct stat facts;
-    if (!saltus_gnuplot_terminal(path) && !saltus_path_ends(path, ".csv"))
+    if (saltus_figure_check(path, NULL, NULL) != SALTUS_OK && !saltus_path_ends(path, ".csv"))
         return saltus_fail(message, SALTUS_BAD_INPUT, "%.300s: the ending must be .png, .pdf, .svg or .csv",
                            path);
     if (stat(path, &facts) == 0 && !S_ISREG(facts.st_mode) && !S_ISDIR(facts.st_mode))
@@ -119,19 +106,19 @@ saltus_status saltus_convergence_check(const char *path, saltus_message *message
 
 saltus_status saltus_write_convergence(const saltus_scene *scene, const saltus_system *system,
                                        const saltus_lyapunov_options *options,
-                                       const saltus_lyapunov *lyapunov, const char *path,
-                                       saltus_message *message) {
+                                       const saltus_lyapunov *lyapunov, const saltus_figure_options *look,
+                                       const char *path, saltus_message *message) {
     saltus_output output;
-    FILE *script;
+    saltus_page page;
     saltus_status status = saltus_convergence_check(path, message);
     if (status != SALTUS_OK)
         return status;
     if (!saltus_path_ends(path, ".csv")) {
-        status = saltus_gnuplot_open(&script, message);
+        status = saltus_page_open(&page, path, look, message);
         if (status != SALTUS_OK)
             return status;
-        put_figure(script, scene, system, lyapunov, options->precision, path);
-        return saltus_gnuplot_draw(script, path, message);
+        put_figure(&page, scene, system, lyapunov, options->precision);
+        return saltus_page_close(&page, SALTUS_OK, message);
     }
     status = saltus_output_open(&output, path, message);
     if (status != SALTUS_OK)

@@ -86,15 +86,18 @@ uint32_t saltus_colour(double lightness, double chroma, double hue) {
     return colour;
 }
 
+uint32_t saltus_colour_mix(uint32_t a, uint32_t b, double part) {
+    uint32_t mixed = 0;
+    for (int k = 0; k < 3; k++)
+        mixed = mixed << 8 | (uint32_t)lround((1 - part) * part_of(a, k) + part * part_of(b, k));
+    return mixed;
+}
+
 /* The colour at a part of a list of equally spaced ones. */
 static uint32_t between(const uint32_t *list, int count, double part) {
     double place = fmin(fmax(part, 0), 1) * (count - 1);
     int k = place >= count - 1 ? count - 2 : (int)place;
-    uint32_t colour = 0;
-    for (int c = 0; c < 3; c++)
-        colour = colour << 8 | (uint32_t)lround((1 - (place - k)) * part_of(list[k], c) +
-                                                (place - k) * part_of(list[k + 1], c));
-    return colour;
+    return saltus_colour_mix(list[k], list[k + 1], place - k);
 }
 
 uint32_t saltus_colour_ramp(double part) {

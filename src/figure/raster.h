@@ -31,6 +31,8 @@ uint32_t saltus_colour(double lightness, double chroma, double hue);
 /* Colours for numbers from 0 to 1: dark to light, and two sides of a middle at 1/2. */
 uint32_t saltus_colour_ramp(double part);
 uint32_t saltus_colour_sides(double part);
+/* Between two colours: the first one at part 0. */
+uint32_t saltus_colour_mix(uint32_t a, uint32_t b, double part);
 /* Whether black letters are easier to read on it than white ones. */
 bool saltus_colour_light(uint32_t colour);
 

@@ -3,15 +3,13 @@
 #ifndef SALTUS_FIGURE_SHEET_H
 #define SALTUS_FIGURE_SHEET_H
 
-#include "figure/caption.h"
 #include "figure/convergence.h"
-#include "figure/gnuplot.h"
-#include "saltus/figure.h"
 
 #include <stddef.h>
 
 typedef struct saltus_sheet {
-    FILE *file; /* gnuplot's script */
+    const saltus_page *page;
+    FILE *file; /* the page's script */
     const saltus_scene *scene;
     const saltus_system *system;
     const saltus_motion *motion;
@@ -43,9 +41,8 @@ void saltus_sheet_strobe(const saltus_sheet *sheet, const saltus_trajectory *rec
 saltus_range saltus_sheet_shape_range(const saltus_sheet *sheet);
 double saltus_sheet_shape_time(const saltus_sheet *sheet);
 
-/* sheet_caption.c: the header lines, as labels, headings of panels and names of axes, in gnuplot's enhanced
- * text. The caption's lower edge, in parts of the page's height. */
-double saltus_sheet_caption(const saltus_sheet *sheet);
+/* sheet_caption.c: the header lines, headings of panels and names of axes, in gnuplot's enhanced text. */
+void saltus_sheet_caption(const saltus_sheet *sheet, saltus_page *page);
 const char *saltus_sheet_history_heading(const saltus_sheet *sheet);
 void saltus_sheet_impacts_heading(const saltus_sheet *sheet, char *text, size_t room);
 void saltus_sheet_spectrum_heading(const saltus_sheet *sheet, saltus_line *line);

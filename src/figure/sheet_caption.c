@@ -1,6 +1,5 @@
 /* The words of a sheet, in gnuplot's enhanced text inside single quotes.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "figure/caption.h"
 #include "figure/sheet.h"
 #include "figure/spectrum.h"
 #include "record/describe.h"
@@ -167,12 +166,11 @@ static void add_stretch(saltus_line *l, const saltus_sheet *sheet) {
     }
 }
 
-double saltus_sheet_caption(const saltus_sheet *sheet) {
+void saltus_sheet_caption(const saltus_sheet *sheet, saltus_page *page) {
     char verdict[64];
     saltus_line head = {.length = 0}, title = {.length = 0}, parameters = {.length = 0},
                 motion = {.length = 0}, evidence = {.length = 0}, phases = {.length = 0},
                 shown = {.length = 0};
-    double height = 0.932;
     saltus_motion_summary(sheet->motion, verdict);
     saltus_line_plain(&head, sheet->scene->name);
     saltus_line_add(&head, ":  ");
@@ -185,14 +183,13 @@ double saltus_sheet_caption(const saltus_sheet *sheet) {
     add_evidence(&evidence, sheet->motion);
     add_intermittency(&phases, sheet->motion);
     add_stretch(&shown, sheet);
-    fprintf(sheet->file, "set label '{/=20:Bold %s}' at screen 0.03,0.967 left front\n", head.text);
-    saltus_line_put(sheet->file, &title, "#606060", &height);
-    saltus_line_put(sheet->file, &parameters, "#202020", &height);
-    saltus_line_put(sheet->file, &motion, "#202020", &height);
-    saltus_line_put(sheet->file, &evidence, "#202020", &height);
-    saltus_line_put(sheet->file, &phases, "#202020", &height);
-    saltus_line_put(sheet->file, &shown, "#606060", &height);
-    return height;
+    saltus_page_heading(page, &head);
+    saltus_page_words(page, &title, "#606060");
+    saltus_page_words(page, &parameters, "#202020");
+    saltus_page_words(page, &motion, "#202020");
+    saltus_page_words(page, &evidence, "#202020");
+    saltus_page_words(page, &phases, "#202020");
+    saltus_page_words(page, &shown, "#606060");
 }
 
 const char *saltus_sheet_history_heading(const saltus_sheet *sheet) {

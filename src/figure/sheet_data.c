@@ -300,8 +300,8 @@ void saltus_sheet_data(saltus_sheet *sheet) {
         put_masses(sheet);
     if (sheet->spectrum) {
         const saltus_spectra_source source = {.system = sheet->system, .spectra = sheet->spectra};
-        saltus_spectrum_low_data(&source, sheet->file);
+        saltus_spectrum_low_data(&source, sheet->page);
     }
     if (sheet->course.count > 0)
-        saltus_course_data(sheet->file, &sheet->course);
+        saltus_course_data(sheet->page, &sheet->course);
 }

@@ -2,29 +2,22 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "figure/spectrum.h"
 
-#include "figure/gnuplot.h"
 #include "record/describe.h"
 #include "record/output.h"
 
 #include <math.h>
 
-#define TRACE "#2c5f8a"
-#define BAND "#c3d4e4"
-#define FORCED "#c44e2a"
-#define BEYOND "#ececec"
-#define EDGE "#808080"
-
 enum { cells_per_octave = 96 };
 
-/* Decibels shown: the low frequencies, and all of them at most. */
-static const double shallow = -100, deep = -320, deep_density = -200;
+/* Decibels shown of the low frequencies, and of all of them, at most. */
+static const double shallow = -100, deep = -200, least = -340;
 
 /* One quantity's spectrum on the page. */
 typedef struct row {
     const saltus_spectra_source *source;
     const saltus_spectrum *s;
     saltus_quantity quantity;
-    FILE *file;
+    const saltus_page *page;
     int number;        /* from 1 */
     double peak;       /* highest density */
     double low_end;    /* end of the axis of low frequencies */
@@ -48,31 +41,31 @@ static void add_name(const row *r, saltus_line *line) {
 /* Data */
 
 static double decibels(double ratio, double factor) {
-    return ratio > 0 ? fmax(deep - 20, factor * log10(ratio)) : deep - 20;
+    return ratio > 0 ? fmax(least, factor * log10(ratio)) : least;
 }
 
 /* Line k's place and height, and whether it is a multiple of the forcing frequency. */
 static void put_line(const row *r, const saltus_spectral_line *line) {
     bool forced = r->s->periods > 1 && line->harmonic % r->s->periods == 0;
-    fprintf(r->file, "%.9g %.6g %d\n", line->frequency, fmax(line->decibels, deep - 20), forced);
+    fprintf(r->page->file, "%.9g %.6g %d\n", line->frequency, fmax(line->decibels, least), forced);
 }
 
 static void put_bin(const row *r, double frequency, double density) {
     const saltus_spectrum *s = r->s;
-    fprintf(r->file, "%.9g %.6g %.6g %.6g\n", frequency, decibels(density / r->peak, 10),
+    fprintf(r->page->file, "%.9g %.6g %.6g %.6g\n", frequency, decibels(density / r->peak, 10),
             decibels(s->low * density / r->peak, 10), decibels(s->high * density / r->peak, 10));
 }
 
 static void put_low_data(const row *r) {
     const saltus_spectrum *s = r->s;
-    fprintf(r->file, "$low%d << EOD\n", r->number);
+    fprintf(r->page->file, "$low%d << EOD\n", r->number);
     if (s->kind == SALTUS_SPECTRUM_LINES)
         for (long long k = 0; k < s->line_count && s->lines[k].frequency <= r->low_end; k++)
             put_line(r, &s->lines[k]);
     else
         for (long long k = 0; k < s->bins && (double)k * s->resolution <= r->low_end; k++)
             put_bin(r, (double)k * s->resolution, s->density[k]);
-    fputs("EOD\n", r->file);
+    fputs("EOD\n", r->page->file);
 }
 
 /* Which cell of the logarithmic axis a frequency lies in; the page does not show more than one mark for each.
@@ -84,7 +77,7 @@ static double cell_of(double frequency) {
 /* The highest line or the mean density of each cell. */
 static void put_whole_data(const row *r) {
     const saltus_spectrum *s = r->s;
-    fprintf(r->file, "$whole%d << EOD\n", r->number);
+    fprintf(r->page->file, "$whole%d << EOD\n", r->number);
     for (long long k = 0; k < s->line_count && s->kind == SALTUS_SPECTRUM_LINES;) {
         const saltus_spectral_line *highest = &s->lines[k];
         double cell = cell_of(highest->frequency);
@@ -100,7 +93,7 @@ static void put_whole_data(const row *r) {
             sum += s->density[k];
         put_bin(r, 0.5 * s->resolution * (double)(first + k - 1), sum / (double)(k - first));
     }
-    fputs("EOD\n", r->file);
+    fputs("EOD\n", r->page->file);
 }
 
 /* Ranges */
@@ -117,25 +110,25 @@ static double find_low_end(const saltus_spectrum *s, double peak) {
     return fmin(fmin(16, s->per_period / 2.0), ceil(end + 0.25));
 }
 
+/* Below the lowest of what is drawn, as far as numbers of double precision tell anything there. */
 static double find_floor(const row *r) {
     const saltus_spectrum *s = r->s;
-    double lowest = s->kind == SALTUS_SPECTRUM_LINES && s->between > 0 && isfinite(s->between)
-                        ? decibels(s->between, 20)
-                        : 0;
+    double between = s->between > 0 && isfinite(s->between) ? decibels(s->between, 20) : least;
+    double lowest = s->kind == SALTUS_SPECTRUM_LINES && between > deep ? between : 0;
     for (long long k = 0; k < s->line_count && s->kind == SALTUS_SPECTRUM_LINES; k++)
         if (s->lines[k].frequency <= s->trustworthy && s->lines[k].decibels > deep)
             lowest = fmin(lowest, s->lines[k].decibels);
     for (long long k = 1; k < s->bins && s->kind == SALTUS_SPECTRUM_WELCH; k++)
         lowest = fmin(lowest, decibels(s->low * s->density[k] / r->peak, 10));
-    return fmax(s->kind == SALTUS_SPECTRUM_LINES ? deep : deep_density, 20 * floor((lowest - 10) / 20));
+    return fmax(deep, 20 * floor((lowest - 10) / 20));
 }
 
-static row make_row(const saltus_spectra_source *source, int k, int number, FILE *file) {
+static row make_row(const saltus_spectra_source *source, int k, int number, const saltus_page *page) {
     const saltus_spectrum *s = &source->spectra->spectra[k];
     row r = {.source = source,
              .s = s,
              .quantity = source->spectra->quantities[k],
-             .file = file,
+             .page = page,
              .number = number,
              .end = s->per_period / 2.0};
     for (long long b = 0; b < s->bins; b++)
@@ -148,67 +141,46 @@ static row make_row(const saltus_spectra_source *source, int k, int number, FILE
 
 /* Panels */
 
-static void open_panel(const row *r, const double across[2], const double up[2], int letter,
-                       const saltus_line *heading) {
-    saltus_put_margins(r->file, across, up);
-    fprintf(r->file,
-            "set label 99 '{/:Bold (%c)}  %s' at graph 0, graph 1 offset 0,1.1 left front tc rgb '#202020'\n"
-            "set xlabel 'frequency / {/:Italic ω}'\nset ylabel '%s' offset -0.4,0\n",
-            'a' + letter, heading->text,
-            r->s->kind == SALTUS_SPECTRUM_LINES ? "amplitude, dB of the highest"
-                                                : "power density, dB of its peak");
+static void open_panel(const row *r, saltus_frame frame, int letter, const saltus_line *heading,
+                       saltus_range across, double floor) {
+    double step = floor < -240 ? 60 : floor < -120 ? 40 : floor < -60 ? 20 : 10;
+    saltus_page_frame(r->page, frame);
+    fprintf(r->page->file,
+            "set label 99 '{/:Bold (%c)}  %s' at graph 0, graph 1 offset 0,1.1 left front tc rgb '#202020'\n",
+            'a' + letter, heading->text);
+    saltus_page_axis(r->page, 'x', "frequency / {/:Italic ω}", across);
+    saltus_page_axis(r->page, 'y',
+                     r->s->kind == SALTUS_SPECTRUM_LINES ? "amplitude, dB of the highest"
+                                                         : "power density, dB of its peak",
+                     (saltus_range){floor, -0.04 * floor});
+    fprintf(r->page->file, "set ytics %g\n", step);
 }
 
-static void close_panel(FILE *file) {
-    fputs("unset label\nunset object\nunset arrow\nunset logscale\nset format '% h'\nset xtics auto\nset "
-          "ytics auto\nunset mxtics\n",
-          file);
-}
-
-/* Grey from the highest trustworthy frequency on. */
-static void put_limit(const row *r, double end) {
-    double edge = r->s->trustworthy;
-    if (!(edge < end))
-        return;
-    if (edge > r->begin)
-        fprintf(
-            r->file,
-            "set arrow from %.9g, graph 0 to %.9g, graph 1 nohead back lc rgb '" EDGE "' lw 1.5\n"
-            "set label '%.3g {/:Italic ω}' at %.9g, graph 0.94 left offset 0.5,0 front tc rgb '#505050'\n",
-            edge, edge, edge, edge);
-    fprintf(r->file,
-            "set object rectangle from %.9g, graph 0 to %.9g, graph 1 back fc rgb '" BEYOND
-            "' fs solid noborder\n",
-            fmax(edge, r->begin), end);
-}
-
-/* Stems from the panel's lower edge up to frequency `stems`, and a dot for each line. */
-static void plot_lines(const row *r, const char *data, double floor, double stems, const char *dot) {
-    static const char *const colour[] = {TRACE, FORCED};
-    const char *separator = "plot ";
-    for (int forced = 0; forced < 2; forced++) {
-        fprintf(
-            r->file,
-            "%s$%s%d using ($3 == %d && $2 > %g && $1 <= %g ? $1 : NaN):(%g):(0):($2 - (%g)) with vectors "
-            "nohead lc rgb '%s' lw 1.3, \\\n     $%s%d using ($3 == %d ? $1 : NaN):2 with points pt 7 ps %s "
-            "lc rgb '%s'",
-            separator, data, r->number, forced, floor, stems, floor, floor, colour[forced], data, r->number,
-            forced, dot, colour[forced]);
-        separator = ", \\\n     ";
-    }
-    fputc('\n', r->file);
-}
-
-static void plot_density(const row *r, const char *data) {
-    fprintf(r->file,
-            "plot $%s%d using 1:3:4 with filledcurves fc rgb '" BAND
-            "', \\\n     $%s%d using 1:2 with lines lc rgb '" TRACE "' lw 1.3\n",
-            data, r->number, data, r->number);
-}
-
-static void put_ticks(const row *r, double floor) {
-    double span = -floor, step = span > 240 ? 60 : span > 120 ? 40 : span > 60 ? 20 : 10;
-    fprintf(r->file, "set yrange [%g:%g]\nset ytics %g\n", floor, 0.04 * span, step);
+/* What the template draws: the block of that name, down to a floor, with stems up to a frequency and dots of
+ * that size. */
+static void plot(const row *r, const char *block, double end, double floor, double stems, double dot) {
+    char name[32], edge[64];
+    snprintf(name, sizeof name, "$%s%d", block, r->number);
+    snprintf(edge, sizeof edge, "%.3g {/:Italic ω}", r->s->trustworthy);
+    const struct {
+        const char *name;
+        double value;
+    } numbers[] = {{"Edge", fmin(r->s->trustworthy, 1e9)},
+                   {"Grey", fmin(fmax(r->s->trustworthy, r->begin), 1e9)},
+                   {"Begin", r->begin},
+                   {"End", end},
+                   {"Floor", floor},
+                   {"Stems", stems},
+                   {"Dot", dot}};
+    for (size_t k = 0; k < sizeof numbers / sizeof numbers[0]; k++)
+        saltus_page_number(r->page, numbers[k].name, numbers[k].value);
+    saltus_page_text(r->page, "EdgeName", edge);
+    saltus_page_template(r->page, "spectrum");
+    if (r->s->kind == SALTUS_SPECTRUM_LINES)
+        fprintf(r->page->file, "plot %s @Stems0, %s @Dots0, %s @Stems1, %s @Dots1\n", name, name, name, name);
+    else
+        fprintf(r->page->file, "plot %s @Band, %s @Curve\n", name, name);
+    saltus_page_template(r->page, "close");
 }
 
 /* Whether a stronger line stands so near that the marks of both would touch. */
@@ -226,30 +198,22 @@ static void put_line_marks(const row *r, double end) {
     for (long long k = 0; k < r->s->line_count && r->s->kind == SALTUS_SPECTRUM_WELCH; k++) {
         const saltus_spectral_line *line = &r->s->lines[k];
         if (line->frequency < end && line->decibels > -60 && !outshone(r->s, k, 0.015 * end))
-            fprintf(r->file,
-                    "set label '▾' at %.9g, graph 1 center offset 0,0.35 front tc rgb '" FORCED
-                    "' font ',11'\n",
+            fprintf(r->page->file,
+                    "set label '▾' at %.9g, graph 1 center offset 0,0.35 front tc rgb '#c44e2a' font ',11'\n",
                     line->frequency);
     }
 }
 
-static void draw_low(const row *r, const double across[2], const double up[2], int letter,
-                     const saltus_line *heading) {
+static void draw_low(const row *r, saltus_frame frame, int letter, const saltus_line *heading) {
     double floor = fmax(r->floor, shallow);
-    open_panel(r, across, up, letter, heading);
-    fprintf(r->file, "set xrange [0:%g]\nset xtics %g\nset mxtics 2\n", r->low_end,
-            r->low_end > 10 ? 2.0 : 1.0);
-    put_ticks(r, floor);
-    put_limit(r, r->low_end);
+    open_panel(r, frame, letter, heading, (saltus_range){0, r->low_end}, floor);
+    bool few = r->low_end <= 10 && frame.right - frame.left > 200;
+    fprintf(r->page->file, "set xtics %g\nset mxtics 2\n", few ? 1.0 : 2.0);
     put_line_marks(r, r->low_end);
-    if (r->s->kind == SALTUS_SPECTRUM_LINES)
-        plot_lines(r, "low", floor, r->end, "0.7");
-    else
-        plot_density(r, "low");
-    close_panel(r->file);
+    plot(r, "low", r->low_end, floor, r->end, 0.7);
 }
 
-static void put_low(const row *r, const double across[2], const double up[2], int letter) {
+static void put_low(const row *r, saltus_frame frame, int letter) {
     const saltus_spectrum *s = r->s;
     saltus_line heading = {.length = 0};
     add_name(r, &heading);
@@ -261,32 +225,31 @@ static void put_low(const row *r, const double across[2], const double up[2], in
     else
         saltus_line_add(&heading, ":  density; pale: %g %% confidence%s", 100 * s->confidence,
                         s->line_count ? "; ▾ strong lines" : "");
-    draw_low(r, across, up, letter, &heading);
+    draw_low(r, frame, letter, &heading);
 }
 
-static void put_whole(const row *r, const double across[2], const double up[2], int letter) {
+static void put_whole(const row *r, saltus_frame frame, int letter) {
     const saltus_spectrum *s = r->s;
     saltus_line heading = {.length = 0};
-    if (s->kind == SALTUS_SPECTRUM_LINES && s->orbits > 1)
-        saltus_line_add(&heading, "all lines; dashed: largest between them");
-    else
-        saltus_line_add(&heading, "%s", s->kind == SALTUS_SPECTRUM_LINES ? "all lines" : "the whole density");
+    double between = s->kind == SALTUS_SPECTRUM_LINES && s->between > 0 && isfinite(s->between)
+                         ? decibels(s->between, 20)
+                         : -INFINITY;
+    bool dashed = between > r->floor;
+    saltus_line_add(&heading, "%s", s->kind == SALTUS_SPECTRUM_LINES ? "all lines" : "the whole density");
+    if (s->orbits > 1 && dashed)
+        saltus_line_add(&heading, "; dashed: largest between them");
+    else if (s->orbits > 1 && isfinite(between))
+        saltus_line_add(&heading, "; between them below −%.0f dB", floor(-between));
     if (s->trustworthy < r->end)
         saltus_line_add(&heading, "; grey: not trustworthy");
-    open_panel(r, across, up, letter, &heading);
-    fprintf(r->file, "set logscale x\nset xrange [%.9g:%.9g]\n", r->begin, r->end);
-    put_ticks(r, r->floor);
-    put_limit(r, r->end);
-    if (s->kind == SALTUS_SPECTRUM_LINES && s->between > 0 && isfinite(s->between))
-        fprintf(r->file,
+    open_panel(r, frame, letter, &heading, (saltus_range){r->begin, r->end}, r->floor);
+    fputs("set logscale x\n", r->page->file);
+    if (dashed)
+        fprintf(r->page->file,
                 "set arrow from graph 0, first %.6g to graph 1, first %.6g nohead front dt (6,5) lc rgb "
                 "'#505050' lw 1.2\n",
-                decibels(s->between, 20), decibels(s->between, 20));
-    if (s->kind == SALTUS_SPECTRUM_LINES)
-        plot_lines(r, "whole", r->floor, 24.0 / s->periods, "0.4");
-    else
-        plot_density(r, "whole");
-    close_panel(r->file);
+                between, between);
+    plot(r, "whole", r->end, r->floor, 24.0 / (s->periods > 0 ? s->periods : 1), 0.4);
 }
 
 /* Caption */
@@ -305,12 +268,10 @@ static void add_findings(const saltus_spectra_source *source, saltus_line *line)
     }
 }
 
-/* The height of the caption's lower edge. */
-static double put_caption(const saltus_spectra_source *source, FILE *file) {
+static void put_caption(const saltus_spectra_source *source, saltus_page *page) {
     char verdict[64], method[256];
     saltus_line head = {.length = 0}, title = {.length = 0}, parameters = {.length = 0},
                 analysed = {.length = 0}, findings = {.length = 0};
-    double height = 0.932;
     saltus_motion_summary(source->motion, verdict);
     saltus_spectra_method(source->spectra, method, sizeof method);
     saltus_line_plain(&head, source->scene->name);
@@ -320,76 +281,67 @@ static double put_caption(const saltus_spectra_source *source, FILE *file) {
     saltus_line_parameters(&parameters, source->system, (const char *const[2]){NULL, NULL});
     saltus_line_plain(&analysed, method);
     add_findings(source, &findings);
-    fprintf(file, "set label '{/=20:Bold %s}' at screen 0.03,0.967 left front\n", head.text);
-    saltus_line_put(file, &title, "#606060", &height);
-    saltus_line_put(file, &parameters, "#202020", &height);
-    saltus_line_put(file, &analysed, "#202020", &height);
-    saltus_line_put(file, &findings, "#202020", &height);
-    saltus_put_version(file);
-    return height;
+    saltus_page_heading(page, &head);
+    saltus_page_words(page, &title, "#606060");
+    saltus_page_words(page, &parameters, "#202020");
+    saltus_page_words(page, &analysed, "#202020");
+    saltus_page_words(page, &findings, "#202020");
 }
 
-/* Two quantities take a row of the page each; one takes both, the low frequencies above. */
-static void put_row(const row *r, int rows, double top) {
-    static const double left[2] = {0.078, 0.478}, right[2] = {0.573, 0.973}, whole[2] = {0.078, 0.973};
-    const double gap = 0.128, bottom = 0.078, height = (top - 0.05 - bottom - gap) / 2;
-    const double lower[2] = {bottom, bottom + height},
-                 upper[2] = {bottom + height + gap, bottom + 2 * height + gap};
-    const double *place = r->number == 1 ? upper : lower;
-    if (rows == 1) {
-        put_low(r, whole, upper, 0);
-        put_whole(r, whole, lower, 1);
-    } else {
-        put_low(r, left, place, 2 * (r->number - 1));
-        put_whole(r, right, place, 2 * (r->number - 1) + 1);
+/* Two quantities take a row of the page each; one takes both, the low frequencies above. On a narrow page
+ * each panel has a row. */
+static void put_panels(const row *rows, int count, const saltus_page *page) {
+    int columns = count > 1 && page->width >= 1000 ? 2 : 1, cells = 2 * count;
+    for (int cell = 0; cell < cells; cell++) {
+        saltus_frame frame = saltus_page_cell(page, cell, 1, columns, (cells + columns - 1) / columns);
+        (cell % 2 ? put_whole : put_low)(&rows[cell / 2], frame, cell);
     }
 }
 
-static void put_script(const saltus_spectra_source *source, const char *path, FILE *file) {
+static void put_script(const saltus_spectra_source *source, saltus_page *page) {
     row rows[SALTUS_QUANTITIES_MAX];
     int count = 0;
     for (int k = 0; k < source->spectra->count; k++)
         if (source->spectra->spectra[k].kind != SALTUS_SPECTRUM_CONSTANT) {
-            rows[count] = make_row(source, k, count + 1, file);
+            rows[count] = make_row(source, k, count + 1, page);
             count++;
         }
-    fprintf(file, "# Saltus " SALTUS_VERSION ": spectra of a motion\nset terminal %s\n",
-            saltus_gnuplot_terminal(path));
+    if (page->free_height && count)
+        page->height = page->width * (page->width >= 1000 ? 0.75 : 1.3 * count);
+    saltus_page_begin(page);
     for (int k = 0; k < count; k++) {
         put_low_data(&rows[k]);
         put_whole_data(&rows[k]);
     }
-    saltus_put_style(file, "e4e4e4");
-    fputs("set style fill solid 1 noborder\nset multiplot\n", file);
-    double top = put_caption(source, file);
-    for (int k = 0; k < count; k++)
-        put_row(&rows[k], count, top);
-    if (count == 0)
-        fputs("unset border\nunset tics\nset xrange [0:1]\nset yrange [0:1]\n"
-              "set label 'nothing moves: there is no spectrum' at screen 0.5,0.5 center front tc rgb "
-              "'#202020'\nplot NaN\n",
-              file);
-    fputs("unset multiplot\n", file);
+    fputs("set multiplot\n", page->file);
+    put_caption(source, page);
+    put_panels(rows, count, page);
+    if (count == 0) {
+        saltus_page_text(page, "Reason", "nothing moves: there is no spectrum");
+        fputs("unset border\n", page->file);
+        saltus_page_template(page, "nothing");
+    }
+    fputs("unset multiplot\n", page->file);
 }
 
-void saltus_spectrum_low_data(const saltus_spectra_source *source, FILE *file) {
-    row r = make_row(source, 0, 1, file);
+void saltus_spectrum_low_data(const saltus_spectra_source *source, const saltus_page *page) {
+    row r = make_row(source, 0, 1, page);
     put_low_data(&r);
 }
 
-void saltus_spectrum_low_panel(const saltus_spectra_source *source, FILE *file, const double across[2],
-                               const double up[2], int letter, const saltus_line *heading) {
-    row r = make_row(source, 0, 1, file);
-    draw_low(&r, across, up, letter, heading);
+void saltus_spectrum_low_panel(const saltus_spectra_source *source, const saltus_page *page,
+                               saltus_frame frame, int letter, const saltus_line *heading) {
+    row r = make_row(source, 0, 1, page);
+    draw_low(&r, frame, letter, heading);
 }
 
 saltus_status saltus_spectra_write(const saltus_scene *scene, const saltus_system *system,
                                    const saltus_motion *motion, const saltus_spectra *spectra,
-                                   const saltus_flow_options *flow, const char *path,
-                                   saltus_message *message) {
+                                   const saltus_flow_options *flow, const saltus_figure_options *look,
+                                   const char *path, saltus_message *message) {
     const saltus_spectra_source source = {scene, system, motion, spectra, flow};
     saltus_output output;
-    FILE *script;
+    saltus_page page;
     saltus_status status;
     if (saltus_path_ends(path, ".csv")) {
         status = saltus_output_open(&output, path, message);
@@ -398,12 +350,9 @@ saltus_status saltus_spectra_write(const saltus_scene *scene, const saltus_syste
         saltus_put_spectra_table(&source, output.file);
         return saltus_output_close(&output, SALTUS_OK, message);
     }
-    if (!saltus_gnuplot_terminal(path))
-        return saltus_fail(message, SALTUS_BAD_INPUT, "%s: the ending must be .png, .pdf, .svg or .csv",
-                           path);
-    status = saltus_gnuplot_open(&script, message);
+    status = saltus_page_open(&page, path, look, message);
     if (status != SALTUS_OK)
         return status;
-    put_script(&source, path, script);
-    return saltus_gnuplot_draw(script, path, message);
+    put_script(&source, &page);
+    return saltus_page_close(&page, SALTUS_OK, message);
 }

@@ -3,15 +3,15 @@
 #ifndef SALTUS_FIGURE_SPECTRUM_H
 #define SALTUS_FIGURE_SPECTRUM_H
 
-#include "figure/caption.h"
+#include "figure/page.h"
 #include "record/spectrum.h"
 #include "saltus/figure.h"
 
 /* The low frequencies of the first spectrum, which moves, as a panel of another figure: its datablock $low1,
- * and the panel between these parts of the page's width and height with a heading behind the letter ('a' +
- * letter). Tics, labels and objects are automatic or gone when it is done. */
-void saltus_spectrum_low_data(const saltus_spectra_source *source, FILE *file);
-void saltus_spectrum_low_panel(const saltus_spectra_source *source, FILE *file, const double across[2],
-                               const double up[2], int letter, const saltus_line *heading);
+ * and the panel in a frame with a heading behind the letter ('a' + letter). Nothing of it stays for the next
+ * panel. */
+void saltus_spectrum_low_data(const saltus_spectra_source *source, const saltus_page *page);
+void saltus_spectrum_low_panel(const saltus_spectra_source *source, const saltus_page *page,
+                               saltus_frame frame, int letter, const saltus_line *heading);
 
 #endif

@@ -2,7 +2,6 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "figure/sweep.h"
 
-#include "figure/gnuplot.h"
 #include "record/describe.h"
 
 #include <math.h>
@@ -83,7 +82,7 @@ static saltus_status check_parts(const saltus_sweep_page *page, saltus_message *
 static saltus_status cut_axis(const saltus_sweep_page *page, saltus_cells *cells, saltus_message *message) {
     const saltus_plot_part *part = part_of(page, cells->key);
     double low = cells->range.low, high = cells->range.high;
-    int axis = cells == &page->y;
+    int axis = strcmp(cells->key, page->sweep->axes[0].key) != 0;
     const double *list = page->sweep->axes[axis].list;
     if (part && (part->low >= high || part->high <= low))
         return saltus_fail(message, SALTUS_BAD_INPUT,
@@ -100,10 +99,43 @@ static saltus_status cut_axis(const saltus_sweep_page *page, saltus_cells *cells
     return SALTUS_OK;
 }
 
+/* Whether the axes can be laid out as asked for. */
+static saltus_status check_look(const saltus_sweep_page *page, saltus_message *message) {
+    const saltus_figure_options *look = &page->wish->look;
+    const char *view = saltus_view_word(page->view);
+    bool two = page->sweep->axis_count > 1;
+    if (look->swap && !two)
+        return saltus_fail(message, SALTUS_BAD_INPUT,
+                           "%.200s: the axes of a sweep over one parameter cannot be exchanged: the classes "
+                           "stand along %s",
+                           page->path, page->x.key);
+    for (int k = 0; k < look->logarithmic_count; k++) {
+        const char *key = look->logarithmic[k];
+        const saltus_cells *cells = strcmp(key, page->x.key) == 0          ? &page->x
+                                    : two && strcmp(key, page->y.key) == 0 ? &page->y
+                                                                           : NULL;
+        if (!cells && strcmp(key, view) != 0)
+            return saltus_fail(message, SALTUS_BAD_INPUT,
+                               "%.200s: logarithmic axis %.40s: the figure shows %s%s%s and %s", page->path,
+                               key, page->x.key, two ? ", " : "", two ? page->y.key : "", view);
+        if (cells && !cells->logarithmic)
+            return saltus_fail(message, SALTUS_BAD_INPUT,
+                               "%.200s: logarithmic axis %s: its values must be positive", page->path, key);
+        if (!cells && (page->view == SALTUS_VIEW_LYAPUNOV || (two && page->view <= SALTUS_VIEW_ATTRACTORS)))
+            return saltus_fail(message, SALTUS_BAD_INPUT,
+                               "%.200s: logarithmic axis %.40s: what is shown has no logarithm", page->path,
+                               key);
+    }
+    return SALTUS_OK;
+}
+
 static saltus_status open_axes(saltus_sweep_page *page, saltus_message *message) {
     const saltus_axis *axes = page->sweep->axes;
-    if (!saltus_cells_open(&page->x, &axes[0]) ||
-        (page->sweep->axis_count > 1 && !saltus_cells_open(&page->y, &axes[1])) ||
+    const saltus_figure_options *look = &page->wish->look;
+    bool two = page->sweep->axis_count > 1, swap = two && look->swap;
+    saltus_cells *first = swap ? &page->y : &page->x, *second = swap ? &page->x : &page->y;
+    if (!saltus_cells_open(first, &axes[0], saltus_plot_logarithmic(look, axes[0].key)) ||
+        (two && !saltus_cells_open(second, &axes[1], saltus_plot_logarithmic(look, axes[1].key))) ||
         !saltus_classes_open(&page->classes, page->sweep))
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for drawing %.200s", page->path);
     saltus_status status = cut_axis(page, &page->x, message);
@@ -113,7 +145,8 @@ static saltus_status open_axes(saltus_sweep_page *page, saltus_message *message)
     page->asked = part != NULL;
     if (part)
         page->up = (saltus_range){part->low, part->high};
-    return status;
+    page->logarithmic = saltus_plot_logarithmic(look, saltus_view_word(page->view));
+    return status == SALTUS_OK ? check_look(page, message) : status;
 }
 
 /* The displacement that is observed, which depends on the place of the stop. */
@@ -145,36 +178,35 @@ static saltus_status open_observers(saltus_sweep_page *page, saltus_message *mes
 
 /* Write the script and have it drawn. */
 static saltus_status draw_page(saltus_sweep_page *page, saltus_message *message) {
-    saltus_status status = saltus_gnuplot_open(&page->file, message);
+    saltus_status status = saltus_page_open(&page->paper, page->figure, &page->wish->look, message);
     if (status != SALTUS_OK)
         return status;
-    fprintf(page->file, "set terminal %s\n", saltus_gnuplot_terminal(page->figure));
-    saltus_put_style(page->file, "eeeeee");
-    fputs("set style textbox opaque noborder fillcolor '#ffffff' margins 0.4,0.2\n", page->file);
+    page->file = page->paper.file;
     status = page->sweep->axis_count > 1 ? saltus_sweep_put_map(page, message)
                                          : saltus_sweep_put_diagram(page, message);
-    if (status == SALTUS_OK)
-        return saltus_gnuplot_draw(page->file, page->figure, message);
-    fclose(page->file);
-    return status;
+    return saltus_page_close(&page->paper, status, message);
 }
 
 /* What the curves of branches show so that they fit the view of the sweep. */
-static saltus_status find_measure(const saltus_sweep_page *page, saltus_show *show, saltus_message *message) {
-    if (page->sweep->axis_count > 1)
-        return saltus_fail(message, SALTUS_BAD_INPUT,
-                           "%.200s: branches are drawn over one axis, the file has two", page->path);
+static saltus_status find_measure(const saltus_sweep_page *page, saltus_plot_page *curves,
+                                  saltus_message *message) {
+    curves->locus = curves->over_map = page->sweep->axis_count > 1;
+    if (page->sweep->basins)
+        return saltus_fail(message, SALTUS_BAD_INPUT, "%.200s: nothing is drawn over basins of attraction",
+                           page->path);
     if (page->view == SALTUS_VIEW_IMPACTS)
-        *show = SALTUS_SHOW_IMPACTS;
+        curves->show = SALTUS_SHOW_IMPACTS;
     else if (page->view == SALTUS_VIEW_SPEED)
-        *show = SALTUS_SHOW_SPEED;
+        curves->show = SALTUS_SHOW_SPEED;
     else if (page->view == SALTUS_VIEW_STROBOSCOPIC)
-        *show = SALTUS_SHOW_DISPLACEMENT;
-    else
-        return saltus_fail(
-            message, SALTUS_BAD_INPUT,
-            "%.200s: branches can be drawn over the views impacts, speed and stroboscopic, not %s",
-            page->path, saltus_view_word(page->view));
+        curves->show = SALTUS_SHOW_DISPLACEMENT;
+    else if (page->view == SALTUS_VIEW_TURNING)
+        curves->turning = true;
+    else if (!curves->locus)
+        return saltus_fail(message, SALTUS_BAD_INPUT,
+                           "%.200s: branches can be drawn over the views turning, impacts, speed and "
+                           "stroboscopic, not %s",
+                           page->path, saltus_view_word(page->view));
     return SALTUS_OK;
 }
 
@@ -183,20 +215,29 @@ static bool same(double a, double b) {
     return fabs(a - b) <= 1e-9 * fmax(fabs(a), fabs(b));
 }
 
-/* The first parameter other than the key in which two systems of one structure differ; NULL: none. */
-static const char *difference(const saltus_spec *a, const saltus_spec *b, const char *key) {
+/* Whether one of the sweep's axes is the property `name` of stop s, or for s < 0 a parameter. */
+static bool swept(const saltus_sweep_file *sweep, const char *name, int s) {
+    for (int k = 0; k < sweep->axis_count; k++)
+        if (s < 0 ? strcmp(sweep->axes[k].key, name) == 0 : saltus_key_means(sweep->axes[k].key, name, s))
+            return true;
+    return false;
+}
+
+/* The first parameter that is on no axis in which two systems of one structure differ; NULL: none. */
+static const char *difference(const saltus_spec *a, const saltus_sweep_file *sweep) {
+    const saltus_spec *b = &sweep->spec;
     int count;
     const saltus_parameter *p = saltus_model_parameters(a->model, &count);
     for (int k = 0; k < count; k++)
-        if (strcmp(p[k].name, key) != 0 && !same(a->parameters[k], b->parameters[k]))
+        if (!swept(sweep, p[k].name, -1) && !same(a->parameters[k], b->parameters[k]))
             return p[k].name;
     for (int s = 0; s < a->stop_count; s++) {
         const saltus_stop *stop = &a->stops[s], *other = &b->stops[s];
-        if (!saltus_key_means(key, "d", s) && !same(stop->d, other->d))
+        if (!swept(sweep, "d", s) && !same(stop->d, other->d))
             return "d";
-        if (!saltus_key_means(key, "r", s) && !same(stop->r, other->r))
+        if (!swept(sweep, "r", s) && !same(stop->r, other->r))
             return "r";
-        if (!saltus_key_means(key, "xi", s) && !same(stop->xi, other->xi))
+        if (!swept(sweep, "xi", s) && !same(stop->xi, other->xi))
             return "xi";
         if (stop->sides != other->sides)
             return "sides";
@@ -204,18 +245,25 @@ static const char *difference(const saltus_spec *a, const saltus_spec *b, const 
     return NULL;
 }
 
-/* Whether a branch is of periodic orbits over that key, of a system that differs in nothing else. */
-static saltus_status check_branch(const saltus_branch_file *file, const saltus_spec *spec, const char *key,
-                                  const char *path, saltus_message *message) {
-    if (file->options.locus != SALTUS_POINT_REGULAR || strcmp(file->options.key[0], key) != 0)
-        return saltus_fail(message, SALTUS_BAD_INPUT, "%.200s: %s in %s, the sweep is over %s", path,
-                           file->options.locus != SALTUS_POINT_REGULAR ? "are special points"
-                                                                       : "are periodic orbits",
-                           file->options.key[0], key);
+/* Whether a file is of periodic orbits over the axis, or of special points over both axes, which may come in
+ * either order, of a system that differs in nothing else; its first parameter is then the one across. */
+static saltus_status check_branch(const saltus_sweep_page *page, saltus_branch_file *file, const char *path,
+                                  saltus_message *message) {
+    const saltus_spec *spec = &page->sweep->spec;
+    const char *const *keys = (const char *const[2]){page->x.key, page->y.key};
+    bool two = page->sweep->axis_count > 1, locus = file->options.locus != SALTUS_POINT_REGULAR;
+    if (two && locus && strcmp(file->options.key[0], keys[0]) != 0)
+        saltus_plot_turn(file);
+    if (locus != two || strcmp(file->options.key[0], keys[0]) != 0 ||
+        (two && strcmp(file->options.key[1], keys[1]) != 0))
+        return saltus_fail(message, SALTUS_BAD_INPUT, "%.200s: %s in %s%s%s, the sweep is over %s%s%s", path,
+                           locus ? "are special points" : "are periodic orbits", file->options.key[0],
+                           locus ? " and " : "", locus ? file->options.key[1] : "", keys[0],
+                           two ? " and " : "", two ? keys[1] : "");
     if (!saltus_model_same(file->spec.model, spec->model) || file->spec.stop_count != spec->stop_count)
         return saltus_fail(message, SALTUS_BAD_INPUT,
                            "%.200s: is of another structure than the sweep (model or stops differ)", path);
-    const char *name = difference(&file->spec, spec, key);
+    const char *name = difference(&file->spec, page->sweep);
     if (name)
         return saltus_fail(message, SALTUS_BAD_INPUT, "%.200s: has another %s than the sweep", path, name);
     return SALTUS_OK;
@@ -226,23 +274,26 @@ static saltus_status draw_over(saltus_sweep_page *page, saltus_message *message)
     const saltus_plot_options no_labels = {.label_count = 0};
     saltus_plot_page curves = {.system = page->system, .options = &no_labels};
     int count = page->wish->branch_count, read = 0;
-    saltus_status status = find_measure(page, &curves.show, message);
+    saltus_status status = find_measure(page, &curves, message);
     saltus_branch_file *files = status == SALTUS_OK ? calloc((size_t)count, sizeof *files) : NULL;
     if (status == SALTUS_OK && !files)
         status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for %d branch files", count);
     for (; read < count && status == SALTUS_OK; read++) {
         status = saltus_branch_file_read(page->wish->branches[read], &files[read], message);
         if (status == SALTUS_OK)
-            status = check_branch(&files[read], &page->sweep->spec, page->sweep->axes[0].key,
-                                  page->wish->branches[read], message);
+            status = check_branch(page, &files[read], page->wish->branches[read], message);
     }
     if (status == SALTUS_OK) {
         curves.files = files;
         curves.count = count;
         curves.x = page->x.range;
+        curves.y = page->sweep->axis_count > 1 ? page->y.range : (saltus_range){-INFINITY, INFINITY};
         page->branches = &curves;
-        status = draw_page(page, message);
+        status = saltus_plot_find_visits(&curves, message);
     }
+    if (status == SALTUS_OK)
+        status = draw_page(page, message);
+    saltus_plot_free_visits(&curves);
     for (int k = 0; k < read; k++)
         saltus_branch_file_clear(&files[k]);
     free(files);
@@ -286,9 +337,10 @@ static saltus_status draw_sweep(const saltus_sweep_file *sweep, const char *path
 saltus_status saltus_plot_sweep(const char *path, const saltus_sweep_view *view, const char *figure,
                                 saltus_message *message) {
     saltus_sweep_file sweep;
-    if (!saltus_gnuplot_terminal(figure))
-        return saltus_fail(message, SALTUS_BAD_INPUT, "%s: the ending must be .png, .pdf or .svg", figure);
-    saltus_status status = saltus_sweep_file_read(path, &sweep, message);
+    saltus_status status = saltus_figure_check(figure, &view->look, message);
+    if (status != SALTUS_OK)
+        return status;
+    status = saltus_sweep_file_read(path, &sweep, message);
     if (status != SALTUS_OK)
         return status;
     status = draw_sweep(&sweep, path, view, figure, message);

@@ -35,10 +35,10 @@ static void set_edges(saltus_cells *cells, const ranked *values) {
         cells->range = (saltus_range){exp(cells->range.low), exp(cells->range.high)};
 }
 
-bool saltus_cells_open(saltus_cells *cells, const saltus_axis *axis) {
+bool saltus_cells_open(saltus_cells *cells, const saltus_axis *axis, bool logarithmic) {
     size_t n = (size_t)axis->count;
     *cells = (saltus_cells){.key = axis->key, .count = axis->count};
-    cells->logarithmic = axis->spacing == SALTUS_LOGARITHMIC;
+    cells->logarithmic = axis->spacing == SALTUS_LOGARITHMIC || logarithmic;
     cells->order = calloc(n, sizeof *cells->order);
     cells->edge = calloc(n + 1, sizeof *cells->edge);
     ranked *values = calloc(n, sizeof *values);
@@ -109,11 +109,62 @@ bool saltus_cells_at(const saltus_cells *cells, int pixels, int pixel, int *firs
     return true;
 }
 
+/* A state's entry that a key names (q1, v1, z1, ...), or -1. */
+int saltus_sweep_entry(const saltus_system *system, const char *key) {
+    int dof = saltus_system_dof(system), k = atoi(key + 1) - 1;
+    int entry = key[0] == 'q' ? k : key[0] == 'v' ? k + dof : key[0] == 'z' ? k + 2 * dof : -1;
+    return k >= 0 && key[1] >= '1' && key[1] <= '9' && entry < saltus_system_dimension(system) ? entry : -1;
+}
+
+/* Whether the scene's start lies beyond a stop at a point of the sweep. */
+static bool starts_beyond(const saltus_sweep_file *sweep, long long point) {
+    double state[SALTUS_SCENE_STATE_MAX] = {0};
+    saltus_spec spec = sweep->spec;
+    saltus_system *system = NULL;
+    bool beyond = false;
+    for (int pass = 0; pass < 2; pass++) {
+        long long left = point;
+        for (int a = 0; a < sweep->axis_count; a++) {
+            double value = sweep->axes[a].list[left % sweep->axes[a].count], old = 0;
+            saltus_direction direction;
+            left /= sweep->axes[a].count;
+            bool parameter =
+                saltus_spec_direction(&spec, sweep->axes[a].key, &direction, &old, NULL) == SALTUS_OK;
+            int entry = system ? saltus_sweep_entry(system, sweep->axes[a].key) : -1;
+            if (pass == 0 && parameter)
+                spec = saltus_spec_shifted(&spec, &direction, value - old);
+            else if (pass == 1 && !parameter && entry >= 0)
+                state[entry] = value;
+        }
+        if (pass == 0) {
+            if (saltus_system_new(&spec, &system, NULL) != SALTUS_OK)
+                return false;
+            if (sweep->initial_count == saltus_system_dimension(system))
+                for (int i = 0; i < sweep->initial_count; i++)
+                    state[i] = sweep->initial[i];
+            else if (saltus_system_default_state(system, state, NULL) != SALTUS_OK)
+                break;
+        }
+    }
+    for (int f = 0; f < saltus_system_face_count(system); f++)
+        beyond = beyond || saltus_system_gap(system, f, state) > 0;
+    saltus_system_free(system);
+    return beyond;
+}
+
+int saltus_sweep_verdict(const saltus_sweep_file *sweep, long long row) {
+    int verdict = sweep->rows[row].verdict;
+    long long point = row / sweep->options.seeds % sweep->points;
+    return verdict == SALTUS_FAILED && row % sweep->options.seeds == 0 && starts_beyond(sweep, point)
+               ? (int)SALTUS_BEYOND
+               : verdict;
+}
+
 /* What tells classes apart, as one number. */
-static uint64_t key_of(const saltus_sweep_row *row) {
-    bool periodic = row->verdict == SALTUS_PERIODIC;
-    return (uint64_t)(unsigned)row->verdict << 56 | (periodic ? (uint64_t)(unsigned)row->periods << 36 : 0) |
-           (periodic ? (uint64_t)(unsigned)(row->impacts + 1) : 0);
+static uint64_t key_of(int verdict, int impacts, int periods) {
+    bool periodic = verdict == SALTUS_PERIODIC;
+    return (uint64_t)(unsigned)verdict << 56 | (periodic ? (uint64_t)(unsigned)periods << 36 : 0) |
+           (periodic ? (uint64_t)(unsigned)(impacts + 1) : 0);
 }
 
 static int by_key(const void *a, const void *b) {
@@ -143,88 +194,69 @@ static int index_of(const uint64_t *keys, int count, uint64_t key) {
     return (int)((const uint64_t *)bsearch(&key, keys, (size_t)count, sizeof key, by_key) - keys);
 }
 
-/* Whether a class comes before another of the same period in the order of shades: fewer impacts. */
-static bool paler(const saltus_sweep_class *a, const saltus_sweep_class *b) {
-    return a->verdict == SALTUS_PERIODIC && a->shown && (a->impacts < 0) == (b->impacts < 0) &&
-           (a->impacts < 0 ? a->periods < b->periods
-                           : a->periods == b->periods && a->impacts > 0 && a->impacts < b->impacts);
-}
-
-/* Classes of one period that hardly occur take less of the range of shades than the others. */
-static double step_of(const saltus_sweep_class *c, double most) {
-    const double rare = 0.03, part = 0.3;
-    return c->share < rare * most ? part : 1;
-}
-
-/* Where a class stands among the shades of its period, from 0 (few impacts) to 1. */
-static double shade_of(const saltus_classes *classes, const saltus_sweep_class *c) {
-    double most = c->share, before = 0, after = 0;
-    for (int k = 0; k < classes->count; k++)
-        if (paler(&classes->list[k], c) || paler(c, &classes->list[k]))
-            most = fmax(most, classes->list[k].share);
-    for (int k = 0; k < classes->count; k++) {
-        const saltus_sweep_class *other = &classes->list[k];
-        before += paler(other, c) ? step_of(other, most) : 0;
-        after += other->shown && paler(c, other) ? step_of(other, most) : 0;
-    }
-    double own = step_of(c, most);
-    return (before + 0.5 * own) / (before + own + after);
-}
-
-/* Hues of the families: periods 1 to 8, chatter. */
-static const double family_hues[SALTUS_FAMILIES] = {0, 255, 55, 155, 300, 100, 25, 205, 128, 350};
-
-int saltus_class_family(const saltus_sweep_class *c) {
-    return c->impacts < 0 ? (int)SALTUS_FAMILY_CHATTER : c->periods < SALTUS_FAMILY_CHATTER ? c->periods : 0;
-}
-
-/* Hue tells the period and lightness the number of impacts, from few to many in equal steps; motions with
- * complete chatter have a hue of their own. */
-static uint32_t shade(const saltus_classes *classes, const saltus_sweep_class *c) {
-    int family = saltus_class_family(c);
-    double hue = family ? family_hues[family] : fmod(137.5 * c->periods, 360);
-    double chroma = family == SALTUS_FAMILY_CHATTER ? 0.17 : family ? 0.135 : 0.07;
-    if (c->impacts == 0)
-        return saltus_colour(0.945, 0.03, hue);
-    double place = shade_of(classes, c);
-    return saltus_colour(0.88 - 0.54 * place, chroma, hue + 24 * (place - 0.5));
-}
-
-/* Every class with a colour of its own, the most frequent n/p among them; the others share one with those of
- * their family. */
-static void set_colours(saltus_classes *classes) {
+/* The period has a hue; where hues look alike without red a texture tells them apart. Lightness counts the
+ * impacts from one to six, and again with posts. */
+saltus_paint saltus_class_paint(int verdict, int impacts, int periods) {
     static const uint32_t plain[SALTUS_VERDICTS] = {
-        [SALTUS_PENDING] = 0xffffff,     [SALTUS_PERIODIC] = 0xa08f78,      [SALTUS_EQUILIBRIUM] = 0x5d7f8c,
-        [SALTUS_HELD] = 0x4b5963,        [SALTUS_QUASIPERIODIC] = 0xb4e3d6, [SALTUS_CHAOTIC] = 0x17171a,
-        [SALTUS_LONG_PERIOD] = 0x97939c, [SALTUS_UNDECIDED] = 0xc6c6c6,     [SALTUS_FAILED] = 0xff2d78,
-        [SALTUS_TRANSIENT] = 0x6b6870};
-    int shown = 0;
-    for (int k = 0; k < classes->count; k++) {
-        saltus_sweep_class *c = &classes->list[k];
-        c->colour = plain[c->verdict];
-        int family = c->verdict == SALTUS_PERIODIC ? saltus_class_family(c) : 0;
-        if (family)
-            c->colour = saltus_colour(0.5, 0.055, family_hues[family]);
-        c->shown = c->verdict != SALTUS_PERIODIC || shown < SALTUS_CLASSES_SHOWN;
-        shown += c->verdict == SALTUS_PERIODIC;
-    }
-    for (int k = 0; k < classes->count; k++)
-        if (classes->list[k].verdict == SALTUS_PERIODIC && classes->list[k].shown)
-            classes->list[k].colour = shade(classes, &classes->list[k]);
+        [SALTUS_PENDING] = 0xffffff,       [SALTUS_EQUILIBRIUM] = 0x5d7f8c, [SALTUS_HELD] = 0x4b5963,
+        [SALTUS_QUASIPERIODIC] = 0xb4e3d6, [SALTUS_CHAOTIC] = 0x17171a,     [SALTUS_LONG_PERIOD] = 0x97939c,
+        [SALTUS_UNDECIDED] = 0xc6c6c6,     [SALTUS_FAILED] = 0xff2d78,      [SALTUS_TRANSIENT] = 0x6b6870};
+    static const struct {
+        double hue, lightness; /* of one impact */
+        unsigned texture;
+    } family[] = {{0, 0.84, SALTUS_BARS | SALTUS_POSTS}, /* chatter */
+                  {255, 0.84, 0},
+                  {80, 0.84, 0},
+                  {300, 0.84, SALTUS_DOTS},
+                  {165, 0.795, 0},
+                  {45, 0.84, SALTUS_BARS},
+                  {80, 0.795, SALTUS_DOTS},
+                  {205, 0.795, SALTUS_BARS},
+                  {120, 0.84, SALTUS_DOTS | SALTUS_BARS}};
+    enum { families = sizeof family / sizeof family[0], steps = 6 };
+    if (verdict == SALTUS_BEYOND)
+        return (saltus_paint){0xf4f4f4, SALTUS_POSTS};
+    if (verdict != SALTUS_PERIODIC)
+        return (saltus_paint){plain[verdict], 0};
+    bool own = impacts >= 0 && periods < families;
+    int f = impacts < 0 ? 0 : own ? periods : families - 1, count = impacts < 0 ? periods : impacts;
+    double hue = own || impacts < 0 ? family[f].hue : fmod(137.5 * periods, 360), chroma = own ? 0.12 : 0.06;
+    if (count == 0)
+        return (saltus_paint){saltus_colour(0.94, own ? 0.06 : 0.03, hue), family[f].texture};
+    double lightness = family[f].lightness - 0.09 * ((count - 1) % steps);
+    return (saltus_paint){saltus_colour(lightness, chroma, hue),
+                          family[f].texture | (count > steps ? (unsigned)SALTUS_POSTS : 0)};
+}
+
+uint32_t saltus_paint_at(saltus_paint paint, int x, int y) {
+    enum { apart = 9 };
+    const double ink = 0.22;
+    int row = y / apart, shift = row % 2 * (apart / 2);
+    bool marked = ((paint.texture & SALTUS_DOTS) && y % apart < 2 && (x + shift) % apart < 2) ||
+                  ((paint.texture & SALTUS_BARS) && (y + 4) % apart == 0) ||
+                  ((paint.texture & SALTUS_POSTS) && (x + 4) % apart == 0);
+    return marked
+               ? saltus_colour_mix(paint.colour, saltus_colour_light(paint.colour) ? 0x000000 : 0xffffff, ink)
+               : paint.colour;
 }
 
 /* Fill the list of classes, the most frequent first, and note the class of each row. */
-static bool fill(saltus_classes *classes, const saltus_sweep_file *sweep, const uint64_t *keys) {
+static bool fill(saltus_classes *classes, const saltus_sweep_file *sweep, const uint64_t *keys,
+                 const uint64_t *of_rows) {
     int n = classes->count, *moved = calloc((size_t)n, sizeof *moved);
     for (long long row = 0; row < sweep->row_count && moved; row++) {
-        int k = index_of(keys, n, key_of(&sweep->rows[row]));
+        int k = index_of(keys, n, of_rows[row]);
         saltus_sweep_class *c = &classes->list[k];
         classes->of_row[row] = k;
         if (c->share == 0) {
-            saltus_sweep_label(&sweep->rows[row], c->label);
-            c->verdict = sweep->rows[row].verdict;
+            c->verdict = (int)(of_rows[row] >> 56);
             c->impacts = c->verdict == SALTUS_PERIODIC ? sweep->rows[row].impacts : 0;
             c->periods = c->verdict == SALTUS_PERIODIC ? sweep->rows[row].periods : 0;
+            c->paint = saltus_class_paint(c->verdict, c->impacts, c->periods);
+            if (c->verdict == SALTUS_BEYOND)
+                snprintf(c->label, sizeof c->label, "beyond a stop");
+            else
+                saltus_sweep_label(&sweep->rows[row], c->label);
         }
         c->share += 1.0 / (double)sweep->row_count;
     }
@@ -232,13 +264,10 @@ static bool fill(saltus_classes *classes, const saltus_sweep_file *sweep, const 
         qsort(classes->list, (size_t)n, sizeof *classes->list, by_share);
         for (int k = 0; k < n; k++) {
             const saltus_sweep_class *c = &classes->list[k];
-            const saltus_sweep_row row = {
-                .verdict = c->verdict, .impacts = c->impacts, .periods = c->periods};
-            moved[index_of(keys, n, key_of(&row))] = k;
+            moved[index_of(keys, n, key_of(c->verdict, c->impacts, c->periods))] = k;
         }
         for (long long row = 0; row < sweep->row_count; row++)
             classes->of_row[row] = moved[classes->of_row[row]];
-        set_colours(classes);
     }
     free(moved);
     return moved != NULL;
@@ -246,18 +275,21 @@ static bool fill(saltus_classes *classes, const saltus_sweep_file *sweep, const 
 
 bool saltus_classes_open(saltus_classes *classes, const saltus_sweep_file *sweep) {
     *classes = (saltus_classes){0};
-    uint64_t *keys = calloc((size_t)sweep->row_count, sizeof *keys);
-    classes->of_row = calloc((size_t)sweep->row_count, sizeof *classes->of_row);
-    bool sound = keys && classes->of_row;
+    size_t count = (size_t)sweep->row_count;
+    uint64_t *keys = calloc(count, sizeof *keys), *of_rows = calloc(count, sizeof *of_rows);
+    classes->of_row = calloc(count, sizeof *classes->of_row);
+    bool sound = keys && of_rows && classes->of_row;
     for (long long row = 0; row < sweep->row_count && sound; row++)
-        keys[row] = key_of(&sweep->rows[row]);
+        keys[row] = of_rows[row] =
+            key_of(saltus_sweep_verdict(sweep, row), sweep->rows[row].impacts, sweep->rows[row].periods);
     if (sound) {
-        qsort(keys, (size_t)sweep->row_count, sizeof *keys, by_key);
+        qsort(keys, count, sizeof *keys, by_key);
         classes->count = unify(keys, sweep->row_count);
         classes->list = calloc((size_t)classes->count, sizeof *classes->list);
-        sound = classes->list && fill(classes, sweep, keys);
+        sound = classes->list && fill(classes, sweep, keys, of_rows);
     }
     free(keys);
+    free(of_rows);
     return sound;
 }
 

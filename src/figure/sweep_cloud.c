@@ -1,6 +1,5 @@
 /* Diagrams of sweeps over one axis: clouds of points, and numbers told of each trajectory.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "figure/gnuplot.h"
 #include "figure/sweep.h"
 #include "record/describe.h"
 
@@ -138,9 +137,12 @@ static void add_branches(const saltus_sweep_page *page, saltus_range *range) {
     for (int i = 0; page->branches && i < page->branches->count; i++)
         for (int k = 0; k < page->branches->files[i].point_count; k++) {
             const saltus_branch_point *point = &page->branches->files[i].points[k];
-            double x = saltus_plot_x(point);
-            if (x >= page->x.range.low && x <= page->x.range.high)
-                saltus_range_add(range, saltus_plot_y(page->branches, point));
+            const saltus_visits *visits = page->branches->visits ? &page->branches->visits[i][k] : NULL;
+            if (!saltus_plot_shown(page->branches, point))
+                continue;
+            saltus_range_add(range, saltus_plot_y(page->branches, point));
+            for (int v = 0; visits && v < visits->count; v++)
+                saltus_range_add(range, visits->list[v].value);
         }
 }
 
@@ -168,8 +170,11 @@ static saltus_status find_range(saltus_sweep_page *page, saltus_message *message
         for (int cell = 0; cell < page->x.count; cell++) {
             long long row = row_of(page, pass, cell);
             for (int seed = 0; seed < page->sweep->options.seeds && in_range(page, cell); seed++)
-                for (long long k = 0; k < cloud_count(page, row + seed); k++)
-                    saltus_range_add(&found, cloud_value(page, row + seed, k));
+                for (long long k = 0; k < cloud_count(page, row + seed); k++) {
+                    double value = cloud_value(page, row + seed, k);
+                    if (!page->logarithmic || value > 0)
+                        saltus_range_add(&found, value);
+                }
         }
     add_branches(page, &found);
     if (!(found.low <= found.high) && page->view == SALTUS_VIEW_LYAPUNOV && saltus_sweep_any_lost(page))
@@ -178,10 +183,17 @@ static saltus_status find_range(saltus_sweep_page *page, saltus_message *message
         return saltus_fail(message, SALTUS_BAD_INPUT,
                            "%.200s: there is nothing to show in view %s from %s = %.6g to %.6g", page->path,
                            saltus_view_word(page->view), page->x.key, page->x.range.low, page->x.range.high);
-    if (!page->asked) {
-        page->up = found;
+    if (page->logarithmic && !((page->asked ? page->up.low : found.low) > 0))
+        return saltus_fail(message, SALTUS_BAD_INPUT,
+                           "%.200s: logarithmic axis %s: its values must be positive", page->path,
+                           saltus_view_word(page->view));
+    if (page->asked)
+        return SALTUS_OK;
+    page->up = found;
+    if (page->logarithmic)
+        page->up = (saltus_range){found.low / 1.3, found.high * 1.3};
+    else
         pad_range(page, &page->up);
-    }
     return SALTUS_OK;
 }
 
@@ -236,12 +248,18 @@ static bool linked(const saltus_sweep_page *page, bool dense) {
     return !dense && !saltus_view_is_cloud(page->view) && page->sweep->options.seeds == 1;
 }
 
+/* Where a value lies up the panel, from 0 to 1. */
+static double part_up(const saltus_sweep_page *page, double value) {
+    return page->logarithmic ? log(fmax(value, 1e-300) / page->up.low) / log(page->up.high / page->up.low)
+                             : (value - page->up.low) / (page->up.high - page->up.low);
+}
+
 /* The cloud of a pass as a density. Samples fill their cells; those farther apart than a few pixels are
  * dots. */
 static bool paint_pass(const saltus_sweep_page *page, int pass, int fineness, saltus_raster *raster) {
     const double widest = 4, dot = 2.4, flat = 1.6;
     saltus_tally tally;
-    double width = raster->width, height = raster->height, span = page->up.high - page->up.low;
+    double width = raster->width, height = raster->height;
     if (!saltus_tally_open(&tally, raster->width, raster->height))
         return false;
     for (int cell = 0; cell < page->x.count; cell++) {
@@ -252,7 +270,7 @@ static bool paint_pass(const saltus_sweep_page *page, int pass, int fineness, sa
         for (int seed = 0; seed < page->sweep->options.seeds && in_range(page, cell); seed++) {
             long long row = row_of(page, pass, cell) + seed, count = cloud_count(page, row);
             for (long long k = 0; k < count; k++) {
-                double y = height * (cloud_value(page, row, k) - page->up.low) / span;
+                double y = height * part_up(page, cloud_value(page, row, k));
                 saltus_tally_add(&tally, middle - half, middle + half, y, (apart ? dot : flat) * fineness,
                                  1 / (double)count);
             }
@@ -271,9 +289,10 @@ static bool paint(const saltus_sweep_page *page, saltus_raster rasters[SALTUS_PA
         bool sound = true;
         for (int pass = 0; pass < page->sweep->pass_count && sound; pass++) {
             saltus_raster_close(&rasters[pass]);
-            sound = saltus_raster_open(&rasters[pass], fineness * (page->frame.right - page->frame.left),
-                                       fineness * (page->frame.top - page->frame.bottom)) &&
-                    paint_pass(page, pass, fineness, &rasters[pass]);
+            sound =
+                saltus_raster_open(&rasters[pass], (int)(fineness * (page->frame.right - page->frame.left)),
+                                   (int)(fineness * (page->frame.top - page->frame.bottom))) &&
+                paint_pass(page, pass, fineness, &rasters[pass]);
             changes += sound ? saltus_raster_changes(&rasters[pass]) : 0;
         }
         if (!sound)
@@ -367,30 +386,64 @@ static void put_plot(const saltus_sweep_page *page, const saltus_raster *rasters
         saltus_raster_bytes(file, &rasters[pass_drawn(page, k)]);
 }
 
-/* The diagram above its strip of classes; a legend where there is something to explain. */
-static saltus_frame place_frames(saltus_sweep_page *page) {
-    enum { band = 20, apart = 7, bottom = 96, left = 150, right = 1550 };
-    int legend = (page->branches != NULL) + (page->sweep->pass_count > 1); /* rows */
-    int strip = bottom + band * page->sweep->pass_count;
-    page->frame = (saltus_frame){left, right, strip + apart,
-                                 (int)((page->caption - 0.022) * SALTUS_PAGE_HEIGHT) - 22 * legend};
-    if (legend)
+static void set_sides(saltus_sweep_page *page) {
+    bool narrow = page->paper.width < 1000;
+    page->frame.left = narrow ? 112 : 150;
+    page->frame.right = page->paper.width - (narrow ? 34 : 50);
+}
+
+/* The diagram above its strip of classes; legends where there is something to explain. */
+static bool place_frames(saltus_sweep_page *page, saltus_plot_page *curves, saltus_frame *strip) {
+    const double band = 20, apart = 7;
+    saltus_page *paper = &page->paper;
+    double height = 0;
+    page->frame = saltus_page_rest(paper, 26.4);
+    if (page->branches) {
+        curves->page = paper;
+        curves->file = page->file;
+        page->frame.top -= saltus_plot_legend_place(curves, paper->top);
+    } else if (page->sweep->pass_count > 1) {
         fprintf(page->file,
                 "set key at screen 0.03, screen %.4f left top horizontal Left reverse samplen 1.8 width 1 "
-                "maxrows %d font ',11' textcolor rgb '#303030'\n",
-                page->caption + 0.008, legend);
-    return (saltus_frame){left, right, bottom, strip};
+                "maxrows 1 font ',11' textcolor rgb '#303030'\n",
+                fmin(paper->top + 9.6, paper->height - 4) / paper->height);
+        page->frame.top -= 22;
+    }
+    set_sides(page);
+    if (!saltus_sweep_put_strip_legend(page, page->frame, page->frame.top + 22, true, &height))
+        return false;
+    page->frame.top -= height;
+    *strip = page->frame;
+    strip->top = page->frame.bottom + band * page->sweep->pass_count;
+    page->frame.bottom = strip->top + apart;
+    return true;
+}
+
+/* A page whose height is free has room for the legends. */
+static bool choose_height(saltus_sweep_page *page) {
+    double height = 0;
+    int rows;
+    if (!page->paper.free_height)
+        return true;
+    set_sides(page);
+    bool sound = saltus_sweep_put_strip_legend(page, page->frame, 0, false, &height);
+    page->paper.height +=
+        height + (page->branches ? saltus_plot_legend_height(page->branches, page->paper.width, &rows) : 0);
+    return sound;
 }
 
 saltus_status saltus_sweep_put_diagram(saltus_sweep_page *page, saltus_message *message) {
     saltus_raster rasters[SALTUS_PASSES] = {{0}};
     saltus_plot_page curves;
+    saltus_frame strip;
     saltus_line name = {.length = 0};
     FILE *file = page->file;
     saltus_status status = find_range(page, message);
     if (status != SALTUS_OK)
         return status;
-    bool dense = points_shown(page) > drawn_singly, sound = true;
+    bool dense = points_shown(page) > drawn_singly;
+    bool sound = choose_height(page);
+    saltus_page_begin(&page->paper);
     put_faces(page);
     if (!dense)
         put_points(page);
@@ -398,30 +451,37 @@ saltus_status saltus_sweep_put_diagram(saltus_sweep_page *page, saltus_message *
         put_links(page);
     if (page->branches) {
         curves = *page->branches;
-        curves.file = file;
         curves.x = page->x.range;
         curves.y = page->up;
-        page->branches = &curves;
-        saltus_plot_data(&curves);
+        curves.logarithmic[0] = page->x.logarithmic;
+        curves.logarithmic[1] = page->logarithmic;
     }
     fputs("set multiplot\n", file);
     saltus_sweep_caption(page);
-    saltus_frame strip = place_frames(page);
+    sound = sound && place_frames(page, &curves, &strip);
+    if (page->branches) {
+        curves.frame = page->frame;
+        page->branches = &curves;
+        sound = saltus_plot_data(&curves) && sound;
+    }
     if (page->view == SALTUS_VIEW_LYAPUNOV && !dense)
         saltus_sweep_put_exponents(page);
     if (dense)
-        sound = paint(page, rasters);
+        sound = sound && paint(page, rasters);
     if (sound) {
-        saltus_sweep_put_frame(file, page->frame);
+        saltus_page_frame(&page->paper, page->frame);
         saltus_sweep_put_axis(page, 'x', &page->x);
         saltus_sweep_name_measure(page, &name);
-        fprintf(file,
-                "set ylabel '%s' offset -0.6,0\nset yrange [%.9g:%.9g]\nunset xlabel\nset format x ''\n",
-                name.text, page->up.low, page->up.high);
-        if (page->branches && !page->x.logarithmic)
+        saltus_page_axis(&page->paper, 'y', name.text, page->up);
+        fputs("unset xlabel\nset format x ''\n", file);
+        if (page->logarithmic) {
+            fputs("set logscale y\n", file);
+            saltus_page_log_tics(&page->paper, 'y', page->up);
+        }
+        if (page->branches)
             saltus_plot_labels(page->branches);
         put_plot(page, rasters, dense);
-        fputs("unset label\nunset object\nunset arrow\nset key off\n", file);
+        saltus_page_template(&page->paper, "close");
         sound = saltus_sweep_put_strip(page, strip);
         fputs("unset multiplot\n", file);
     }

@@ -8,7 +8,13 @@
 
 /* What a point of a figure of basins is that belongs to no attractor; these kinds follow those of the
  * attractors. */
-typedef enum plain_kind { plain_undecided, plain_failed, plain_pending, plain_kinds } plain_kind;
+typedef enum plain_kind {
+    plain_undecided,
+    plain_failed,
+    plain_beyond,
+    plain_pending,
+    plain_kinds
+} plain_kind;
 
 static bool open_kinds(saltus_map *map, int count) {
     map->kind_count = count;
@@ -19,24 +25,35 @@ static bool open_kinds(saltus_map *map, int count) {
 
 static void name_kind(saltus_map_kind *kind, const char *label, uint32_t colour) {
     snprintf(kind->label, sizeof kind->label, "%s", label);
-    kind->colour = colour;
+    kind->paint = (saltus_paint){colour, 0};
 }
 
-/* Count the points of each kind and put the shares into the legend. */
+bool saltus_map_shows(const saltus_map *map, long long point) {
+    const saltus_sweep_page *page = map->page;
+    const saltus_axis *axes = page->sweep->axes;
+    double value[2] = {axes[0].list[point % axes[0].count], axes[1].list[point / axes[0].count]};
+    bool swap = page->wish->look.swap;
+    return value[swap] >= page->x.range.low && value[swap] <= page->x.range.high &&
+           value[!swap] >= page->y.range.low && value[!swap] <= page->y.range.high;
+}
+
+/* Count the points of each kind that are shown and put the shares into the legend. */
 static void add_shares(saltus_map *map) {
-    long long points = map->page->sweep->points;
+    long long points = map->page->sweep->points, shown = 0;
     for (long long p = 0; p < points; p++)
-        map->kinds[map->kind[p]].count++;
+        if (saltus_map_shows(map, p)) {
+            map->kinds[map->kind[p]].count++;
+            shown++;
+        }
     for (int k = 0; k < map->kind_count; k++) {
-        double share = 100 * (double)map->kinds[k].count / (double)points;
+        double share = 100 * (double)map->kinds[k].count / (double)(shown ? shown : 1);
         size_t used = strlen(map->kinds[k].figures);
         snprintf(map->kinds[k].figures + used, sizeof map->kinds[k].figures - used, "%s%.*f %%",
                  used ? ",  " : "", share < 9.95 ? 1 : 0, share);
     }
 }
 
-/* Words for a class in the legend. */
-static void word_class(const saltus_sweep_file *sweep, const saltus_sweep_class *c, char label[64]) {
+void saltus_sweep_word_class(const saltus_sweep_file *sweep, const saltus_sweep_class *c, char label[64]) {
     bool measured = (sweep->options.keep & SALTUS_KEEP_LYAPUNOV) && sweep->options.measure > 0;
     if (c->verdict == SALTUS_UNDECIDED && !measured)
         snprintf(label, 64, "no period up to %d", sweep->options.longest);
@@ -56,49 +73,29 @@ static void word_class(const saltus_sweep_file *sweep, const saltus_sweep_class 
         snprintf(label, 64, "%.31s", c->label);
 }
 
-/* Names for what is lumped together: the other classes of each family. */
-static void name_rest(saltus_map_kind *kinds, const int *others) {
-    for (int f = 0; f < SALTUS_FAMILIES; f++) {
-        char periods[32] = "{/:Italic p}";
-        if (f > 0 && f < SALTUS_FAMILY_CHATTER)
-            snprintf(periods, sizeof periods, "%d", f);
-        snprintf(kinds[f].label, sizeof kinds[f].label,
-                 f == SALTUS_FAMILY_CHATTER ? "%d other chatter" : "%d other {/:Italic n}/%s", others[f],
-                 periods);
-    }
+bool saltus_map_periodic(const saltus_map *map, int kind) {
+    return map->page->view == SALTUS_VIEW_CLASS && map->page->classes.list[kind].verdict == SALTUS_PERIODIC;
 }
 
-/* Classes; those without an entry of their own are lumped together by families, in the last kinds. */
 bool saltus_map_classes(saltus_map *map) {
     const saltus_sweep_page *page = map->page;
     const saltus_sweep_file *sweep = page->sweep;
-    int others[SALTUS_FAMILIES] = {0}, rest = page->classes.count;
-    int *target = calloc((size_t)rest, sizeof *target);
     map->several = calloc((size_t)sweep->points, 1);
-    if (!target || !map->several || !open_kinds(map, rest + SALTUS_FAMILIES)) {
-        free(target);
+    if (!map->several || !open_kinds(map, page->classes.count))
         return false;
-    }
-    for (int k = 0; k < rest; k++) {
+    for (int k = 0; k < page->classes.count; k++) {
         const saltus_sweep_class *c = &page->classes.list[k];
-        target[k] = c->shown ? k : rest + saltus_class_family(c);
-        map->kinds[target[k]].colour = c->colour;
-        if (!c->shown) {
-            others[saltus_class_family(c)]++;
-            continue;
-        }
-        word_class(sweep, c, map->kinds[k].label);
+        map->kinds[k].paint = c->paint;
+        saltus_sweep_word_class(sweep, c, map->kinds[k].label);
         if (c->verdict == SALTUS_PERIODIC || c->verdict == SALTUS_CHAOTIC ||
             c->verdict == SALTUS_QUASIPERIODIC)
             snprintf(map->kinds[k].name, sizeof map->kinds[k].name, "%s", c->label);
     }
-    name_rest(map->kinds + rest, others);
     for (long long p = 0; p < sweep->points; p++) {
         bool several;
-        map->kind[p] = target[saltus_sweep_class_at(page, p, &several)];
+        map->kind[p] = saltus_sweep_class_at(page, p, &several);
         map->several[p] = several;
     }
-    free(target);
     add_shares(map);
     return true;
 }
@@ -177,35 +174,34 @@ bool saltus_map_basins(saltus_map *map) {
                      sweep->attractor_multiplier[k]);
     }
     name_kind(&map->kinds[n + plain_undecided], "undecided", 0xc6c6c6);
-    name_kind(&map->kinds[n + plain_failed], "beyond a stop, or failed", 0xffffff);
+    name_kind(&map->kinds[n + plain_failed], "failed", 0xff2d78);
+    name_kind(&map->kinds[n + plain_beyond], "beyond a stop", 0xffffff);
+    map->kinds[n + plain_beyond].paint = saltus_class_paint(SALTUS_BEYOND, 0, 0);
     name_kind(&map->kinds[n + plain_pending], "not computed yet", 0xffffff);
     for (long long p = 0; p < sweep->points; p++) {
         const saltus_sweep_row *row = &sweep->rows[saltus_sweep_visit(sweep, p, 0)];
-        map->kind[p] = row->attractor >= 0              ? row->attractor
-                       : row->verdict == SALTUS_FAILED  ? n + (int)plain_failed
-                       : row->verdict == SALTUS_PENDING ? n + (int)plain_pending
-                                                        : n + (int)plain_undecided;
+        int verdict = saltus_sweep_verdict(sweep, saltus_sweep_visit(sweep, p, 0));
+        map->kind[p] = row->attractor >= 0         ? row->attractor
+                       : verdict == SALTUS_BEYOND  ? n + (int)plain_beyond
+                       : verdict == SALTUS_FAILED  ? n + (int)plain_failed
+                       : verdict == SALTUS_PENDING ? n + (int)plain_pending
+                                                   : n + (int)plain_undecided;
     }
     shade_basins(map);
     add_shares(map);
     return true;
 }
 
-/* Which entry of a state a key names: q1, v1, z1, ...; negative or beyond the last one: none. */
-static int entry_of(const saltus_map *map, const char *key) {
-    int k = atoi(key + 1) - 1, dof = saltus_system_dof(map->page->system);
-    return key[0] == 'z' ? k + 2 * dof : key[0] == 'v' ? k + dof : k;
-}
-
 void saltus_map_put_orbits(const saltus_map *map) {
     const saltus_sweep_file *sweep = map->page->sweep;
-    int across = entry_of(map, sweep->axes[0].key), up = entry_of(map, sweep->axes[1].key);
+    int across = saltus_sweep_entry(map->page->system, map->page->x.key),
+        up = saltus_sweep_entry(map->page->system, map->page->y.key);
     for (int k = 0; k < sweep->attractor_count; k++) {
         fprintf(map->page->file, "$orbit_%d << EOD\n# stroboscopic points of an attractor\nNaN NaN\n", k);
         for (long long p = 0; p < sweep->attractor_points[k]; p++) {
             const double *state =
                 sweep->attractor_states + (sweep->attractor_first[k] + p) * sweep->dimension;
-            if (across >= 0 && across < sweep->dimension && up >= 0 && up < sweep->dimension)
+            if (across >= 0 && up >= 0)
                 fprintf(map->page->file, "%.9g %.9g\n", state[across], state[up]);
         }
         fputs("EOD\n", map->page->file);
@@ -217,5 +213,5 @@ void saltus_map_put_orbit_elements(const saltus_map *map) {
         fprintf(map->page->file,
                 ", \\\n     $orbit_%d using 1:2 with points pt 7 ps 1.7 lc rgb '#ffffff' notitle"
                 ", \\\n     $orbit_%d using 1:2 with points pt 7 ps 1.2 lc rgb '#%06x' notitle",
-                k, k, (unsigned)map->kinds[k].colour);
+                k, k, (unsigned)map->kinds[k].paint.colour);
 }

@@ -8,7 +8,8 @@
 
 /* Point of the grid at a cell of each axis. */
 static long long point_of(const saltus_map *map, int column, int row) {
-    return map->page->x.order[column] + (long long)map->page->y.order[row] * map->page->x.count;
+    long long across = map->page->x.order[column], up = map->page->y.order[row];
+    return map->page->wish->look.swap ? up + across * map->page->y.count : across + up * map->page->x.count;
 }
 
 /* Step between the cells that are looked at for a pixel along one axis: about `looks` of them. */
@@ -59,13 +60,6 @@ static double number_at(const saltus_map *map, saltus_span column, saltus_span r
     return count ? sum / count : NAN;
 }
 
-static uint32_t mix(uint32_t a, uint32_t b, double part) {
-    uint32_t mixed = 0;
-    for (int k = 16; k >= 0; k -= 8)
-        mixed = mixed << 8 | (uint32_t)lround((1 - part) * (a >> k & 0xff) + part * (b >> k & 0xff));
-    return mixed;
-}
-
 /* A pixel of one kind; lines across it where there is more than one attractor. */
 static void paint_kind(saltus_map *map, int x, int y, int fineness) {
     enum { hatch = 10 };
@@ -74,19 +68,22 @@ static void paint_kind(saltus_map *map, int x, int y, int fineness) {
     int kind = kind_at(map, map->columns[x], map->rows[y], &point);
     if (kind < 0)
         return;
-    uint32_t colour = map->kinds[kind].colour;
+    uint32_t colour = saltus_paint_at(map->kinds[kind].paint, x / fineness, y / fineness);
     if (map->number)
-        colour = mix(colour, 0xffffff, map->number[point]);
+        colour = saltus_colour_mix(colour, 0xffffff, map->number[point]);
     if (map->several && map->several[point] && (x + y) / fineness % hatch == 0)
-        colour = mix(colour, saltus_colour_light(colour) ? 0x000000 : 0xffffff, ink);
+        colour = saltus_colour_mix(colour, saltus_colour_light(colour) ? 0x000000 : 0xffffff, ink);
     saltus_raster_set(&map->raster, x, y, colour, 1);
 }
 
 /* Colour of a point that has no number: not computed, failed, or nothing to tell. */
 static uint32_t without_number(const saltus_map *map, long long point) {
     const saltus_sweep_file *sweep = map->page->sweep;
-    int verdict = sweep->rows[saltus_sweep_visit(sweep, point, 0)].verdict;
-    return verdict == SALTUS_PENDING ? 0xffffff : verdict == SALTUS_FAILED ? 0xff2d78 : 0xc6c6c6;
+    int verdict = saltus_sweep_verdict(sweep, saltus_sweep_visit(sweep, point, 0));
+    return verdict == SALTUS_BEYOND    ? 0xf4f4f4
+           : verdict == SALTUS_PENDING ? 0xffffff
+           : verdict == SALTUS_FAILED  ? 0xff2d78
+                                       : 0xc6c6c6;
 }
 
 static void paint_number(saltus_map *map, int x, int y) {
@@ -99,8 +96,9 @@ static void paint_number(saltus_map *map, int x, int y) {
 
 static bool paint(saltus_map *map) {
     const saltus_sweep_page *page = map->page;
-    int fineness = saltus_sweep_fineness(page), width = fineness * (page->frame.right - page->frame.left),
-        height = fineness * (page->frame.top - page->frame.bottom);
+    int fineness = saltus_sweep_fineness(page),
+        width = (int)(fineness * (page->frame.right - page->frame.left)),
+        height = (int)(fineness * (page->frame.top - page->frame.bottom));
     map->columns = calloc((size_t)width, sizeof *map->columns);
     map->rows = calloc((size_t)height, sizeof *map->rows);
     if (!map->columns || !map->rows || !saltus_raster_open(&map->raster, width, height))
@@ -143,23 +141,39 @@ static bool any_several(const saltus_map *map) {
     return map->several && memchr(map->several, 1, (size_t)map->page->sweep->points);
 }
 
-/* How many kinds come before one in the legend: those of more points. */
-static int rank_of(const saltus_map *map, int k) {
-    int before = 0;
-    for (int j = 0; j < map->kind_count; j++)
-        before += map->kinds[j].count > map->kinds[k].count ||
-                  (map->kinds[j].count == map->kinds[k].count && j < k);
-    return before;
+/* Whether one kind comes before another in the legend: it has more points. */
+static bool precedes(const saltus_map *map, int j, int k) {
+    return map->kinds[j].count > map->kinds[k].count || (map->kinds[j].count == map->kinds[k].count && j < k);
 }
 
-static void put_note(const saltus_map *map, int x, int y, const char *text) {
-    fprintf(map->page->file, "set label '%s' at screen %.6f,%.6f left front font ',11' tc rgb '#606060'\n",
-            text, (double)x / SALTUS_PAGE_WIDTH, (double)y / SALTUS_PAGE_HEIGHT);
+/* The place of a kind in a legend of so many, from 0, or -1 where it has none: where room is short rare
+ * periodic motions give way, whatever is none keeps its entry. */
+static int place_in_legend(const saltus_map *map, int k, int most) {
+    int place = 0, others = 0, better = 0;
+    for (int j = 0; j < map->kind_count; j++) {
+        bool periodic = saltus_map_periodic(map, j);
+        others += map->kinds[j].count > 0 && !periodic;
+        better += periodic && precedes(map, j, k);
+    }
+    if (map->kinds[k].count == 0 || (saltus_map_periodic(map, k) && better >= most - others))
+        return -1;
+    for (int j = 0; j < map->kind_count; j++) {
+        int ahead = 0;
+        for (int i = 0; i < map->kind_count && saltus_map_periodic(map, j); i++)
+            ahead += saltus_map_periodic(map, i) && precedes(map, i, j);
+        place += map->kinds[j].count > 0 && precedes(map, j, k) &&
+                 (!saltus_map_periodic(map, j) || ahead < most - others);
+    }
+    return place;
+}
+
+static void put_note(const saltus_map *map, double x, double y, const char *text) {
+    saltus_page_label(&map->page->paper, text, x, y, "left front font ',11' tc rgb '#606060'");
 }
 
 /* What the signs in the map mean, above the legend. */
-static void put_heading(const saltus_map *map, int x, int y) {
-    enum { line_height = 24 };
+static void put_heading(const saltus_map *map, double x, double y) {
+    const double line_height = 24;
     const saltus_sweep_page *page = map->page;
     if (page->view == SALTUS_VIEW_CLASS)
         put_note(map, x, y,
@@ -172,48 +186,81 @@ static void put_heading(const saltus_map *map, int x, int y) {
     }
 }
 
-/* The legend beside the map, most frequent first. */
+/* The legend beside the map, or below it on a narrow page, the most frequent first; what has no room is
+ * counted. */
 static void put_legend(const saltus_map *map) {
-    enum { row_height = 32, side = 28, most = 26 };
+    const double row_height = 32, side = 28, bottom = 60;
     const saltus_sweep_page *page = map->page;
-    int x = page->frame.right + side, top = page->frame.top - 18, rows = 0;
+    bool below = map->legend_rows > 0;
+    double x = below ? 12 : page->frame.right + side,
+           top = below ? (map->legend_rows - 0.6) * row_height : page->frame.top - 18;
+    double width = (page->paper.width - 12) / 3;
+    int most = below ? 3 * map->legend_rows : (int)((top - bottom) / row_height), rest = 0, rows = 0;
+    int entries = any_several(map);
+    for (int k = 0; k < map->kind_count; k++)
+        entries += map->kinds[k].count > 0;
+    most -= any_several(map) + (entries > most);
+    double share = 0;
     for (int k = 0; k < map->kind_count; k++) {
-        int rank = rank_of(map, k);
-        if (map->kinds[k].count == 0 || rank >= most)
+        int rank = place_in_legend(map, k, most);
+        if (map->kinds[k].count == 0)
             continue;
-        saltus_sweep_put_entry(page->file, x, top - rank * row_height, map->kinds[k].colour, false,
-                               map->kinds[k].label, map->kinds[k].figures);
+        if (rank < 0) {
+            rest++;
+            share += (double)map->kinds[k].count;
+            continue;
+        }
+        saltus_sweep_put_entry(page, below ? x + rank % 3 * width : x,
+                               top - (below ? rank / 3 : rank) * row_height, map->kinds[k].paint, false,
+                               map->kinds[k].label, below ? "" : map->kinds[k].figures);
         rows = rank + 1 > rows ? rank + 1 : rows;
     }
-    put_heading(map, x, top + 46);
-    if (any_several(map))
-        saltus_sweep_put_entry(page->file, x, top - rows * row_height - row_height / 4, 0xffffff, true,
-                               "more than one attractor", "");
+    if (!below)
+        put_heading(map, x, top + 46);
+    if (any_several(map)) {
+        saltus_sweep_put_entry(page, below ? x + rows % 3 * width : x,
+                               below ? top - rows / 3 * row_height : top - rows * row_height - row_height / 4,
+                               (saltus_paint){0xffffff, 0}, true,
+                               below ? "several" : "more than one attractor", "");
+        rows++;
+    }
+    if (rest) {
+        char text[64];
+        long long shown = 0;
+        for (int k = 0; k < map->kind_count; k++)
+            shown += map->kinds[k].count;
+        share *= 100 / (double)shown;
+        snprintf(text, sizeof text, "%d more motions, %.*f %%", rest, share < 9.95 ? 1 : 0, share);
+        put_note(map, below ? x + rows % 3 * width : x,
+                 below ? top - rows / 3 * row_height + 9 : top - rows * row_height, text);
+    }
 }
 
 /* What the colours without number mean, above the map, as far as they occur. */
 static void put_exceptions(const saltus_map *map) {
-    enum { apart = 240 };
     bool measured = map->page->view == SALTUS_VIEW_LYAPUNOV;
-    const char *const words[] = {"not computed yet", "failed", measured ? "not measured" : "no period found"};
-    static const uint32_t colours[] = {0xffffff, 0xff2d78, 0xc6c6c6};
-    int x = 48, y = (int)(map->page->caption * SALTUS_PAGE_HEIGHT) - 8;
-    for (int k = 0; k < 3; k++) {
+    const char *const words[] = {"not computed yet", "failed", "beyond a stop",
+                                 measured ? "not measured" : "no period found"};
+    static const uint32_t colours[] = {0xffffff, 0xff2d78, 0xf4f4f4, 0xc6c6c6};
+    bool narrow = map->page->paper.width < 1000;
+    double x = narrow ? 12 : 48, y = map->page->paper.top - 8;
+    for (int k = 0; k < 4; k++) {
         bool occurs = false;
         for (long long p = 0; p < map->page->sweep->points && !occurs; p++)
-            occurs = isnan(map->number[p]) && without_number(map, p) == colours[k];
+            occurs =
+                isnan(map->number[p]) && saltus_map_shows(map, p) && without_number(map, p) == colours[k];
         if (!occurs)
             continue;
-        saltus_sweep_put_entry(map->page->file, x, y, colours[k], false, words[k], "");
-        x += apart;
+        saltus_page_entry(&map->page->paper, x, y, colours[k], words[k]);
+        x += narrow ? 165 : 240;
     }
 }
 
-/* Names, marks, the map itself and its axes. */
-static bool put_panel(const saltus_map *map) {
+/* Names, marks, the map itself, its axes and what is drawn over it. */
+static bool put_panel(saltus_map *map) {
     const saltus_sweep_page *page = map->page;
     FILE *file = page->file;
-    saltus_sweep_put_frame(file, page->frame);
+    saltus_page_frame(&page->paper, page->frame);
     saltus_sweep_put_axis(page, 'x', &page->x);
     saltus_sweep_put_axis(page, 'y', &page->y);
     saltus_sweep_put_raster_ranges(file, map->raster.width, map->raster.height);
@@ -222,13 +269,21 @@ static bool put_panel(const saltus_map *map) {
     else
         put_exceptions(map);
     bool sound = page->view != SALTUS_VIEW_CLASS || put_names(map);
+    if (page->branches)
+        saltus_plot_labels(page->branches);
     fputs("unset grid\nset border 15\nplot ", file);
     saltus_raster_element(file, &map->raster, "x2y2");
     if (page->view == SALTUS_VIEW_ATTRACTORS && page->sweep->basins)
         saltus_map_put_orbit_elements(map);
-    fputs(", NaN notitle\n", file);
+    if (page->branches) {
+        fputs(", \\\n", file);
+        saltus_plot_curves(page->branches);
+        saltus_plot_marks(page->branches);
+        saltus_plot_legend(page->branches);
+    } else
+        fputs(", NaN notitle\n", file);
     saltus_raster_bytes(file, &map->raster);
-    fputs("unset label\nunset object\nunset arrow\n", file);
+    saltus_page_template(&page->paper, "close");
     return sound;
 }
 
@@ -241,15 +296,40 @@ static bool fill(saltus_map *map) {
 }
 
 saltus_status saltus_sweep_put_map(saltus_sweep_page *page, saltus_message *message) {
-    enum { left = 150, bottom = 96, legend = 1190, bar = 1420 };
     saltus_map map = {.page = page};
-    bool sound = fill(&map), basins = page->view == SALTUS_VIEW_ATTRACTORS && page->sweep->basins;
+    saltus_page *paper = &page->paper;
+    saltus_plot_page curves;
+    bool sound = fill(&map), basins = page->view == SALTUS_VIEW_ATTRACTORS && page->sweep->basins,
+         narrow = paper->width < 1000;
+    for (int k = 0, entries = sound && any_several(&map); sound && narrow && map.kind && k < map.kind_count;
+         k++) {
+        entries += map.kinds[k].count > 0;
+        map.legend_rows = (entries < 18 ? entries + 2 : 18) / 3;
+    }
+    if (paper->free_height)
+        paper->height += 32 * map.legend_rows;
+    saltus_page_begin(paper);
     if (sound && basins)
         saltus_map_put_orbits(&map);
     fputs("set multiplot\n", page->file);
     saltus_sweep_caption(page);
-    page->frame = (saltus_frame){left, map.kind ? legend : bar, bottom,
-                                 (int)((page->caption - 0.022) * SALTUS_PAGE_HEIGHT) - (map.kind ? 0 : 12)};
+    page->frame = saltus_page_rest(paper, map.kind ? 26.4 : 38.4);
+    page->frame.left = narrow ? 112 : 150;
+    page->frame.right = narrow     ? paper->width - (map.kind ? 24 : 130)
+                        : map.kind ? paper->width - 410
+                                   : paper->width - 180;
+    page->frame.bottom += narrow ? 32 * map.legend_rows : 2.4;
+    if (page->branches) {
+        curves = *page->branches;
+        curves.page = paper;
+        curves.file = page->file;
+        curves.logarithmic[0] = page->x.logarithmic;
+        curves.logarithmic[1] = page->y.logarithmic;
+        page->frame.top -= saltus_plot_legend_place(&curves, paper->top);
+        curves.frame = page->frame;
+        page->branches = &curves;
+        sound = saltus_plot_data(&curves) && sound;
+    }
     sound = sound && paint(&map) && put_panel(&map) && (map.kind || saltus_map_put_bar(&map));
     fputs("unset multiplot\n", page->file);
     saltus_raster_close(&map.raster);

@@ -20,11 +20,17 @@ typedef struct saltus_map {
     unsigned char *several; /* more than one attractor */
     saltus_map_kind *kinds;
     int kind_count;
+    int legend_rows;    /* of a legend below the map; 0: it stands beside it */
     saltus_range range; /* of the colours */
     bool logarithmic, clipped;
 } saltus_map;
 
-/* sweep_plot_kinds.c: fill `kinds`, `kind`, `number` and `several`. False when there is no memory. */
+/* Whether a kind is a periodic motion of a map of classes. */
+bool saltus_map_periodic(const saltus_map *map, int kind);
+/* Whether a point of the grid is in the ranges shown. */
+bool saltus_map_shows(const saltus_map *map, long long point);
+
+/* sweep_kinds.c: fill `kinds`, `kind`, `number` and `several`. False when there is no memory. */
 bool saltus_map_classes(saltus_map *map);
 bool saltus_map_counts(saltus_map *map);
 bool saltus_map_basins(saltus_map *map);
@@ -32,7 +38,7 @@ bool saltus_map_basins(saltus_map *map);
 void saltus_map_put_orbits(const saltus_map *map);
 void saltus_map_put_orbit_elements(const saltus_map *map);
 
-/* sweep_plot_scalar.c: numbers, their colours and the bar that explains them. */
+/* sweep_scalar.c: numbers, their colours and the bar that explains them. */
 bool saltus_map_numbers(saltus_map *map);
 uint32_t saltus_map_colour(const saltus_map *map, double number);
 bool saltus_map_put_bar(const saltus_map *map);

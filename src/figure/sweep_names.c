@@ -75,7 +75,7 @@ static void put_name(const saltus_sweep_page *page, const saltus_map_kind *kind,
     saltus_line_plain(&name, kind->name);
     fprintf(page->file, "set label '%s' at graph %.5f,%.5f center front font ':Bold,%.3g' tc rgb '%s'\n",
             name.text, (place % columns + 0.5) / columns, ((double)(place / columns) + 0.5) / rows, size,
-            saltus_colour_light(kind->colour) ? "#101010" : "#ffffff");
+            saltus_colour_light(kind->paint.colour) ? "#101010" : "#ffffff");
 }
 
 bool saltus_sweep_name_regions(const saltus_sweep_page *page, const saltus_map_kind *kinds, const int *kind,

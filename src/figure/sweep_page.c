@@ -1,6 +1,5 @@
 /* Words, frames and legends of the figures of sweeps.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "figure/gnuplot.h"
 #include "figure/sweep.h"
 #include "record/describe.h"
 #include "record/output.h"
@@ -71,16 +70,12 @@ static void add_symbol(const char *key, saltus_line *line) {
 
 static void add_head(const saltus_sweep_page *page, saltus_line *line) {
     const saltus_sweep_file *sweep = page->sweep;
-    if (page->wish->title)
-        saltus_line_plain(line, page->wish->title);
-    else {
-        saltus_line_plain(line, sweep->scene);
-        saltus_line_add(line, ":  %s in ", subject(page));
-        add_symbol(sweep->axes[0].key, line);
-        if (sweep->axis_count > 1) {
-            saltus_line_add(line, " and ");
-            add_symbol(sweep->axes[1].key, line);
-        }
+    saltus_line_plain(line, sweep->scene);
+    saltus_line_add(line, ":  %s in ", subject(page));
+    add_symbol(sweep->axes[0].key, line);
+    if (sweep->axis_count > 1) {
+        saltus_line_add(line, " and ");
+        add_symbol(sweep->axes[1].key, line);
     }
     if (sweep->complete)
         return;
@@ -139,51 +134,16 @@ void saltus_sweep_caption(saltus_sweep_page *page) {
     const saltus_sweep_file *sweep = page->sweep;
     const char *const varied[2] = {sweep->axes[0].key, sweep->axis_count > 1 ? sweep->axes[1].key : NULL};
     saltus_line head = {.length = 0}, parameters = {.length = 0}, method = {.length = 0};
-    double height = 0.932;
     add_head(page, &head);
     saltus_line_parameters(&parameters, page->system, varied);
     add_method(page, &method);
-    fprintf(page->file, "set label '{/=20:Bold %s}' at screen 0.03,0.967 left front\n", head.text);
-    saltus_line_put(page->file, &parameters, "#202020", &height);
-    saltus_line_put(page->file, &method, "#606060", &height);
-    saltus_put_version(page->file);
-    page->caption = height;
-}
-
-void saltus_sweep_put_frame(FILE *file, saltus_frame frame) {
-    fprintf(file,
-            "set lmargin at screen %.8f\nset rmargin at screen %.8f\nset bmargin at screen %.8f\n"
-            "set tmargin at screen %.8f\n",
-            (double)frame.left / SALTUS_PAGE_WIDTH, (double)frame.right / SALTUS_PAGE_WIDTH,
-            (double)frame.bottom / SALTUS_PAGE_HEIGHT, (double)frame.top / SALTUS_PAGE_HEIGHT);
+    saltus_page_heading(&page->paper, &head);
+    saltus_page_words(&page->paper, &parameters, "#202020");
+    saltus_page_words(&page->paper, &method, "#606060");
 }
 
 void saltus_sweep_put_raster_ranges(FILE *file, int width, int height) {
     fprintf(file, "set x2range [0:%d]\nset y2range [0:%d]\n", width, height);
-}
-
-/* Tics of a logarithmic axis over less than three decades: equally spaced over less than a factor of four,
- * otherwise at 1, 2 and 5 times powers of ten. */
-static void put_tics(FILE *file, char axis, saltus_range range) {
-    static const double parts[] = {1, 2, 5};
-    double ratio = range.high / range.low, width = range.high - range.low;
-    double decade = pow(10, floor(log10(ratio < 4 ? width / 6 : range.low)));
-    const char *separator = "";
-    if (ratio > 1000)
-        return;
-    fprintf(file, "set %ctics (", axis);
-    if (ratio < 4) {
-        double step = decade * (width / 6 < 1.5 * decade ? 1 : width / 6 < 3.5 * decade ? 2 : 5);
-        for (double k = ceil(range.low / step); k * step <= range.high; k++, separator = ", ")
-            fprintf(file, "%s%.12g", separator, k * step);
-    }
-    for (; ratio >= 4 && decade <= range.high; decade *= 10)
-        for (int k = 0; k < 3; k++)
-            if (parts[k] * decade >= range.low && parts[k] * decade <= range.high) {
-                fprintf(file, "%s%.12g", separator, parts[k] * decade);
-                separator = ", ";
-            }
-    fputs(")\n", file);
 }
 
 void saltus_sweep_put_axis(const saltus_sweep_page *page, char axis, const saltus_cells *cells) {
@@ -197,35 +157,39 @@ void saltus_sweep_put_axis(const saltus_sweep_page *page, char axis, const saltu
         add_symbol(key, &name);
     } else
         saltus_line_parameter(&name, &page->sweep->spec, key);
-    if (cells->logarithmic) {
-        fprintf(page->file, "set logscale %c\n", axis);
-        put_tics(page->file, axis, cells->range);
-    }
-    fprintf(page->file, "set %clabel '%s'%s\nset %crange [%.12g:%.12g]\n", axis, name.text,
-            axis == 'y' ? " offset -0.6,0" : "", axis, cells->range.low, cells->range.high);
+    saltus_page_axis(&page->paper, axis, name.text, cells->range);
+    if (!cells->logarithmic)
+        return;
+    fprintf(page->file, "set logscale %c\n", axis);
+    saltus_page_log_tics(&page->paper, axis, cells->range);
 }
 
-void saltus_sweep_put_entry(FILE *file, int x, int y, uint32_t colour, bool hatched, const char *text,
-                            const char *figures) {
-    enum { size = 18, reach = 344 };
-    const double w = SALTUS_PAGE_WIDTH, h = SALTUS_PAGE_HEIGHT;
-    fprintf(file,
-            "set object rectangle from screen %.6f,%.6f to screen %.6f,%.6f front fc rgb '#%06x' fs solid "
-            "border lc rgb '#909090' lw 0.6\n",
-            x / w, y / h, (x + size) / w, (y + size) / h, (unsigned)colour);
-    for (int k = 1; k < 6 && hatched; k++) {
-        double a = fmax(0, 2 * k - 6) * size / 6, b = fmin(6, 2 * k) * size / 6;
-        fprintf(file,
-                "set arrow from screen %.6f,%.6f to screen %.6f,%.6f nohead front lc rgb '#404040' lw 0.8\n",
-                (x + a) / w, (y + b) / h, (x + b) / w, (y + a) / h);
+void saltus_sweep_put_entry(const saltus_sweep_page *page, double x, double y, saltus_paint paint,
+                            bool hatched, const char *text, const char *figures) {
+    const double size = 18, reach = 344, w = page->paper.width, h = page->paper.height;
+    saltus_page_entry(&page->paper, x, y, paint.colour, text);
+    for (int k = 0; k < 7; k++) {
+        double a = fmax(0, 2 * k - 6) * size / 6, b = fmin(6, 2 * k) * size / 6, c = (k + 0.5) * size / 3;
+        unsigned texture = k < 3 ? paint.texture : 0;
+        const double lines[3][4] = {{a, b, b, a}, {0, c, size, c}, {c, 0, c, size}};
+        const bool drawn[3] = {hatched && k > 0 && k < 6, texture & SALTUS_BARS, texture & SALTUS_POSTS};
+        for (int n = 0; n < 3; n++)
+            if (drawn[n])
+                fprintf(page->file,
+                        "set arrow from screen %.6f,%.6f to screen %.6f,%.6f nohead front lc rgb '#404040' "
+                        "lw 0.8\n",
+                        (x + lines[n][0]) / w, (y + lines[n][1]) / h, (x + lines[n][2]) / w,
+                        (y + lines[n][3]) / h);
+        for (int n = 0; n < 2 && (texture & SALTUS_DOTS); n++)
+            fprintf(page->file, "set label '' at screen %.6f,%.6f point pt 7 ps 0.2 lc rgb '#404040' front\n",
+                    (x + c) / w, (y + (0.5 * n + 0.2 + 0.25 * (k % 2)) * size * 0.9) / h);
     }
-    fprintf(file, "set label '%s' at screen %.6f,%.6f left front font ',12' tc rgb '#202020'\n", text,
-            (x + size + 12) / w, (y + 0.5 * size) / h);
     if (figures && *figures)
-        fprintf(file, "set label '%s' at screen %.6f,%.6f right front font ',12' tc rgb '#606060'\n", figures,
-                (x + reach) / w, (y + 0.5 * size) / h);
+        saltus_page_label(&page->paper, figures, x + reach, y + 0.5 * size,
+                          "right front font ',12' tc rgb '#606060'");
 }
 
+/* Dots on a page for screens; twice as fine where it is enlarged. */
 int saltus_sweep_fineness(const saltus_sweep_page *page) {
-    return saltus_path_ends(page->figure, ".png") ? 1 : 2;
+    return saltus_path_ends(page->figure, ".png") && page->wish->look.width == 0 ? 1 : 2;
 }

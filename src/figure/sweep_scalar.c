@@ -13,15 +13,17 @@ static void choose_range(saltus_map *map, const float *sorted, long long count) 
     double low = sorted[0], high = sorted[count - 1];
     double inner_low = sorted[(long long)(rare * (double)(count - 1))],
            inner_high = sorted[(long long)((1 - rare) * (double)(count - 1))], width = inner_high - inner_low;
-    map->logarithmic = map->page->view == SALTUS_VIEW_SETTLED && inner_high > decades * fmax(inner_low, 1);
+    map->logarithmic = low > 0 && (map->page->logarithmic || (map->page->view == SALTUS_VIEW_SETTLED &&
+                                                              inner_high > decades * fmax(inner_low, 1)));
     map->range = (saltus_range){low, high};
     if (!map->logarithmic && low < inner_low - far * width)
         map->range.low = inner_low;
     if (!map->logarithmic && high > inner_high + far * width)
         map->range.high = inner_high;
-    if (map->logarithmic)
+    bool counted = map->logarithmic && map->page->view == SALTUS_VIEW_SETTLED;
+    if (counted)
         map->range.low = fmax(low, 1);
-    map->clipped = map->range.low > low + (map->logarithmic ? 1 : 0) || map->range.high < high;
+    map->clipped = map->range.low > low + (counted ? 1 : 0) || map->range.high < high;
     if (!(map->range.high > map->range.low))
         saltus_range_pad(&map->range, 0, fmax(fabs(high) * 0.1, 1e-9));
 }
@@ -85,9 +87,9 @@ bool saltus_map_put_bar(const saltus_map *map) {
     if (map->clipped)
         saltus_line_add(&name, "  (colours end at %s)",
                         page->asked ? "the range" : "the 0.5 and 99.5 percentiles");
-    saltus_sweep_put_frame(page->file,
-                           (saltus_frame){page->frame.right + apart, page->frame.right + apart + wide,
-                                          page->frame.bottom, page->frame.top});
+    saltus_page_frame(&page->paper,
+                      (saltus_frame){page->frame.right + apart, page->frame.right + apart + wide,
+                                     page->frame.bottom, page->frame.top});
     fprintf(page->file,
             "unset logscale\nunset xtics\nunset ytics\nunset xlabel\nunset ylabel\nset xrange [0:%d]\n"
             "set yrange [0:%d]\n%sset y2range [%.9g:%.9g]\nset y2tics out nomirror scale 0.5 offset -0.4,0\n"

@@ -22,31 +22,35 @@ static void count_classes(const saltus_sweep_page *page, int pass, int first, in
  * than half of it, or -1. */
 static int paint_column(const saltus_sweep_page *page, const int *counts, int total, saltus_raster *raster,
                         int x, int bottom, int height) {
-    int winner = -1, passed = 0;
+    int winner = -1, passed = 0, fineness = saltus_sweep_fineness(page);
     for (int k = 0; k < page->classes.count; k++) {
         int from = height * passed / total;
         passed += counts[k];
         if (2 * counts[k] > total)
             winner = k;
         for (int y = from; y < height * passed / total; y++)
-            saltus_raster_set(raster, x, bottom + y, page->classes.list[k].colour, 1);
+            saltus_raster_set(
+                raster, x, bottom + y,
+                saltus_paint_at(page->classes.list[k].paint, x / fineness, (bottom + y) / fineness), 1);
     }
     return winner;
 }
 
-/* A name on a stretch of the band that is wide enough for it. */
+/* Whether a stretch of the band is wide enough for the name of its class. */
+static bool has_room(const saltus_sweep_page *page, const saltus_sweep_class *c, double from, double to) {
+    const double letter = 9.2, room = 8;
+    return (to - from) * (page->frame.right - page->frame.left) >= letter * (double)strlen(c->label) + room;
+}
+
 static void put_name(const saltus_sweep_page *page, const saltus_sweep_class *c, double from, double to,
                      double middle) {
-    const double letter = 9.2, room = 8;
-    int width = page->frame.right - page->frame.left;
-    double own = letter * (double)strlen(c->label) + room;
-    bool worth = c->shown && c->verdict != SALTUS_PENDING;
-    if (!worth || (to - from) * width < own)
+    if (c->verdict == SALTUS_PENDING || !has_room(page, c, from, to))
         return;
     saltus_line name = {.length = 0};
     saltus_line_plain(&name, c->label);
     fprintf(page->file, "set label '%s' at graph %.6f,%.6f center front font ',10.5' tc rgb '%s'\n",
-            name.text, 0.5 * (from + to), middle, saltus_colour_light(c->colour) ? "#101010" : "#ffffff");
+            name.text, 0.5 * (from + to), middle,
+            saltus_colour_light(c->paint.colour) ? "#101010" : "#ffffff");
 }
 
 /* Names of the stretches along which one class prevails. */
@@ -83,14 +87,69 @@ static bool paint(const saltus_sweep_page *page, saltus_raster *raster) {
     return sound;
 }
 
+/* Which classes occur in what is shown, and whether each has a name in the strip. */
+static bool find_named(const saltus_sweep_page *page, int width, bool *occurs, bool *named) {
+    int seeds = page->sweep->options.seeds;
+    int *counts = calloc((size_t)page->classes.count, sizeof *counts);
+    for (int pass = 0; pass < page->sweep->pass_count && counts; pass++) {
+        int first, last, run = -1, from = 0;
+        for (int x = 0; x <= width; x++) {
+            int winner = -1;
+            if (x < width && saltus_cells_at(&page->x, width, x, &first, &last)) {
+                count_classes(page, pass, first, last, counts);
+                for (int k = 0; k < page->classes.count; k++) {
+                    occurs[k] = occurs[k] || counts[k] > 0;
+                    winner = 2 * counts[k] > (last - first + 1) * seeds ? k : winner;
+                }
+            }
+            if (winner == run)
+                continue;
+            if (run >= 0 && has_room(page, &page->classes.list[run], (double)from / width, (double)x / width))
+                named[run] = true;
+            run = winner;
+            from = x;
+        }
+    }
+    free(counts);
+    return counts != NULL;
+}
+
+bool saltus_sweep_put_strip_legend(const saltus_sweep_page *page, saltus_frame strip, double top, bool drawn,
+                                   double *height) {
+    const double row = 25, apart = 30, letter = 9.6;
+    size_t count = (size_t)page->classes.count + 1;
+    bool *occurs = calloc(count, sizeof *occurs), *named = calloc(count, sizeof *named);
+    bool sound = occurs && named && find_named(page, (int)(strip.right - strip.left), occurs, named);
+    double x = strip.left;
+    *height = 0;
+    for (int k = 0; k < page->classes.count && sound; k++) {
+        const saltus_sweep_class *c = &page->classes.list[k];
+        char label[64];
+        if (!occurs[k] || named[k])
+            continue;
+        saltus_sweep_word_class(page->sweep, c, label);
+        double own = apart + letter * (double)strlen(label) + 14;
+        if (x + own > strip.right && x > strip.left)
+            x = strip.left;
+        if (x == strip.left)
+            *height += row;
+        if (drawn)
+            saltus_sweep_put_entry(page, x, top - *height, c->paint, false, label, "");
+        x += own;
+    }
+    free(occurs);
+    free(named);
+    return sound;
+}
+
 bool saltus_sweep_put_strip(const saltus_sweep_page *page, saltus_frame frame) {
     FILE *file = page->file;
     saltus_raster raster;
     int fineness = saltus_sweep_fineness(page), passes = page->sweep->pass_count;
-    if (!saltus_raster_open(&raster, fineness * (frame.right - frame.left),
-                            fineness * (frame.top - frame.bottom)))
+    if (!saltus_raster_open(&raster, (int)(fineness * (frame.right - frame.left)),
+                            (int)(fineness * (frame.top - frame.bottom))))
         return false;
-    saltus_sweep_put_frame(file, frame);
+    saltus_page_frame(&page->paper, frame);
     saltus_sweep_put_axis(page, 'x', &page->x);
     saltus_sweep_put_raster_ranges(file, raster.width, raster.height);
     fputs("set format x '% h'\nunset ylabel\nset yrange [0:1]\nunset ytics\nunset grid\n", file);

@@ -1,31 +1,28 @@
 /* A recorded trajectory as a figure: phase portrait with stroboscopic points, and time history.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "figure/gnuplot.h"
+#include "figure/page.h"
+#include "record/describe.h"
 #include "record/rows.h"
-#include "saltus/figure.h"
 
 #include <limits.h>
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 /* What is drawn: samples in the order of time, of the observed displacement and its rate. */
 typedef struct record {
+    saltus_h5_head head;
     long long rows;
     double *time, *displacement, *velocity;
 } record;
 
 static saltus_status read_record(const char *path, record *made, saltus_message *message) {
     saltus_h5_reader r = {.path = path, .kind = "trajectory", .message = message};
-    saltus_h5_head head;
     const char *const names[] = {"time", "displacement", "velocity"};
     double **const columns[] = {&made->time, &made->displacement, &made->velocity};
     *made = (record){.rows = 0};
     saltus_status status = saltus_h5_reader_open(&r);
     if (status == SALTUS_OK)
-        status = saltus_h5_get_head(&r, "trajectory", "trajectory", &head);
-    if (status == SALTUS_OK)
-        saltus_h5_head_clear(&head);
+        status = saltus_h5_get_head(&r, "trajectory", "trajectory", &made->head);
     for (int k = 0; k < 3 && status == SALTUS_OK; k++) {
         int count = 0;
         status = saltus_h5_get_reals(&r, "trajectory", names[k], INT_MAX, true, &count, columns[k]);
@@ -37,40 +34,82 @@ static saltus_status read_record(const char *path, record *made, saltus_message 
     return status;
 }
 
-static void put_script(FILE *script, const record *r, const char *figure) {
-    static const double left[2] = {0.09, 0.46}, right[2] = {0.56, 0.97}, up[2] = {0.12, 0.88};
-    fprintf(script, "set terminal %s\n", saltus_gnuplot_terminal(figure));
-    saltus_put_style(script, "e0e0e0");
-    fputs("$samples << EOD\n", script);
+/* One block serves both panels; a second one holds the points where a forcing period begins. */
+static void put_data(const record *r, FILE *file) {
+    fputs("$orbit << EOD\n", file);
     for (long long k = 0; k < r->rows; k++)
-        fprintf(script, "%.17g %.9g %.9g %d\n", r->time[k], r->displacement[k], r->velocity[k],
-                r->time[k] == floor(r->time[k]));
-    fputs("EOD\nset multiplot\n", script);
-    saltus_put_margins(script, left, up);
-    fputs("set xlabel 'displacement'\nset ylabel 'velocity'\n"
-          "plot $samples using 2:3 with lines lc rgb '#1f4e79', "
-          "$samples using 2:($4 == 1 ? $3 : NaN) with points pt 7 ps 0.8 lc rgb '#c0392b'\n",
-          script);
-    saltus_put_margins(script, right, up);
-    fputs("set xlabel 'time / T'\nset ylabel 'displacement'\n"
-          "plot $samples using 1:2 with lines lc rgb '#1f4e79', "
-          "$samples using 1:($4 == 1 ? $2 : NaN) with points pt 7 ps 0.8 lc rgb '#c0392b'\n"
-          "unset multiplot\n",
-          script);
+        fprintf(file, "%.17g %.9g %.9g\n", r->time[k], r->displacement[k], r->velocity[k]);
+    fputs("EOD\n$strobe << EOD\n", file);
+    for (long long k = 0; k < r->rows; k++)
+        if (r->time[k] == floor(r->time[k]))
+            fprintf(file, "%.9g %.9g %.17g\n", r->displacement[k], r->velocity[k], r->time[k]);
+    fputs("EOD\n", file);
 }
 
-saltus_status saltus_plot_trajectory(const char *path, const char *figure, saltus_message *message) {
-    record r;
-    FILE *script;
-    if (!saltus_gnuplot_terminal(figure))
-        return saltus_fail(message, SALTUS_BAD_INPUT, "%s: the ending must be .png, .pdf or .svg", figure);
-    saltus_status status = read_record(path, &r, message);
-    if (status == SALTUS_OK)
-        status = saltus_gnuplot_open(&script, message);
-    if (status == SALTUS_OK) {
-        put_script(script, &r, figure);
-        status = saltus_gnuplot_draw(script, figure, message);
+static void put_page(const record *r, const saltus_system *system, saltus_page *page) {
+    enum { few = 50 }; /* periods whose curve and dots are still told apart, drawn in full strength */
+    saltus_line head = {.length = 0}, title = {.length = 0}, parameters = {.length = 0};
+    saltus_range time = {r->time[0], r->time[r->rows - 1]}, x = {INFINITY, -INFINITY}, v = x;
+    const double *scale = saltus_system_scale(system);
+    char displacement[160], velocity[160], elapsed[64];
+    bool stacked = page->width < 1000;
+    if (page->free_height)
+        page->height = page->width * (stacked ? 1.5 : 0.5);
+    for (long long k = 0; k < r->rows; k++) {
+        saltus_range_add(&x, r->displacement[k]);
+        saltus_range_add(&v, r->velocity[k]);
     }
+    saltus_range_pad(&time, 0, 1);
+    saltus_range_pad(&x, 0.06, scale[0]);
+    saltus_range_pad(&v, 0.06, scale[saltus_system_dof(system)]);
+    saltus_observed_name(system, false, displacement, sizeof displacement);
+    saltus_observed_name(system, true, velocity, sizeof velocity);
+    snprintf(elapsed, sizeof elapsed, "time {/:Italic %s}/{/:Italic T}", saltus_notation_of(system)->time);
+    saltus_line_plain(&head, r->head.scene);
+    saltus_line_add(&head, ":  trajectory over %.6g {/:Italic T}", r->time[r->rows - 1] - r->time[0]);
+    saltus_line_plain(&title, r->head.title);
+    saltus_line_parameters(&parameters, system, (const char *const[2]){NULL, NULL});
+
+    saltus_page_begin(page);
+    put_data(r, page->file);
+    fputs("set multiplot\n", page->file);
+    saltus_page_heading(page, &head);
+    saltus_page_words(page, &title, "#606060");
+    saltus_page_words(page, &parameters, "#202020");
+    saltus_page_number(page, "Orbit", time.high - time.low <= few);
+    saltus_page_number(page, "Impacts", 0);
+    saltus_page_number(page, "Settled", time.high - time.low <= few);
+    int columns = stacked ? 1 : 2, rows = stacked ? 2 : 1;
+    saltus_page_panel(page, saltus_page_cell(page, 0, 1, columns, rows), 0,
+                      "phase portrait, dots where a period of the forcing begins");
+    saltus_page_axis(page, 'x', displacement, x);
+    saltus_page_axis(page, 'y', velocity, v);
+    saltus_page_template(page, "portrait");
+    saltus_page_template(page, "close");
+    saltus_page_panel(page, saltus_page_cell(page, 1, 1, columns, rows), 1, "time history");
+    saltus_page_axis(page, 'x', elapsed, time);
+    saltus_page_axis(page, 'y', displacement, x);
+    saltus_page_template(page, "trajectory");
+    fputs("unset multiplot\n", page->file);
+}
+
+saltus_status saltus_plot_trajectory(const char *path, const saltus_figure_options *look, const char *figure,
+                                     saltus_message *message) {
+    record r = {.rows = 0};
+    saltus_page page;
+    saltus_system *system = NULL;
+    saltus_status status = saltus_figure_check(figure, look, message);
+    if (status == SALTUS_OK)
+        status = read_record(path, &r, message);
+    if (status == SALTUS_OK)
+        status = saltus_system_new(&r.head.spec, &system, message);
+    if (status == SALTUS_OK)
+        status = saltus_page_open(&page, figure, look, message);
+    if (status == SALTUS_OK) {
+        put_page(&r, system, &page);
+        status = saltus_page_close(&page, SALTUS_OK, message);
+    }
+    saltus_system_free(system);
     free(r.time);
     free(r.displacement);
     free(r.velocity);

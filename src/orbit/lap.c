@@ -15,6 +15,7 @@ void saltus_lap_begin(saltus_lap *lap, const saltus_system *system, const double
     double displacement = saltus_system_observed(system, state);
     *lap = (saltus_lap){.system = system,
                         .keeps_events = lap->keeps_events,
+                        .keeps_turnings = lap->keeps_turnings,
                         .largest = displacement,
                         .smallest = displacement,
                         .events = lap->events,
@@ -31,15 +32,7 @@ double saltus_event_displacement(const saltus_system *system, const saltus_event
     return own ? event->displacement : saltus_system_observed(system, state);
 }
 
-bool saltus_lap_add(saltus_lap *lap, const saltus_event *event, const double *state) {
-    bool contact = 1u << event->kind & SALTUS_WATCH_CONTACT;
-    if (!contact && event->kind != SALTUS_TURNING)
-        return true;
-    double displacement = saltus_event_displacement(lap->system, event, state);
-    lap->largest = fmax(lap->largest, displacement);
-    lap->smallest = fmin(lap->smallest, displacement);
-    if (!contact)
-        return true;
+static void count_contact(saltus_lap *lap, const saltus_event *event) {
     lap->contact_events++;
     lap->sticks += event->kind == SALTUS_STICK;
     lap->releases += event->kind == SALTUS_RELEASE;
@@ -49,7 +42,18 @@ bool saltus_lap_add(saltus_lap *lap, const saltus_event *event, const double *st
         lap->impacts++;
         lap->impacts_by_face[event->face]++;
     }
-    if (!lap->keeps_events)
+}
+
+bool saltus_lap_add(saltus_lap *lap, const saltus_event *event, const double *state) {
+    bool contact = 1u << event->kind & SALTUS_WATCH_CONTACT;
+    if (!contact && event->kind != SALTUS_TURNING)
+        return true;
+    double displacement = saltus_event_displacement(lap->system, event, state);
+    lap->largest = fmax(lap->largest, displacement);
+    lap->smallest = fmin(lap->smallest, displacement);
+    if (contact)
+        count_contact(lap, event);
+    if (!(contact ? lap->keeps_events : lap->keeps_turnings))
         return true;
     if (lap->event_count == lap->event_room) {
         int room = lap->event_room ? 2 * lap->event_room : 32;

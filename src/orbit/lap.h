@@ -16,9 +16,10 @@
 
 typedef struct saltus_lap {
     const saltus_system *system;
-    int periods;       /* of the orbit; set by saltus_lap_around */
-    bool keeps_events; /* `events` is filled too */
-    long long impacts; /* located one by one */
+    int periods;         /* of the orbit; set by saltus_lap_around */
+    bool keeps_events;   /* `events` is filled too, ... */
+    bool keeps_turnings; /* ... with the turning points among them */
+    long long impacts;   /* located one by one */
     long long impacts_by_face[SALTUS_FACES_MAX];
     long long contact_events; /* impacts, sticks and releases */
     int sticks, releases;

@@ -1,0 +1,14 @@
+# Time history with impacts and intervals of contact.
+Trace = "lw 1.3"
+if (Orbit) {
+Trace = "lw 2"
+}
+Dots = ""
+if (Impacts > 0) {
+Dots = ", $impacts using 1:2 with points pt 7 ps 0.75 lc rgb '#c44e2a'"
+}
+Bars = ""
+if (Contacts > 0) {
+Bars = ", $contacts using 1:2 with lines lc rgb '#e0a010' lw 8"
+}
+plot $history using 1:2 with lines lc rgb '#2c5f8a' @Trace @Dots @Bars

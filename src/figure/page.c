@@ -1,0 +1,326 @@
+/* A page of a figure: its size, style, caption and script.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "figure/page.h"
+
+#include "figure/gnuplot.h"
+#include "record/output.h"
+
+#include <errno.h>
+#include <math.h>
+#include <string.h>
+
+/* A page whose size is asked for has type of eight points, of which the usual letter has 52/3 units. */
+static const double mm_per_unit = 8 * 25.4 / 72 / (13 * 96 / 72.0), usual_width = 1600, usual_height = 1200;
+
+saltus_figure_options saltus_figure_defaults(void) {
+    return (saltus_figure_options){.no_heading = false};
+}
+
+static const char *const endings[] = {".png", ".pdf", ".svg"};
+
+static int ending_of(const char *path) {
+    int k = 0;
+    while (k < 3 && !saltus_path_ends(path, endings[k]))
+        k++;
+    return k;
+}
+
+saltus_status saltus_figure_check(const char *path, const saltus_figure_options *look,
+                                  saltus_message *message) {
+    const double least = 30, most = 2000; /* millimetres */
+    if (ending_of(path) == 3)
+        return saltus_fail(message, SALTUS_BAD_INPUT, "%.300s: the ending must be .png, .pdf or .svg", path);
+    if (!look)
+        return SALTUS_OK;
+    if (look->width != 0 && (!(look->width >= least && look->width <= most) ||
+                             (look->height != 0 && !(look->height >= least && look->height <= most))))
+        return saltus_fail(message, SALTUS_BAD_INPUT,
+                           "a figure of %g x %g mm: width and height must be from %g to %g mm", look->width,
+                           look->height, least, most);
+    if (look->script && !saltus_path_ends(look->script, ".gp"))
+        return saltus_fail(message, SALTUS_BAD_INPUT, "%.300s: the ending of a script must be .gp",
+                           look->script);
+    return SALTUS_OK;
+}
+
+saltus_status saltus_page_open(saltus_page *page, const char *path, const saltus_figure_options *look,
+                               saltus_message *message) {
+    saltus_status status = saltus_figure_check(path, look, message);
+    if (status != SALTUS_OK)
+        return status;
+    *page = (saltus_page){.path = path, .look = look ? *look : saltus_figure_defaults()};
+    page->width = page->look.width > 0 ? page->look.width / mm_per_unit : usual_width;
+    page->free_height = page->look.width > 0 && !(page->look.height > 0);
+    page->height = page->free_height       ? page->width * usual_height / usual_width
+                   : page->look.height > 0 ? page->look.height / mm_per_unit
+                                           : usual_height;
+    page->file = saltus_nameless_file();
+    return page->file ? SALTUS_OK
+                      : saltus_fail(message, SALTUS_IO, "no temporary file can be made: %s", strerror(errno));
+}
+
+/* The usual page is for screens; one of a size asked for is printed, with 300 dots to the inch. */
+static void put_terminal(const saltus_page *page) {
+    const double inch = mm_per_unit / 25.4, dot = 300 * inch, points = 72 * inch;
+    double w = page->width, h = page->height;
+    bool sized = page->look.width > 0;
+    fputs("set terminal ", page->file);
+    if (saltus_path_ends(page->path, ".png")) {
+        fprintf(page->file, "pngcairo size %.0f,%.0f enhanced font 'DejaVu Sans,13' ", sized ? w * dot : w,
+                sized ? h * dot : h);
+        if (sized)
+            fprintf(page->file, "fontscale %.5g linewidth %.5g pointscale %.5g ", dot, dot, dot);
+        fputs("background '#ffffff' rounded\n", page->file);
+    } else if (saltus_path_ends(page->path, ".svg"))
+        fprintf(page->file,
+                "svg size %.0f,%.0f %s enhanced font 'DejaVu Sans,17' background '#ffffff' rounded\n", w, h,
+                sized ? "fixed" : "dynamic");
+    else if (sized) /* there a font of 13 has 52/3 points */
+        fprintf(page->file,
+                "pdfcairo size %.5gin,%.5gin enhanced font 'DejaVu Sans,13' fontscale %.5g linewidth %.5g "
+                "pointscale %.5g rounded\n",
+                w * inch, h * inch, points, 1.42 * points, 1.42 * points);
+    else
+        fputs("pdfcairo size 11.69in,8.77in enhanced font 'DejaVu Sans,13' fontscale 0.58 linewidth 0.75 "
+              "pointscale 0.75 rounded\n",
+              page->file);
+}
+
+void saltus_page_begin(const saltus_page *page) {
+    put_terminal(page);
+    saltus_page_template(page, "style");
+}
+
+/* Copy the picture to its place. One in an SVG file is told in units; its size on paper is added. */
+static saltus_status deliver(const saltus_page *page, FILE *picture, saltus_message *message) {
+    saltus_output output;
+    char block[65536], units[64];
+    size_t length, skipped = 0;
+    saltus_status status = saltus_output_open(&output, page->path, message);
+    if (status != SALTUS_OK)
+        return status;
+    rewind(picture);
+    length = fread(block, 1, sizeof block - 1, picture);
+    block[length] = '\0';
+    snprintf(units, sizeof units, "width=\"%.0f\" height=\"%.0f\"", page->width, page->height);
+    const char *place =
+        page->look.width > 0 && saltus_path_ends(page->path, ".svg") ? strstr(block, units) : NULL;
+    if (place) {
+        skipped = (size_t)(place - block) + strlen(units);
+        fwrite(block, 1, (size_t)(place - block), output.file);
+        fprintf(output.file, "width=\"%.6gmm\" height=\"%.6gmm\"", page->width * mm_per_unit,
+                page->height * mm_per_unit);
+    }
+    fwrite(block + skipped, 1, length - skipped, output.file);
+    while ((length = fread(block, 1, sizeof block, picture)) > 0)
+        fwrite(block, 1, length, output.file);
+    if (ferror(picture))
+        status = saltus_fail(message, SALTUS_IO, "the picture could not be read back: %s", strerror(errno));
+    return saltus_output_close(&output, status, message);
+}
+
+/* The script as it is, but for the name of the program before it and, after its first line, the name of the
+ * figure, which it draws in the folder where it is run. */
+static saltus_status keep_script(const saltus_page *page, saltus_message *message) {
+    saltus_output output;
+    bool named = false;
+    saltus_status status = saltus_output_open(&output, page->look.script, message);
+    if (status != SALTUS_OK)
+        return status;
+    fputs("# Saltus " SALTUS_VERSION ": a figure\n", output.file);
+    rewind(page->file);
+    for (int c; (c = fgetc(page->file)) != EOF;) {
+        fputc(c, output.file);
+        if (c != '\n' || named)
+            continue;
+        named = true;
+        fputs("set output '", output.file);
+        for (const char *letter = saltus_path_name(page->path); *letter; letter++)
+            fprintf(output.file, *letter == '\'' ? "''" : "%c", *letter);
+        fputs("'\n", output.file);
+    }
+    return saltus_output_close(&output, SALTUS_OK, message);
+}
+
+saltus_status saltus_page_close(saltus_page *page, saltus_status status, saltus_message *message) {
+    FILE *picture = NULL;
+    if (status == SALTUS_OK && page->look.script)
+        status = keep_script(page, message);
+    if (status == SALTUS_OK)
+        status = saltus_gnuplot_run(page->file, &picture, message);
+    if (status == SALTUS_OK)
+        status = deliver(page, picture, message);
+    if (picture)
+        fclose(picture);
+    fclose(page->file);
+    return status;
+}
+
+/* Words */
+
+static double margin_of(const saltus_page *page) {
+    return page->width < 1000 ? 12 : 48;
+}
+
+void saltus_page_label(const saltus_page *page, const char *text, double x, double y, const char *style) {
+    fprintf(page->file, "set label '%s' at screen %.6g,%.6g %s\n", text, x / page->width, y / page->height,
+            style);
+}
+
+/* Text of which so many letters fit between the page's margins, one line below the other from a height on;
+ * the height of what comes next. */
+static double put_lines(const saltus_page *page, const char *text, const char *before, const char *after,
+                        double letters, const char *style, double height, double step) {
+    double widest = letters * (page->width - 2 * margin_of(page)) / (usual_width - 2 * 48);
+    while (*text) {
+        size_t length = saltus_line_piece(text, (int)widest);
+        fprintf(page->file, "set label '%s%.*s%s' at screen %.6g,%.6g left front%s\n", before, (int)length,
+                text, after, margin_of(page) / page->width, height / page->height, style);
+        height -= step;
+        text += length;
+        text += strspn(text, " ");
+    }
+    return height;
+}
+
+void saltus_page_heading(saltus_page *page, const saltus_line *own) {
+    saltus_line asked = {.length = 0};
+    if (page->look.title)
+        saltus_line_plain(&asked, page->look.title);
+    page->top = page->height - 6;
+    if (page->look.no_heading)
+        return;
+    page->top = page->height - 39.6;
+    page->top =
+        put_lines(page, page->look.title ? asked.text : own->text, "{/=20:Bold ", "}", 96, "", page->top, 42);
+    saltus_page_label(page, "Saltus " SALTUS_VERSION, page->width - 24, 14.4,
+                      "right tc rgb '#909090' font ',9' front");
+}
+
+void saltus_page_words(saltus_page *page, const saltus_line *line, const char *colour) {
+    char style[64];
+    snprintf(style, sizeof style, " tc rgb '%s'", colour);
+    if (!page->look.no_heading)
+        page->top = put_lines(page, line->text, "", "", 151, style, page->top, 30.6);
+}
+
+/* Panels */
+
+saltus_frame saltus_page_rest(const saltus_page *page, double below) {
+    bool narrow = page->width < 1000;
+    return (saltus_frame){narrow ? 112 : 144, page->width - (narrow ? 24 : 43.2), narrow ? 74 : 93.6,
+                          page->top - below};
+}
+
+saltus_frame saltus_page_cell(const saltus_page *page, int cell, int span, int columns, int rows) {
+    bool narrow = page->width < 1000;
+    const double left = narrow ? 112 : 128, right = narrow ? 24 : 43.2, beside = columns > 2 ? 140.8 : 156,
+                 below = narrow ? 125 : 153.6, bottom = narrow ? 76 : 100, above = 60;
+    int column = cell % columns, row = rows - 1 - cell / columns;
+    double width = (page->width - left - right - (columns - 1) * beside) / columns,
+           height = (page->top - above - bottom - (rows - 1) * below) / rows;
+    double x = left + column * (width + beside), y = bottom + row * (height + below);
+    return (saltus_frame){x, x + span * width + (span - 1) * beside, y, y + height};
+}
+
+void saltus_page_panel(const saltus_page *page, saltus_frame frame, int letter, const char *heading) {
+    saltus_page_frame(page, frame);
+    fprintf(page->file,
+            "set label 99 '{/:Bold (%c)}  %s' at screen %.6g, screen %.6g offset 0,1.1 left front tc rgb "
+            "'#202020'\n",
+            'a' + letter, heading, frame.left / page->width, frame.top / page->height);
+}
+
+void saltus_page_frame(const saltus_page *page, saltus_frame frame) {
+    fprintf(page->file,
+            "set lmargin at screen %.8f\nset rmargin at screen %.8f\nset bmargin at screen %.8f\n"
+            "set tmargin at screen %.8f\n",
+            frame.left / page->width, frame.right / page->width, frame.bottom / page->height,
+            frame.top / page->height);
+}
+
+void saltus_page_entry(const saltus_page *page, double x, double y, uint32_t colour, const char *text) {
+    const double size = 18, w = page->width, h = page->height;
+    fprintf(page->file,
+            "set object rectangle from screen %.6f,%.6f to screen %.6f,%.6f front fc rgb '#%06x' fs solid "
+            "border lc rgb '#909090' lw 0.6\n",
+            x / w, y / h, (x + size) / w, (y + size) / h, (unsigned)colour);
+    saltus_page_label(page, text, x + size + 12, y + 0.5 * size,
+                      page->width < 1000 ? "left front font ',10.5' tc rgb '#202020'"
+                                         : "left front font ',12' tc rgb '#202020'");
+}
+
+void saltus_page_axis(const saltus_page *page, char axis, const char *name, saltus_range range) {
+    fprintf(page->file, "set %clabel '%s'%s\nset %crange [%.12g:%.12g]\n", axis, name,
+            axis == 'y' ? " offset -0.6,0" : "", axis, range.low, range.high);
+    if (axis == 'x' && page->width < 1000) /* long numbers need room beside each other */
+        fprintf(page->file, "set xtics %.9g\n", saltus_page_tic_step(range, 5));
+}
+
+double saltus_page_tic_step(saltus_range range, double tics) {
+    static const double round[] = {1, 2, 5, 10};
+    double least = (range.high - range.low) / tics;
+    double power = pow(10, floor(log10(least)));
+    int k = 0;
+    while (k < 3 && round[k] * power < least)
+        k++;
+    return round[k] * power;
+}
+
+void saltus_page_log_tics(const saltus_page *page, char axis, saltus_range range) {
+    static const double parts[] = {1, 2, 5};
+    double ratio = range.high / range.low, width = range.high - range.low;
+    bool within = ratio < 4; /* a decade at 1, 2 and 5 would leave few tics, or none */
+    double decade = pow(10, floor(log10(within ? width / 6 : range.low)));
+    const char *separator = "";
+    if (ratio > 3000) {
+        fprintf(page->file, "set %ctics auto\nset format %c '10^{%%T}'\n", axis, axis);
+        return;
+    }
+    fprintf(page->file, "set %ctics (", axis);
+    if (within) {
+        double step = decade * (width / 6 < 1.5 * decade ? 1 : width / 6 < 3.5 * decade ? 2 : 5);
+        for (double k = ceil(range.low / step); k * step <= range.high; k++, separator = ", ")
+            fprintf(page->file, "%s%.12g", separator, k * step);
+    }
+    for (; !within && decade <= range.high; decade *= 10)
+        for (int k = 0; k < 3; k++)
+            if (parts[k] * decade >= range.low && parts[k] * decade <= range.high) {
+                fprintf(page->file, "%s%.9g", separator, parts[k] * decade);
+                separator = ", ";
+            }
+    fputs(")\n", page->file);
+}
+
+void saltus_page_number(const saltus_page *page, const char *name, double value) {
+    fprintf(page->file, "%s = %.12g\n", name, value);
+}
+
+void saltus_page_text(const saltus_page *page, const char *name, const char *text) {
+    fprintf(page->file, "%s = '%s'\n", name, text);
+}
+
+void saltus_page_template(const saltus_page *page, const char *name) {
+    for (int k = 0; k < saltus_template_count; k++)
+        if (strcmp(saltus_templates[k].name, name) == 0)
+            fputs(saltus_templates[k].text, page->file);
+}
+
+void saltus_range_add(saltus_range *range, double value) {
+    if (!isfinite(value))
+        return;
+    range->low = fmin(range->low, value);
+    range->high = fmax(range->high, value);
+}
+
+void saltus_range_pad(saltus_range *range, double part, double scale) {
+    double width = range->high - range->low, middle = 0.5 * (range->low + range->high);
+    double size = fmax(scale, fabs(middle));
+    if (!(width > 1e-6 * size)) {
+        range->low = middle - size;
+        range->high = middle + size;
+        width = 2 * size;
+    }
+    range->low -= part * width;
+    range->high += part * width;
+}

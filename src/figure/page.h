@@ -1,0 +1,84 @@
+/* Private: a page of a figure under way: gnuplot's script with its data, in one style and of the size asked
+ * for.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef SALTUS_FIGURE_PAGE_H
+#define SALTUS_FIGURE_PAGE_H
+
+#include "figure/caption.h"
+#include "saltus/figure.h"
+
+#include <stdint.h>
+
+/* Lengths on a page are in units of which a letter of the usual size takes 17.3 in height, whatever the size
+ * of the page: one of 1600 by 1200 units is the usual one, a column of a journal has 522. */
+typedef struct saltus_page {
+    FILE *file; /* gnuplot's script */
+    const char *path;
+    saltus_figure_options look;
+    double width, height;
+    bool free_height; /* no height was asked for: the figure chooses it before the page begins */
+    double top;       /* lower edge of the caption */
+} saltus_page;
+
+/* A rectangle of the page in its units, from the lower left corner. */
+typedef struct saltus_frame {
+    double left, right, bottom, top;
+} saltus_frame;
+
+/* The numbers that an axis goes over. */
+typedef struct saltus_range {
+    double low, high;
+} saltus_range;
+
+/* Widen a range to hold a value, or by a part of its width; an empty range gets a width from `scale`. */
+void saltus_range_add(saltus_range *range, double value);
+void saltus_range_pad(saltus_range *range, double part, double scale);
+
+/* A page without anything on it; `look` NULL: the usual one. Errors: those of the check, SALTUS_IO. */
+saltus_status saltus_page_open(saltus_page *page, const char *path, const saltus_figure_options *look,
+                               saltus_message *message);
+/* The terminal and the style. What comes after is data and panels. */
+void saltus_page_begin(const saltus_page *page);
+/* Draw the page unless `status` is an error, keep its script where that is asked for, and close it. Returns
+ * `status` or SALTUS_IO with gnuplot's complaint. */
+saltus_status saltus_page_close(saltus_page *page, saltus_status status, saltus_message *message);
+
+/* The figure's heading, with the name of the program in a corner, and lines below it. All of it is left out
+ * where no heading is wanted; a title that was asked for stands in place of the figure's own. */
+void saltus_page_heading(saltus_page *page, const saltus_line *own);
+void saltus_page_words(saltus_page *page, const saltus_line *line, const char *colour);
+
+/* What is left of the page for a panel that stays that far below the caption. */
+saltus_frame saltus_page_rest(const saltus_page *page, double below);
+/* The frame of a panel in a grid of so many columns and rows, from a cell (from the upper left, row by row)
+ * on over so many columns. */
+saltus_frame saltus_page_cell(const saltus_page *page, int cell, int span, int columns, int rows);
+/* Place the panel, with a heading behind the letter ('a' + letter). */
+void saltus_page_panel(const saltus_page *page, saltus_frame frame, int letter, const char *heading);
+/* Place the panel. */
+void saltus_page_frame(const saltus_page *page, saltus_frame frame);
+/* A label at a place of the page, as text and style of `set label`. */
+void saltus_page_label(const saltus_page *page, const char *text, double x, double y, const char *style);
+/* A rectangle of colour with words beside it, as an entry of a legend. */
+void saltus_page_entry(const saltus_page *page, double x, double y, uint32_t colour, const char *text);
+/* Name and range of an axis ('x' or 'y'). */
+void saltus_page_axis(const saltus_page *page, char axis, const char *name, saltus_range range);
+/* A round distance of tics of which there are so many at most. */
+double saltus_page_tic_step(saltus_range range, double tics);
+/* Tics at 1, 2 and 5 times powers of ten of a logarithmic axis ('x' or 'y'), at powers of ten alone over many
+ * decades, equally spaced over less than one. */
+void saltus_page_log_tics(const saltus_page *page, char axis, saltus_range range);
+/* Variables of the script, for the templates: a number, and a text without single quotes around it. */
+void saltus_page_number(const saltus_page *page, const char *name, double value);
+void saltus_page_text(const saltus_page *page, const char *name, const char *text);
+/* The fixed part of a figure: the file of that name with the ending .gp. */
+void saltus_page_template(const saltus_page *page, const char *name);
+
+/* The templates, in no order; made by the build. */
+typedef struct saltus_template {
+    const char *name, *text;
+} saltus_template;
+extern const saltus_template saltus_templates[];
+extern const int saltus_template_count;
+
+#endif
