@@ -944,6 +944,271 @@ static void tips_have_their_names_beyond_them(void **state) {
     }
 }
 
+/* Over a map */
+
+static void fill_map(made_place *m) {
+    m->row[0] = made_periodic(1 + (int)(m->point % 3), 1);
+}
+
+static figure draw_over(const char *const *names, int count, const saltus_figure_options *look) {
+    saltus_message message = {""};
+    char paths[3][path_size], sweep[path_size], out[path_size];
+    const char *list[3];
+    for (int k = 0; k < count; k++)
+        list[k] = path_in(names[k], paths[k]);
+    saltus_sweep_view how = {.branches = list, .branch_count = count};
+    if (look)
+        how.look = *look;
+    check_ok(saltus_plot_sweep(path_in("map.h5", sweep), &how, path_in("s.png", out), &message), &message);
+    return figure_taken(folder);
+}
+
+/* Curves of special points lie over a map of their two parameters, whichever of these came first, in the
+ * map's axes, above its colours, with a rim; and the map keeps its legend. */
+static void special_points_lie_over_maps(void **state) {
+    (void)state;
+    const char *const names[] = {"a.h5", "b.h5"};
+    saltus_axis axes[2] = {{.key = "omega", .count = 8, .low = 0.9, .high = 2.1},
+                           {.key = "d", .count = 6, .low = 0.1, .high = 0.6}};
+    saltus_sweep_options options = saltus_sweep_defaults();
+    saltus_message message = {""};
+    char path[path_size], out[path_size];
+    make_locus(SALTUS_POINT_PD);
+    write_branch("a.h5");
+    saltus_scene scene = made.scene;
+    made_write(path_in("map.h5", path), &scene, axes, 2, &options, fill_map, 100);
+    made.options.locus = SALTUS_POINT_GR;
+    for (int k = 0; k < points; k++) {
+        double first = made.point[k].value[0];
+        made.point[k].kind = SALTUS_POINT_GR;
+        made.point[k].value[0] = made.point[k].value[1] + 0.1;
+        made.point[k].value[1] = first;
+    }
+    strcpy(made.options.key[0], "d");
+    strcpy(made.options.key[1], "omega");
+    write_branch("b.h5");
+    for (int swap = 0; swap < 2; swap++) {
+        const saltus_figure_options look = {.swap = swap};
+        figure f = draw_over(names, 2, &look);
+        const figure_panel *panel = &f.panel[0];
+        figure_check_page(&f);
+        assert_non_null(strstr(panel->label[swap], "{/:Italic ω}"));
+        assert_non_null(strstr(panel->label[!swap], "{/:Italic d}"));
+        assert_true(panel->element[0].width > 0);
+        for (int k = 1; k < 30; k++) {
+            double a[2] = {made.point[k - 1].value[1], made.point[k - 1].value[0]},
+                   b[2] = {made.point[k].value[1], made.point[k].value[0]};
+            for (int file = 0; file < 2; file++) {
+                const double from[2] = {a[swap] - (swap && !file) * 0.1, a[!swap] - (!swap && !file) * 0.1},
+                             to[2] = {b[swap] - (swap && !file) * 0.1, b[!swap] - (!swap && !file) * 0.1};
+                int pieces[3];
+                count_pieces(panel, from, to, pieces);
+                /* The curve and its rim. */
+                assert_int_equal(pieces[solid] + pieces[dashed] + pieces[dotted], 2);
+            }
+        }
+        assert_non_null(figure_element_of(panel, kinds[SALTUS_POINT_PD].meaning, 0));
+        assert_non_null(figure_element_of(panel, kinds[SALTUS_POINT_GR].meaning, 0));
+        assert_non_null(figure_mark_of(panel, 'l', "1/1", 0));
+        figure_free(&f);
+    }
+    /* What has other parameters is refused, and so is a branch of orbits. */
+    const char *list[] = {path_in("a.h5", out)};
+    const saltus_sweep_view how = {.branches = list, .branch_count = 1};
+    strcpy(axes[1].key, "c");
+    made_write(path, &scene, axes, 2, &options, fill_map, 100);
+    assert_int_equal(saltus_plot_sweep(path, &how, "s.png", &message), SALTUS_BAD_INPUT);
+    assert_non_null(strstr(message.text, "the sweep is over omega and c"));
+    strcpy(axes[1].key, "d");
+    set_parameter(&scene.spec, "c", 0.25);
+    made_write(path, &scene, axes, 2, &options, fill_map, 100);
+    assert_int_equal(saltus_plot_sweep(path, &how, "s.png", &message), SALTUS_BAD_INPUT);
+    assert_non_null(strstr(message.text, "has another c than the sweep"));
+    make_branch();
+    write_branch("a.h5");
+    assert_int_equal(saltus_plot_sweep(path, &how, "s.png", &message), SALTUS_BAD_INPUT);
+    assert_non_null(strstr(message.text, "are periodic orbits in omega"));
+}
+
+/* What a reader makes of the curves */
+
+/* Two unstable branches on each other are dashed once; a stable one below them stays. */
+static void dashes_do_not_fill_each_other(void **state) {
+    (void)state;
+    saltus_plot_options how = saltus_plot_defaults();
+    how.show = SALTUS_SHOW_DISPLACEMENT;
+    make_branch();
+    for (int k = 0; k < points; k++) {
+        made.point[k].stable = made.point[k].branch == 2;
+        made.point[k].value[0] = 1 + 0.03 * (k % 30);
+        made.state[k][0] = 0.2 + 0.001 * (k % 30);
+    }
+    write_branch("b.h5");
+    figure f = draw(&how);
+    for (int k = 1; k < 30; k++) {
+        const double from[2] = {made.point[k - 1].value[0], made.state[k - 1][0]},
+                     to[2] = {made.point[k].value[0], made.state[k][0]};
+        int pieces[3];
+        count_pieces(&f.panel[0], from, to, pieces);
+        assert_true(pieces[solid] == 1 && pieces[dashed] == 1 && pieces[dotted] == 0);
+    }
+    figure_free(&f);
+}
+
+/* Few points of a circle become a curve that is as round on the page, and no name stands where its point is
+ * cut off. */
+static void sparse_points_give_smooth_curves(void **state) {
+    (void)state;
+    const double step = 2 * acos(-1.0) / 24;
+    saltus_plot_options how = saltus_plot_defaults();
+    how.show = SALTUS_SHOW_DISPLACEMENT;
+    make_branch();
+    for (int k = 0; k < points; k++) {
+        double angle = step * (k % 30);
+        made.point[k].value[0] = 1.5 + 0.4 * cos(angle);
+        made.state[k][0] = 0.3 * sin(angle);
+        made.point[k].stable = true;
+    }
+    made.point[5].kind = SALTUS_POINT_LP;
+    write_branch("b.h5");
+    figure f = draw(&how);
+    int between = 0;
+    for (int e = 0; e < f.panel[0].element_count; e++) {
+        const figure_element *line = &f.panel[0].element[e];
+        for (int k = 0; k < line->values.count && line->text[0] == '$' && strstr(line->style, "lines"); k++) {
+            double x = (line->values.at[k][0] - 1.5) / 0.4, y = line->values.at[k][1] / 0.3;
+            /* Chords leave the circle by 0.86 %. */
+            assert_true(fabs(hypot(x, y) - 1) < 1.5e-3);
+            between += !of_the_file(line->values.at[k][0]);
+        }
+    }
+    assert_true(between > 100);
+    assert_non_null(figure_mark_of(&f.panel[0], 'l', "LP", 0));
+    figure_free(&f);
+    const saltus_plot_part part = {"omega", 1.1, 1.4};
+    how.parts = &part;
+    how.part_count = 1;
+    f = draw(&how);
+    for (int m = 0; m < f.panel[0].mark_count; m++)
+        assert_string_not_equal(f.panel[0].mark[m].text, "LP");
+    figure_free(&f);
+}
+
+/* The look of a page */
+
+static void pages_have_the_size_asked_for(void **state) {
+    (void)state;
+    static const struct {
+        const char *picture, *terminal;
+    } cases[] = {
+        {"b.png", "pngcairo size 1004,"}, {"b.pdf", "fontscale 0.46154 "}, {"b.svg", "svg size 522,"}};
+    saltus_message message = {""};
+    char path[path_size], out[path_size];
+    const char *const paths[] = {path_in("b.h5", path)};
+    make_branch();
+    write_branch("b.h5");
+    for (int k = 0; k < 3; k++) {
+        saltus_plot_options how = saltus_plot_defaults();
+        how.look.width = 85;
+        how.look.no_heading = true;
+        check_ok(saltus_plot(paths, 1, &how, path_in(cases[k].picture, out), &message), &message);
+        figure f = figure_taken(folder);
+        const double *frame = f.panel[0].frame;
+        assert_non_null(strstr(f.terminal, cases[k].terminal));
+        assert_true(frame[0] > 0.1 && frame[1] < 0.99 && frame[2] > 0.05 && frame[3] > 0.7 && frame[3] < 1);
+        for (int m = 0; m < f.panel[0].mark_count; m++)
+            assert_true(f.panel[0].mark[m].system[0][0] != 's');
+        figure_free(&f);
+    }
+    /* Type of eight points: 13 points on a page for screens have 52/3 dots. */
+    saltus_plot_options how = saltus_plot_defaults();
+    double top[3];
+    for (int k = 0; k < 3; k++) {
+        how.look.title = k == 0 ? NULL : k == 1 ? "own {title}" : "";
+        check_ok(saltus_plot(paths, 1, &how, path_in("b.svg", out), &message), &message);
+        figure f = figure_taken(folder);
+        top[k] = f.panel[0].frame[3];
+        assert_true((figure_mark_of(&f.panel[0], 'l', "own \\{title\\}", 0) != NULL) == (k == 1));
+        assert_true((figure_mark_of(&f.panel[0], 'l', "periodic orbits", 0) != NULL) == (k == 0));
+        figure_free(&f);
+    }
+    assert_true(top[0] == top[1] && top[2] > top[0] + 0.03);
+    static const double sizes[][2] = {{10, 60}, {85, 2}, {1e9, 60}, {NAN, 60}};
+    for (int k = 0; k < 4; k++) {
+        how.look.width = sizes[k][0];
+        how.look.height = sizes[k][1];
+        assert_int_equal(saltus_plot(paths, 1, &how, out, &message), SALTUS_BAD_INPUT);
+    }
+}
+
+/* Axes change places, and are logarithmic where that is possible. */
+static void axes_are_laid_out_as_asked(void **state) {
+    (void)state;
+    static const char *const keys[] = {"omega", "speed", "displacement"};
+    saltus_message message = {""};
+    char path[path_size], out[path_size];
+    const char *const paths[] = {path_in("b.h5", path)};
+    saltus_plot_options how = saltus_plot_defaults();
+    make_branch();
+    write_branch("b.h5");
+    how.look.swap = true;
+    how.look.logarithmic = keys;
+    how.look.logarithmic_count = 2;
+    figure f = draw(&how);
+    const figure_panel *panel = &f.panel[0];
+    assert_non_null(strstr(panel->label[1], "{/:Italic ω}"));
+    assert_non_null(strstr(panel->label[0], "largest impact speed"));
+    assert_true(panel->logarithmic[0] && panel->logarithmic[1] && panel->range[0][0] > 0);
+    for (int k = 1; k < 30; k++) {
+        const double from[2] = {height(SALTUS_SHOW_SPEED, &made.point[k - 1]), made.point[k - 1].value[0]},
+                     to[2] = {height(SALTUS_SHOW_SPEED, &made.point[k]), made.point[k].value[0]};
+        int pieces[3];
+        count_pieces(panel, from, to, pieces);
+        assert_int_equal(pieces[solid] + pieces[dashed], 1);
+    }
+    figure_free(&f);
+    how.look.logarithmic = keys + 2;
+    how.look.logarithmic_count = 1;
+    assert_int_equal(saltus_plot(paths, 1, &how, path_in("b.svg", out), &message), SALTUS_BAD_INPUT);
+    assert_non_null(strstr(message.text, "displacement: the figure shows omega and speed"));
+    how.show = SALTUS_SHOW_DISPLACEMENT;
+    for (int k = 0; k < points; k++)
+        made.state[k][0] -= 1;
+    write_branch("b.h5");
+    assert_int_equal(saltus_plot(paths, 1, &how, path_in("b.svg", out), &message), SALTUS_BAD_INPUT);
+    assert_non_null(strstr(message.text, "positive"));
+}
+
+/* The script that is kept is the one that was drawn, and names the figure. */
+static void scripts_are_kept(void **state) {
+    (void)state;
+    char kept[path_size], drawn[path_size];
+    size_t own, other;
+    saltus_plot_options how = saltus_plot_defaults();
+    make_branch();
+    write_branch("b.h5");
+    how.look.script = path_in("kept.gp", kept);
+    figure f = draw(&how);
+    figure_free(&f);
+    how.look.script = NULL;
+    char *script = read_all(kept, &own);
+    saltus_message message = {""};
+    char path[path_size], out[path_size];
+    const char *const paths[] = {path_in("b.h5", path)};
+    check_ok(saltus_plot(paths, 1, &how, path_in("b.svg", out), &message), &message);
+    char *plain = read_all(path_in("script", drawn), &other);
+    const char *named = strstr(script, "set output 'b.svg'\n");
+    assert_non_null(named);
+    assert_int_equal(own, other + strlen("set output 'b.svg'\n"));
+    assert_memory_equal(script, plain, (size_t)(named - script));
+    assert_string_equal(named + strlen("set output 'b.svg'\n"), plain + (named - script));
+    remove(drawn);
+    free(script);
+    free(plain);
+    how.look.script = "kept.txt";
+    assert_int_equal(saltus_plot(paths, 1, &how, out, &message), SALTUS_BAD_INPUT);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(curves_are_the_rows_of_the_file),
@@ -961,6 +1226,12 @@ int main(void) {
         cmocka_unit_test(no_more_than_four_hundred_names),
         cmocka_unit_test(kinds_of_loci_have_their_own_colours),
         cmocka_unit_test(branches_lie_over_clouds),
+        cmocka_unit_test(special_points_lie_over_maps),
+        cmocka_unit_test(dashes_do_not_fill_each_other),
+        cmocka_unit_test(sparse_points_give_smooth_curves),
+        cmocka_unit_test(pages_have_the_size_asked_for),
+        cmocka_unit_test(axes_are_laid_out_as_asked),
+        cmocka_unit_test(scripts_are_kept),
     };
     return cmocka_run_group_tests(tests, open_folder, close_folder);
 }

@@ -903,6 +903,37 @@ static void lyapunov_draws_its_table(void **state) {
     figure_free(&f);
 }
 
+/* Over a displacement diagram a branch shows where its orbits turn: where a trajectory settled on it, the
+ * points of the cloud lie on its curves. */
+static void branches_turn_where_the_cloud_does(void **state) {
+    (void)state;
+    write_scene("scene.yaml", struck);
+    run("sweep scene.yaml --over omega=1.95:2.05:6 --what turning -o s.h5 --quiet");
+    run("continue scene.yaml --set omega=2 --in omega=1.94:2.06 -o b.h5 --quiet");
+    run("plot s.h5 --view turning --over b.h5 -o s.svg");
+    figure f = figure_taken(folder);
+    const figure_panel *panel = &f.panel[0];
+    const figure_element *cloud = figure_element_of(panel, "$cloud", 0);
+    double height = panel->range[1][1] - panel->range[1][0];
+    int met = 0;
+    for (int i = 0; i < cloud->values.count; i++) {
+        const double *dot = cloud->values.at[i];
+        double nearest = INFINITY;
+        for (int e = 0; e < panel->element_count; e++) {
+            const figure_rows *rows = &panel->element[e].values;
+            for (int k = 1; k < rows->count && strstr(panel->element[e].text, "$curve"); k++) {
+                const double *a = rows->at[k - 1], *b = rows->at[k];
+                double part = (dot[0] - a[0]) / (b[0] - a[0]);
+                if (rows->joined[k] && part >= 0 && part <= 1)
+                    nearest = fmin(nearest, fabs(a[1] + part * (b[1] - a[1]) - dot[1]));
+            }
+        }
+        met += nearest < 0.004 * height;
+    }
+    assert_true(cloud->values.count >= 6 && met > 0.9 * cloud->values.count);
+    figure_free(&f);
+}
+
 /* Each option of `plot` reaches the figure. */
 static void plot_draws_what_is_asked_for(void **state) {
     (void)state;
@@ -1042,6 +1073,7 @@ int main(void) {
         cmocka_unit_test(diagnose_looks_longer_at_what_has_no_period),
         cmocka_unit_test(spectrum_draws_its_table),
         cmocka_unit_test(lyapunov_draws_its_table),
+        cmocka_unit_test(branches_turn_where_the_cloud_does),
         cmocka_unit_test(plot_draws_what_is_asked_for),
         cmocka_unit_test(paper_draws_the_figure_asked_for),
         cmocka_unit_test(gnuplot_takes_every_script),

@@ -199,10 +199,8 @@ static saltus_status choose_scales(saltus_plot_page *page, saltus_message *messa
 static saltus_status check_scales(const saltus_plot_page *page, saltus_message *message) {
     for (int axis = 0; axis < 2; axis++) {
         saltus_range range = axis ? page->y : page->x;
-        if (page->logarithmic[axis] && !(range.low > 0 && range.high < INFINITY))
-            return saltus_fail(message, SALTUS_BAD_INPUT,
-                               "a logarithmic axis needs positive values, these go from %g to %g", range.low,
-                               range.high);
+        if (page->logarithmic[axis] && !(range.low > 0 && range.low < range.high && range.high < INFINITY))
+            return saltus_fail(message, SALTUS_BAD_INPUT, "a logarithmic axis needs positive values");
     }
     return SALTUS_OK;
 }
