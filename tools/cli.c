@@ -490,8 +490,9 @@ static bool read_size(const char *text, double *width, double *height) {
         if (!(*height > 0))
             return false;
     }
-    return isdigit((unsigned char)text[0]) && *end == '\0' && *width > 0 && isfinite(*width) &&
-           isfinite(*height);
+    bool hexadecimal = text[0] == '0' && text[1] == 'x';
+    return isdigit((unsigned char)text[0]) && !hexadecimal && *end == '\0' && *width > 0 &&
+           isfinite(*width) && isfinite(*height);
 }
 
 bool cli_figure_options(const cli_request *request, saltus_figure_options *look) {

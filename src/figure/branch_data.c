@@ -360,12 +360,12 @@ static void put_arc(const saltus_plot_page *page, const run *r, int k) {
     enum { pieces = 8 };
     const double seen = 0.8, far = 0.25; /* in units; of the page */
     double slope[2][2], way = hypot(r->at[k + 1][0] - r->at[k][0], r->at[k + 1][1] - r->at[k][1]);
-    if (r->count < 3 || way > far * (page->frame.right - page->frame.left))
+    if (r->count < 3 || !(way <= far * (page->frame.right - page->frame.left)))
         return;
     tangent(r, k, slope[0]);
     tangent(r, k + 1, slope[1]);
     double across = slope[0][0] - slope[1][0], up = slope[0][1] - slope[1][1];
-    if (way * hypot(across, up) / 8 < seen)
+    if (!(way * hypot(across, up) / 8 >= seen))
         return;
     for (int n = 1; n < pieces; n++) {
         double t = (double)n / pieces, place[2];
@@ -520,7 +520,7 @@ static bool put_visits(const saltus_plot_page *page, int file, int first, int la
 
 static bool put_curves(const saltus_plot_page *page, int hue, saltus_stroke stroke) {
     bool sound = true;
-    fprintf(page->file, "$curve_%d_%d << EOD\n# parameter, measure\n", hue, (int)stroke);
+    fprintf(page->file, "$curve_%d_%d << EOD\n# parameter, measure\nNaN NaN\n", hue, (int)stroke);
     for (int i = 0; i < page->count; i++) {
         const saltus_branch_file *f = &page->files[i];
         for (int first = 0, last; first < f->point_count; first = last + 1) {

@@ -140,9 +140,11 @@ static void add_branches(const saltus_sweep_page *page, saltus_range *range) {
             const saltus_visits *visits = page->branches->visits ? &page->branches->visits[i][k] : NULL;
             if (!saltus_plot_shown(page->branches, point))
                 continue;
-            saltus_range_add(range, saltus_plot_y(page->branches, point));
-            for (int v = 0; visits && v < visits->count; v++)
-                saltus_range_add(range, visits->list[v].value);
+            for (int v = -1; v < (visits ? visits->count : 0); v++) {
+                double value = v < 0 ? saltus_plot_y(page->branches, point) : visits->list[v].value;
+                if (!page->logarithmic || value > 0)
+                    saltus_range_add(range, value);
+            }
         }
 }
 

@@ -45,7 +45,11 @@ bool saltus_map_numbers(saltus_map *map) {
     map->range = (saltus_range){0, 1};
     if (sound && count) {
         gsl_sort_float(sorted, 1, (size_t)count);
-        choose_range(map, sorted, count);
+        /* What has no logarithm has the colour of the least that has one. */
+        long long first = 0;
+        while (page->logarithmic && first + 1 < count && sorted[first] <= 0)
+            first++;
+        choose_range(map, sorted + first, count - first);
     }
     if (page->asked) {
         map->range = page->up;
