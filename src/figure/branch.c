@@ -48,7 +48,7 @@ static void put_axes(const saltus_plot_page *page) {
         if (!page->logarithmic[axis])
             continue;
         fprintf(page->file, "set logscale %c\n", "xy"[axis]);
-        saltus_page_log_tics(page->page, "xy"[axis], range);
+        saltus_page_log_tics(page->page, axis ? "y" : "x", range);
     }
 }
 

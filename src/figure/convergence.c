@@ -66,7 +66,7 @@ void saltus_course_panel(const saltus_page *page, const saltus_system *system, c
     saltus_line_add(&time_name, "time {/:Italic %s}%s", saltus_notation_of(system)->time,
                     narrow ? " measured" : " measured, all trajectories together");
     saltus_page_axis(page, 'x', time_name.text, time);
-    saltus_page_log_tics(page, 'x', time);
+    saltus_page_log_tics(page, "x", time);
     saltus_page_axis(page, 'y',
                      origin == 0 ? "largest Lyapunov exponent" : "largest Lyapunov exponent − final value",
                      range);

@@ -267,17 +267,17 @@ double saltus_page_tic_step(saltus_range range, double tics) {
     return round[k] * power;
 }
 
-void saltus_page_log_tics(const saltus_page *page, char axis, saltus_range range) {
+void saltus_page_log_tics(const saltus_page *page, const char *axis, saltus_range range) {
     static const double parts[] = {1, 2, 5};
     double ratio = range.high / range.low, width = range.high - range.low;
     bool within = ratio < 4; /* a decade at 1, 2 and 5 would leave few tics, or none */
     double decade = pow(10, floor(log10(within ? width / 6 : range.low)));
     const char *separator = "";
     if (ratio > 3000) {
-        fprintf(page->file, "set %ctics auto\nset format %c '10^{%%T}'\n", axis, axis);
+        fprintf(page->file, "set %stics auto\nset format %s '10^{%%T}'\n", axis, axis);
         return;
     }
-    fprintf(page->file, "set %ctics (", axis);
+    fprintf(page->file, "set %stics (", axis);
     if (within) {
         double step = decade * (width / 6 < 1.5 * decade ? 1 : width / 6 < 3.5 * decade ? 2 : 5);
         for (double k = ceil(range.low / step); k * step <= range.high; k++, separator = ", ")

@@ -65,9 +65,9 @@ void saltus_page_entry(const saltus_page *page, double x, double y, uint32_t col
 void saltus_page_axis(const saltus_page *page, char axis, const char *name, saltus_range range);
 /* A round distance of tics of which there are so many at most. */
 double saltus_page_tic_step(saltus_range range, double tics);
-/* Tics at 1, 2 and 5 times powers of ten of a logarithmic axis ('x' or 'y'), at powers of ten alone over many
- * decades, equally spaced over less than one. */
-void saltus_page_log_tics(const saltus_page *page, char axis, saltus_range range);
+/* Tics at 1, 2 and 5 times powers of ten of a logarithmic axis ("x", "y" or "y2"), at powers of ten alone
+ * over many decades, equally spaced over less than one. */
+void saltus_page_log_tics(const saltus_page *page, const char *axis, saltus_range range);
 /* Variables of the script, for the templates: a number, and a text without single quotes around it. */
 void saltus_page_number(const saltus_page *page, const char *name, double value);
 void saltus_page_text(const saltus_page *page, const char *name, const char *text);

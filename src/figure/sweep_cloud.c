@@ -478,7 +478,7 @@ saltus_status saltus_sweep_put_diagram(saltus_sweep_page *page, saltus_message *
         fputs("unset xlabel\nset format x ''\n", file);
         if (page->logarithmic) {
             fputs("set logscale y\n", file);
-            saltus_page_log_tics(&page->paper, 'y', page->up);
+            saltus_page_log_tics(&page->paper, "y", page->up);
         }
         if (page->branches)
             saltus_plot_labels(page->branches);

@@ -161,7 +161,7 @@ void saltus_sweep_put_axis(const saltus_sweep_page *page, char axis, const saltu
     if (!cells->logarithmic)
         return;
     fprintf(page->file, "set logscale %c\n", axis);
-    saltus_page_log_tics(&page->paper, axis, cells->range);
+    saltus_page_log_tics(&page->paper, axis == 'x' ? "x" : "y", cells->range);
 }
 
 void saltus_sweep_put_entry(const saltus_sweep_page *page, double x, double y, saltus_paint paint,
