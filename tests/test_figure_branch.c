@@ -951,7 +951,7 @@ static void fill_map(made_place *m) {
 }
 
 static figure draw_over(const char *const *names, int count, const saltus_figure_options *look) {
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     char paths[3][path_size], sweep[path_size], out[path_size];
     const char *list[3];
     for (int k = 0; k < count; k++)
@@ -971,7 +971,7 @@ static void special_points_lie_over_maps(void **state) {
     saltus_axis axes[2] = {{.key = "omega", .count = 8, .low = 0.9, .high = 2.1},
                            {.key = "d", .count = 6, .low = 0.1, .high = 0.6}};
     saltus_sweep_options options = saltus_sweep_defaults();
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     char path[path_size], out[path_size];
     make_locus(SALTUS_POINT_PD);
     write_branch("a.h5");
@@ -1102,7 +1102,7 @@ static void pages_have_the_size_asked_for(void **state) {
         const char *picture, *terminal;
     } cases[] = {
         {"b.png", "pngcairo size 1004,"}, {"b.pdf", "fontscale 0.46154 "}, {"b.svg", "svg size 522,"}};
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     char path[path_size], out[path_size];
     const char *const paths[] = {path_in("b.h5", path)};
     make_branch();
@@ -1145,7 +1145,7 @@ static void pages_have_the_size_asked_for(void **state) {
 static void axes_are_laid_out_as_asked(void **state) {
     (void)state;
     static const char *const keys[] = {"omega", "speed", "displacement"};
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     char path[path_size], out[path_size];
     const char *const paths[] = {path_in("b.h5", path)};
     saltus_plot_options how = saltus_plot_defaults();
@@ -1192,7 +1192,7 @@ static void scripts_are_kept(void **state) {
     figure_free(&f);
     how.look.script = NULL;
     char *script = read_all(kept, &own);
-    saltus_message message = {""};
+    saltus_message message = {.text = ""};
     char path[path_size], out[path_size];
     const char *const paths[] = {path_in("b.h5", path)};
     check_ok(saltus_plot(paths, 1, &how, path_in("b.svg", out), &message), &message);

@@ -64,7 +64,7 @@ static void put_terminal(const saltus_page *page) {
     const double inch = mm_per_unit / 25.4, dot = 300 * inch, points = 72 * inch;
     double w = page->width, h = page->height;
     bool sized = page->look.width > 0;
-    fputs("set terminal ", page->file);
+    fputs("# Saltus " SALTUS_VERSION ": a figure\nset terminal ", page->file);
     if (saltus_path_ends(page->path, ".png")) {
         fprintf(page->file, "pngcairo size %.0f,%.0f enhanced font 'DejaVu Sans,13' ", sized ? w * dot : w,
                 sized ? h * dot : h);
@@ -119,21 +119,19 @@ static saltus_status deliver(const saltus_page *page, FILE *picture, saltus_mess
     return saltus_output_close(&output, status, message);
 }
 
-/* The script as it is, but for the name of the program before it and, after its first line, the name of the
- * figure, which it draws in the folder where it is run. */
+/* The script as it is, and after its terminal, in the second line, the name of the figure, which it draws in
+ * the folder where it is run. */
 static saltus_status keep_script(const saltus_page *page, saltus_message *message) {
     saltus_output output;
-    bool named = false;
+    int lines = 0;
     saltus_status status = saltus_output_open(&output, page->look.script, message);
     if (status != SALTUS_OK)
         return status;
-    fputs("# Saltus " SALTUS_VERSION ": a figure\n", output.file);
     rewind(page->file);
     for (int c; (c = fgetc(page->file)) != EOF;) {
         fputc(c, output.file);
-        if (c != '\n' || named)
+        if (c != '\n' || ++lines != 2)
             continue;
-        named = true;
         fputs("set output '", output.file);
         for (const char *letter = saltus_path_name(page->path); *letter; letter++)
             fprintf(output.file, *letter == '\'' ? "''" : "%c", *letter);
