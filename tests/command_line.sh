@@ -73,7 +73,7 @@ refuse 2 "frequency" continue fig7d --in frequency=50:56 -o branch.h5
 refuse 2 "whole number" continue fig7d --in N=3:6 -o branch.h5
 refuse 2 "--of q9" spectrum fig7d --of q9
 refuse 2 "--of speed" spectrum fig7d --of speed
-refuse 2 "--segment 0" spectrum fig7d --segment 0
+refuse 2 "--segment -1" spectrum fig7d --segment -1
 refuse 2 "two orbits take 8" spectrum fig7d --periods 7
 refuse 2 "segment = 9" spectrum fig7d --segment 9 --periods 8
 refuse 2 "1000000 periods" spectrum fig7d --periods 1000000

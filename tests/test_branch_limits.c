@@ -50,7 +50,7 @@ static void refusals_name_their_numbers(void **unused) {
     check_refused(&bad, "step_max = 1.01: must be greater than 0 and at most 1");
     bad = fine;
     bad.points = 0;
-    check_refused(&bad, "points = 0: must be at least 1");
+    check_refused(&bad, "points = 0: must be from 1 to 10000000");
     bad = fine;
     bad.values = values;
     bad.value_count = -1;

@@ -82,6 +82,7 @@ static void told_defaults_are_those_of_the_library(void **state) {
         {"orbit", "--rtol", harvest.flow.rtol},
         {"orbit", "--atol", harvest.flow.atol},
         {"continue", "--step", branch.step},
+        {"continue", "--step-max", branch.step_max},
         {"continue", "--points", branch.points},
         {"continue", "--switch", branch.switches},
         {"continue", "--transient", (double)classify.transient},

@@ -110,6 +110,9 @@ static void whole_numbers_fit_or_are_refused(void **unused) {
     assert_false(saltus_field_set_whole(set, 2, &s) || saltus_field_set_whole(set, -1, &s));
     assert_false(saltus_field_set_number(whole, 1.5, &s) || saltus_field_set_number(whole, NAN, &s) ||
                  saltus_field_set_number(whole, 1e300, &s));
+    s.natural = 7;
+    assert_false(saltus_field_set_number(&options[3].field, -1, &s));
+    assert_true(s.natural == 7);
     assert_true(saltus_field_set_number(whole, 40, &s) && saltus_field_number(whole, &s) == 40);
     s.natural = ULONG_MAX;
     assert_true(saltus_field_number(&options[3].field, &s) == (double)ULONG_MAX);

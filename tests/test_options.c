@@ -775,46 +775,26 @@ static const struct {
     const char *command, *name;
     double low, high;
 } promised[] = {
-    {"classify", "--seeds", 1, 1000000},
-    {"classify", "--seed", 0, 4294967295.0},
-    {"classify", "--transient", 1, 1e12},
-    {"classify", "--longest", 1, 1024},
-    {"classify", "--measure", 0, 1e12},
-    {"classify", "--rtol", 1e-15, 1e-3},
-    {"classify", "--atol", 0, 1},
-    {"simulate", "--periods", 1, 1e6},
-    {"simulate", "--transient", 0, 1e12},
-    {"simulate", "--samples", 1, 1e5},
-    {"orbit", "--periods", 1, 1e6},
-    {"orbit", "--transient", 0, 1e12},
-    {"orbit", "--search", 10, 1e9},
-    {"orbit", "--most", 1, 1e6},
-    {"orbit", "--segments", 0, 1e5},
-    {"continue", "--periods", 1, 1e6},
-    {"continue", "--step", 1e-9, 1},
-    {"continue", "--step-max", 1e-9, 1},
-    {"continue", "--points", 1, 1e7},
-    {"continue", "--switch", 0, 1000},
-    {"sweep", "--seeds", 1, 10000},
-    {"sweep", "--at-most", 1, 1e9},
-    {"sweep", "--longest", 1, 256},
-    {"sweep", "--transient", 0, 1e9},
-    {"sweep", "--record", 1, 1e9},
-    {"sweep", "--measure", 0, 1e9},
-    {"sweep", "--lanes", 1, 64},
-    {"sweep", "--threads", 1, 4096},
-    {"sweep", "--rtol", 1e-15, 1e-3},
-    {"sweep", "--atol", 0, 1},
-    {"lyapunov", "--exponents", 1, 1000},
-    {"lyapunov", "--precision", 1e-9, 1},
-    {"lyapunov", "--transient", 0, 1e12},
-    {"lyapunov", "--periods", 1, 1e15},
-    {"lyapunov", "--members", 1, 64},
-    {"lyapunov", "--interval", 0, 1000},
-    {"lyapunov", "--seed", 0, 4294967295.0},
-    {"spectrum", "--periods", 1, 1e6},
-    {"spectrum", "--segment", 1, 1e6},
-    {"spectrum", "--samples", 16, 65536},
+    {"classify", "--seeds", 1, 1000000},  {"classify", "--seed", 0, 4294967295.0},
+    {"classify", "--transient", 1, 1e12}, {"classify", "--longest", 1, 1024},
+    {"classify", "--measure", 0, 1e12},   {"classify", "--rtol", 1e-15, 1e-3},
+    {"classify", "--atol", 0, 1},         {"simulate", "--periods", 1, 1e6},
+    {"simulate", "--transient", 0, 1e12}, {"simulate", "--samples", 1, 1e5},
+    {"orbit", "--periods", 1, 1e6},       {"orbit", "--transient", 0, 1e12},
+    {"orbit", "--search", 1, 1e9},        {"orbit", "--most", 1, 1e6},
+    {"orbit", "--segments", 0, 1e5},      {"continue", "--periods", 1, 1e6},
+    {"continue", "--step", 0, 1},         {"continue", "--step-max", 0, 1},
+    {"continue", "--points", 1, 1e7},     {"continue", "--switch", 0, 1000},
+    {"sweep", "--seeds", 1, 10000},       {"sweep", "--at-most", 0, 1e9},
+    {"sweep", "--longest", 1, 256},       {"sweep", "--transient", 0, 1e9},
+    {"sweep", "--record", 1, 1e9},        {"sweep", "--measure", 0, 1e9},
+    {"sweep", "--lanes", 0, 4096},        {"sweep", "--threads", 0, 4096},
+    {"sweep", "--rtol", 1e-15, 1e-3},     {"sweep", "--atol", 0, 1},
+    {"lyapunov", "--exponents", 0, 1000}, {"lyapunov", "--precision", 0, 1e6},
+    {"lyapunov", "--transient", 0, 1e12}, {"lyapunov", "--periods", 1, 1e15},
+    {"lyapunov", "--members", 1, 64},     {"lyapunov", "--interval", 0, 1000000},
+    {"lyapunov", "--seed", 0, INFINITY},  {"spectrum", "--periods", 0, 1e6},
+    {"spectrum", "--segment", 0, 1e6},    {"spectrum", "--samples", 16, 65536},
 };
 
 static void check_promised(const listed *o, const double bound[2]) {
@@ -829,21 +809,30 @@ static void check_promised(const listed *o, const double bound[2]) {
 
 /* The bounds are those that the sentence tells: what lies beyond them is refused. */
 static void check_beyond(const fixture *f, const listed *o, const char *sentence, bounds *known) {
-    const char *at = strstr(sentence, "number from ");
+    const char *at = strstr(sentence, "number ");
     char line[160], more[128], whole = strstr(sentence, "whole number") != NULL, value[48];
     double bound[2];
     if (!at)
         return;
-    assert_int_equal(sscanf(at, "number from %lf to %lf", &bound[0], &bound[1]), 2);
+    /* A sentence of the form "number greater than 0 and at most 1": the lower bound is refused, too. */
+    bool open = sscanf(at, "number greater than %lf and %*s %*s %lf", &bound[0], &bound[1]) == 2;
+    if (sscanf(at, "number of at least %lf", &bound[0]) == 1)
+        bound[1] = INFINITY;
+    else if (!open)
+        assert_int_equal(sscanf(at, "number from %lf to %lf", &bound[0], &bound[1]), 2);
     check_promised(o, bound);
     without_scene(o->command, line);
-    for (int k = 0; k < 2; k++) {
-        double step = whole ? 1 : fmax(fabs(bound[k]), 1e-300) * 1e-9, beyond = bound[k] + (k ? step : -step);
+    for (int k = 0; k < 2 && isfinite(bound[k]); k++) {
+        double step = whole ? 1 : fmax(fabs(bound[k]), 1e-300) * 1e-9, beyond = bound[k] + (k      ? step
+                                                                                            : open ? 0
+                                                                                                   : -step);
         size_t used = strlen(known->at[k]);
         /* A sweep's --transient does not go with the others. */
         bool alone = strcmp(o->command, "sweep") == 0 && strcmp(o->name, "--transient") == 0;
         snprintf(more, sizeof more, " %s %.17g", o->name, bound[k]);
-        if (alone)
+        if (open && k == 0)
+            used = 0; /* is not accepted */
+        else if (alone)
             free(check_refused(f, line, more, "nosuchscene", ""));
         else
             snprintf(known->at[k] + used, sizeof known->at[k] - used, "%s", more);

@@ -76,7 +76,7 @@ static void sentences_name_what_is_wrong(void **state) {
         {"classify pipe --set omega=41 sides=left", 2, "--set sides=left: sides = \"left\": "},
         {"classify pipe --integrator euler", 2, "--integrator euler: |automatic, taylor or radau"},
         {"sweep pipe --integrator euler --over d=0.01,0.02 -o never.h5", 2, "--integrator euler: "},
-        {"orbit pipe --from two.h5:1 --integrator euler", 2, "two.h5:1: |model"},
+        {"orbit pipe --from two.h5:1", 2, "two.h5:1: |model"},
         {"orbit two-mass --from two.h5:1 --integrator euler", 2, "--integrator euler: "},
         {"check start.yaml --set N=4", 2, "--set N=4: N = 4: |6 entries|8"},
         {"orbit two-mass --from two.h5:1 --set q1=0.01", 2, "--set of an initial state |--from"},

@@ -98,12 +98,12 @@ static void refusals_tell_what_was_given(void **unused) {
     static const char *const told[] = {"passes = 8:",
                                        "seeds = 10001: must be from 1 to 10000",
                                        "seeds = 0: must be from 1 to 10000",
-                                       "transient = -7: must be at least 0",
-                                       "record = -3: must be at least 1",
+                                       "transient = -7: must be from 0 to 1000000000",
+                                       "record = -3: must be from 1 to 1000000000",
                                        "measure = -11:",
                                        "longest = 257: must be from 1 to 256",
-                                       "lanes = -2: must be at least 0",
-                                       "threads = -6: must be at least 0",
+                                       "lanes = -2: must be from 0 to 4096",
+                                       "threads = -6: must be from 0 to 4096",
                                        "110000 points with 2 passes and 9000 seeds: more than 1000000000"};
     for (int k = 0; k < 10; k++) {
         saltus_sweep_options o = good;

@@ -18,35 +18,6 @@ const cli_option cli_set = {
 const cli_option cli_json = CLI_FLAG_OPTION("--json", json, "one JSON object on stdout");
 const cli_option cli_output =
     CLI_TEXT_OPTION("-o", output, "file", "where the result goes; - is standard output (not for HDF5)");
-const cli_option cli_data =
-    CLI_TEXT_OPTION("--data", data, "file.h5", "keep the data there, and gnuplot's script beside it (.gp)");
-const cli_option cli_integrator =
-    CLI_TEXT_OPTION("--integrator", integrator, "name", "automatic, taylor or radau");
-const cli_option cli_seeds = CLI_WHOLE_OPTION("--seeds", seeds, "k", 0, 1, 1e6,
-                                              "classify from k random initial states, list the attractors");
-const cli_option cli_seed =
-    CLI_WHOLE_OPTION("--seed", seed, "s", 1, 0, 4294967295.0, "seed of the random initial states");
-const cli_option cli_transient = CLI_WHOLE_OPTION("--transient", transient, "n", 20000, 1, 1e12,
-                                                  "periods to wait at most for the motion to settle");
-const cli_option cli_settle =
-    CLI_WHOLE_OPTION("--transient", transient, "m", 0, 0, 1e12, "periods to run before the recording");
-const cli_option cli_longest =
-    CLI_WHOLE_OPTION("--longest", longest, "p", 64, 1, 1024, "longest period tried, in forcing periods");
-const cli_option cli_measure =
-    CLI_WHOLE_OPTION("--measure", measure, "n", 256000, 0, 1e12,
-                     "without a period: periods at most to measure an exponent over; 0: undecided");
-const cli_option cli_periods =
-    CLI_WHOLE_OPTION("--periods", periods, "n", 0, 1, 1e6, "forcing periods to record");
-const cli_option cli_samples =
-    CLI_WHOLE_OPTION("--samples", samples, "k", 200, 1, 1e5, "samples per forcing period");
-const cli_option cli_rtol =
-    CLI_REAL_OPTION("--rtol", rtol, "x", 1e-13, 1e-15, 1e-3, "relative tolerance of the flow");
-const cli_option cli_atol =
-    CLI_REAL_OPTION("--atol", atol, "x", 1e-16, 0, 1, "absolute tolerance of the flow, in displacements");
-const cli_option cli_loose_rtol =
-    CLI_REAL_OPTION("--rtol", rtol, "x", 1e-10, 1e-15, 1e-3, "relative tolerance of the flow");
-const cli_option cli_loose_atol =
-    CLI_REAL_OPTION("--atol", atol, "x", 1e-14, 0, 1, "absolute tolerance of the flow, in displacements");
 const cli_option cli_resume =
     CLI_FLAG_OPTION("--resume", resume, "go on with the interrupted run in the file of -o");
 const cli_option cli_force = CLI_FLAG_OPTION(
@@ -64,14 +35,54 @@ static const cli_option quiet =
 static const cli_option format = CLI_TEXT_OPTION("--format", format, "ending",
                                                  "with -o -: png, pdf, svg or csv, as far as -o can have it");
 
-/* The options of a command one after the other, those that go without saying at the end; NULL after them. */
-static const cli_option *option_at(const cli_command *command, int k) {
+/* Whether a list of flags with blanks between them has the flag. */
+static bool lists(const char *flags, const char *flag) {
+    size_t length = strlen(flag);
+    for (const char *at = flags; at && (at = strstr(at, flag)); at += length)
+        if ((at == flags || at[-1] == ' ') && (at[length] == ' ' || at[length] == '\0'))
+            return true;
+    return false;
+}
+
+static bool takes(const cli_table *table, const saltus_option *option) {
+    return option->flag && !lists(table->without, option->flag);
+}
+
+/* Whether the option of the library is hidden by an own one or by one of an earlier table. */
+static bool is_hidden(const cli_command *command, const saltus_option *option) {
+    for (int k = 0; command->options[k]; k++)
+        if (strcmp(command->options[k]->name, option->flag) == 0)
+            return true;
+    for (const cli_table *table = command->tables; table->options; table++)
+        for (int k = 0; k < table->options->count; k++) {
+            const saltus_option *other = &table->options->options[k];
+            if (other == option)
+                return false;
+            if (takes(table, other) && strcmp(other->flag, option->flag) == 0)
+                return true;
+        }
+    return false;
+}
+
+bool cli_entry_at(const cli_command *command, int number, cli_entry *entry) {
     const cli_option *const common[] = {&quiet, command->endings ? &cli_force : NULL,
                                         command->endings ? &format : NULL, NULL};
-    int own = 0;
-    while (own < k && command->options[own])
-        own++;
-    return command->options[own] ? command->options[own] : common[k - own];
+    const cli_option *own = NULL;
+    for (int k = 0; !own && command->options[k]; k++)
+        own = number-- == 0 ? command->options[k] : NULL;
+    for (const cli_table *table = command->tables; !own && table && table->options; table++)
+        for (int k = 0; k < table->options->count; k++) {
+            const saltus_option *o = &table->options->options[k];
+            if (takes(table, o) && !is_hidden(command, o) && number-- == 0) {
+                *entry = (cli_entry){o->flag, o->argument, o->field.meaning, NULL, o};
+                return true;
+            }
+        }
+    for (int k = 0; !own && common[k]; k++)
+        own = number-- == 0 ? common[k] : NULL;
+    if (own)
+        *entry = (cli_entry){own->name, own->argument, own->help, own, NULL};
+    return own != NULL;
 }
 
 /* Whether a text has the key, what stands before '=', of one of the others. */
@@ -104,15 +115,11 @@ const cli_option cli_size =
     CLI_TEXT_OPTION("--size", size, "WxH",
                     "on paper, with type of 8 pt: column (85 mm wide), two-columns (175 mm), W or WxH in mm");
 const cli_option cli_no_heading =
-    CLI_FLAG_OPTION("--no-heading", no_heading, "panels and legends alone, no words above them");
+    CLI_FLAG_OPTION("--no-heading", look.no_heading, "panels and legends alone, no words above them");
 const cli_option cli_title =
-    CLI_TEXT_OPTION("--title", title, "text", "heading in place of the figure's own; \"\": none");
-const cli_option cli_swap = CLI_FLAG_OPTION("--swap", swap, "exchange the axes");
-const cli_option cli_log = CLI_LIST_OPTION("--log", logarithmic, "key",
-                                           "logarithmic axis: a parameter or what is shown (speed, ...); "
-                                           "may be repeated");
+    CLI_TEXT_OPTION("--title", look.title, "text", "heading in place of the figure's own; \"\": none");
 const cli_option cli_keep_script =
-    CLI_TEXT_OPTION("--keep-script", script, "file.gp", "keep gnuplot's script, with the data in it");
+    CLI_TEXT_OPTION("--keep-script", look.script, "file.gp", "keep gnuplot's script, with the data in it");
 
 static bool parse_value(const cli_option *option, const char *text, cli_request *request) {
     char *place = (char *)request + option->offset, *end = NULL;
@@ -124,32 +131,75 @@ static bool parse_value(const cli_option *option, const char *text, cli_request 
         return parse_list_item(option, text, (cli_list *)(void *)place);
     double value = strtod(text, &end);
     bool number = end != text && *end == '\0' && isfinite(value);
-    bool whole = option->kind != CLI_WHOLE || (number && value == floor(value));
-    if (!number || !whole || value < option->min || value > option->max) {
-        fprintf(stderr, "saltus: %s %s: must be a %snumber from %.10g to %.10g\n", option->name, text,
-                option->kind == CLI_WHOLE ? "whole " : "", option->min, option->max);
+    if (!number || value != floor(value) || value < option->min || value > option->max) {
+        fprintf(stderr, "saltus: %s %s: must be a whole number from %.10g to %.10g\n", option->name, text,
+                option->min, option->max);
         return false;
     }
-    if (option->kind == CLI_WHOLE)
-        *(long *)(void *)place = (long)value;
-    else
-        *(double *)(void *)place = value;
+    *(long *)(void *)place = (long)value;
+    return true;
+}
+
+/* Whole numbers may be written as 1e6, too. */
+static bool read_member(const saltus_option *option, const char *text, void *record) {
+    char *end = NULL;
+    if (saltus_field_read(&option->field, text, record))
+        return saltus_option_admits(option, record);
+    double value = strtod(text, &end);
+    return !option->field.words && end != text && *end == '\0' && isfinite(value) &&
+           saltus_field_set_number(&option->field, value, record) && saltus_option_admits(option, record);
+}
+
+static void refuse_member(const saltus_option *option, const char *text) {
+    char demand[SALTUS_FIELD_TEXT_MAX];
+    const char *kind = option->field.words                 ? ""
+                       : option->field.type == SALTUS_REAL ? "a number "
+                                                           : "a whole number ";
+    const char *what = saltus_option_demand(option, demand) + strlen("must be ");
+    const char *zero = strncmp(what, "0 or ", 5) == 0 ? "0 or " : "";
+    const char *of = *kind && strncmp(what, "at least ", 9) == 0 ? "of " : "";
+    fprintf(stderr, "saltus: %s %s: must be %s%s%s%s\n", option->flag, text, zero, kind, of,
+            what + strlen(zero));
+}
+
+/* Into all tables of the command that have the option. */
+static bool set_members(const cli_command *command, const char *flag, const char *text,
+                        cli_request *request) {
+    for (const cli_table *table = command->tables; table->options; table++)
+        for (int k = 0; k < table->options->count; k++) {
+            const saltus_option *o = &table->options->options[k];
+            if (!takes(table, o) || strcmp(o->flag, flag) != 0)
+                continue;
+            if (!read_member(o, text, (char *)request + table->offset)) {
+                refuse_member(o, text);
+                return false;
+            }
+        }
     return true;
 }
 
 static void set_defaults(const cli_command *command, cli_request *request) {
-    *request = (cli_request){.rtol = cli_rtol.fallback, .atol = cli_atol.fallback};
-    for (int k = 0; option_at(command, k); k++) {
-        const cli_option *option = option_at(command, k);
-        char *place = (char *)request + option->offset;
-        if (option->kind == CLI_WHOLE)
-            *(long *)(void *)place = (long)option->fallback;
-        if (option->kind == CLI_REAL)
-            *(double *)(void *)place = option->fallback;
-    }
+    *request = (cli_request){.command = command,
+                             .flow = saltus_flow_defaults(),
+                             .orbit = saltus_orbit_defaults(),
+                             .harvest = saltus_harvest_defaults(),
+                             .branch = saltus_branch_defaults(),
+                             .classify = saltus_classify_defaults(),
+                             .lyapunov = saltus_lyapunov_defaults(),
+                             .spectrum = saltus_spectrum_defaults(),
+                             .sweep = saltus_sweep_defaults(),
+                             .look = saltus_figure_defaults()};
+    saltus_flow_options *const flows[] = {
+        &request->flow,          &request->orbit.flow,    &request->harvest.flow, &request->branch.orbit.flow,
+        &request->classify.flow, &request->spectrum.flow, &request->sweep.flow};
+    for (size_t k = 0; k < sizeof flows / sizeof flows[0]; k++)
+        flows[k]->stop = interrupt_flag();
+    for (int k = 0; command->options[k]; k++)
+        if (command->options[k]->kind == CLI_WHOLE)
+            *(long *)(void *)((char *)request + command->options[k]->offset) =
+                (long)command->options[k]->fallback;
 }
 
-/* Settings run up to the next option. Returns how many there were, 0 after a message. */
 static int take_settings(int count, char **arguments, cli_request *request) {
     int taken = 0;
     for (; taken < count && arguments[taken][0] != '-' && strchr(arguments[taken], '='); taken++) {
@@ -170,53 +220,58 @@ static int take_settings(int count, char **arguments, cli_request *request) {
     return taken;
 }
 
-/* Whether the option may be given once only, and has been. */
-static bool is_second(const cli_option *option, int number, unsigned long long *given) {
-    unsigned long long bit = 1ull << number;
-    bool second = option->kind < CLI_SETTINGS && *given & bit;
-    *given |= bit;
-    return second;
+/* The number of an option of the command; false when it has none of that name. */
+static bool find_entry(const cli_command *command, const char *flag, int *number, cli_entry *entry) {
+    for (*number = 0; cli_entry_at(command, *number, entry); ++*number)
+        if (strcmp(entry->flag, flag) == 0)
+            return true;
+    return false;
 }
 
-/* Take one option and its value; returns the number of arguments used, 0 after a message. `given` has a bit
- * for each option of the command that was there before. */
-static int take_option(const cli_command *command, int count, char **arguments, cli_request *request,
-                       unsigned long long *given) {
+bool cli_given(const cli_request *request, const char *flag) {
+    cli_entry entry;
+    int number;
+    return find_entry(request->command, flag, &number, &entry) && request->given >> number & 1;
+}
+
+/* Take one option and its value; returns the number of arguments used, 0 after a message. */
+static int take_option(const cli_command *command, int count, char **arguments, cli_request *request) {
     const char *name = arguments[0];
+    cli_entry entry;
+    int number, taken = 0;
     if (strcmp(name, "--help") == 0 || strcmp(name, "-h") == 0) {
         request->help = true;
         return 1;
     }
-    int number = 0;
-    while (option_at(command, number) && strcmp(option_at(command, number)->name, name) != 0)
-        number++;
-    const cli_option *option = option_at(command, number);
-    if (!option) {
+    if (!find_entry(command, name, &number, &entry)) {
         fprintf(stderr, "saltus: %s: unknown option of saltus %s; see saltus %s --help\n", name,
                 command->name, command->name);
         return 0;
     }
-    if (is_second(option, number, given)) {
+    const cli_option *own = entry.own;
+    if (request->given >> number & 1 && !(own && own->kind >= CLI_SETTINGS)) {
         fprintf(stderr, "saltus: %s: is given twice\n", name);
         return 0;
     }
-    if (option->kind == CLI_FLAG) {
-        *(bool *)((char *)request + option->offset) = true;
+    request->given |= 1ull << number;
+    if (own && own->kind == CLI_FLAG) {
+        *(bool *)((char *)request + own->offset) = true;
         return 1;
     }
-    if (option->kind == CLI_SETTINGS) {
-        int taken = take_settings(count - 1, arguments + 1, request);
+    if (own && own->kind == CLI_SETTINGS) {
+        taken = take_settings(count - 1, arguments + 1, request);
         return taken ? taken + 1 : 0;
     }
     if (count < 2) {
-        fprintf(stderr, "saltus: %s: needs a value (%s)\n", name, option->argument);
+        fprintf(stderr, "saltus: %s: needs a value (%s)\n", name, entry.argument);
         return 0;
     }
-    int taken = 0;
+    if (!own)
+        return set_members(command, name, arguments[1], request) ? 2 : 0;
     do
-        if (!parse_value(option, arguments[1 + taken++], request))
+        if (!parse_value(own, arguments[1 + taken++], request))
             return 0;
-    while (option->kind == CLI_FILES && 1 + taken < count && arguments[1 + taken][0] != '-');
+    while (own->kind == CLI_FILES && 1 + taken < count && arguments[1 + taken][0] != '-');
     return 1 + taken;
 }
 
@@ -235,11 +290,10 @@ static bool take_input(const cli_command *command, const char *text, cli_request
 }
 
 bool cli_parse(const cli_command *command, int count, char **arguments, cli_request *request) {
-    unsigned long long given = 0;
     set_defaults(command, request);
     for (int k = 0; k < count;) {
         if (arguments[k][0] == '-' && arguments[k][1] != '\0') {
-            int used = take_option(command, count - k, arguments + k, request, &given);
+            int used = take_option(command, count - k, arguments + k, request);
             if (used == 0)
                 return false;
             k += used;
@@ -252,22 +306,6 @@ bool cli_parse(const cli_command *command, int count, char **arguments, cli_requ
         return false;
     }
     return true;
-}
-
-void cli_help(const cli_command *command) {
-    printf("saltus %s %s\n\n%s\n", command->name, command->usage, command->help);
-    printf("\noptions\n");
-    for (int k = 0; option_at(command, k); k++) {
-        const cli_option *option = option_at(command, k);
-        char head[64];
-        snprintf(head, sizeof head, "%s %s", option->name, option->argument ? option->argument : "");
-        printf("  %-24s %s", head, option->help);
-        if (option->kind == CLI_WHOLE && option->fallback >= option->min)
-            printf(" (default %.0f)", option->fallback);
-        if (option->kind == CLI_REAL)
-            printf(" (default %g)", option->fallback);
-        printf("\n");
-    }
 }
 
 int cli_run(const cli_command *command, cli_request *request) {
@@ -315,14 +353,6 @@ saltus_status cli_apply_settings(const cli_request *request, saltus_scene *scene
     return SALTUS_OK;
 }
 
-static saltus_status check_integrator(const cli_request *request, saltus_message *message) {
-    const char *name = request->integrator;
-    if (!name || strcmp(name, "automatic") == 0 || strcmp(name, "taylor") == 0 || strcmp(name, "radau") == 0)
-        return SALTUS_OK;
-    return saltus_fail(message, SALTUS_BAD_INPUT, "--integrator %.100s: must be automatic, taylor or radau",
-                       name);
-}
-
 /* A scene from standard input. */
 static saltus_status read_stdin(saltus_scene *scene, saltus_message *message) {
     enum { most = 1 << 20 };
@@ -347,14 +377,9 @@ saltus_status cli_read_scene(const char *name, saltus_scene *scene, saltus_messa
     return status == SALTUS_IO ? SALTUS_BAD_INPUT : status;
 }
 
-static saltus_status load_scene(const cli_request *request, saltus_scene *scene, saltus_message *message) {
+saltus_status cli_load_scene(const cli_request *request, saltus_scene *scene, saltus_message *message) {
     saltus_status status = cli_read_scene(request->scene, scene, message);
     return status == SALTUS_OK ? cli_apply_settings(request, scene, message) : status;
-}
-
-saltus_status cli_load_scene(const cli_request *request, saltus_scene *scene, saltus_message *message) {
-    saltus_status status = load_scene(request, scene, message);
-    return status == SALTUS_OK ? check_integrator(request, message) : status;
 }
 
 /* The orbit of --from, and its parameters and stops where the command line does not set them. */
@@ -383,15 +408,13 @@ int cli_build(const cli_request *request, cli_setup *setup) {
     saltus_message message = {.text = ""};
     setup->system = NULL;
     setup->start = (saltus_start){.periods = 0};
-    saltus_status status = load_scene(request, &setup->scene, &message);
+    saltus_status status = cli_load_scene(request, &setup->scene, &message);
     if (status == SALTUS_OK && request->from)
         status = read_start(request, &setup->scene, &setup->start, &message);
     if (status == SALTUS_OK)
         status = saltus_system_new(&setup->scene.spec, &setup->system, &message);
     if (status == SALTUS_OK && !setup->start.dimension)
         status = initial_state(&setup->scene, setup->system, setup->start.state, &message);
-    if (status == SALTUS_OK)
-        status = check_integrator(request, &message);
     if (status != SALTUS_OK) {
         saltus_system_free(setup->system);
         setup->system = NULL;
@@ -496,13 +519,9 @@ static bool read_size(const char *text, double *width, double *height) {
 }
 
 bool cli_figure_options(const cli_request *request, saltus_figure_options *look) {
-    *look = saltus_figure_defaults();
-    look->no_heading = request->no_heading;
-    look->title = request->title;
-    look->swap = request->swap;
+    *look = request->look;
     look->logarithmic = request->logarithmic.items;
     look->logarithmic_count = request->logarithmic.count;
-    look->script = request->script;
     if (request->size && !read_size(request->size, &look->width, &look->height)) {
         fprintf(stderr, "saltus: --size %s: must be column, two-columns, W or WxH in mm, such as 85x60\n",
                 request->size);
@@ -515,19 +534,19 @@ bool cli_figure_options(const cli_request *request, saltus_figure_options *look)
                     look->logarithmic[k]);
             return false;
         }
-    if (request->script && !cli_ends_in(request->script, ".gp")) {
-        fprintf(stderr, "saltus: --keep-script %s: the ending must be .gp\n", request->script);
+    if (look->script && !cli_ends_in(look->script, ".gp")) {
+        fprintf(stderr, "saltus: --keep-script %s: the ending must be .gp\n", look->script);
         return false;
     }
     saltus_message message = {.text = ""};
     const char *output = request->output;
     bool drawn =
         output && (cli_ends_in(output, ".png") || cli_ends_in(output, ".pdf") || cli_ends_in(output, ".svg"));
-    const char *given = request->size         ? "--size"
-                        : request->script     ? "--keep-script"
-                        : request->title      ? "--title"
-                        : request->no_heading ? "--no-heading"
-                                              : NULL;
+    const char *given = request->size      ? "--size"
+                        : look->script     ? "--keep-script"
+                        : look->title      ? "--title"
+                        : look->no_heading ? "--no-heading"
+                                           : NULL;
     if (!drawn && given && (!output || cli_ends_in(output, ".csv"))) {
         fprintf(stderr, "saltus: %s: there is no figure: -o file.png, file.pdf or file.svg is needed\n",
                 given);
@@ -543,18 +562,6 @@ bool cli_figure_options(const cli_request *request, saltus_figure_options *look)
 bool cli_ends_in(const char *path, const char *ending) {
     size_t length = strlen(path), part = strlen(ending);
     return length >= part && strcmp(path + length - part, ending) == 0;
-}
-
-saltus_flow_options cli_flow_options(const cli_request *request) {
-    saltus_flow_options options = saltus_flow_defaults();
-    options.stop = interrupt_flag();
-    options.rtol = request->rtol;
-    options.atol = request->atol;
-    if (request->integrator && strcmp(request->integrator, "taylor") == 0)
-        options.integrator = SALTUS_TAYLOR;
-    if (request->integrator && strcmp(request->integrator, "radau") == 0)
-        options.integrator = SALTUS_RADAU;
-    return options;
 }
 
 bool cli_shows_progress(const cli_request *request) {
@@ -573,11 +580,7 @@ void cli_progress_end(const cli_request *request) {
 }
 
 saltus_classify_options cli_classify_options(const cli_request *request) {
-    saltus_classify_options options = saltus_classify_defaults();
-    options.flow = cli_flow_options(request);
-    options.transient = request->transient;
-    options.longest = (int)request->longest;
-    options.measure = request->measure;
+    saltus_classify_options options = request->classify;
     if (cli_shows_progress(request))
         options.progress = show_periods;
     return options;

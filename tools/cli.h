@@ -3,6 +3,7 @@
 #ifndef SALTUS_TOOLS_CLI_H
 #define SALTUS_TOOLS_CLI_H
 
+#include "base/field.h"
 #include "saltus/saltus.h"
 
 enum {
@@ -20,6 +21,8 @@ typedef struct cli_list {
     int count;
 } cli_list;
 
+typedef struct cli_command cli_command;
+
 /* Everything any subcommand can be told; each accepts a part of it. */
 typedef struct cli_request {
     const char *scene; /* the first of the inputs */
@@ -27,31 +30,35 @@ typedef struct cli_request {
     int input_count;
     const char *settings[CLI_SETTINGS_MAX];
     int setting_count;
-    bool json, quiet, help, unstable, mirror, verbose, resume, force, quick, all, no_heading, swap;
+    /* What the library is told, with the defaults of its tables; flows end at the program's flag for signals.
+     */
+    saltus_flow_options flow;
+    saltus_orbit_options orbit;
+    saltus_harvest_options harvest;
+    saltus_branch_options branch;
+    saltus_classify_options classify;
+    saltus_lyapunov_options lyapunov;
+    saltus_spectrum_options spectrum;
+    saltus_sweep_options sweep;
+    saltus_figure_options look;
+    /* What only the command line knows. */
+    bool json, quiet, help, unstable, mirror, verbose, resume, force, quick, all;
     bool to_stdout; /* -o -: the result goes to standard output, `output` is where it is made */
-    const char *output, *data, *integrator, *from, *range, *second_range, *locus, *direction, *values, *show;
-    const char *start, *what, *table, *figure, *format, *view, *title, *size, *script;
+    const char *output, *data, *from, *range, *second_range, *values, *show;
+    const char *start, *what, *table, *figure, *format, *view, *size;
     cli_list parts, labels, over, of, logarithmic;
-    long seeds, seed, transient, longest, periods, samples, segments, points, switches, most, search;
-    long segment, record, lanes, threads, exponents, members, measure;
-    double rtol, atol, step, step_max, precision, interval;
+    long seeds, seed, transient, periods, samples;
+    const cli_command *command;
+    unsigned long long given; /* a bit for each option of the command that was there */
 } cli_request;
 
 /* Of all kinds but the last four an option is given once. The keys of --set and of a CLI_KEYS option, what
  * stands before '=', are given once each; so are the texts of a CLI_LIST option and of a CLI_FILES option,
  * which takes all up to the next option. */
-typedef enum cli_kind {
-    CLI_FLAG,
-    CLI_TEXT,
-    CLI_WHOLE,
-    CLI_REAL,
-    CLI_SETTINGS,
-    CLI_KEYS,
-    CLI_LIST,
-    CLI_FILES
-} cli_kind;
+typedef enum cli_kind { CLI_FLAG, CLI_TEXT, CLI_WHOLE, CLI_SETTINGS, CLI_KEYS, CLI_LIST, CLI_FILES } cli_kind;
 
-/* One option: it gives the parser, the range check, the default and a line of --help. */
+/* An option of the command line alone: it gives the parser, the range check, the default and a line of the
+ * help. */
 typedef struct cli_option {
     const char *name; /* "--seeds" */
     cli_kind kind;
@@ -75,32 +82,47 @@ typedef struct cli_option {
     { name, CLI_FILES, offsetof(cli_request, member), 0, 0, 0, argument, help }
 #define CLI_WHOLE_OPTION(name, member, argument, fallback, min, max, help)                                   \
     { name, CLI_WHOLE, offsetof(cli_request, member), fallback, min, max, argument, help }
-#define CLI_REAL_OPTION(name, member, argument, fallback, min, max, help)                                    \
-    { name, CLI_REAL, offsetof(cli_request, member), fallback, min, max, argument, help }
+/* Options of the library that a command takes, all those of a table that have a flag. The member of the
+ * request that they go to, and flags that the command does not take. An option of several tables goes to all
+ * of them; a command's own option of the same flag goes before. */
+typedef struct cli_table {
+    const saltus_option_table *options;
+    size_t offset;
+    const char *without; /* "--measure --lanes", or NULL */
+} cli_table;
+#define CLI_TABLE(table, member, without)                                                                    \
+    { &table, offsetof(cli_request, member), without }
+
+/* An example, which works as typed where those before it have run. */
+typedef struct cli_example {
+    const char *line, *what; /* without "saltus"; what it does */
+} cli_example;
 
 /* One subcommand. */
-typedef struct cli_command {
+struct cli_command {
     const char *name;
-    const char *usage; /* what follows the name */
-    const char *help;
+    const char *summary; /* "find one periodic orbit", behind the name */
+    const char *usage;   /* what follows the name */
+    const char *help;    /* paragraphs, one in a line */
     bool needs_scene;
     bool together;                    /* several ranks share its work */
     int inputs;                       /* how many files it takes; 0: one */
     const char *const *endings;       /* that the file of -o may have, NULL-terminated; NULL: no such file */
     const char *kind;                 /* of its HDF5 files, as saltus_file_identify tells it */
     bool resumes;                     /* goes on with an interrupted run */
-    const cli_option *const *options; /* NULL-terminated; --quiet, and with -o --force and --format, go
-                                         without saying */
+    const cli_table *tables;          /* the last without options; NULL: none */
+    const cli_option *const *options; /* its own; NULL-terminated; --quiet, and with -o --force and --format,
+                                         go without saying */
+    const cli_example *examples;      /* the last without a line */
+    const char *see;                  /* commands that go with it: "plot export" */
     int (*run)(const cli_request *request);
-} cli_command;
+};
 
 extern const cli_command cmd_classify, cmd_diagnose, cmd_simulate, cmd_scenes, cmd_check, cmd_orbit,
     cmd_continue, cmd_lyapunov, cmd_plot, cmd_spectrum, cmd_sweep, cmd_basins, cmd_export, cmd_paper;
 
-extern const cli_option cli_set, cli_json, cli_output, cli_data, cli_integrator, cli_seeds, cli_seed,
-    cli_transient, cli_longest, cli_periods, cli_samples, cli_settle, cli_measure, cli_rtol, cli_atol,
-    cli_loose_rtol, cli_loose_atol, cli_from, cli_resume, cli_force, cli_size, cli_no_heading, cli_title,
-    cli_swap, cli_log, cli_keep_script;
+extern const cli_option cli_set, cli_json, cli_output, cli_from, cli_resume, cli_force, cli_size,
+    cli_no_heading, cli_title, cli_keep_script;
 
 /* Endings of figures; of figures that may be tables; of records. */
 extern const char *const cli_figures[], *const cli_figures_or_table[], *const cli_records[];
@@ -116,9 +138,20 @@ typedef struct cli_setup {
                            initial one and `dimension` is 0 */
 } cli_setup;
 
+/* One option of a command, whoever it belongs to. */
+typedef struct cli_entry {
+    const char *flag, *argument, *help; /* argument NULL: it takes no value */
+    const cli_option *own;              /* NULL: one of the library */
+    const saltus_option *option;        /* NULL: the command line's own */
+} cli_entry;
+
+/* The options of a command one after the other: its own, those of the library, those that go without saying.
+ * False when there is none of that number. */
+bool cli_entry_at(const cli_command *command, int number, cli_entry *entry);
 /* Fill a request from the arguments after the subcommand; false after a message on stderr. */
 bool cli_parse(const cli_command *command, int count, char **arguments, cli_request *request);
-void cli_help(const cli_command *command);
+/* Whether the option is on the command line. */
+bool cli_given(const cli_request *request, const char *flag);
 /* Run a command whose arguments have been parsed, once it is certain that it may write where it is to. The
  * exit code. */
 int cli_run(const cli_command *command, cli_request *request);
@@ -143,7 +176,7 @@ saltus_status cli_motion(const cli_request *request, const cli_setup *setup,
 /* A scene by its name: a file, a built-in one, or - for standard input. Errors: SALTUS_BAD_INPUT,
  * SALTUS_NO_MEMORY. */
 saltus_status cli_read_scene(const char *name, saltus_scene *scene, saltus_message *message);
-/* The scene with all --set applied; --integrator is checked too. */
+/* The scene with all --set applied. */
 saltus_status cli_load_scene(const cli_request *request, saltus_scene *scene, saltus_message *message);
 /* Apply all --set to a scene. */
 saltus_status cli_apply_settings(const cli_request *request, saltus_scene *scene, saltus_message *message);
@@ -156,11 +189,10 @@ bool cli_choose(const cli_option *option, const char *text, const char *const *w
 /* "figure: file" on stdout, unless --quiet says otherwise or the result itself goes there. */
 void cli_tell_written(const cli_request *request, const char *what);
 bool cli_ends_in(const char *path, const char *ending);
-/* How a figure is laid out, from all options of figures; the texts are the request's. False after a message.
- */
+/* How a figure is laid out, with the options that are not a member of their own; the texts are the
+ * request's. False after a message. */
 bool cli_figure_options(const cli_request *request, saltus_figure_options *look);
-/* With the program's flag for signals as `stop`. */
-saltus_flow_options cli_flow_options(const cli_request *request);
+/* With the progress line of a settling motion, where one is shown. */
 saltus_classify_options cli_classify_options(const cli_request *request);
 /* Whether progress is shown: on a terminal, without --quiet. */
 bool cli_shows_progress(const cli_request *request);

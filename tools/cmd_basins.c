@@ -1,14 +1,16 @@
 /* saltus basins: which attractor each initial state of a plane leads to.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "run_sweep.h"
+#include "sweep/options.h"
 #include "sweep_options.h"
 #include "sweep_print.h"
 
 #include <string.h>
 
-static const cli_option *const options[] = {
-    &cli_set,       &sweep_over, &sweep_at_most,  &sweep_longest,  &cli_output,     &cli_resume, &sweep_lanes,
-    &sweep_threads, &sweep_json, &cli_loose_rtol, &cli_loose_atol, &cli_integrator, NULL};
+static const cli_table tables[] = {
+    CLI_TABLE(saltus_sweep_table, sweep, "--seeds --seed --what --record --measure"), {NULL, 0, NULL}};
+static const cli_option *const options[] = {&cli_set,    &sweep_over, &cli_output,
+                                            &cli_resume, &sweep_json, NULL};
 
 /* Whether an axis moves an entry of the initial state: q1, v1, z1, ... */
 static bool moves_start(const char *axis) {
@@ -40,19 +42,27 @@ static int run(const cli_request *request) {
     return sweep_command(request, true, status, &scene, &how, &message);
 }
 
+static const cli_example examples[] = {{"basins impact-pair --over q1=-1:1:20 --over v1=-1:1:20 -o basins.h5",
+                                        "20 displacements by 20 velocities"},
+                                       {"plot basins.h5 -o basins.png", "draw them"},
+                                       {NULL, NULL}};
+
 const cli_command cmd_basins = {
     .name = "basins",
+    .summary = "which attractor each initial state leads to",
     .usage = "SCENE [--set key=value ...] --over q1=lo:hi:n --over v1=lo:hi:n -o basins.h5",
     .help = "Follow every initial state of a plane to its attractor; the other entries are those of the "
-            "scene. Attractors\n"
-            "are told apart by their orbits. The file holds, for each state, the attractor, the periods and "
-            "the impacts on\n"
-            "the way. An interrupted run is finished by --resume; saltus plot draws the file.",
+            "scene. Attractors are told apart by their orbits. The file holds, for each state, the "
+            "attractor, the periods and the impacts on the way. An interrupted run is finished by --resume; "
+            "saltus plot draws the file.",
     .needs_scene = true,
     .together = true,
     .endings = cli_records,
     .kind = "basins",
     .resumes = true,
+    .tables = tables,
     .options = options,
+    .examples = examples,
+    .see = "plot sweep",
     .run = run,
 };

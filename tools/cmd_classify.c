@@ -3,11 +3,15 @@
 #include "cli.h"
 
 #include "interrupt.h"
+#include "motion/options.h"
 #include "progress.h"
 
-static const cli_option *const options[] = {&cli_set,       &cli_json,       &cli_seeds,   &cli_seed,
-                                            &cli_transient, &cli_longest,    &cli_measure, &cli_rtol,
-                                            &cli_atol,      &cli_integrator, NULL};
+static const cli_option seeds = CLI_WHOLE_OPTION(
+    "--seeds", seeds, "k", 0, 1, 1e6, "classify from k random initial states, list the attractors");
+static const cli_option seed =
+    CLI_WHOLE_OPTION("--seed", seed, "s", 1, 0, 4294967295.0, "seed of the random initial states");
+static const cli_table tables[] = {CLI_TABLE(saltus_classify_table, classify, NULL), {NULL, 0, NULL}};
+static const cli_option *const options[] = {&cli_set, &cli_json, &seeds, &seed, NULL};
 
 static saltus_status classify_once(const cli_request *request, const cli_setup *setup, bool *cut,
                                    saltus_message *message) {
@@ -76,13 +80,23 @@ static int run(const cli_request *request) {
     return cli_report(status, &message);
 }
 
+static const cli_example examples[] = {
+    {"classify impact-oscillator", "the motion that the built-in scene settles on"},
+    {"classify pipe --set omega=41 d=0.03 --json", "the same at other parameters, as one JSON object"},
+    {"classify impact-pair --seeds 20",
+     "the attractors that 20 random initial states lead to, with their shares"},
+    {NULL, NULL}};
+
 const cli_command cmd_classify = {
     .name = "classify",
+    .summary = "what a system settles on",
     .usage = "SCENE [--set key=value ...] [--json] [--seeds k]",
     .help = "Settle on the attractor, find its least period, polish the orbit by Newton's method and report "
-            "n/p, contacts,\n"
-            "events, multipliers, stability and symmetry.",
+            "n/p, contacts, events, multipliers, stability and symmetry.",
     .needs_scene = true,
+    .tables = tables,
     .options = options,
+    .examples = examples,
+    .see = "orbit diagnose lyapunov sweep",
     .run = run,
 };

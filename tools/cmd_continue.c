@@ -2,7 +2,9 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "cli.h"
 
+#include "branch/options.h"
 #include "interrupt.h"
+#include "motion/options.h"
 #include "progress.h"
 
 #include <math.h>
@@ -13,31 +15,20 @@ enum { values_max = 256 };
 
 static const cli_option range =
     CLI_TEXT_OPTION("--in", range, "key=lo:hi", "the parameter to continue in, and its range");
-static const cli_option locus = CLI_TEXT_OPTION(
-    "--locus", locus, "kind", "follow the first LP, PD, NS, BP or GR met on the way in two parameters");
 static const cli_option second_range =
     CLI_TEXT_OPTION("--and", second_range, "key=lo:hi", "the second parameter of a locus");
 static const cli_option periods =
     CLI_WHOLE_OPTION("--periods", periods, "p", 0, 1, 1e6,
                      "period of the orbit to start from, where it is not that of --from");
-static const cli_option step =
-    CLI_REAL_OPTION("--step", step, "s", 0.005, 1e-9, 1, "first step, where the whole range is 1");
-static const cli_option step_max =
-    CLI_REAL_OPTION("--step-max", step_max, "s", 0.03, 1e-9, 1, "largest step, likewise");
-static const cli_option points =
-    CLI_WHOLE_OPTION("--points", points, "n", 2000, 1, 1e7, "points at most, on each branch");
-static const cli_option direction =
-    CLI_TEXT_OPTION("--direction", direction, "way", "up, down or both (default both)");
-static const cli_option switches = CLI_WHOLE_OPTION(
-    "--switch", switches, "k", 0, 0, 1000, "also follow what branches off, or meets a locus, to this depth");
 static const cli_option values =
     CLI_TEXT_OPTION("--at", values, "v[,v...]", "values of the parameter to compute a point (UZ) at");
 static const cli_option json = CLI_FLAG_OPTION("--json", json, "one JSON object for each point on stdout");
 
-static const cli_option *const options[] = {
-    &cli_set,     &cli_from, &range,      &locus,    &second_range, &periods,        &step,
-    &step_max,    &points,   &direction,  &switches, &values,       &cli_resume,     &cli_transient,
-    &cli_longest, &json,     &cli_output, &cli_rtol, &cli_atol,     &cli_integrator, NULL};
+static const cli_table tables[] = {CLI_TABLE(saltus_branch_table, branch, "--segments"),
+                                   CLI_TABLE(saltus_classify_table, classify, "--measure"),
+                                   {NULL, 0, NULL}};
+static const cli_option *const options[] = {&cli_set, &cli_from,   &range, &second_range, &periods,
+                                            &values,  &cli_resume, &json,  &cli_output,   NULL};
 
 static const char *const endings[] = {".h5", NULL};
 
@@ -81,43 +72,32 @@ static bool read_values(const char *text, run_state *run) {
 
 /* The options of the continuation from the command line; false after a message. */
 static bool read_options(run_state *run) {
-    static const char *const kinds[] = {"LP", "PD", "NS", "BP", "GR", NULL};
-    static const saltus_point_kind kind[] = {SALTUS_POINT_LP, SALTUS_POINT_PD, SALTUS_POINT_NS,
-                                             SALTUS_POINT_BP, SALTUS_POINT_GR};
-    static const char *const ways[] = {"up", "down", "both", NULL};
-    static const int signs[] = {1, -1, 0};
     const cli_request *r = run->request;
     saltus_branch_options *o = &run->options;
-    int which = -1, way = 2;
-    *o = saltus_branch_defaults();
+    *o = r->branch;
     if (!r->output || !r->range) {
         fprintf(stderr, "saltus: continue: needs --in key=low:high and -o branch.h5\n");
         return false;
     }
-    if (!r->locus != !r->second_range) {
+    if (!o->locus != !r->second_range) {
         fprintf(stderr, "saltus: continue: --locus and --and belong together\n");
         return false;
     }
-    o->orbit.flow = cli_flow_options(r);
     o->orbit.tolerance = fmax(o->orbit.tolerance, 100 * o->orbit.flow.rtol);
     /* A largest step below the usual first one bounds that too. */
-    o->step = r->step == step.fallback ? fmin(r->step, r->step_max) : r->step;
-    o->step_max = r->step_max;
-    o->points = (int)r->points;
-    o->switches = (int)r->switches;
+    if (!cli_given(r, "--step"))
+        o->step = fmin(o->step, o->step_max);
     if (!cli_parse_range(&range, r->range, o->key[0], &o->low[0], &o->high[0]) ||
         (r->second_range &&
-         !cli_parse_range(&second_range, r->second_range, o->key[1], &o->low[1], &o->high[1])) ||
-        !cli_choose(&locus, r->locus, kinds, &which) || !cli_choose(&direction, r->direction, ways, &way))
+         !cli_parse_range(&second_range, r->second_range, o->key[1], &o->low[1], &o->high[1])))
         return false;
-    o->locus = which < 0 ? SALTUS_POINT_REGULAR : kind[which];
-    o->direction = signs[way];
     return read_values(r->values, run);
 }
 
 /* Without --from: the orbit that the scene settles on. */
 static saltus_status classify_start(run_state *run, saltus_message *message) {
     saltus_classify_options how = cli_classify_options(run->request);
+    how.measure = 0; /* without a period there is no orbit to start from, whatever the exponent */
     saltus_motion motion = {0};
     saltus_status status = saltus_classify(run->setup.system, run->setup.start.state, &how, &motion, message);
     cli_progress_end(run->request);
@@ -335,33 +315,40 @@ static int run(const cli_request *request) {
     return code;
 }
 
+static const cli_example examples[] = {
+    {"continue impact-oscillator --in omega=0.9:1.1 -o branch.h5",
+     "follow the orbit over frequencies; it flips at 0.96"},
+    {"plot branch.h5 -o branch.png", "draw the branch"},
+    {"continue impact-oscillator --in omega=0.9:1.1 --direction down --locus PD --and d=0.9:1.1 -o flip.h5",
+     "the curve of flips in two parameters"},
+    {"continue impact-oscillator --from branch.h5:PD1 --in omega=0.9:1.1 -o again.h5",
+     "from the first flip of the file"},
+    {NULL, NULL}};
+
 const cli_command cmd_continue = {
     .name = "continue",
+    .summary = "branches of orbits and curves of bifurcations",
     .usage =
         "SCENE [--set key=value ...] [--from orbit] --in omega=lo:hi [--locus PD --and d=lo:hi] -o branch.h5 "
         "[--json]",
-    .help =
-        "Follow a periodic orbit as a parameter changes, stable or not, and find where it folds (LP), "
-        "flips (PD),\n"
-        "bifurcates to a torus (NS), meets another branch (BP) or grazes a stop (GR), and where chatter "
-        "completes\n"
-        "(CH) or sticking changes (ST). Without --from the start is the orbit that the scene settles on; "
-        "with it, the\n"
-        "file's parameters hold where --set does not say otherwise. With --locus such points are "
-        "followed in two\n"
-        "parameters, through points of codimension two; there --switch also follows the other curves that "
-        "meet: that of\n"
-        "grazing, those of folds, flips, tori and branch points at grazing, tori and folds or flips at a "
-        "double multiplier\n"
-        "1 (R1) or -1 (R2), the other impact's where two graze. At R3 and R4 only orbits of period 3 and "
-        "4 begin, which\n"
-        "are branches, no such curves. The file can be plotted, and read, while it grows; with --resume the "
-        "options are\n"
-        "those of the interrupted run, and the file becomes the one that it would have left.",
+    .help = "Follow a periodic orbit as a parameter changes, stable or not, and find where it folds (LP), "
+            "flips (PD), bifurcates to a torus (NS), meets another branch (BP) or grazes a stop (GR), and "
+            "where chatter completes (CH) or sticking changes (ST). Without --from the start is the orbit "
+            "that the scene settles on; with it, the file's parameters hold where --set does not say "
+            "otherwise. With --locus such points are followed in two parameters, through points of "
+            "codimension two; there --switch also follows the other curves that meet: that of grazing, those "
+            "of folds, flips, tori and branch points at grazing, tori and folds or flips at a double "
+            "multiplier 1 (R1) or -1 (R2), the other impact's where two graze. At R3 and R4 only orbits of "
+            "period 3 and 4 begin, which are branches, no such curves. The file can be plotted, "
+            "and read, while it grows; with --resume the options are those of the interrupted run, and the "
+            "file becomes the one that it would have left.",
     .needs_scene = true,
     .endings = endings,
     .kind = "branch",
     .resumes = true,
+    .tables = tables,
     .options = options,
+    .examples = examples,
+    .see = "orbit plot",
     .run = run,
 };

@@ -3,10 +3,13 @@
 #include "cli.h"
 
 #include "interrupt.h"
+#include "motion/options.h"
 
-static const cli_option *const options[] = {&cli_set,       &cli_from,       &cli_output,        &cli_data,
-                                            &cli_transient, &cli_longest,    &cli_measure,       &cli_rtol,
-                                            &cli_atol,      &cli_integrator, CLI_FIGURE_OPTIONS, NULL};
+static const cli_option data =
+    CLI_TEXT_OPTION("--data", data, "file.h5", "keep the data there, and gnuplot's script beside it (.gp)");
+static const cli_table tables[] = {CLI_TABLE(saltus_classify_table, classify, NULL), {NULL, 0, NULL}};
+static const cli_option *const options[] = {&cli_set, &cli_from,          &cli_output,
+                                            &data,    CLI_FIGURE_OPTIONS, NULL};
 
 /* A motion and what its page shows. */
 typedef struct page {
@@ -109,18 +112,27 @@ static int run(const cli_request *request) {
     return cli_report(status, &message);
 }
 
+static const cli_example examples[] = {
+    {"diagnose chatter -o chatter.png", "one page of figures about a motion with chatter"},
+    {"diagnose impact-oscillator --set F=0.6 -o sheet.pdf --size two-columns", "for a journal, 175 mm wide"},
+    {"diagnose impact-oscillator -o sheet.png --data sheet.h5",
+     "keep the record and the script of the figure"},
+    {NULL, NULL}};
+
 const cli_command cmd_diagnose = {
     .name = "diagnose",
+    .summary = "a motion on one page",
     .usage = "SCENE [--set key=value ...] [--from orbit] -o sheet.png|pdf|svg [--data out.h5]",
     .help = "Classify the motion and draw it on one page: phase portrait with stroboscopic points and the "
-            "stop, time\n"
-            "history, impact map, shapes of the structure, spectrum, multipliers; without a period the "
-            "stroboscopic\n"
-            "section and the convergence of the largest exponent. With --from an orbit it is that orbit, "
-            "stable or not.",
+            "stop, time history, impact map, shapes of the structure, spectrum, multipliers; without a "
+            "period the stroboscopic section and the convergence of the largest exponent. With --from an "
+            "orbit it is that orbit, stable or not.",
     .needs_scene = true,
     .endings = cli_figures,
     .kind = "trajectory",
+    .tables = tables,
     .options = options,
+    .examples = examples,
+    .see = "classify spectrum lyapunov",
     .run = run,
 };

@@ -48,14 +48,22 @@ static int run(const cli_request *request) {
     return cli_report(status, &message);
 }
 
+static const cli_example examples[] = {
+    {"sweep impact-oscillator --over omega=0.9:1.1:21 -o sweep.h5", "something to read"},
+    {"export sweep.h5 -o rows.csv", "one line for each trajectory"},
+    {"export sweep.h5 --table impacts -o impacts.csv", "one line for each impact"},
+    {NULL, NULL}};
+
 const cli_command cmd_export = {
     .name = "export",
+    .summary = "tables of files as CSV",
     .usage = "FILE.h5 [--table name] -o table.csv",
     .help = "Write a table of a file of saltus sweep, basins, continue or simulate as CSV; of a sweep: one "
-            "line for each trajectory, "
-            "or for each\n"
-            "point of a cloud, with the values of the axes, the pass and the seed before it.",
+            "line for each trajectory, or for each point of a cloud, with the values of the axes, the pass "
+            "and the seed before it.",
     .endings = endings,
     .options = options,
+    .examples = examples,
+    .see = "sweep continue simulate plot",
     .run = run,
 };

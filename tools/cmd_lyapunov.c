@@ -3,30 +3,13 @@
 #include "cli.h"
 
 #include "interrupt.h"
+#include "motion/options.h"
 #include "progress.h"
 
 static const cli_option all = CLI_FLAG_OPTION("--all", all, "all exponents, not the largest one alone");
-static const cli_option exponents =
-    CLI_WHOLE_OPTION("--exponents", exponents, "k", 0, 1, 1000, "the k largest exponents (default 1)");
-static const cli_option precision =
-    CLI_REAL_OPTION("--precision", precision, "x", 0.01, 1e-9, 1,
-                    "stop when the largest exponent's relative error is below x");
-static const cli_option transient =
-    CLI_WHOLE_OPTION("--transient", transient, "n", 1000, 0, 1e12, "periods before measuring");
-static const cli_option periods =
-    CLI_WHOLE_OPTION("--periods", periods, "n", 1e6, 1, 1e15, "periods measured at most, all together");
-static const cli_option members =
-    CLI_WHOLE_OPTION("--members", members, "m", 8, 1, 64, "trajectories that share the work");
-static const cli_option interval =
-    CLI_REAL_OPTION("--interval", interval, "x", 0, 0, 1000,
-                    "periods between orthonormalisations; 0: chosen from the growth");
-static const cli_option seed =
-    CLI_WHOLE_OPTION("--seed", seed, "s", 0, 0, 4294967295.0,
-                     "seed of the first directions; other than 0 the start is disturbed, too");
-static const cli_option *const options[] = {
-    &cli_set,    &cli_from,          &all,  &exponents, &precision,      &transient,      &periods,
-    &members,    &interval,          &seed, &cli_json,  &cli_loose_rtol, &cli_loose_atol, &cli_integrator,
-    &cli_output, CLI_FIGURE_OPTIONS, NULL};
+static const cli_table tables[] = {CLI_TABLE(saltus_lyapunov_table, lyapunov, NULL), {NULL, 0, NULL}};
+static const cli_option *const options[] = {&cli_set,    &cli_from,          &all, &cli_json,
+                                            &cli_output, CLI_FIGURE_OPTIONS, NULL};
 
 /* A measurement under way. */
 typedef struct watch {
@@ -53,24 +36,16 @@ static bool show(void *context, long long done, long long at_most) {
 static saltus_status choose(const cli_request *request, const saltus_system *system, watch *w,
                             saltus_lyapunov_options *how, saltus_message *message) {
     int n = saltus_system_dimension(system);
-    *how = saltus_lyapunov_defaults();
-    how->flow = cli_flow_options(request);
-    how->flow.stop = NULL; /* what was measured is wanted: `show` ends the measurement */
-    how->exponents = request->all ? 0 : request->exponents ? (int)request->exponents : 1;
-    how->members = (int)request->members;
-    how->transient = request->transient;
-    how->periods = request->periods;
-    how->precision = request->precision;
-    how->interval = request->interval;
-    how->seed = (unsigned long)request->seed;
+    *how = request->lyapunov; /* what was measured is wanted: `show` ends the measurement, no flag does */
+    if (request->all)
+        how->exponents = 0;
     how->progress = show;
     how->context = w;
-    if (request->all && request->exponents)
-        return saltus_fail(message, SALTUS_BAD_INPUT, "--all and --exponents %ld: only one can be given",
-                           request->exponents);
-    if (request->exponents > n)
-        return saltus_fail(message, SALTUS_BAD_INPUT, "--exponents %ld: the scene has %d", request->exponents,
-                           n);
+    if (request->all && cli_given(request, "--exponents"))
+        return saltus_fail(message, SALTUS_BAD_INPUT, "--all and --exponents %d: only one can be given",
+                           request->lyapunov.exponents);
+    if (how->exponents > n)
+        return saltus_fail(message, SALTUS_BAD_INPUT, "--exponents %d: the scene has %d", how->exponents, n);
     return SALTUS_OK;
 }
 
@@ -140,19 +115,27 @@ static int run(const cli_request *request) {
     return status == SALTUS_OK ? code : cli_report(status, &message);
 }
 
+static const cli_example examples[] = {
+    {"lyapunov pipe --all", "all exponents, the sum rule and the dimension"},
+    {"lyapunov near-grazing --precision 0.05 -o convergence.png",
+     "the largest one to 5 %, and how it converged"},
+    {NULL, NULL}};
+
 const cli_command cmd_lyapunov = {
     .name = "lyapunov",
+    .summary = "Lyapunov exponents with standard errors",
     .usage = "SCENE [--set key=value ...] [--from orbit] [--all | --exponents k] [--json] [-o "
              "convergence.png|pdf|svg|csv]",
     .help = "Measure Lyapunov exponents, per unit of time, of the motion that the scene settles on, with "
-            "standard errors:\n"
-            "how fast nearby trajectories separate (the largest one), sum rule and dimension (--all). They "
-            "belong to the\n"
-            "stroboscopic map; impacts, chatter and sticking are taken along exactly. -o shows how the "
-            "estimate converged.\n"
-            "With --from an orbit they are those of its multipliers, stable or not.",
+            "standard errors: how fast nearby trajectories separate (the largest one), sum rule and "
+            "dimension (--all). They belong to the stroboscopic map; impacts, chatter and sticking are taken "
+            "along exactly. -o shows how the estimate converged. With --from an orbit they are those of its "
+            "multipliers, stable or not.",
     .needs_scene = true,
     .endings = cli_figures_or_table,
+    .tables = tables,
     .options = options,
+    .examples = examples,
+    .see = "classify spectrum",
     .run = run,
 };

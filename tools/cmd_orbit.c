@@ -3,6 +3,7 @@
 #include "cli.h"
 
 #include "interrupt.h"
+#include "orbit/options.h"
 #include "progress.h"
 
 static const cli_option periods =
@@ -12,21 +13,17 @@ static const cli_option transient =
                      "without --from: periods of the flow before Newton's method begins");
 static const cli_option mirror =
     CLI_FLAG_OPTION("--mirror", mirror, "begin with the mirror image of the start");
-static const cli_option segments =
-    CLI_WHOLE_OPTION("--segments", segments, "k", 0, 0, 100000, "shooting segments; 0: chosen");
 static const cli_option verbose = CLI_FLAG_OPTION("--verbose", verbose, "Newton's residuals on stderr");
 
 static const cli_option unstable = CLI_FLAG_OPTION(
     "--unstable", unstable,
     "instead list all orbits, stable or not, of periods up to p (default 8) near the trajectory");
-static const cli_option search = CLI_WHOLE_OPTION("--search", search, "n", 5000, 10, 1e9,
-                                                  "with --unstable: periods searched for close returns");
-static const cli_option most =
-    CLI_WHOLE_OPTION("--most", most, "m", 1000, 1, 1e6, "with --unstable: orbits at most");
 
-static const cli_option *const options[] = {&cli_set,  &periods,  &cli_from, &transient,      &mirror,
-                                            &unstable, &search,   &most,     &segments,       &cli_json,
-                                            &verbose,  &cli_rtol, &cli_atol, &cli_integrator, NULL};
+static const cli_table tables[] = {CLI_TABLE(saltus_orbit_table, orbit, NULL),
+                                   CLI_TABLE(saltus_harvest_table, harvest, NULL),
+                                   {NULL, 0, NULL}};
+static const cli_option *const options[] = {&cli_set,  &periods,  &cli_from, &transient, &mirror,
+                                            &unstable, &cli_json, &verbose,  NULL};
 
 static void print_step(void *context, int iteration, double residual, const char *what) {
     (void)context;
@@ -35,23 +32,22 @@ static void print_step(void *context, int iteration, double residual, const char
 
 /* Where Newton's method begins: the settled trajectory or the file's orbit, or its mirror image. */
 static saltus_status prepare(const cli_request *request, cli_setup *setup, saltus_message *message) {
-    saltus_flow_options flow = cli_flow_options(request);
+    const saltus_flow_options *flow = &request->orbit.flow;
     saltus_status status = SALTUS_OK;
     if (!cli_on_orbit(setup))
-        status = saltus_motion_settle(setup->system, &flow, request->transient, setup->start.state, message);
+        status = saltus_motion_settle(setup->system, flow, request->transient, setup->start.state, message);
     if (status == SALTUS_OK && request->mirror)
-        status = saltus_motion_mirror(setup->system, &flow, setup->start.state, message);
+        status = saltus_motion_mirror(setup->system, flow, setup->start.state, message);
     return status;
 }
 
 static saltus_status find(const cli_request *request, const cli_setup *setup, int p,
                           saltus_message *message) {
-    saltus_orbit_options how = saltus_orbit_defaults();
+    saltus_orbit_options how = request->orbit;
     saltus_classify_options describing = saltus_classify_defaults();
     saltus_orbit orbit = {0};
     saltus_motion motion = {0};
-    how.flow = describing.flow = cli_flow_options(request);
-    how.segments = (int)request->segments;
+    describing.flow = how.flow;
     if (how.tolerance < 100 * how.flow.rtol)
         how.tolerance = 100 * how.flow.rtol;
     if (request->verbose)
@@ -105,22 +101,19 @@ static saltus_status write_lines(const cli_setup *setup, const saltus_flow_optio
 }
 
 static saltus_status harvest(const cli_request *request, const cli_setup *setup, saltus_message *message) {
-    saltus_harvest_options how = saltus_harvest_defaults();
+    saltus_harvest_options how = request->harvest;
     saltus_harvest found = {0};
     bool terminal = cli_shows_progress(request);
-    how.flow = cli_flow_options(request);
     how.longest = request->periods ? (int)request->periods : how.longest;
     how.transient = request->transient;
-    how.periods = request->search;
-    how.most = (int)request->most;
     how.state = setup->start.state;
     how.progress = terminal ? show_share : NULL;
     saltus_status status = saltus_harvest_run(setup->system, &how, &found, message);
     if (terminal)
         progress_line("%s", "");
     if (status == SALTUS_OK && request->json && found.count == 0)
-        fprintf(stderr, "saltus: orbit: no periodic orbit of a period up to %d T was found in %ld periods\n",
-                how.longest, request->search);
+        fprintf(stderr, "saltus: orbit: no periodic orbit of a period up to %d T was found in %lld periods\n",
+                how.longest, how.periods);
     if (status == SALTUS_OK && request->json)
         status = write_lines(setup, &how.flow, &found, message);
     else if (status == SALTUS_OK)
@@ -152,17 +145,25 @@ static int run(const cli_request *request) {
     return cli_report(status, &message);
 }
 
+static const cli_example examples[] = {
+    {"orbit impact-oscillator --periods 1 --json > orbit.json", "the orbit of period one, kept as a start"},
+    {"orbit impact-oscillator --from orbit.json --set omega=1.01", "the same orbit at another frequency"},
+    {"orbit impact-oscillator --periods 2 --unstable --search 500",
+     "all orbits of one or two periods near the trajectory"},
+    {NULL, NULL}};
+
 const cli_command cmd_orbit = {
     .name = "orbit",
+    .summary = "find periodic orbits, stable or not",
     .usage = "SCENE [--set key=value ...] --periods p [--from orbit] [--unstable] [--json]",
     .help = "Find a periodic orbit by Newton's method and report it as classify does, stable or not. It "
-            "begins with the\n"
-            "scene's settled trajectory, or with the orbit of a file (of classify, orbit or continue --json, "
-            "or a branch),\n"
-            "whose parameters hold where --set does not say otherwise. With --unstable --json there is one "
-            "orbit on each\n"
-            "line; orbits.json:3 then names the third.",
+            "begins with the scene's settled trajectory, or with the orbit of a file (of classify, orbit or "
+            "continue --json, or a branch), whose parameters hold where --set does not say otherwise. With "
+            "--unstable --json there is one orbit on each line; orbits.json:3 then names the third.",
     .needs_scene = true,
+    .tables = tables,
     .options = options,
+    .examples = examples,
+    .see = "classify continue",
     .run = run,
 };

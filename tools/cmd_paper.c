@@ -181,14 +181,20 @@ static int run(const cli_request *request) {
     return run_figures(request);
 }
 
+static const cli_example examples[] = {
+    {"paper --figure 3 -o figures", "one figure, with its data, into a folder"},
+    {"paper --figure 3 --format svg -o figures", "the same as SVG"},
+    {NULL, NULL}};
+
 const cli_command cmd_paper = {
     .name = "paper",
+    .summary = "the figures of Wang et al. 2020 from scratch",
     .usage = "[--figure n] [-o folder] [--format png|pdf|svg] [--quick]",
-    .help =
-        "Draw Figures 2 to 8 of Wang et al. 2020, doi 10.6052/0459-1879-20-137, from scratch. The data go "
-        "beside the\n"
-        "figures, as files that saltus plot and saltus export read.",
+    .help = "Draw Figures 2 to 8 of Wang et al. 2020, doi 10.6052/0459-1879-20-137, from scratch. The data "
+            "go beside the figures, as files that saltus plot and saltus export read.",
     .together = true,
     .options = options,
+    .examples = examples,
+    .see = "sweep diagnose plot",
     .run = run,
 };

@@ -28,8 +28,13 @@ static const cli_option over =
                      "draw files of saltus continue over a sweep: branches over a diagram, curves of special "
                      "points over a map");
 
-static const cli_option *const options[] = {&cli_output,        &show,     &range,   &label, &view, &over,
-                                            CLI_FIGURE_OPTIONS, &cli_swap, &cli_log, NULL};
+static const cli_option swap = CLI_FLAG_OPTION("--swap", look.swap, "exchange the axes");
+static const cli_option log_axes =
+    CLI_LIST_OPTION("--log", logarithmic, "key",
+                    "logarithmic axis: a parameter or what is shown (speed, ...); may be repeated");
+
+static const cli_option *const options[] = {&cli_output,        &show, &range,    &label, &view, &over,
+                                            CLI_FIGURE_OPTIONS, &swap, &log_axes, NULL};
 
 /* What the options point to. */
 typedef struct plot_wishes {
@@ -142,21 +147,28 @@ static int run(const cli_request *request) {
     return cli_report(status, &message);
 }
 
+static const cli_example examples[] = {
+    {"sweep impact-oscillator --over omega=0.9:1.1:21 -o sweep.h5", "something to draw"},
+    {"plot sweep.h5 --view impacts -o speeds.png", "impact speeds over the frequency"},
+    {"continue impact-oscillator --in omega=0.9:1.1 -o branch.h5", "the branch that belongs to it"},
+    {"plot sweep.h5 --over branch.h5 -o both.pdf --size column",
+     "the branch over the diagram, one column of a journal wide"},
+    {NULL, NULL}};
+
 const cli_command cmd_plot = {
     .name = "plot",
+    .summary = "files of results as figures",
     .usage =
         "FILE.h5 [FILE.h5 ...] -o figure.png|pdf|svg [--show what | --view name] [--over file.h5 ...] ...",
-    .help =
-        "Draw a file of saltus sweep or basins: a diagram over one axis with the class of motion along it, "
-        "a map over\n"
-        "two; or files of saltus continue. Branches of periodic orbits: solid where stable, dashed where "
-        "not, n/p\n"
-        "along them, special points marked. Curves of special points, over their two parameters: solid "
-        "where\n"
-        "they bound stable orbits, dotted where not. Several files of one sort are laid over each other.\n"
-        "A file of saltus simulate: phase portrait and time history.",
+    .help = "Draw a file of saltus sweep or basins: a diagram over one axis with the class of motion along "
+            "it, a map over two; or files of saltus continue. Branches of periodic orbits: solid where "
+            "stable, dashed where not, n/p along them, special points marked. Curves of special points, over "
+            "their two parameters: solid where they bound stable orbits, dotted where not. Several files of "
+            "one sort are laid over each other. A file of saltus simulate: phase portrait and time history.",
     .inputs = CLI_INPUTS_MAX,
     .endings = cli_figures,
     .options = options,
+    .examples = examples,
+    .see = "sweep continue simulate export",
     .run = run,
 };

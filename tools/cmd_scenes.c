@@ -66,19 +66,46 @@ static int check_scene(const cli_request *request) {
     return CLI_DONE;
 }
 
+static const cli_example scenes_examples[] = {
+    {"scenes", "list them"},
+    {"scenes two-stops > mine.yaml", "a scene to change"},
+    {"check mine.yaml --set d2=0.9 q1=0.2", "what it means with another second clearance and another start"},
+    {NULL, NULL}};
+
 const cli_command cmd_scenes = {
     .name = "scenes",
+    .summary = "the built-in scenes, and how scenes are written",
     .usage = "[NAME]",
-    .help = "List the built-in scenes, or print one as YAML, to start a scene of one's own from.",
+    .help =
+        "List the built-in scenes, or print one as YAML, to start a scene of one's own from.\nA scene is a "
+        "YAML file, as these are. One stop stands under stop:, several as a list under stops:, each with d "
+        "(clearance), r (restitution), sides (upper, lower or both) and its place: xi on the pipe, weight: "
+        "[1, 0] of the masses. On the command line --set d=0.9 changes all stops, --set d2=0.9 r2=0.7 the "
+        "second one; --set sides=none takes the stops away, and d=... makes one where there is none. The "
+        "same keys are axes of --over and --in.\nThe initial state stands under initial: as lists q "
+        "(displacements, or amplitudes of modes) and v (their rates); --set q1=0.2 v1=0 changes single "
+        "entries, and q1, v1, ... are axes of --over. Without initial: the system starts from a small "
+        "displacement. Random initial states are drawn by --seeds k, differently for each --seed s: k of "
+        "them by saltus classify, the scene's own and k - 1 others at each point by saltus sweep.",
     .options = no_options,
+    .examples = scenes_examples,
+    .see = "check classify",
     .run = list_scenes,
 };
 
+static const cli_example check_examples[] = {
+    {"check pipe --set N=4 omega=40", "parameters and stops of a scene with changes"},
+    {"scenes two-stops | saltus check -", "one from standard input"},
+    {NULL, NULL}};
+
 const cli_command cmd_check = {
     .name = "check",
+    .summary = "what a scene means",
     .usage = "SCENE [--set key=value ...]",
     .help = "Read a scene, check it and show what it means; nothing is simulated.",
     .needs_scene = true,
     .options = check_options,
+    .examples = check_examples,
+    .see = "scenes",
     .run = check_scene,
 };

@@ -2,12 +2,19 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "cli.h"
 
+#include "flow/options.h"
 #include "interrupt.h"
 #include "progress.h"
 
-static const cli_option *const options[] = {&cli_set,        &cli_from,   &cli_periods, &cli_settle,
-                                            &cli_samples,    &cli_output, &cli_rtol,    &cli_atol,
-                                            &cli_integrator, NULL};
+static const cli_option periods =
+    CLI_WHOLE_OPTION("--periods", periods, "n", 0, 1, 1e6, "forcing periods to record");
+static const cli_option transient =
+    CLI_WHOLE_OPTION("--transient", transient, "m", 0, 0, 1e12, "periods to run before the recording");
+static const cli_option samples =
+    CLI_WHOLE_OPTION("--samples", samples, "k", 200, 1, 1e5, "samples per forcing period");
+static const cli_table tables[] = {CLI_TABLE(saltus_flow_table, flow, NULL), {NULL, 0, NULL}};
+static const cli_option *const options[] = {&cli_set, &cli_from,   &periods, &transient,
+                                            &samples, &cli_output, NULL};
 
 static bool show(void *context, long long periods, long long at_most) {
     static const double pause = 0.1; /* seconds between two lines */
@@ -30,7 +37,7 @@ static int run(const cli_request *request) {
     int code = cli_build(request, &setup);
     if (code != CLI_DONE)
         return code;
-    saltus_flow_options flow = cli_flow_options(request);
+    saltus_flow_options flow = request->flow;
     saltus_classify_options describing = saltus_classify_defaults();
     saltus_motion motion = {0};
     saltus_status status = SALTUS_OK;
@@ -68,15 +75,25 @@ static int run(const cli_request *request) {
     return cli_report(status, &message);
 }
 
+static const cli_example examples[] = {
+    {"simulate impact-oscillator --periods 20 -o run.csv",
+     "samples and events of 20 periods of the forcing as a table"},
+    {"simulate two-mass --periods 5 --transient 500 -o run.h5", "after 500 periods, as HDF5"},
+    {"plot run.h5 -o run.png", "draw it"},
+    {NULL, NULL}};
+
 const cli_command cmd_simulate = {
     .name = "simulate",
+    .summary = "a trajectory as a file",
     .usage = "SCENE [--set key=value ...] [--from orbit] --periods n [--transient m] -o run.h5|csv",
     .help = "Run the flow from the scene's initial state and write states, events and stroboscopic points. "
-            "With --from\n"
-            "an orbit the record stays on that orbit, stable or not.",
+            "With --from an orbit the record stays on that orbit, stable or not.",
     .needs_scene = true,
     .endings = cli_records,
     .kind = "trajectory",
+    .tables = tables,
     .options = options,
+    .examples = examples,
+    .see = "plot export orbit",
     .run = run,
 };

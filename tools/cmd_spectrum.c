@@ -3,34 +3,23 @@
 #include "cli.h"
 
 #include "interrupt.h"
+#include "motion/options.h"
 
 static const cli_option of = CLI_LIST_OPTION(
     "--of", of, "what", "displacement, velocity, q3 or v2; at most two (default the first two)");
-static const cli_option periods =
-    CLI_WHOLE_OPTION("--periods", periods, "n", 0, 1, 1e6,
-                     "periods to analyse, otherwise 8 orbits or 2048 periods without one");
-static const cli_option segment =
-    CLI_WHOLE_OPTION("--segment", segment, "m", 0, 1, 1e6,
-                     "periods in a segment of Welch's method, then for periodic motion too");
-static const cli_option samples =
-    CLI_WHOLE_OPTION("--samples", samples, "k", 0, 16, 65536,
-                     "samples per period, a multiple of 4; otherwise chosen by what aliases");
-static const cli_option *const options[] = {
-    &cli_set,        &cli_from,          &of,       &periods,  &segment,       &samples,
-    &cli_json,       &cli_output,        &cli_rtol, &cli_atol, &cli_transient, &cli_longest,
-    &cli_integrator, CLI_FIGURE_OPTIONS, NULL};
+static const cli_table tables[] = {CLI_TABLE(saltus_spectrum_table, spectrum, NULL),
+                                   CLI_TABLE(saltus_classify_table, classify, "--measure"),
+                                   {NULL, 0, NULL}};
+static const cli_option *const options[] = {&cli_set,    &cli_from,          &of, &cli_json,
+                                            &cli_output, CLI_FIGURE_OPTIONS, NULL};
 
 /* What is asked for, checked before anything is computed. */
 static saltus_status read_wishes(const cli_request *request, const saltus_system *system,
                                  saltus_spectrum_options *wishes, saltus_message *message) {
-    *wishes = saltus_spectrum_defaults();
-    wishes->flow = cli_flow_options(request);
-    wishes->per_period = (int)request->samples;
-    wishes->periods = request->periods;
-    wishes->segment = request->segment;
-    if (request->samples % 4)
-        return saltus_fail(message, SALTUS_BAD_INPUT, "--samples %ld: must be a multiple of 4",
-                           request->samples);
+    *wishes = request->spectrum;
+    if (wishes->per_period % 4)
+        return saltus_fail(message, SALTUS_BAD_INPUT, "--samples %d: must be a multiple of 4",
+                           wishes->per_period);
     if (request->of.count > SALTUS_QUANTITIES_MAX)
         return saltus_fail(message, SALTUS_BAD_INPUT, "--of %.40s: only %d can be given",
                            request->of.items[2], SALTUS_QUANTITIES_MAX);
@@ -52,7 +41,6 @@ static saltus_status analyse(const cli_request *request, const cli_setup *setup,
     saltus_motion motion = {0};
     saltus_spectra spectra = {0};
     saltus_status status = read_wishes(request, system, &wishes, message);
-    how.measure = saltus_classify_defaults().measure;
     if (status == SALTUS_OK)
         status = cli_motion(request, setup, &how, &motion, message);
     if (status == SALTUS_OK && interrupt_asked() && !saltus_verdict_settled(motion.verdict))
@@ -86,16 +74,24 @@ static int run(const cli_request *request) {
     return cli_report(status, &message);
 }
 
+static const cli_example examples[] = {
+    {"spectrum pipe", "the strongest lines of displacement and velocity"},
+    {"spectrum pipe --of velocity -o spectrum.csv", "all lines of the velocity as a table"},
+    {NULL, NULL}};
+
 const cli_command cmd_spectrum = {
     .name = "spectrum",
+    .summary = "lines and power spectral density of a motion",
     .usage = "SCENE [--set key=value ...] [--from orbit] [--of what] [--json] [-o spectrum.png|pdf|svg|csv]",
     .help =
         "Settle on the attractor and analyse it: of periodic motion the lines of whole orbits, at multiples "
-        "of\n"
-        "omega/p; otherwise the power spectral density by Welch's method with its confidence band, and the\n"
-        "lines that stand out. Says up to which frequency aliasing leaves it trustworthy.",
+        "of omega/p; otherwise the power spectral density by Welch's method with its confidence band, and "
+        "the lines that stand out. Says up to which frequency aliasing leaves it trustworthy.",
     .needs_scene = true,
     .endings = cli_figures_or_table,
+    .tables = tables,
     .options = options,
+    .examples = examples,
+    .see = "lyapunov diagnose",
     .run = run,
 };

@@ -1,6 +1,7 @@
 /* saltus sweep: many trajectories over one or two parameters.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "run_sweep.h"
+#include "sweep/options.h"
 #include "sweep_options.h"
 #include "sweep_print.h"
 
@@ -9,8 +10,6 @@
 static const cli_option transient =
     CLI_WHOLE_OPTION("--transient", transient, "m", -1, 0, 1e9,
                      "run so many periods and record --record further ones, whatever the motion");
-static const cli_option seeds =
-    CLI_WHOLE_OPTION("--seeds", seeds, "k", 1, 1, 10000, "initial states at each point");
 static const cli_option start = CLI_TEXT_OPTION(
     "--start", start, "how",
     "reset (each point anew), carry (from point to point, up and down), both (default reset)");
@@ -19,16 +18,9 @@ static const cli_option what =
                     "kept beside the rows: turning, impacts, stroboscopic, lyapunov; class and max are "
                     "always told (default turning,impacts over one axis, class over two)");
 
-static const cli_option measure =
-    CLI_WHOLE_OPTION("--measure", measure, "n", 8000, 0, 1e9,
-                     "with --what lyapunov: periods at most to measure a motion without a period; chaos is "
-                     "asserted from an eighth of them on (at least 500), 0: undecided");
-
-static const cli_option *const options[] = {&cli_set,        &sweep_over,     &start,          &seeds,
-                                            &cli_seed,       &what,           &sweep_at_most,  &sweep_longest,
-                                            &transient,      &sweep_record,   &measure,        &cli_output,
-                                            &cli_resume,     &sweep_lanes,    &sweep_threads,  &sweep_json,
-                                            &cli_loose_rtol, &cli_loose_atol, &cli_integrator, NULL};
+static const cli_table tables[] = {CLI_TABLE(saltus_sweep_table, sweep, NULL), {NULL, 0, NULL}};
+static const cli_option *const options[] = {&cli_set,    &sweep_over, &start,      &what, &transient,
+                                            &cli_output, &cli_resume, &sweep_json, NULL};
 
 /* The words of a list with commas, as bits; false after a message. */
 static bool read_what(const char *text, unsigned *keep) {
@@ -80,15 +72,12 @@ static bool read_options(const cli_request *request, saltus_sweep_options *o) {
         fprintf(stderr, "saltus: sweep: needs --over key=lo:hi:n and -o file.h5 or file.csv\n");
         return false;
     }
-    if (request->transient >= 0 && request->most != (long)sweep_at_most.fallback) {
+    if (request->transient >= 0 && cli_given(request, "--at-most")) {
         fprintf(stderr, "saltus: --at-most and --transient: one of them; with --transient every trajectory "
                         "runs for a fixed time\n");
         return false;
     }
     *o = sweep_read_options(request);
-    o->seeds = (int)request->seeds;
-    o->seed = (unsigned long)request->seed;
-    o->measure = request->measure;
     o->adaptive = request->transient < 0;
     if (!o->adaptive)
         o->transient = request->transient;
@@ -110,30 +99,36 @@ static int run(const cli_request *request) {
     return sweep_command(request, false, status, &scene, &how, &message);
 }
 
+static const cli_example examples[] = {
+    {"sweep impact-oscillator --over omega=0.8:1.2:81 -o sweep.h5",
+     "a bifurcation diagram over 81 frequencies"},
+    {"plot sweep.h5 -o sweep.png", "draw it"},
+    {"sweep impact-oscillator --over omega=0.8:1.2:21 --over d=0.5:1.5:21 -o map.h5",
+     "a map of motions over two parameters"},
+    {"sweep pipe --over d=0.02,0.025,0.03 --set omega=41 --seeds 2 -o rows.csv",
+     "three clearances from two initial states each, as a table"},
+    {NULL, NULL}};
+
 const cli_command cmd_sweep = {
     .name = "sweep",
+    .summary = "many trajectories over one or two parameters",
     .usage = "SCENE [--set key=value ...] --over omega=lo:hi:n [--over d=lo:hi:n] -o sweep.h5|csv",
-    .help =
-        "Run trajectories over a grid of one or two parameters (or entries of the initial state), on all "
-        "cores and,\n"
-        "started by mpirun, on many machines; classify each and keep what its diagrams need. A "
-        "trajectory is\n"
-        "recorded as soon as its least period is certain, over one orbit; where it is not after --at-most "
-        "periods,\n"
-        "over --record of them. With --what lyapunov the largest exponent is told of each: of an orbit from "
-        "its\n"
-        "multipliers, of a motion without a period as measured with a tangent vector, and with it whether "
-        "that "
-        "is\n"
-        "quasi-periodic, chaotic or on its way to a longer period. An interrupted run is finished by "
-        "--resume, with the same bits. saltus "
-        "plot draws the\n"
-        "file, saltus export writes its tables.",
+    .help = "Run trajectories over a grid of one or two parameters (or entries of the initial state), on all "
+            "cores and, started by mpirun, on many machines; classify each and keep what its diagrams need. "
+            "A trajectory is recorded as soon as its least period is certain, over one orbit; where it is "
+            "not after --at-most periods, over --record of them. With --what lyapunov the largest exponent "
+            "is told of each: of an orbit from its multipliers, of a motion without a period as measured "
+            "with a tangent vector, and with it whether that is quasi-periodic, chaotic or on its way to a "
+            "longer period. An interrupted run is finished by --resume, with the same bits. saltus plot "
+            "draws the file, saltus export writes its tables.",
     .needs_scene = true,
     .together = true,
     .endings = cli_records,
     .kind = "sweep",
     .resumes = true,
+    .tables = tables,
     .options = options,
+    .examples = examples,
+    .see = "plot export basins",
     .run = run,
 };

@@ -2,25 +2,44 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "cli.h"
 #include "interrupt.h"
+#include "manual.h"
 #include "ranks.h"
 
 #include <fcntl.h>
 #include <string.h>
 #include <unistd.h>
 
-static const cli_command *const commands[] = {
-    &cmd_classify, &cmd_diagnose, &cmd_simulate, &cmd_orbit,  &cmd_continue, &cmd_lyapunov, &cmd_spectrum,
-    &cmd_sweep,    &cmd_basins,   &cmd_plot,     &cmd_export, &cmd_paper,    &cmd_scenes,   &cmd_check};
+static const cli_command *find_command(const char *name) {
+    int k = 0;
+    while (manual_commands[k] && strcmp(manual_commands[k]->name, name) != 0)
+        k++;
+    if (!manual_commands[k])
+        fprintf(stderr, "saltus: %s: unknown command; saltus --help lists them\n", name);
+    return manual_commands[k];
+}
 
-enum { command_count = sizeof commands / sizeof commands[0] };
-
-static void print_usage(FILE *file) {
-    fprintf(file, "saltus %s: non-smooth dynamics of structures that hit rigid stops\n\n", SALTUS_VERSION);
-    for (int k = 0; k < command_count; k++)
-        fprintf(file, "  saltus %-9s %s\n", commands[k]->name, commands[k]->usage);
-    fprintf(file, "\nSCENE is a YAML file, the name of a built-in scene (saltus scenes), or - for standard input.\n"
-                  "saltus COMMAND --help tells more.\n"
-                  "Exit status: 0 done, 1 not completed or interrupted (stderr says why), 2 bad input.\n");
+/* saltus help [COMMAND] [--man]; the build calls help --pages FOLDER and help --completion. */
+static int help(int count, char **arguments) {
+    const char *first = count ? arguments[0] : "", *last = count ? arguments[count - 1] : "";
+    bool as_page = strcmp(last, "--man") == 0;
+    if (strcmp(first, "--pages") == 0 && count == 2)
+        return manual_write(last);
+    if (count > 1 + as_page) {
+        fprintf(stderr, "saltus: help: %s: unexpected; saltus help COMMAND tells about one\n", arguments[1]);
+        return CLI_BAD_INPUT;
+    }
+    const cli_command *command = NULL;
+    if (strcmp(first, "--completion") == 0)
+        manual_completion(stdout);
+    else if (count > as_page && !(command = find_command(first)))
+        return CLI_BAD_INPUT;
+    else if (as_page)
+        manual_page(command, stdout);
+    else if (command)
+        manual_help(command, stdout);
+    else
+        manual_list(stdout);
+    return cli_finish();
 }
 
 static int run_command(const cli_command *command, int count, char **arguments) {
@@ -28,7 +47,7 @@ static int run_command(const cli_command *command, int count, char **arguments) 
     if (!cli_parse(command, count, arguments, &request))
         return CLI_BAD_INPUT;
     if (request.help) {
-        cli_help(command);
+        manual_help(command, stdout);
         return cli_finish();
     }
     int code = cli_run(command, &request), written = cli_finish();
@@ -48,28 +67,23 @@ static void fill_streams(void) {
 int main(int count, char **arguments) {
     fill_streams();
     if (count < 2) {
-        print_usage(stderr);
+        manual_list(stderr);
         return CLI_BAD_INPUT;
     }
     const char *name = arguments[1];
-    if (strcmp(name, "--help") == 0 || strcmp(name, "-h") == 0 || strcmp(name, "help") == 0) {
-        print_usage(stdout);
-        return cli_finish();
-    }
-    if (strcmp(name, "--version") == 0) {
+    if (strcmp(name, "--help") == 0 || strcmp(name, "-h") == 0 || strcmp(name, "help") == 0)
+        return help(count - 2, arguments + 2);
+    if (strcmp(name, "--version") == 0 || strcmp(name, "-V") == 0) {
         printf("saltus %s\n", SALTUS_VERSION);
         return cli_finish();
     }
-    for (int k = 0; k < command_count; k++) {
-        if (strcmp(commands[k]->name, name) != 0)
-            continue;
-        int code = CLI_FAILED;
-        interrupt_catch();
-        if (!commands[k]->together || ranks_join())
-            code = run_command(commands[k], count - 2, arguments + 2);
-        ranks_leave();
-        return code;
-    }
-    fprintf(stderr, "saltus: %s: unknown command; saltus --help lists them\n", name);
-    return CLI_BAD_INPUT;
+    const cli_command *command = find_command(name);
+    if (!command)
+        return CLI_BAD_INPUT;
+    int code = CLI_FAILED;
+    interrupt_catch();
+    if (!command->together || ranks_join())
+        code = run_command(command, count - 2, arguments + 2);
+    ranks_leave();
+    return code;
 }

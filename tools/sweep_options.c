@@ -9,29 +9,12 @@
 const cli_option sweep_over = CLI_KEYS_OPTION(
     "--over", over, "key=values",
     "an axis: key=lo:hi:n, key=lo:hi:n:log or key=v1,v2,...; once or twice, the first runs fastest");
-const cli_option sweep_at_most = CLI_WHOLE_OPTION(
-    "--at-most", most, "n", 2000, 1, 1e9, "periods to wait at most until the least period is certain");
-const cli_option sweep_record =
-    CLI_WHOLE_OPTION("--record", record, "k", 100, 1, 1e9, "periods recorded of a motion without a period");
-const cli_option sweep_longest =
-    CLI_WHOLE_OPTION("--longest", longest, "p", 20, 1, 256, "longest period looked for");
-const cli_option sweep_lanes =
-    CLI_WHOLE_OPTION("--lanes", lanes, "k", -1, 1, 64, "trajectories side by side on a core, at most");
-const cli_option sweep_threads =
-    CLI_WHOLE_OPTION("--threads", threads, "k", -1, 1, 4096,
-                     "threads, of each process where several run together (default: all cores)");
 const cli_option sweep_json = CLI_FLAG_OPTION("--json", json, "a summary as one JSON object on stdout");
 
 saltus_sweep_options sweep_read_options(const cli_request *request) {
-    saltus_sweep_options o = saltus_sweep_defaults();
-    int order = o.flow.order;
-    o.flow = cli_flow_options(request);
-    o.flow.order = order;
-    o.transient = request->most;
-    o.record = request->record;
-    o.longest = (int)request->longest;
-    o.lanes = request->lanes > 0 ? (int)request->lanes : 0;
-    o.threads = request->threads > 0 ? (int)request->threads : ranks_threads();
+    saltus_sweep_options o = request->sweep;
+    if (o.threads == 0)
+        o.threads = ranks_threads();
     return o;
 }
 
@@ -50,6 +33,8 @@ saltus_status sweep_make(const cli_request *request, const saltus_scene *scene,
         if (status != SALTUS_OK)
             saltus_fail(message, status, "--over %.490s", reason.text);
     }
+    if (status == SALTUS_OK && options->adaptive && options->transient == 0)
+        status = saltus_fail(message, SALTUS_BAD_INPUT, "--at-most 0: must be at least 1");
     if (status == SALTUS_OK)
         status = saltus_sweep_new(scene, axes, count, options, sweep, message);
     for (int k = 0; k < SALTUS_AXES_MAX; k++)

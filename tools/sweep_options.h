@@ -5,11 +5,9 @@
 
 #include "cli.h"
 
-extern const cli_option sweep_over, sweep_at_most, sweep_record, sweep_longest, sweep_lanes, sweep_threads,
-    sweep_json;
+extern const cli_option sweep_over, sweep_json;
 
-/* The options of a sweep from the command line: flow, times, lanes, threads. `json` and others are the
- * caller's. */
+/* The options of a sweep from the command line, with as many threads as this process is to have. */
 saltus_sweep_options sweep_read_options(const cli_request *request);
 /* A sweep over the axes of --over. Errors: SALTUS_BAD_INPUT, SALTUS_NO_MEMORY. */
 saltus_status sweep_make(const cli_request *request, const saltus_scene *scene,

@@ -159,14 +159,14 @@ static int check_data(const cli_command *command, const cli_request *request) {
         one.st_ino == other.st_ino)
         return refuse(CLI_BAD_INPUT, &data, "is the same file as -o %s", request->output);
     const place beside = {"--data", script, NULL};
-    return request->script ? CLI_DONE : check_place(command, request, &beside);
+    return request->look.script ? CLI_DONE : check_place(command, request, &beside);
 }
 
 /* The files that a command writes beside its result. */
 static int check_others(const cli_command *command, const cli_request *request) {
     static const char *const endings[] = {".gp", NULL};
-    const place script = {"--keep-script", request->script, endings};
-    int code = request->script ? check_place(command, request, &script) : CLI_DONE;
+    const place script = {"--keep-script", request->look.script, endings};
+    int code = request->look.script ? check_place(command, request, &script) : CLI_DONE;
     return code == CLI_DONE && request->data ? check_data(command, request) : code;
 }
 

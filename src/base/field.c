@@ -180,7 +180,8 @@ bool saltus_field_set_number(const saltus_field *field, double number, void *rec
         memcpy(place_of(field, record), &number, sizeof number);
         return true;
     }
-    return number >= -0x1p63 && number < 0x1p63 && number == floor(number) &&
+    double least = field->type == SALTUS_NATURAL ? 0 : -0x1p63;
+    return number >= least && number < 0x1p63 && number == floor(number) &&
            saltus_field_set_whole(field, (long long)number, record);
 }
 
@@ -312,7 +313,7 @@ const char *saltus_option_demand(const saltus_option *o, char text[SALTUS_FIELD_
         list_words(o, text + used, room);
     else if (!(o->high < INFINITY))
         snprintf(text + used, room, "%s %.10g", least, o->low);
-    else if (o->field.type == SALTUS_REAL)
+    else if (o->field.type == SALTUS_REAL && (o->above || o->below))
         snprintf(text + used, room, "%s %.10g and %s %.10g", least, o->low, most, o->high);
     else
         snprintf(text + used, room, "from %.10g to %.10g", o->low, o->high);

@@ -113,5 +113,6 @@ saltus_status saltus_plot_trajectory(const char *path, const saltus_figure_optio
     free(r.time);
     free(r.displacement);
     free(r.velocity);
+    saltus_h5_head_clear(&r.head);
     return status;
 }

@@ -11,7 +11,8 @@ set(names
     pipe
     fig2 fig3 fig4a fig4b fig5 fig6 fig7a fig7b fig7c fig7d fig8
     chatter
-    impact-oscillator near-grazing budd-dux budd-chatter bouncing-ball vibrating-table impact-pair two-mass duffing gear-rattle impact-damper chain)
+    impact-oscillator near-grazing budd-dux budd-chatter bouncing-ball vibrating-table impact-pair two-stops two-mass
+    duffing gear-rattle impact-damper chain)
 
 file(GLOB files RELATIVE ${SCENES} ${SCENES}/*.yaml)
 foreach(file IN LISTS files)

@@ -36,22 +36,22 @@ static const saltus_option choices[] = {
      .fallback = true},
     {MEMBER(transient, "transient", "T", "periods to wait at most until the least period is certain",
             SALTUS_LONG),
-     .fallback = 2000, .high = INFINITY, .flag = "--at-most", .argument = "n"},
+     .fallback = 2000, .high = 1e9, .flag = "--at-most", .argument = "n"},
     {MEMBER(record, "record", "T", "periods recorded of a motion without a period", SALTUS_LONG),
-     .fallback = 100, .low = 1, .high = INFINITY, .flag = "--record", .argument = "k"},
+     .fallback = 100, .low = 1, .high = 1e9, .flag = "--record", .argument = "k"},
     {MEMBER(
          measure, "measure", "T",
          "with --what lyapunov: periods at most to measure a motion without a period; chaos is asserted from "
          "an eighth of them on (at least 500), 0: undecided",
          SALTUS_LONG),
-     .fallback = 8000, .high = INFINITY, .flag = "--measure", .argument = "n"},
+     .fallback = 8000, .high = 1e9, .flag = "--measure", .argument = "n"},
     {MEMBER(longest, "longest", "T", "longest period looked for", SALTUS_INT), .fallback = 20, .low = 1,
      .high = 256, .flag = "--longest", .argument = "p"},
     SALTUS_FLOW_CHOICES(saltus_sweep_options, flow., 1e-10, 1e-14),
     {MEMBER(lanes, "lanes", "1",
             "trajectories side by side on a core, at most; 0: as many as it has room for", SALTUS_INT),
-     .high = INFINITY, .flag = "--lanes", .argument = "k", .apart = true},
-    {MEMBER(threads, "threads", "1", "threads at most; 0: one for each core", SALTUS_INT), .high = INFINITY,
+     .high = 4096, .flag = "--lanes", .argument = "k", .apart = true},
+    {MEMBER(threads, "threads", "1", "threads at most; 0: one for each core", SALTUS_INT), .high = 4096,
      .flag = "--threads", .argument = "k", .apart = true},
 };
 const saltus_option_table saltus_sweep_table = SALTUS_TABLE(choices);

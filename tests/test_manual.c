@@ -1,0 +1,212 @@
+/* The manual: examples work as typed, pages tell every option and are sound for man, bash completes what the
+ * tables tell.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "command.h"
+
+#include <sys/stat.h>
+
+static const char *const commands[] = {"classify", "diagnose", "simulate", "orbit",  "continue",
+                                       "lyapunov", "spectrum", "sweep",    "basins", "plot",
+                                       "export",   "paper",    "scenes",   "check"};
+enum { command_count = sizeof commands / sizeof commands[0] };
+
+/* The exit status of a line of the shell in a folder of its own, with `saltus` on the PATH and a gnuplot that
+ * answers with an empty picture of the ending asked for. */
+static int shell(fixture *f, const char *line) {
+    char text[2048];
+    snprintf(text, sizeof text, "cd %s && (PATH=%s:$PATH; %s) >out 2>err", f->folder, f->folder, line);
+    int outcome = system(text);
+    return WIFEXITED(outcome) ? WEXITSTATUS(outcome) : 128;
+}
+
+static void put_tools(fixture *f) {
+    FILE *file = fopen(path_in(f, "gnuplot"), "w");
+    assert_non_null(file);
+    fputs("#!/bin/sh\ncat >script\ncase $(grep -m 1 '^set terminal' script) in\n"
+          "*png*) printf '\\211PNG\\r\\n\\032\\n'; printf %080d 0; printf 'IEND....' ;;\n"
+          "*pdf*) printf '%%PDF-1.5\\n'; printf %080d 0; printf '%%%%EOF\\n' ;;\n"
+          "*) printf '<?xml version=\"1.0\"?><svg>'; printf %080d 0; printf '</svg>\\n' ;;\nesac\n",
+          file);
+    fclose(file);
+    chmod(path_in(f, "gnuplot"), 0755);
+    assert_int_equal(symlink(SALTUS_COMMAND, path_in(f, "saltus")), 0);
+}
+
+/* Each page by itself in a new folder, from the first example to the last: files that one needs come from
+ * those before it. */
+static void examples_work_as_typed(void **state) {
+    (void)state;
+    for (int k = 0; k < command_count; k++) {
+        void *own = NULL;
+        open_fixture(&own);
+        fixture *f = own;
+        char line[64];
+        int examples = 0;
+        put_tools(f);
+        snprintf(line, sizeof line, "help %s", commands[k]);
+        char *help = told(f, line), *rest = strstr(help, "\nexamples\n");
+        assert_non_null(rest);
+        for (char *at = strtok_r(rest, "\n", &rest); at; at = strtok_r(NULL, "\n", &rest)) {
+            if (strncmp(at, "  saltus ", 9) != 0)
+                continue;
+            if (shell(f, at) != 0)
+                fail_msg("%s: %s", at, said(f, "err"));
+            examples += strstr(at, commands[k]) != NULL;
+        }
+        free(help);
+        /* Lines of other commands lead to the own ones. */
+        assert_true(examples >= 2);
+        shell(f, "rm -r figures");
+        close_fixture(&own);
+    }
+}
+
+/* Asked for in either way the help is the same. */
+static void help_is_told_by_name_too(void **state) {
+    char line[64];
+    for (int k = 0; k < command_count; k++) {
+        snprintf(line, sizeof line, "help %s", commands[k]);
+        char *named = told(*state, line);
+        snprintf(line, sizeof line, "%s --help", commands[k]);
+        char *asked = told(*state, line);
+        assert_string_equal(named, asked);
+        assert_non_null(strstr(named, "\nsee also: saltus help "));
+        free(named);
+        free(asked);
+    }
+    char *version = told(*state, "-V");
+    assert_string_equal(version, "saltus " SALTUS_VERSION "\n");
+    free(version);
+    assert_int_equal(run(*state, "help unheard-of"), 2);
+    assert_int_equal(run(*state, "help classify sweep"), 2);
+}
+
+/* Text as man shows it: a typed hyphen is \-. */
+static bool page_has(const char *page, const char *text) {
+    char typed[256];
+    size_t used = 0;
+    for (; *text && used + 2 < sizeof typed; text++) {
+        if (*text == '-')
+            typed[used++] = '\\';
+        typed[used++] = *text;
+    }
+    typed[used] = '\0';
+    return strstr(page, typed) != NULL;
+}
+
+/* A page has its sections, every option of the help, and no line that man would take for an unknown request.
+ */
+static void pages_tell_what_the_help_tells(void **state) {
+    static const char *const requests[] = {".TH ", ".SH ", ".TP", ".PP", ".BR "};
+    static const char *const sections[] = {".SH NAME",    ".SH SYNOPSIS", ".SH DESCRIPTION",
+                                           ".SH OPTIONS", ".SH EXAMPLES", ".SH SEE ALSO"};
+    char line[64], name[64];
+    for (int k = 0; k < command_count; k++) {
+        snprintf(line, sizeof line, "help %s", commands[k]);
+        char *help = told(*state, line), *rest = help;
+        snprintf(line, sizeof line, "help %s --man", commands[k]);
+        char *page = told(*state, line);
+        const char *last = page;
+        for (size_t s = 0; s < sizeof sections / sizeof sections[0]; s++) {
+            last = strstr(last, sections[s]);
+            assert_non_null(last);
+        }
+        int options = 0;
+        for (char *at = strtok_r(rest, "\n", &rest); at; at = strtok_r(NULL, "\n", &rest))
+            if (sscanf(at, "  -%60s", name + 1) == 1 && strncmp(at, "  -", 3) == 0) {
+                name[0] = '-';
+                assert_true(page_has(page, name));
+                options++;
+            } else if (strncmp(at, "  saltus ", 9) == 0)
+                assert_true(page_has(page, at + 2));
+        assert_true(options > 0);
+        rest = page;
+        for (char *at = strtok_r(rest, "\n", &rest); at; at = strtok_r(NULL, "\n", &rest)) {
+            bool known = at[0] != '.' && at[0] != '\'';
+            for (size_t r = 0; r < sizeof requests / sizeof requests[0]; r++)
+                known = known || strncmp(at, requests[r], strlen(requests[r])) == 0;
+            assert_true(known);
+        }
+        free(help);
+        free(page);
+    }
+}
+
+/* The pages of all commands and of the program, and the completion, are written as they are told. */
+static void all_pages_are_written(void **state) {
+    fixture *f = *state;
+    char line[128], name[64];
+    mkdir(path_in(f, "pages"), 0777);
+    free(told(f, "help --pages pages"));
+    for (int k = -1; k < command_count; k++) {
+        snprintf(line, sizeof line, "help %s --man", k < 0 ? "" : commands[k]);
+        char *page = told(f, line);
+        snprintf(name, sizeof name, "pages/saltus%s%s.1", k < 0 ? "" : "-", k < 0 ? "" : commands[k]);
+        char *written = said(f, name);
+        assert_string_equal(written, page);
+        assert_true(k >= 0 || strstr(page, ".BR saltus\\-sweep (1)"));
+        unlink(path_in(f, name));
+        free(page);
+        free(written);
+    }
+    char *completion = told(f, "help --completion"), *written = said(f, "pages/saltus.bash");
+    assert_string_equal(written, completion);
+    unlink(path_in(f, "pages/saltus.bash"));
+    rmdir(path_in(f, "pages"));
+    assert_int_equal(run(f, "help --pages nosuchfolder"), 1);
+    free(completion);
+    free(written);
+}
+
+/* What bash offers after a line of words, the last of which has been begun; words with blanks between them.
+ */
+static char *offered(fixture *f, const char *words) {
+    char line[512];
+    snprintf(line, sizeof line,
+             "bash -c '. ./completion; COMP_WORDS=(%s); COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); _saltus; "
+             "echo \" ${COMPREPLY[*]} \"'",
+             words);
+    assert_int_equal(shell(f, line), 0);
+    return said(f, "out");
+}
+
+static void bash_completes(void **state) {
+    static const struct {
+        const char *words, *offers, *others;
+    } cases[] = {
+        {"saltus cl", " classify ", " continue "},
+        {"saltus \"\"", " sweep ", " --json "},
+        {"saltus sweep impact-o", " impact-oscillator ", " pipe "},
+        {"saltus sweep pipe --at", " --at-most ", " --over "},
+        {"saltus classify pipe --integrator \"\"", " automatic taylor radau ", " --json "},
+        {"saltus continue pipe --locus P", " PD ", " LP "},
+        {"saltus continue pipe --direction \"\"", " up down both ", " --in "},
+        {"saltus help ba", " basins ", " classify "},
+        {"saltus plot --sw", " --swap ", " --seeds "},
+    };
+    fixture *f = *state;
+    if (system("bash -c : >/dev/null 2>&1") != 0)
+        skip();
+    char *script = told(f, "help --completion");
+    FILE *file = fopen(path_in(f, "completion"), "w");
+    fputs(script, file);
+    fclose(file);
+    free(script);
+    for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
+        char *words = offered(f, cases[k].words);
+        if (!strstr(words, cases[k].offers) || strstr(words, cases[k].others))
+            fail_msg("after %s bash offers %s", cases[k].words, words);
+        free(words);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(examples_work_as_typed),
+        cmocka_unit_test(help_is_told_by_name_too),
+        cmocka_unit_test(pages_tell_what_the_help_tells),
+        cmocka_unit_test(all_pages_are_written),
+        cmocka_unit_test(bash_completes),
+    };
+    return cmocka_run_group_tests(tests, open_fixture, close_fixture);
+}

@@ -1,0 +1,255 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "manual.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+
+const cli_command *const manual_commands[] = {&cmd_classify, &cmd_diagnose, &cmd_simulate, &cmd_orbit,
+                                              &cmd_continue, &cmd_lyapunov, &cmd_spectrum, &cmd_sweep,
+                                              &cmd_basins,   &cmd_plot,     &cmd_export,   &cmd_paper,
+                                              &cmd_scenes,   &cmd_check,    NULL};
+
+static const char scenes_and_exits[] =
+    "SCENE is a YAML file, the name of a built-in scene (saltus scenes), or - for standard input.\n"
+    "Exit status: 0 done, 1 not completed or interrupted (stderr says why), 2 bad input.";
+
+void manual_list(FILE *file) {
+    fprintf(file, "saltus %s: non-smooth dynamics of structures that hit rigid stops\n\n", SALTUS_VERSION);
+    for (int k = 0; manual_commands[k]; k++)
+        fprintf(file, "  saltus %-9s %s\n", manual_commands[k]->name, manual_commands[k]->usage);
+    fprintf(file, "\n%s\nsaltus help COMMAND tells more.\n", scenes_and_exits);
+}
+
+/* The default of an option, as the command line takes it; empty where there is none to tell. */
+static const char *default_of(const cli_entry *entry, char text[SALTUS_FIELD_TEXT_MAX]) {
+    const saltus_option *o = entry->option;
+    const cli_option *own = entry->own;
+    text[0] = '\0';
+    if (own && own->kind == CLI_WHOLE && own->fallback >= own->min)
+        snprintf(text, SALTUS_FIELD_TEXT_MAX, "%.0f", own->fallback);
+    else if (o && o->field.type == SALTUS_CHOICE)
+        snprintf(text, SALTUS_FIELD_TEXT_MAX, "%s", saltus_word_of(o->field.words, (int)o->fallback));
+    else if (o && !o->field.words && !o->automatic)
+        snprintf(text, SALTUS_FIELD_TEXT_MAX, o->field.type == SALTUS_REAL ? "%g" : "%.0f", o->fallback);
+    return text;
+}
+
+/* What an option means, with the words that it takes. */
+static const char *meaning_of(const cli_entry *entry, char text[SALTUS_FIELD_TEXT_MAX]) {
+    char demand[SALTUS_FIELD_TEXT_MAX];
+    bool words = entry->option && entry->option->field.words;
+    const char *list = words ? saltus_option_demand(entry->option, demand) + strlen("must be ") : "";
+    snprintf(text, SALTUS_FIELD_TEXT_MAX, "%s%s%s", entry->help, words ? ": " : "", list);
+    return text;
+}
+
+/* Text in lines of at most 80 letters, each paragraph from a new line on. */
+static void put_wrapped(const char *text, FILE *file) {
+    enum { width = 80 };
+    for (size_t column = 0; *text;) {
+        size_t length = strcspn(text, " \n");
+        if (column && column + 1 + length > width) {
+            fputc('\n', file);
+            column = 0;
+        }
+        fprintf(file, "%s%.*s", column ? " " : "", (int)length, text);
+        column += length + (column > 0);
+        text += length;
+        if (*text == '\n') {
+            fputc('\n', file);
+            column = 0;
+        }
+        text += *text != '\0';
+    }
+    fputc('\n', file);
+}
+
+void manual_help(const cli_command *command, FILE *file) {
+    cli_entry entry;
+    char text[SALTUS_FIELD_TEXT_MAX], head[64];
+    fprintf(file, "saltus %s %s\n\n", command->name, command->usage);
+    put_wrapped(command->help, file);
+    fputs("\noptions\n", file);
+    for (int k = 0; cli_entry_at(command, k, &entry); k++) {
+        snprintf(head, sizeof head, "%s %s", entry.flag, entry.argument ? entry.argument : "");
+        fprintf(file, "  %-24s %s", head, meaning_of(&entry, text));
+        if (*default_of(&entry, text))
+            fprintf(file, " (default %s)", text);
+        fputc('\n', file);
+    }
+    fputs("\nexamples\n", file);
+    for (const cli_example *e = command->examples; e->line; e++)
+        fprintf(file, "  # %s\n  saltus %s\n", e->what, e->line);
+    fprintf(file, "\nsee also: saltus help %s\n", command->see);
+}
+
+/* Text for man: hyphens that are typed, no line that is a request. */
+static void put_roff(const char *text, FILE *file) {
+    bool begins = true;
+    for (const char *c = text; *c; begins = *c++ == '\n')
+        if (*c == '\\')
+            fputs("\\e", file);
+        else if (*c == '-')
+            fputs("\\-", file);
+        else {
+            if (begins && (*c == '.' || *c == '\''))
+                fputs("\\&", file);
+            if (*c == '\n')
+                fputs("\n.PP", file);
+            fputc(*c, file);
+        }
+}
+
+static void put_options(const cli_command *command, FILE *file) {
+    cli_entry entry;
+    char text[SALTUS_FIELD_TEXT_MAX];
+    fputs(".SH OPTIONS\n", file);
+    for (int k = 0; cli_entry_at(command, k, &entry); k++) {
+        fputs(".TP\n\\fB", file);
+        put_roff(entry.flag, file);
+        fputs("\\fR", file);
+        if (entry.argument) {
+            fputs(" \\fI", file);
+            put_roff(entry.argument, file);
+            fputs("\\fR", file);
+        }
+        fputc('\n', file);
+        put_roff(meaning_of(&entry, text), file);
+        if (*default_of(&entry, text)) {
+            fputs(" (default ", file);
+            put_roff(text, file);
+            fputc(')', file);
+        }
+        fputc('\n', file);
+    }
+}
+
+static void put_examples(const cli_example *examples, FILE *file) {
+    fputs(".SH EXAMPLES\n", file);
+    for (; examples->line; examples++) {
+        fputs(".TP\n\\fBsaltus ", file);
+        put_roff(examples->line, file);
+        fputs("\\fR\n", file);
+        put_roff(examples->what, file);
+        fputc('\n', file);
+    }
+}
+
+static void put_command_page(const cli_command *command, FILE *file) {
+    fprintf(file, ".SH NAME\nsaltus\\-%s \\- %s\n.SH SYNOPSIS\n\\fBsaltus %s\\fR ", command->name,
+            command->summary, command->name);
+    put_roff(command->usage, file);
+    fputs("\n.SH DESCRIPTION\n", file);
+    put_roff(command->help, file);
+    fputc('\n', file);
+    put_options(command, file);
+    put_examples(command->examples, file);
+    fputs(".SH SEE ALSO\n.BR saltus (1)", file);
+    for (const char *at = command->see; *at;) {
+        size_t length = strcspn(at, " ");
+        fprintf(file, ",\n.BR saltus\\-%.*s (1)", (int)length, at);
+        at += length + (at[length] == ' ');
+    }
+    fputc('\n', file);
+}
+
+static void put_program_page(FILE *file) {
+    fputs(
+        ".SH NAME\nsaltus \\- non\\-smooth dynamics of structures that hit rigid stops\n"
+        ".SH SYNOPSIS\n\\fBsaltus\\fR \\fIcommand\\fR ...\n.br\n\\fBsaltus help\\fR [\\fIcommand\\fR]\n.br\n"
+        "\\fBsaltus \\-\\-version\\fR\n.SH COMMANDS\n",
+        file);
+    for (int k = 0; manual_commands[k]; k++)
+        fprintf(file, ".TP\n.BR saltus\\-%s (1)\n%s\n", manual_commands[k]->name,
+                manual_commands[k]->summary);
+    fputs(".SH NOTES\n", file);
+    put_roff(scenes_and_exits, file);
+    fputs("\n.SH EXAMPLES\n.TP\n\\fBsaltus classify impact\\-oscillator\\fR\nwhat the scene settles on\n"
+          ".TP\n\\fBsaltus scenes impact\\-oscillator > mine.yaml\\fR\na scene to change\n",
+          file);
+}
+
+void manual_page(const cli_command *command, FILE *file) {
+    fputs(".TH SALTUS", file);
+    for (const char *c = command ? command->name : ""; *c; c++)
+        fprintf(file, "%s%c", c == command->name ? "\\-" : "", *c - 'a' + 'A');
+    fprintf(file, " 1 \"\" \"Saltus %s\" \"User commands\"\n", SALTUS_VERSION);
+    if (command)
+        put_command_page(command, file);
+    else
+        put_program_page(file);
+}
+
+/* What may follow a flag: words, or files where any text is taken. */
+static void put_completion_of(const cli_command *command, FILE *file) {
+    cli_entry entry;
+    fprintf(file, "    %s)\n        case $before in\n", command->name);
+    for (int k = 0; cli_entry_at(command, k, &entry); k++) {
+        const saltus_word *words = entry.option ? entry.option->field.words : NULL;
+        if (!words)
+            continue;
+        fprintf(file, "        %s) words='", entry.flag);
+        for (; words->word; words++)
+            fprintf(file, "%s%s", words->word, words[1].word ? " " : "");
+        fputs("' ;;\n", file);
+    }
+    fputs("        *) words='", file);
+    for (int k = 0; cli_entry_at(command, k, &entry); k++)
+        fprintf(file, "%s ", entry.flag);
+    fputs("--help' ;;\n        esac ;;\n", file);
+}
+
+void manual_completion(FILE *file) {
+    fputs("# Completion of saltus in bash; made from the commands' tables of options.\n"
+          "_saltus() {\n"
+          "    local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} words= scenes=\n"
+          "    COMPREPLY=()\n"
+          "    if [ \"$COMP_CWORD\" -eq 1 ]; then\n        words='",
+          file);
+    for (int k = 0; manual_commands[k]; k++)
+        fprintf(file, "%s ", manual_commands[k]->name);
+    fputs("help --version'\n    else case ${COMP_WORDS[1]} in\n", file);
+    for (int k = 0; manual_commands[k]; k++)
+        put_completion_of(manual_commands[k], file);
+    fputs("    help) words='", file);
+    for (int k = 0; manual_commands[k]; k++)
+        fprintf(file, "%s%s", manual_commands[k]->name, manual_commands[k + 1] ? " " : "");
+    fputs("' ;;\n    esac fi\n    if [ \"$COMP_CWORD\" -eq 2 ]; then case ${COMP_WORDS[1]} in\n    scenes",
+          file);
+    for (int k = 0; manual_commands[k]; k++)
+        if (manual_commands[k]->needs_scene)
+            fprintf(file, "|%s", manual_commands[k]->name);
+    fputs(") scenes='", file);
+    for (int k = 0; k < saltus_scene_builtin_count(); k++)
+        fprintf(file, "%s%s", k ? " " : "", saltus_scene_builtin_name(k));
+    fputs("' ;;\n    esac fi\n"
+          "    COMPREPLY=($(compgen -W \"$words $scenes\" -- \"$word\"))\n"
+          "}\n"
+          "complete -o default -F _saltus saltus\n",
+          file);
+}
+
+/* One of the files; `command` NULL with a name: the completion. */
+static bool write_file(const char *folder, const char *name, const cli_command *command, bool page) {
+    char path[4096];
+    snprintf(path, sizeof path, "%s/%s%s%s", folder, name, command ? command->name : "", page ? ".1" : "");
+    FILE *file = fopen(path, "w");
+    if (file && page)
+        manual_page(command, file);
+    else if (file)
+        manual_completion(file);
+    bool good = file && !ferror(file);
+    if ((file && fclose(file) != 0) || !good) {
+        fprintf(stderr, "saltus: %s: cannot be written: %s\n", path, strerror(errno));
+        return false;
+    }
+    return true;
+}
+
+int manual_write(const char *folder) {
+    bool good = write_file(folder, "saltus", NULL, true) && write_file(folder, "saltus.bash", NULL, false);
+    for (int k = 0; manual_commands[k] && good; k++)
+        good = write_file(folder, "saltus-", manual_commands[k], true);
+    return good ? CLI_DONE : CLI_FAILED;
+}
