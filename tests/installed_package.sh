@@ -26,6 +26,9 @@ done
 cc "$example/first_impact.c" -o "$place/first_impact" $(pkg-config --cflags --libs saltus)
 is_right "$place/first_impact"
 "$place/prefix/bin/saltus" check pipe >/dev/null
+for file in man/man1/saltus.1 man/man1/saltus-sweep.1 bash-completion/completions/saltus; do
+    [ -s "$place/prefix/share/$file" ] || { echo "no $file is installed"; exit 1; }
+done
 
 command -v dpkg-shlibdeps >/dev/null || exit 0
 (cd "$build" && cpack -G DEB -B "$place" >/dev/null)
@@ -34,7 +37,8 @@ for package in saltus libsaltus0 libsaltus-dev; do
     [ -f "$1" ] || { echo "no package $package"; exit 1; }
     dpkg-deb -x "$1" "$place/root"
 done
-for file in bin/saltus include/saltus/saltus.h share/saltus/scenes/pipe.yaml; do
+for file in bin/saltus include/saltus/saltus.h share/saltus/scenes/pipe.yaml \
+    share/man/man1/saltus-classify.1 share/bash-completion/completions/saltus; do
     [ -f "$place/root/usr/$file" ] || { echo "the packages hold no $file"; exit 1; }
 done
 "$place/root/usr/bin/saltus" check pipe >/dev/null
