@@ -139,7 +139,8 @@ static bool same_way(const saltus_branch_options *a, const saltus_branch_options
 static bool same_run(const run_state *run, saltus_message *message) {
     const saltus_branch_file *file = &run->earlier;
     saltus_scene changed = {.spec = file->spec};
-    if (strcmp(run->setup.scene.name, file->scene) == 0 && saltus_model_same(run->setup.scene.spec.model, file->spec.model) &&
+    if (strcmp(run->setup.scene.name, file->scene) == 0 &&
+        saltus_model_same(run->setup.scene.spec.model, file->spec.model) &&
         same_way(&run->options, &file->options) &&
         cli_apply_settings(run->request, &changed, message) == SALTUS_OK &&
         saltus_spec_equal(&changed.spec, &file->spec))
