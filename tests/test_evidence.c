@@ -269,29 +269,36 @@ static void precision_is_what_was_asked_for(void **unused) {
 typedef struct witness {
     const saltus_lyapunov *result;
     double period;
-    long long last, at_most;
+    double last, at_most;
     int silent, calls, stop_after;
+    volatile sig_atomic_t stop;
 } witness;
 
-static bool watch(void *context, long long periods, long long at_most) {
+static void watch(void *context, double periods, double at_most) {
     witness *w = context;
-    assert_int_equal(at_most, w->at_most);
-    assert_true(periods >= w->last);
+    assert_true(at_most == w->at_most && periods >= w->last && !w->stop);
     w->silent += periods == 0;
     w->calls += periods > 0;
     w->last = periods;
     if (periods > 0) {
         assert_true(w->result->history_count > 0 && w->result->history_count <= w->calls);
-        check_near(w->result->history[w->result->history_count - 1].time, (double)periods * w->period,
-                   1e-9 * (double)periods * w->period);
+        check_near(w->result->history[w->result->history_count - 1].time, periods * w->period,
+                   1e-9 * periods * w->period);
     }
-    return w->stop_after == 0 || w->calls < w->stop_after;
+    w->stop = w->stop_after > 0 && w->calls >= w->stop_after;
 }
 
-static bool refuse_at_once(void *context, long long periods, long long at_most) {
-    (void)at_most;
-    ++*(int *)context;
-    return periods > 0;
+/* A caller who asks flows to stop, by the flag that they watch, at the n-th report. */
+typedef struct interrupter {
+    volatile sig_atomic_t stop;
+    int calls, stop_at;
+} interrupter;
+
+static void interrupt(void *context, double done, double all) {
+    interrupter *i = context;
+    assert_true(done >= 0 && done <= all);
+    if (++i->calls == i->stop_at)
+        i->stop = 1;
 }
 
 static void progress_is_told(void **unused) {
@@ -305,24 +312,24 @@ static void progress_is_told(void **unused) {
         witness w = {
             .result = &l, .period = 2 * M_PI / 0.8, .at_most = 8 * 700 + 5, .stop_after = stop_after};
         options.transient = 300;
-        options.periods = w.at_most;
+        options.periods = (long long)w.at_most;
         options.precision = 1e-9;
-        options.progress = watch;
-        options.context = &w;
+        options.progress = (saltus_progress){watch, &w};
+        options.flow.stop = &w.stop;
         check_ok(saltus_lyapunov_run(system, start, &options, &l, &message), &message);
-        assert_true(w.silent >= 2 && !l.precise && l.periods <= w.at_most);
+        assert_true(w.silent >= 2 && !l.precise && (double)l.periods <= w.at_most);
         if (stop_after)
             assert_int_equal(w.calls, stop_after);
         else /* to the end: less than one look of each trajectory is left */
-            assert_true(w.last > w.at_most - 8 && l.periods >= w.last - w.last / 4);
+            assert_true(w.last > w.at_most - 8 && (double)l.periods >= 0.75 * w.last);
         saltus_lyapunov_clear(&l);
     }
-    int calls = 0;
+    interrupter at_once = {.stop_at = 1};
     saltus_lyapunov_options options = saltus_lyapunov_defaults();
-    options.progress = refuse_at_once;
-    options.context = &calls;
+    options.progress = (saltus_progress){interrupt, &at_once};
+    options.flow.stop = &at_once.stop;
     saltus_lyapunov l = measure(system, start, &options);
-    assert_true(calls == 1 && l.periods <= 8 * 50 && !l.precise);
+    assert_true(at_once.calls <= 2 && l.periods <= 8 * 50 && !l.precise);
     saltus_lyapunov_clear(&l);
     saltus_system_free(system);
 }
@@ -772,64 +779,42 @@ static void extremes_are_found_again(void **unused) {
     }
 }
 
-/* What is told of a run while it goes on, and when it is ended. */
+/* What is told of a run while it goes on. */
 typedef struct listener {
-    long long last, transient, measure;
-    int calls, stop_after;
+    double last, transient, measure;
+    int calls;
     bool measuring;
 } listener;
 
-static bool listen(void *context, long long periods, long long at_most) {
+static void listen(void *context, double periods, double at_most) {
     listener *l = context;
-    assert_true(l->stop_after == 0 || l->calls < l->stop_after); /* not asked again */
     if (at_most == l->measure && !l->measuring) {
         l->measuring = true;
         l->last = 0;
     }
-    assert_int_equal(at_most, l->measuring ? l->measure : l->transient);
+    assert_true(at_most == (l->measuring ? l->measure : l->transient));
     assert_true(periods > l->last && periods <= at_most);
     l->last = periods;
     l->calls += l->measuring;
-    return l->stop_after == 0 || l->calls < l->stop_after;
 }
 
 static void listeners_hear_of_it(void **unused) {
     (void)unused;
     saltus_system *system = struck_oscillator(0.1, 0.8, 0);
     double start[2] = {-0.3, 0.1};
-    for (int stop_after = 0; stop_after < 4; stop_after += 3) {
-        saltus_classify_options options = saltus_classify_defaults();
-        saltus_message message = {.text = ""};
-        saltus_motion m;
-        listener l = {.transient = 2000, .measure = 33333, .stop_after = stop_after};
-        options.transient = l.transient;
-        options.measure = l.measure;
-        options.progress = listen;
-        options.context = &l;
-        check_ok(saltus_classify(system, start, &options, &m, &message), &message);
-        assert_true(l.measuring && m.evidence.periods == l.last);
-        assert_int_equal(m.verdict, stop_after ? SALTUS_UNDECIDED : SALTUS_CHAOTIC);
-        assert_int_equal(m.evidence.history_count, l.calls);
-        saltus_motion_clear(&m);
-    }
+    saltus_classify_options options = saltus_classify_defaults();
+    saltus_message message = {.text = ""};
+    saltus_motion m;
+    listener l = {.transient = 2000, .measure = 33333};
+    options.transient = 2000;
+    options.measure = 33333;
+    options.progress = (saltus_progress){listen, &l};
+    check_ok(saltus_classify(system, start, &options, &m, &message), &message);
+    assert_true(l.measuring && (double)m.evidence.periods == l.last);
+    assert_int_equal(m.verdict, SALTUS_CHAOTIC);
+    assert_int_equal(m.evidence.history_count, l.calls);
+    saltus_motion_clear(&m);
     saltus_system_free(system);
-}
-
-/* A caller who asks flows to stop, by the flag that they watch, at the n-th report. */
-typedef struct interrupter {
-    volatile sig_atomic_t stop;
-    int calls, stop_at, motions;
-    long long last;
-} interrupter;
-
-static bool interrupt(void *context, long long periods, long long at_most) {
-    interrupter *i = context;
-    (void)at_most;
-    i->motions += periods <= i->last;
-    i->last = periods;
-    if (++i->calls == i->stop_at)
-        i->stop = 1;
-    return true;
 }
 
 static saltus_motion classify_interrupted(const saltus_system *system, const double *state, interrupter *i) {
@@ -838,8 +823,7 @@ static saltus_motion classify_interrupted(const saltus_system *system, const dou
     saltus_motion m;
     options.transient = 2000;
     options.measure = 16000;
-    options.progress = interrupt;
-    options.context = i;
+    options.progress = (saltus_progress){interrupt, i};
     options.flow.stop = &i->stop;
     check_ok(saltus_classify(system, state, &options, &m, &message), &message);
     return m;
@@ -883,8 +867,7 @@ static void attractors_until_it_is_stopped(void **unused) {
         saltus_attractors found;
         interrupter i = {.stop_at = -1};
         int complete = 0;
-        options.progress = interrupt;
-        options.context = &i;
+        options.progress = (saltus_progress){interrupt, &i};
         options.flow.stop = &i.stop;
         options.measure = 0;
         check_ok(saltus_attractors_find(system, motions + 1, 7, &options, &found, &message), &message);
@@ -895,13 +878,13 @@ static void attractors_until_it_is_stopped(void **unused) {
             continue;
         /* The same seeds once more, up to the first report of the last. */
         interrupter fewer = {.stop_at = -1};
-        options.context = &fewer;
+        options.progress.context = &fewer;
         options.flow.stop = &fewer.stop;
         check_ok(saltus_attractors_find(system, motions, 7, &options, &found, &message), &message);
         saltus_attractors_clear(&found);
         assert_true(fewer.calls < calls);
         interrupter cut = {.stop_at = fewer.calls + 1};
-        options.context = &cut;
+        options.progress.context = &cut;
         options.flow.stop = &cut.stop;
         check_ok(saltus_attractors_find(system, motions + 5, 7, &options, &found, &message), &message);
         for (int k = 0; k < found.count; k++)
@@ -920,8 +903,8 @@ static void defaults_are_those_told(void **unused) {
     saltus_flow_options flow = saltus_flow_defaults();
     assert_true(l.flow.rtol == 1e-10 && l.flow.atol == 1e-14 && l.exponents == 1 && l.members == 8);
     assert_true(l.transient == 1000 && l.periods == 1000000 && l.precision == 0.01 && l.interval == 0);
-    assert_true(l.seed == 0 && l.progress == NULL);
-    assert_true(c.flow.rtol == flow.rtol && c.flow.atol == flow.atol && c.progress == NULL);
+    assert_true(l.seed == 0 && l.progress.show == NULL);
+    assert_true(c.flow.rtol == flow.rtol && c.flow.atol == flow.atol && c.progress.show == NULL);
     assert_true(c.transient == 20000 && c.measure == 256000 && c.longest == 64);
 }
 

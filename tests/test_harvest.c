@@ -462,12 +462,11 @@ static void settled_motion(void **unused) {
 }
 
 /* Called with shares that only grow, from 0 on, through both halves of the work. */
-static bool share_grows(void *context, double done) {
+static void share_grows(void *context, double done, double all) {
     double *last = context;
-    assert_true(done >= *last && done <= 1);
+    assert_true(done >= *last && done <= 1 && all == 1);
     assert_true(*last >= 0 || done == 0);
     *last = done;
-    return true;
 }
 
 static void progress_is_told(void **unused) {
@@ -481,12 +480,11 @@ static void progress_is_told(void **unused) {
     options.periods = 1000;
     options.longest = 4;
     options.tries = 5;
-    options.progress = share_grows;
-    options.context = &last;
+    options.progress = (saltus_progress){share_grows, &last};
     check_ok(saltus_harvest_run(system, &options, &harvest, &message), &message);
     assert_true(last > 0.5 && harvest.count > 0);
     saltus_harvest_clear(&harvest);
-    options.progress = NULL;
+    options.progress.show = NULL;
     options.flow.stop = &stop;
     check_ok(saltus_harvest_run(system, &options, &harvest, &message), &message);
     assert_true(harvest.count == 0 && harvest.periods == 0);
@@ -518,21 +516,20 @@ static void options_out_of_range_are_refused(void **unused) {
     saltus_system_free(system);
 }
 
-/* A refusal is final, and what there is by then is told as it would be of a whole run. */
-typedef struct refusal {
+/* A request to stop is final, and what there is by then is told as it would be of a whole run. */
+typedef struct caller {
     double at, seen;
-    bool refused;
-} refusal;
+    volatile sig_atomic_t stop;
+} caller;
 
-static bool refuse_once(void *context, double done) {
-    refusal *r = context;
-    assert_false(r->refused);
-    r->seen = done;
-    r->refused = done >= r->at;
-    return !r->refused;
+static void ask_to_stop(void *context, double done, double all) {
+    caller *c = context;
+    assert_true(!c->stop && all == 1);
+    c->seen = done;
+    c->stop = done >= c->at;
 }
 
-static void a_refusal_is_final(void **unused) {
+static void a_request_to_stop_is_final(void **unused) {
     (void)unused;
     static const double places[] = {0, 0.2, 0.5, 0.6, 0.8};
     saltus_system *system = chaotic_oscillator();
@@ -541,14 +538,14 @@ static void a_refusal_is_final(void **unused) {
         saltus_harvest_options options = saltus_harvest_defaults();
         saltus_message message = {.text = ""};
         saltus_harvest harvest;
-        refusal r = {.at = places[k]};
+        caller r = {.at = places[k]};
         options.periods = 1000;
         options.longest = 5;
         options.tries = 5;
-        options.progress = refuse_once;
-        options.context = &r;
+        options.progress = (saltus_progress){ask_to_stop, &r};
+        options.flow.stop = &r.stop;
         check_ok(saltus_harvest_run(system, &options, &harvest, &message), &message);
-        assert_true(r.refused && r.seen >= places[k]);
+        assert_true(r.stop && r.seen >= places[k]);
         if (k < 2)
             assert_true(harvest.periods == (long long)(2 * r.seen * 1100 + 0.5));
         else
@@ -644,26 +641,21 @@ static void a_narrow_gap_has_random_starts(void **unused) {
     saltus_system_free(system);
 }
 
-static bool stop_soon(void *context, double done) {
-    *(double *)context = done;
-    return done < 0.1;
-}
-
 static void limits_are_kept(void **unused) {
     (void)unused;
     saltus_system *system = scene_system("fig3", "d=0.02");
     saltus_harvest_options options = saltus_harvest_defaults();
     saltus_message message = {.text = ""};
     saltus_harvest harvest;
-    double seen = 0;
+    caller soon = {.at = 0.1};
     options.most = 3;
     check_ok(saltus_harvest_run(system, &options, &harvest, &message), &message);
     assert_int_equal(harvest.count, 3);
     saltus_harvest_clear(&harvest);
-    options.progress = stop_soon;
-    options.context = &seen;
+    options.progress = (saltus_progress){ask_to_stop, &soon};
+    options.flow.stop = &soon.stop;
     check_ok(saltus_harvest_run(system, &options, &harvest, &message), &message);
-    assert_true(seen >= 0.1 && harvest.periods < options.periods);
+    assert_true(soon.seen >= 0.1 && harvest.periods < options.periods);
     saltus_harvest_clear(&harvest);
     options = saltus_harvest_defaults();
     options.longest = 0;
@@ -688,7 +680,7 @@ int main(void) {
         cmocka_unit_test(images_half_a_period_later),
         cmocka_unit_test(settled_motion),
         cmocka_unit_test(progress_is_told),
-        cmocka_unit_test(a_refusal_is_final),
+        cmocka_unit_test(a_request_to_stop_is_final),
         cmocka_unit_test(columns_of_the_flow_are_ignored),
         cmocka_unit_test(what_flies_away_is_given_up),
         cmocka_unit_test(a_narrow_gap_has_random_starts),

@@ -722,27 +722,33 @@ static void same_numbers_again(void **unused) {
     }
 }
 
-static bool stop_at_once(void *context, long long periods, long long at_most) {
-    int *calls = context;
+typedef struct caller {
+    int calls;
+    volatile sig_atomic_t stop;
+} caller;
+
+static void stop_at_the_tenth(void *context, double periods, double at_most) {
+    caller *c = context;
     assert_true(periods >= 0 && periods <= at_most);
-    *calls += periods > 0;
-    return *calls < 10;
+    c->calls += periods > 0;
+    c->stop = c->calls >= 10;
 }
 
 /* A run that is stopped, or that ends before the precision is reached, says so. */
 static void unfinished_runs(void **unused) {
     (void)unused;
-    int calls = 0;
+    caller c = {0};
     saltus_lyapunov_options options = saltus_lyapunov_defaults();
     options.precision = 1e-9;
-    options.progress = stop_at_once;
-    options.context = &calls;
+    options.progress = (saltus_progress){stop_at_the_tenth, &c};
+    options.flow.stop = &c.stop;
     saltus_lyapunov l = run_scene("fig6", "omega=10", &options);
-    assert_int_equal(calls, 10);
+    assert_int_equal(c.calls, 10);
     assert_false(l.precise);
     assert_true(l.standard_errors[0] > 0 && l.periods > 0);
     saltus_lyapunov_clear(&l);
-    options.progress = NULL;
+    options.progress.show = NULL;
+    options.flow.stop = NULL;
     options.periods = 8 * 300;
     l = run_scene("fig6", "omega=10", &options);
     assert_false(l.precise);

@@ -216,9 +216,16 @@ static void mirror_pairs_are_two(void **unused) {
     saltus_system_free(system);
 }
 
-static bool stop_at_once(void *context, long long periods, long long at_most) {
-    *(long long *)context = periods;
-    return at_most < 0;
+typedef struct caller {
+    double seen;
+    volatile sig_atomic_t stop;
+} caller;
+
+static void stop_at_once(void *context, double periods, double at_most) {
+    caller *c = context;
+    assert_true(!c->stop && periods < at_most);
+    c->seen = periods;
+    c->stop = 1;
 }
 
 /* Where no exponent may be measured, or the caller stops. */
@@ -230,7 +237,7 @@ static void chaos_is_undecided(void **unused) {
     saltus_classify_options options = saltus_classify_defaults();
     saltus_message message = {.text = ""};
     saltus_motion motion;
-    long long seen = 0;
+    caller once = {.seen = 0};
     double state[dimension_max];
     options.transient = 3000;
     options.measure = 0;
@@ -242,10 +249,10 @@ static void chaos_is_undecided(void **unused) {
     saltus_motion_clear(&motion);
 
     options = saltus_classify_defaults();
-    options.progress = stop_at_once;
-    options.context = &seen;
+    options.progress = (saltus_progress){stop_at_once, &once};
+    options.flow.stop = &once.stop;
     check_ok(saltus_classify(system, state, &options, &motion, &message), &message);
-    assert_true(seen > 0 && motion.transient == seen);
+    assert_true(once.seen > 0 && (double)motion.transient == once.seen);
     saltus_motion_clear(&motion);
     saltus_system_free(system);
 }

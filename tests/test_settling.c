@@ -210,15 +210,16 @@ static void hundreds_of_impacts_are_counted(void **unused) {
 
 typedef struct reports {
     int calls, most;
-    long long last, at_most;
+    double last, at_most;
+    volatile sig_atomic_t stop;
 } reports;
 
-static bool report(void *context, long long periods, long long at_most) {
+static void report(void *context, double periods, double at_most) {
     reports *r = context;
     assert_true(periods > r->last);
     r->last = periods;
     r->at_most = at_most;
-    return ++r->calls < r->most;
+    r->stop = ++r->calls >= r->most;
 }
 
 static const closed_oscillator chaotic = {
@@ -232,11 +233,11 @@ static void options_take_effect(void **unused) {
     reports seen = {.most = 1000000};
     volatile sig_atomic_t stop = 1;
     assert_true(options.transient == 20000 && options.measure == 256000 && options.longest == 64);
-    assert_true(!options.progress && options.flow.rtol == saltus_flow_defaults().rtol);
+    assert_true(!options.progress.show && options.flow.rtol == saltus_flow_defaults().rtol);
     options.measure = 0;
     options.transient = 777;
-    options.progress = report;
-    options.context = &seen;
+    options.progress = (saltus_progress){report, &seen};
+    options.flow.stop = &seen.stop;
     saltus_motion motion = classify(system, start, &options);
     assert_string_equal(motion.label, "undecided");
     assert_false(saltus_verdict_settled(motion.verdict));
@@ -256,10 +257,10 @@ static void options_take_effect(void **unused) {
     seen = (reports){.most = 3};
     options.transient = 20000;
     motion = classify(system, start, &options);
-    assert_true(seen.calls == 3 && motion.transient == seen.last && seen.last < 1000);
+    assert_true(seen.calls == 3 && (double)motion.transient == seen.last && seen.last < 1000);
     assert_string_equal(motion.label, "undecided");
     saltus_motion_clear(&motion);
-    options.progress = NULL;
+    options.progress.show = NULL;
     options.flow.stop = &stop;
     motion = (saltus_motion){0};
     saltus_message message = {.text = ""};
@@ -298,8 +299,8 @@ static void what_is_not_measured_is_no_number(void **unused) {
         reports seen = {.most = k == 2 ? 1 : 1000000};
         options.transient = 100;
         options.measure = k == 1 ? 100 : 0;
-        options.progress = report;
-        options.context = &seen;
+        options.progress = (saltus_progress){report, &seen};
+        options.flow.stop = &seen.stop;
         saltus_motion motion = classify(system, start, &options);
         const saltus_evidence *e = &motion.evidence;
         assert_string_equal(motion.label, "undecided");
@@ -477,23 +478,22 @@ static void shares_are_those_of_single_states(void **unused) {
     assert_true(several >= 2);
 }
 
-/* A caller who refuses to go on, once, in the n-th motion: its search ends, and so does all of it. */
-typedef struct refusal {
-    int asked, refuse_at, motions, refused_in;
-    long long last;
-} refusal;
+/* A caller who asks to stop at the n-th report: the motion under way ends, and so does all of it. What is
+ * told grows, by whole motions and by parts of one. */
+typedef struct caller {
+    int told, stop_at;
+    double last;
+    volatile sig_atomic_t stop;
+} caller;
 
-static bool refuse_once(void *context, long long periods, long long at_most) {
-    refusal *r = context;
-    (void)at_most;
-    r->motions += periods <= r->last;
-    r->last = periods;
-    if (++r->asked == r->refuse_at)
-        r->refused_in = r->motions;
-    return r->asked != r->refuse_at;
+static void stop_in_time(void *context, double done, double seeds) {
+    caller *c = context;
+    assert_true(!c->stop && seeds == 9 && done >= c->last && done < seeds);
+    c->last = done;
+    c->stop = ++c->told == c->stop_at;
 }
 
-static void a_refusal_ends_the_search_for_attractors(void **unused) {
+static void a_stop_ends_the_search_for_attractors(void **unused) {
     (void)unused;
     closed_oscillator settling = closed_example_of(closed_one_period);
     for (int k = 0; k < 2; k++) {
@@ -502,15 +502,15 @@ static void a_refusal_ends_the_search_for_attractors(void **unused) {
             saltus_classify_options options = saltus_classify_defaults();
             saltus_message message = {.text = ""};
             saltus_attractors found;
-            refusal r = {.refuse_at = at, .last = -1};
+            caller c = {.stop_at = at, .last = -1};
             int sum = 0;
             options.measure = 0;
             options.transient = 200;
-            options.progress = refuse_once;
-            options.context = &r;
+            options.progress = (saltus_progress){stop_in_time, &c};
+            options.flow.stop = &c.stop;
             check_ok(saltus_attractors_find(system, 9, 5, &options, &found, &message), &message);
-            assert_int_equal(r.asked, at);
-            assert_true(found.seeds == r.refused_in || found.seeds == r.refused_in + 1);
+            assert_int_equal(c.told, at);
+            assert_true(found.seeds == (int)c.last || found.seeds == (int)c.last + 1);
             assert_true(found.seeds < 9);
             for (int a = 0; a < found.count; a++) {
                 sum += found.shares[a];
@@ -602,7 +602,7 @@ int main(void) {
         cmocka_unit_test(options_out_of_range_are_refused),
         cmocka_unit_test(longest_is_the_longest),
         cmocka_unit_test(shares_are_those_of_single_states),
-        cmocka_unit_test(a_refusal_ends_the_search_for_attractors),
+        cmocka_unit_test(a_stop_ends_the_search_for_attractors),
         cmocka_unit_test(seeds_are_within_limits),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

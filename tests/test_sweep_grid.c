@@ -195,10 +195,8 @@ static void a_sweep_keeps_what_it_was_given(void **unused) {
     saltus_sweep_options options = frame_options(7, 6, 2);
     saltus_sweep *sweep = NULL;
     saltus_message message = {.text = ""};
-    sig_atomic_t stop = 1;
     options.flow.columns = 2;
     options.flow.directions = 1;
-    options.flow.stop = &stop;
     check_ok(saltus_sweep_new(&scene, axes, 2, &options, &sweep, &message), &message);
     values[0] = values[1] = values[2] = -1;
     assert_int_equal(saltus_sweep_axis_count(sweep), 2);
@@ -220,7 +218,7 @@ static void a_sweep_keeps_what_it_was_given(void **unused) {
         check_near(here.spec.stops[0].r, 0.9 - 0.1 * (point / 3), 1e-15);
         assert_true(here.spec.stops[0].d == 0.7);
     }
-    /* Columns, directions and the stop of the flow are the sweep's own business. */
+    /* Columns and directions of the flow are the sweep's own business. */
     outcome with = run_all(sweep);
     saltus_sweep_free(sweep);
     options.flow = saltus_sweep_defaults().flow;
@@ -705,6 +703,7 @@ typedef struct strict_feed {
     atomic_int inside;
     bool clean;
     long long taken, asked, ended, stop_after;
+    volatile sig_atomic_t *stop;
     int *places_left, *ends;
 } strict_feed;
 
@@ -759,7 +758,7 @@ static saltus_status strict_take(void *context, const saltus_sweep_result *resul
                     result->impacts[k].speed == back.impacts[k].speed &&
                     result->impacts[k].face == back.impacts[k].face;
     f->places_left[result->place]--;
-    f->taken++;
+    *f->stop |= ++f->taken >= f->stop_after;
     atomic_fetch_sub(&f->inside, 1);
     return status;
 }
@@ -773,23 +772,21 @@ static void strict_done(void *context, long long task) {
     f->ended++;
 }
 
-static bool strict_stopped(void *context) {
-    const strict_feed *f = context;
-    return f->taken >= f->stop_after;
-}
-
 static void the_feed_is_asked_and_told_in_order(void **unused) {
     (void)unused;
     saltus_scene scene = scene_of("fig3", "");
     for (int way = 0; way < 4; way++) {
         saltus_sweep_options options = frame_options(15, 7, 2);
         saltus_message message = {.text = ""};
+        volatile sig_atomic_t stop = 0;
+        options.flow.stop = &stop;
         options.threads = way % 2 ? 3 : 1;
         options.transient = 60;
         options.measure = 100;
         saltus_sweep *sweep = sweep_of(&scene, "omega=12:20:4", "d=0.03,0.035", &options);
         const long long tasks = saltus_sweep_tasks(sweep), places = 3 * 8;
         strict_feed f = {.outcome = open_outcome(sweep), .clean = true, .stop_after = way < 2 ? 1000 : 5};
+        f.stop = &stop;
         f.outcome.step = 1;
         f.outcome.tasks = tasks;
         f.places_left = calloc((size_t)places, sizeof *f.places_left);
@@ -797,7 +794,7 @@ static void the_feed_is_asked_and_told_in_order(void **unused) {
         assert_true(f.places_left && f.ends);
         for (long long k = 0; k < places; k++)
             f.places_left[k] = 1;
-        const saltus_sweep_feed feed = {&f, strict_next, strict_take, strict_done, strict_stopped};
+        const saltus_sweep_feed feed = {&f, strict_next, strict_take, strict_done};
         check_ok(saltus_sweep_run(sweep, &feed, &message), &message);
         assert_true(f.clean);
         for (long long k = 0; k < tasks; k++)

@@ -161,20 +161,21 @@ static void little_time_leaves_it_open(void **unused) {
     saltus_motion_clear(&motion);
 }
 
-static bool stop_at_once(void *context, long long periods, long long at_most) {
-    (void)context;
+static void stop_at_5000(void *context, double periods, double at_most) {
     (void)at_most;
-    return periods < 5000;
+    *(volatile sig_atomic_t *)context |= periods >= 5000;
 }
 
 static void the_caller_may_stop_it(void **unused) {
     (void)unused;
     saltus_classify_options options = saltus_classify_defaults();
     saltus_spec spec = scene_spec("fig6", chaotic_pipe);
-    options.progress = stop_at_once;
+    volatile sig_atomic_t stop = 0;
+    options.progress = (saltus_progress){stop_at_5000, (void *)&stop};
+    options.flow.stop = &stop;
     saltus_motion motion = judge(&spec, &options);
     assert_int_equal(motion.verdict, SALTUS_UNDECIDED);
-    assert_true(motion.evidence.periods < 8000);
+    assert_true(stop && motion.evidence.periods == 0);
     saltus_motion_clear(&motion);
 }
 

@@ -568,10 +568,9 @@ bool cli_shows_progress(const cli_request *request) {
     return !request->quiet && isatty(STDERR_FILENO) == 1;
 }
 
-static bool show_periods(void *context, long long periods, long long at_most) {
+static void show_periods(void *context, double periods, double at_most) {
     (void)context;
-    progress_line("%lld of at most %lld periods", periods, at_most);
-    return true;
+    progress_line("%.0f of at most %.0f periods", periods, at_most);
 }
 
 void cli_progress_end(const cli_request *request) {
@@ -582,7 +581,7 @@ void cli_progress_end(const cli_request *request) {
 saltus_classify_options cli_classify_options(const cli_request *request) {
     saltus_classify_options options = request->classify;
     if (cli_shows_progress(request))
-        options.progress = show_periods;
+        options.progress.show = show_periods;
     return options;
 }
 

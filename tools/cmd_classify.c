@@ -6,6 +6,8 @@
 #include "motion/options.h"
 #include "progress.h"
 
+#include <math.h>
+
 static const cli_option seeds = CLI_WHOLE_OPTION(
     "--seeds", seeds, "k", 0, 1, 1e6, "classify from k random initial states, list the attractors");
 static const cli_option seed =
@@ -28,33 +30,18 @@ static saltus_status classify_once(const cli_request *request, const cli_setup *
     return SALTUS_OK;
 }
 
-/* How many initial states are done, for the progress line. */
-typedef struct seed_watch {
-    int done, seeds;
-} seed_watch;
-
-static bool show_seeds(void *context, long long periods, long long at_most) {
-    const seed_watch *watch = context;
-    progress_line("%d of %d seeds done, %lld of at most %lld periods", watch->done, watch->seeds, periods,
-                  at_most);
-    return true;
-}
-
-static void show_next_seed(void *context, int done, int seeds) {
-    *(seed_watch *)context = (seed_watch){done, seeds};
-    progress_line("%d of %d seeds done", done, seeds);
+static void show_seeds(void *context, double done, double seeds) {
+    (void)context;
+    progress_line("%.0f of %.0f seeds done, %.0f %% of the next at most", floor(done), seeds,
+                  100 * (done - floor(done)));
 }
 
 static saltus_status classify_seeds(const cli_request *request, const cli_setup *setup, bool *cut,
                                     saltus_message *message) {
     saltus_classify_options how = cli_classify_options(request);
     saltus_attractors found;
-    seed_watch watch = {0};
-    if (cli_shows_progress(request)) {
-        how.progress = show_seeds;
-        how.next_seed = show_next_seed;
-        how.context = &watch;
-    }
+    if (cli_shows_progress(request))
+        how.progress.show = show_seeds;
     saltus_status status = saltus_attractors_find(setup->system, (int)request->seeds,
                                                   (unsigned long)request->seed, &how, &found, message);
     cli_progress_end(request);

@@ -11,36 +11,22 @@ static const cli_table tables[] = {CLI_TABLE(saltus_lyapunov_table, lyapunov, NU
 static const cli_option *const options[] = {&cli_set,    &cli_from,          &all, &cli_json,
                                             &cli_output, CLI_FIGURE_OPTIONS, NULL};
 
-/* A measurement under way. */
-typedef struct watch {
-    saltus_lyapunov result;
-    bool shown; /* a line on the terminal */
-    bool interrupted;
-} watch;
-
-static bool show(void *context, long long done, long long at_most) {
-    watch *w = context;
-    const saltus_lyapunov *l = &w->result;
-    w->interrupted = interrupt_asked();
-    if (w->shown) {
-        char found[64] = "";
-        if (l->history_count > 0)
-            snprintf(found, sizeof found, ", exponent %.5g +- %.2g",
-                     l->history[l->history_count - 1].exponent,
-                     l->history[l->history_count - 1].standard_error);
-        progress_line("measuring: %lld of at most %lld periods%s", done, at_most, found);
-    }
-    return !w->interrupted;
+/* A measurement under way, `context` being its result. */
+static void show(void *context, double done, double at_most) {
+    const saltus_lyapunov *l = context;
+    char found[64] = "";
+    if (l->history_count > 0)
+        snprintf(found, sizeof found, ", exponent %.5g +- %.2g", l->history[l->history_count - 1].exponent,
+                 l->history[l->history_count - 1].standard_error);
+    progress_line("measuring: %.0f of at most %.0f periods%s", done, at_most, found);
 }
 
-static saltus_status choose(const cli_request *request, const saltus_system *system, watch *w,
+static saltus_status choose(const cli_request *request, const saltus_system *system,
                             saltus_lyapunov_options *how, saltus_message *message) {
     int n = saltus_system_dimension(system);
-    *how = request->lyapunov; /* what was measured is wanted: `show` ends the measurement, no flag does */
+    *how = request->lyapunov;
     if (request->all)
         how->exponents = 0;
-    how->progress = show;
-    how->context = w;
     if (request->all && cli_given(request, "--exponents"))
         return saltus_fail(message, SALTUS_BAD_INPUT, "--all and --exponents %d: only one can be given",
                            request->lyapunov.exponents);
@@ -76,7 +62,6 @@ static saltus_status run_orbit(const cli_request *request, const cli_setup *setu
                            "multipliers",
                            request->output);
     describing.flow = how->flow;
-    describing.flow.stop = interrupt_flag();
     saltus_status status = cli_motion(request, setup, &describing, &motion, message);
     int count = how->exponents ? how->exponents : saltus_system_dimension(setup->system);
     if (status == SALTUS_OK)
@@ -89,28 +74,30 @@ static int run(const cli_request *request) {
     cli_setup setup;
     saltus_message message = {.text = ""};
     saltus_lyapunov_options how;
-    watch w = {.shown = cli_shows_progress(request)};
+    saltus_lyapunov result = {0};
+    bool shown = cli_shows_progress(request), interrupted = false;
     saltus_figure_options look;
     if (!cli_figure_options(request, &look))
         return CLI_BAD_INPUT;
     int code = cli_build(request, &setup);
     if (code != CLI_DONE)
         return code;
-    saltus_status status = choose(request, setup.system, &w, &how, &message);
+    saltus_status status = choose(request, setup.system, &how, &message);
     if (status == SALTUS_OK && cli_on_orbit(&setup))
-        status = run_orbit(request, &setup, &how, &w.result, &message);
+        status = run_orbit(request, &setup, &how, &result, &message);
     else if (status == SALTUS_OK) {
-        if (w.shown)
+        how.progress = (saltus_progress){shown ? show : NULL, &result};
+        if (shown)
             progress_line("settling: %lld periods", how.transient);
-        status = saltus_lyapunov_run(setup.system, setup.start.state, &how, &w.result, &message);
-        if (w.shown)
-            progress_line("%s", "");
+        status = saltus_lyapunov_run(setup.system, setup.start.state, &how, &result, &message);
+        interrupted = interrupt_asked() && !result.precise;
+        cli_progress_end(request);
     }
     if (status == SALTUS_OK)
-        status = deliver(request, &setup, &how, &w.result, &look, &message);
-    if (status == SALTUS_OK && w.interrupted)
+        status = deliver(request, &setup, &how, &result, &look, &message);
+    if (status == SALTUS_OK && interrupted)
         code = interrupt_report("the numbers rest on what was measured so far");
-    saltus_lyapunov_clear(&w.result);
+    saltus_lyapunov_clear(&result);
     saltus_system_free(setup.system);
     return status == SALTUS_OK ? code : cli_report(status, &message);
 }

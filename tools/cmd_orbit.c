@@ -76,10 +76,9 @@ static saltus_status find_equilibrium(const cli_request *request, const cli_setu
     return status;
 }
 
-static bool show_share(void *context, double done) {
+static void show_share(void *context, double done, double all) {
     (void)context;
-    progress_line("searching: %3.0f %%", 100 * done);
-    return true;
+    progress_line("searching: %3.0f %%", 100 * done / all);
 }
 
 /* One JSON object per line and orbit, as classify writes it. */
@@ -107,7 +106,7 @@ static saltus_status harvest(const cli_request *request, const cli_setup *setup,
     how.longest = request->periods ? (int)request->periods : how.longest;
     how.transient = request->transient;
     how.state = setup->start.state;
-    how.progress = terminal ? show_share : NULL;
+    how.progress.show = terminal ? show_share : NULL;
     saltus_status status = saltus_harvest_run(setup->system, &how, &found, message);
     if (terminal)
         progress_line("%s", "");

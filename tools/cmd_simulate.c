@@ -16,14 +16,13 @@ static const cli_table tables[] = {CLI_TABLE(saltus_flow_table, flow, NULL), {NU
 static const cli_option *const options[] = {&cli_set, &cli_from,   &periods, &transient,
                                             &samples, &cli_output, NULL};
 
-static bool show(void *context, long long periods, long long at_most) {
+static void show(void *context, double periods, double all) {
     static const double pause = 0.1; /* seconds between two lines */
     double *told = context, now = progress_clock();
     if (*told == 0 || now - *told > pause) {
-        progress_line("%lld of %lld periods", periods, at_most);
+        progress_line("%.0f of %.0f periods", periods, all);
         *told = now;
     }
-    return true;
 }
 
 static int run(const cli_request *request) {
@@ -55,8 +54,7 @@ static int run(const cli_request *request) {
                                          .transient = request->transient,
                                          .periods = request->periods,
                                          .per_period = (int)request->samples,
-                                         .progress = cli_shows_progress(request) ? show : NULL,
-                                         .context = &told};
+                                         .progress = {cli_shows_progress(request) ? show : NULL, &told}};
     if (status == SALTUS_OK)
         status = saltus_trajectory_follow(setup.system, setup.start.state, &flow, &plan, &record, &message);
     cli_progress_end(request);

@@ -58,7 +58,7 @@ static bool is_settled(const sweep_exchange *exchange, long long task) {
 
 int sweep_exchange_tasks(sweep_exchange *exchange, long long *tasks, int most) {
     int count = 0;
-    for (; count < most && exchange->next < exchange->tasks && !exchange->stopped; exchange->next++) {
+    for (; count < most && exchange->next < exchange->tasks && !*exchange->stop; exchange->next++) {
         long long task = (exchange->longest + exchange->next) % exchange->tasks;
         if (!is_settled(exchange, task))
             tasks[count++] = task;
@@ -74,7 +74,7 @@ void sweep_exchange_stop(sweep_exchange *exchange, saltus_status status, const s
         exchange->message = *message;
     }
     exchange->interrupted |= status == SALTUS_OK;
-    exchange->stopped = true;
+    *exchange->stop = 1;
     pthread_cond_broadcast(&exchange->changed);
     pthread_mutex_unlock(&exchange->lock);
 }
@@ -106,9 +106,9 @@ saltus_status sweep_exchange_take(sweep_exchange *exchange, const saltus_sweep_r
 
 /* The next task from what the first rank has sent, which may have to be waited for. */
 static long long next_of_inbox(sweep_exchange *exchange) {
-    while (!exchange->stopped && exchange->count == 0 && !exchange->dry)
+    while (!*exchange->stop && exchange->count == 0 && !exchange->dry)
         pthread_cond_wait(&exchange->changed, &exchange->lock);
-    if (exchange->stopped || exchange->count == 0)
+    if (*exchange->stop || exchange->count == 0)
         return -1;
     long long task = exchange->inbox[exchange->first];
     exchange->first = (exchange->first + 1) % SWEEP_INBOX_MAX;
@@ -124,7 +124,7 @@ static long long next_task(void *context) {
         task = next_of_inbox(exchange);
     else {
         /* Every rank has its first share before this one goes on to its own. */
-        while (!exchange->stopped && exchange->met < exchange->ranks - 1)
+        while (!*exchange->stop && exchange->met < exchange->ranks - 1)
             pthread_cond_wait(&exchange->changed, &exchange->lock);
         if (sweep_exchange_tasks(exchange, &task, 1) == 0)
             task = -1;
@@ -147,7 +147,7 @@ static saltus_status post_result(sweep_exchange *exchange, const saltus_sweep_re
     saltus_sweep_pack(exchange->sweep, result, bytes);
     *packed = (sweep_packed){.bytes = bytes, .size = size};
     pthread_mutex_lock(&exchange->lock);
-    while (exchange->outbox_bytes > outbox_max && !exchange->stopped)
+    while (exchange->outbox_bytes > outbox_max && !*exchange->stop)
         pthread_cond_wait(&exchange->changed, &exchange->lock);
     *exchange->outbox_end = packed;
     exchange->outbox_end = &packed->next;
@@ -165,14 +165,9 @@ static saltus_status take_result(void *context, const saltus_sweep_result *resul
     if (status != SALTUS_OK)
         sweep_exchange_stop(exchange, status, message);
     pthread_mutex_lock(&exchange->lock);
-    bool stopped = exchange->stopped;
+    bool stopped = *exchange->stop;
     pthread_mutex_unlock(&exchange->lock);
     return stopped ? dropped : SALTUS_OK;
-}
-
-static bool has_stopped(void *context) {
-    sweep_exchange *exchange = context;
-    return atomic_load_explicit(&exchange->stopped, memory_order_relaxed);
 }
 
 /* Sleep until something changes at the exchange, or for a time. */
@@ -215,8 +210,7 @@ static saltus_status compute(sweep_exchange *exchange, saltus_message *message) 
     pthread_t attendant;
     if (pthread_create(&attendant, NULL, attend, exchange) != 0)
         return saltus_fail(message, SALTUS_NO_MEMORY, "no further thread can be started");
-    const saltus_sweep_feed feed = {
-        .context = exchange, .next = next_task, .take = take_result, .stopped = has_stopped};
+    const saltus_sweep_feed feed = {.context = exchange, .next = next_task, .take = take_result};
     saltus_status status = saltus_sweep_run(exchange->sweep, &feed, message);
     if (status != SALTUS_OK && status != dropped)
         sweep_exchange_stop(exchange, status, message);
@@ -322,6 +316,7 @@ static void open_exchange(sweep_exchange *exchange, const sweep_order *order, in
     enum { usual_lanes = 8 };
     pthread_condattr_t clock;
     exchange->order = order;
+    exchange->stop = order->stop;
     exchange->sweep = order->sweep;
     exchange->ranks = ranks;
     exchange->here = ranks_here();

@@ -9,7 +9,6 @@
 #include "run_sweep.h"
 
 #include <pthread.h>
-#include <stdatomic.h>
 
 enum { SWEEP_INBOX_MAX = 4096 };
 
@@ -31,7 +30,7 @@ typedef struct sweep_exchange {
     int ranks, here, hands; /* hands: trajectories that this rank computes at a time, about */
     pthread_mutex_t lock;   /* of all that follows up to `writing` */
     pthread_cond_t changed;
-    atomic_bool stopped; /* read by the threads that compute without the lock */
+    volatile sig_atomic_t *stop; /* read by the threads that compute without the lock */
     bool interrupted;
     bool finished; /* this rank's threads have come to an end */
     saltus_status status;

@@ -212,11 +212,15 @@ static saltus_status print_report(const sweep_order *order, sweep_report *report
 
 int sweep_command(const cli_request *request, bool basins, saltus_status status, const saltus_scene *scene,
                   const saltus_sweep_options *options, saltus_message *message) {
+    volatile sig_atomic_t stop = 0;
+    saltus_sweep_options how = *options;
     saltus_sweep *sweep = NULL;
     sweep_report report;
+    how.flow.stop = &stop;
     if (status == SALTUS_OK)
-        status = sweep_make(request, scene, options, &sweep, message);
+        status = sweep_make(request, scene, &how, &sweep, message);
     const sweep_order order = {.sweep = sweep,
+                               .stop = &stop,
                                .path = request->output,
                                .basins = basins,
                                .resume = request->resume,

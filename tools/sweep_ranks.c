@@ -204,7 +204,7 @@ static bool serve_first(sweep_exchange *exchange) {
         busy = true;
     }
     pthread_mutex_lock(&exchange->lock);
-    bool tell = exchange->stopped && !exchange->told;
+    bool tell = *exchange->stop && !exchange->told;
     pthread_mutex_unlock(&exchange->lock);
     for (int k = 1; k < exchange->ranks && tell; k++)
         if (!exchange->known[k].left)
@@ -258,7 +258,7 @@ static bool empty_outbox(sweep_exchange *exchange) {
 static void wish_for_tasks(sweep_exchange *exchange) {
     int wish = 4 * exchange->hands < SWEEP_INBOX_MAX / 2 ? 4 * exchange->hands : SWEEP_INBOX_MAX / 2;
     pthread_mutex_lock(&exchange->lock);
-    bool ask = !exchange->asked && !exchange->dry && !exchange->stopped && exchange->count <= wish / 4;
+    bool ask = !exchange->asked && !exchange->dry && !*exchange->stop && exchange->count <= wish / 4;
     exchange->asked |= ask;
     pthread_mutex_unlock(&exchange->lock);
     if (ask)
@@ -292,7 +292,7 @@ static bool serve_other(sweep_exchange *exchange) {
     while (ranks_receive(PACKET_ORDER, &packet)) {
         free(packet.bytes);
         pthread_mutex_lock(&exchange->lock);
-        exchange->stopped = true;
+        *exchange->stop = 1;
         pthread_cond_broadcast(&exchange->changed);
         pthread_mutex_unlock(&exchange->lock);
         busy = true;

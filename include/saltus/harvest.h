@@ -8,7 +8,7 @@
 SALTUS_API_BEGIN
 
 typedef struct saltus_harvest_options {
-    saltus_flow_options flow; /* `columns` is ignored */
+    saltus_flow_options flow; /* `columns` is ignored; `stop` ends the search with what there is */
     int longest;              /* longest period sought, in forcing periods */
     long long transient;      /* periods left out at the beginning */
     long long periods;        /* periods searched for close returns */
@@ -18,10 +18,7 @@ typedef struct saltus_harvest_options {
     double tolerance;         /* residual relative to the state's scale that an orbit may have */
     const double *state;      /* initial state at phase 0; NULL: a random admissible one from `seed` */
     unsigned long seed;
-    /* Called now and then with the share of the work done, 0 to 1; may be NULL. Returning false ends the
-     * search with what there is, as `flow.stop` does. */
-    bool (*progress)(void *context, double done);
-    void *context;
+    saltus_progress progress; /* share of the work, of 1 */
 } saltus_harvest_options;
 
 /* Flow defaults, periods up to 8, 100 periods left out, 5000 searched, recurrence 0.1, 40 tries, at most 1000

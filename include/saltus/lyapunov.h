@@ -12,7 +12,8 @@
 SALTUS_API_BEGIN
 
 typedef struct saltus_lyapunov_options {
-    saltus_flow_options flow; /* columns and directions are set by the method */
+    saltus_flow_options flow; /* columns and directions are set by the method; `stop` ends the measurement
+                                 with what there is */
     int exponents;            /* how many, the largest ones; 0: all */
     int members;              /* trajectories that share the work, 1 to 64 */
     long long transient;      /* periods before the measurement */
@@ -23,10 +24,9 @@ typedef struct saltus_lyapunov_options {
                                  0: chosen from the growth */
     unsigned long seed;       /* of the tangent vectors; other than 0 the initial state is disturbed too, by
                                  1e-6 of the system's scales */
-    /* Called now and then with the periods measured, 0 in the transient; may be NULL. Returning false ends
-     * the measurement. The result's `history` and `history_count` are up to date then. */
-    bool (*progress)(void *context, long long periods, long long at_most);
-    void *context;
+    /* Periods measured, 0 in the transient; the result's `history` and `history_count` are up to date when it
+     * is shown. */
+    saltus_progress progress;
 } saltus_lyapunov_options;
 
 /* rtol 1e-10, atol 1e-14, the largest exponent, 8 trajectories, transient 1000 periods, at most 1e6 measured,

@@ -45,13 +45,9 @@ typedef struct saltus_classify_options {
     long long measure;   /* periods at most over which the largest exponent is measured where no period is
                             found, by 8 trajectories together; 0: such a motion is undecided */
     int longest;         /* longest period tried, in forcing periods */
-    /* Called now and then with the number of periods simulated; may be NULL. Returning false stops the
-     * search. */
-    bool (*progress)(void *context, long long periods, long long at_most);
-    /* Called by saltus_attractors_find before each initial state with the number of those done; may be NULL.
-     */
-    void (*next_seed)(void *context, int done, int seeds);
-    void *context;
+    /* Periods simulated until the motion has settled, then periods measured. From saltus_attractors_find:
+     * initial states done, the one under way counted by the part of its longest time. */
+    saltus_progress progress;
 } saltus_classify_options;
 
 /* Flow defaults, at most 20000 periods, at most 256000 to measure an exponent, longest period 64. */

@@ -56,6 +56,14 @@ typedef struct saltus_message {
     int line;     /* of the text that was read, from 1; 0: none */
 } saltus_message;
 
+/* How a long call tells how far it is, a member of its options; `show` NULL: nobody asks. It is called now
+ * and then, with how much is done of all that may have to be done at most, in the unit that the options name.
+ * To stop is another matter: saltus_flow_options.stop, which `show` may raise. */
+typedef struct saltus_progress {
+    void (*show)(void *context, double done, double all);
+    void *context;
+} saltus_progress;
+
 /* The name of a status, for messages ("no convergence"). Never NULL. */
 const char *saltus_status_name(saltus_status status);
 

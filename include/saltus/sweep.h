@@ -52,7 +52,8 @@ enum {
 };
 
 typedef struct saltus_sweep_options {
-    saltus_flow_options flow; /* columns and directions are the sweep's own business, the feed stops it */
+    saltus_flow_options flow; /* columns and directions are the sweep's own business; `stop` ends a run
+                                 with what has been taken so far */
     unsigned keep;
     unsigned passes; /* bits 1 << saltus_pass */
     int seeds;       /* initial states per point; the first is the scene's own, the others are random */
@@ -160,17 +161,15 @@ typedef struct saltus_sweep_feed {
     saltus_status (*take)(void *context, const saltus_sweep_result *result, saltus_message *message);
     /* A task's results have all been taken; may be NULL. */
     void (*done)(void *context, long long task);
-    /* Whether to end the run now, with what has been taken so far; may be NULL. Called often, and by all
-     * threads at once: it should do no more than read a flag. */
-    bool (*stopped)(void *context);
 } saltus_sweep_feed;
 
 long long saltus_sweep_tasks(const saltus_sweep *sweep);
 /* The places of a task: `count` of them, the k-th being the result of saltus_sweep_task_place. */
 int saltus_sweep_task_length(const saltus_sweep *sweep, long long task);
 long long saltus_sweep_task_place(const saltus_sweep *sweep, long long task, int k);
-/* Run tasks until there are none, or the feed has stopped. Trajectories that fail become rows that say so.
- * Errors: what `take` returned, SALTUS_NO_MEMORY. */
+/* Run tasks until there are none, or options.flow.stop says so; the feed hears of each result, which tells
+ * how far it is. Trajectories that fail become rows that say so. Errors: what `take` returned,
+ * SALTUS_NO_MEMORY. */
 saltus_status saltus_sweep_run(const saltus_sweep *sweep, const saltus_sweep_feed *feed,
                                saltus_message *message);
 

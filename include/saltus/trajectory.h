@@ -39,10 +39,7 @@ typedef struct saltus_trajectory_plan {
      * unstable; the state is not looked at, and there is no transient. */
     const double *points;
     int orbit;
-    /* Called at each new period with the number of those done, the transient's included; may be NULL.
-     * Returning false ends the record: SALTUS_INTERRUPTED. */
-    bool (*progress)(void *context, long long periods, long long at_most);
-    void *context;
+    saltus_progress progress; /* at each new period: those done, the transient's included */
 } saltus_trajectory_plan;
 
 /* As saltus_trajectory_record. */

@@ -5,6 +5,7 @@
  * an impact of no speed, a free maximum on a stop, a contact force of zero, ends the sequence: the branch
  * goes on with another one (change.h). The event-driven flow has the last word on every point.
  * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "base/progress.h"
 #include "branch/archive.h"
 #include "branch/change.h"
 #include "branch/locus.h"
@@ -828,7 +829,7 @@ saltus_status saltus_branch_step(saltus_branch *b, const saltus_branch_point **p
     *point = NULL;
     saltus_branch_point_clear(&b->given);
     while (status == SALTUS_OK && b->queue_next == b->queue_count) {
-        if (b->stop && *b->stop)
+        if (saltus_stop_asked(b->stop))
             return saltus_fail(message, SALTUS_INTERRUPTED, "interrupted");
         b->queue_next = b->queue_count = 0;
         if (b->locus) {

@@ -25,6 +25,8 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "flow/flow.h"
 
+#include "base/progress.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -331,7 +333,7 @@ saltus_status saltus_flow_run(saltus_flow *flow, int *lane, saltus_event *event,
     int ready = waiting_lane(flow);
     for (; ready < 0; ready = waiting_lane(flow)) {
         *lane = 0;
-        if (flow->options.stop && *flow->options.stop)
+        if (saltus_stop_asked(flow->options.stop))
             return saltus_fail(message, SALTUS_INTERRUPTED, "interrupted at %.15g periods",
                                saltus_time_periods(flow->lane[0].now));
         saltus_status status = expand_lanes(flow, message);

@@ -33,6 +33,18 @@ static void order_by_share(saltus_attractors *found) {
         }
 }
 
+/* What one motion tells becomes part of what is told of all. */
+typedef struct seeds_told {
+    saltus_progress to;
+    double before, all;
+} seeds_told;
+
+static void show_part(void *context, double done, double all) {
+    static const double nearly = 0.99; /* it is done when it has been sorted in */
+    const seeds_told *told = context;
+    saltus_progress_show(told->to, told->before + nearly * done / all, told->all);
+}
+
 saltus_status saltus_attractors_find(const saltus_system *system, int seeds, unsigned long seed,
                                      const saltus_classify_options *options, saltus_attractors *attractors,
                                      saltus_message *message) {
@@ -40,6 +52,9 @@ saltus_status saltus_attractors_find(const saltus_system *system, int seeds, uns
     if (seeds < 1 || seeds > 1000000)
         return saltus_fail(message, SALTUS_BAD_INPUT, "seeds = %d: must be from 1 to 1000000", seeds);
     double state[SALTUS_STATE_MAX];
+    seeds_told told = {.to = options->progress, .all = seeds};
+    saltus_classify_options how = *options;
+    how.progress = (saltus_progress){show_part, &told};
     gsl_rng *rng = gsl_rng_alloc(gsl_rng_mt19937);
     attractors->motions = calloc((size_t)seeds, sizeof *attractors->motions);
     attractors->shares = calloc((size_t)seeds, sizeof *attractors->shares);
@@ -51,11 +66,11 @@ saltus_status saltus_attractors_find(const saltus_system *system, int seeds, uns
     for (int k = 0; k < attractors->seeds && status == SALTUS_OK; k++) {
         saltus_motion motion = {0};
         bool stopped = false;
-        if (options->next_seed)
-            options->next_seed(options->context, k, seeds);
+        told.before = k;
+        saltus_progress_show(options->progress, k, seeds);
         status = saltus_state_random(system, rng, state, message);
         if (status == SALTUS_OK)
-            status = saltus_motion_classify(system, state, options, &motion, &stopped, message);
+            status = saltus_motion_classify(system, state, &how, &motion, &stopped, message);
         stopped |= status == SALTUS_INTERRUPTED;
         if (stopped)
             attractors->seeds = k + saltus_verdict_settled(motion.verdict);

@@ -17,7 +17,7 @@ static saltus_status find_long_period(saltus_search *s, saltus_motion *motion, s
     long long before = motion->transient;
     options.longest = SALTUS_LONGEST_PERIOD;
     options.transient = 8 * SALTUS_LONGEST_PERIOD;
-    options.progress = NULL;
+    options.progress.show = NULL;
     saltus_status status =
         saltus_motion_find_period(s->system, motion->state, &options, true, &found, message);
     if (status == SALTUS_OK && saltus_verdict_settled(found.verdict)) {
@@ -36,8 +36,7 @@ static saltus_status judge(saltus_search *s, saltus_motion *motion, saltus_messa
     saltus_flow_state(s->flow, 0, motion->state);
     saltus_status status = saltus_motion_judge(s->system, o, motion, &outcome, message);
     bool regular = outcome == SALTUS_OUTCOME_REGULAR || outcome == SALTUS_OUTCOME_LEFT;
-    s->stopped = outcome == SALTUS_OUTCOME_STOPPED;
-    if (status != SALTUS_OK || s->stopped || motion->verdict != SALTUS_UNDECIDED)
+    if (status != SALTUS_OK || motion->verdict != SALTUS_UNDECIDED)
         return status;
     if (s->settling.count < o->transient)
         status = saltus_search_run(s, o->transient, motion, message);
@@ -69,7 +68,7 @@ saltus_status saltus_motion_classify(const saltus_system *system, const double *
     bool open = status == SALTUS_OK && !s.found && motion->verdict == SALTUS_UNDECIDED && !s.stopped;
     if (open && options->measure)
         status = judge(&s, motion, message);
-    if (open && saltus_motion_stopped(&options->flow) && !saltus_verdict_settled(motion->verdict)) {
+    if (open && saltus_stop_asked(options->flow.stop) && !saltus_verdict_settled(motion->verdict)) {
         /* Flows that are being stopped prove nothing. */
         saltus_motion_forget_evidence(motion);
         motion->verdict = SALTUS_UNDECIDED;

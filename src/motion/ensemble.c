@@ -4,6 +4,7 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "motion/ensemble.h"
 
+#include "base/progress.h"
 #include "orbit/volume.h"
 #include "signal/random.h"
 #include "system/state.h"
@@ -93,7 +94,8 @@ static saltus_status follow(saltus_ensemble *e, saltus_flow *flow, long long cyc
     saltus_flow_state(flow, 0, state);
     for (; status == SALTUS_OK && now < cycle && !e->stopped; now++) {
         if (now % report_cycles == 0)
-            e->stopped = o->progress && !o->progress(o->context, 0, o->periods);
+            saltus_progress_show(o->progress, 0, (double)o->periods);
+        e->stopped = saltus_stop_asked(e->stop);
         status = saltus_flow_advance(flow, (saltus_time){now + 1, 0}, 0, &event, message);
         saltus_flow_state(flow, 0, state);
         if (status == SALTUS_OK)

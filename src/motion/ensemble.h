@@ -31,7 +31,9 @@ typedef struct saltus_ensemble {
     gsl_integration_glfixed_table *table;
     gsl_rng rng;
     long long transient; /* periods before the measurement */
-    bool stopped;        /* by the caller, in the transient */
+    const volatile sig_atomic_t
+        *stop;      /* looked at in the transient, once a period, beside the flows' own; NULL: not */
+    bool stopped;   /* by it */
     double *points; /* where the first member's section points go, `room` of them, or NULL; the owner's */
     long long room;
 } saltus_ensemble;

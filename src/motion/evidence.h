@@ -17,8 +17,7 @@ typedef enum saltus_outcome {
     SALTUS_OUTCOME_CHAOS,
     SALTUS_OUTCOME_TORUS,
     SALTUS_OUTCOME_REGULAR, /* nothing irregular: a period must show */
-    SALTUS_OUTCOME_LEFT,    /* other trajectories on the motion have come to something regular */
-    SALTUS_OUTCOME_STOPPED  /* by the caller */
+    SALTUS_OUTCOME_LEFT     /* other trajectories on the motion have come to something regular */
 } saltus_outcome;
 
 /* The largest exponent, per unit of time, from a run and from its halves. */

@@ -73,7 +73,7 @@ static saltus_status look_who_left(judge *j, saltus_outcome *outcome, saltus_mes
     saltus_classify_options options = *j->options;
     saltus_status status = SALTUS_OK;
     options.transient = check_periods;
-    options.progress = NULL;
+    options.progress.show = NULL;
     if (!(saltus_ensemble_exponent(&j->ensemble, 0, false).mean > 0))
         return SALTUS_OK;
     for (int m = 0; m < trajectories && status == SALTUS_OK && *outcome == SALTUS_OUTCOME_OPEN; m++) {
@@ -92,7 +92,7 @@ static saltus_status look_who_left(judge *j, saltus_outcome *outcome, saltus_mes
     return status;
 }
 
-/* One run more. Now and then it is checked whether a trajectory has left, and the caller may stop it. */
+/* One run more. Now and then it is checked whether a trajectory has left. */
 static saltus_status run_on(judge *j, long long samples, saltus_outcome *outcome, saltus_message *message) {
     const saltus_classify_options *o = j->options;
     saltus_evidence *evidence = &j->motion->evidence;
@@ -105,8 +105,7 @@ static saltus_status run_on(judge *j, long long samples, saltus_outcome *outcome
                                    &evidence->history_count);
             status = look_who_left(j, outcome, message);
         }
-        if (o->progress && !o->progress(o->context, saltus_ensemble_periods(&j->ensemble), o->measure))
-            *outcome = SALTUS_OUTCOME_STOPPED;
+        saltus_progress_show(o->progress, (double)saltus_ensemble_periods(&j->ensemble), (double)o->measure);
     }
     return status;
 }
@@ -152,8 +151,7 @@ static saltus_status run_trial(judge *j, saltus_outcome *outcome, saltus_message
             status = decide(j, outcome, message);
         samples = first->samples;
     }
-    bool open = *outcome == SALTUS_OUTCOME_OPEN || *outcome == SALTUS_OUTCOME_STOPPED;
-    if (status != SALTUS_OK || !open || points_there(j) < SALTUS_SERIES_LEAST)
+    if (status != SALTUS_OK || *outcome != SALTUS_OUTCOME_OPEN || points_there(j) < SALTUS_SERIES_LEAST)
         return status;
     /* What the points say is part of the evidence even where it does not decide. */
     saltus_runs runs = runs_of(j);

@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "saltus/lyapunov.h"
 
+#include "base/progress.h"
 #include "motion/ensemble.h"
 #include "motion/options.h"
 
@@ -110,7 +111,8 @@ static saltus_status measure(saltus_ensemble *e, saltus_lyapunov *l, saltus_mess
         done += chunk;
         saltus_estimate now = saltus_ensemble_largest(e);
         saltus_ensemble_record(e, now, l->history, &l->history_count);
-        stopped = e->stopped || (o->progress && !o->progress(o->context, spent, o->periods));
+        saltus_progress_show(o->progress, (double)spent, (double)o->periods);
+        stopped = e->stopped || saltus_stop_asked(e->stop);
         bool look = done >= next_look;
         double errors;
         if (look)
@@ -208,10 +210,13 @@ saltus_status saltus_lyapunov_run(const saltus_system *system, const double *sta
                                   const saltus_lyapunov_options *options, saltus_lyapunov *lyapunov,
                                   saltus_message *message) {
     saltus_ensemble ensemble = {0};
+    saltus_lyapunov_options how = *options;
     *lyapunov = (saltus_lyapunov){0};
     saltus_status status = check(system, options, message);
+    how.flow.stop = NULL; /* stretches are measured to their ends, or what was measured could not be told */
     if (status == SALTUS_OK)
-        status = saltus_ensemble_open(&ensemble, system, options, message);
+        status = saltus_ensemble_open(&ensemble, system, &how, message);
+    ensemble.stop = options->flow.stop;
     if (status == SALTUS_OK && !open_result(lyapunov, &ensemble))
         status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the exponents");
     if (status == SALTUS_OK)

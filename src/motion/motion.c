@@ -5,10 +5,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-bool saltus_motion_stopped(const saltus_flow_options *options) {
-    return options->stop && *options->stop;
-}
-
 /* Newton can ask for no more than the flow's tolerance gives. */
 saltus_orbit_options saltus_motion_shooting(const saltus_classify_options *options) {
     saltus_orbit_options shooting = saltus_orbit_defaults();

@@ -3,12 +3,11 @@
 #ifndef SALTUS_MOTION_PRIVATE_H
 #define SALTUS_MOTION_PRIVATE_H
 
+#include "base/progress.h"
 #include "motion/evidence.h"
 #include "orbit/lap.h"
 #include "system/state.h"
 
-/* Whether the caller has asked to stop. */
-bool saltus_motion_stopped(const saltus_flow_options *options);
 /* Options of Newton's method that suit those of a classification. */
 saltus_orbit_options saltus_motion_shooting(const saltus_classify_options *options);
 

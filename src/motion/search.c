@@ -145,12 +145,12 @@ saltus_status saltus_search_run(saltus_search *s, long long at_most, saltus_moti
             if (status == SALTUS_OK && s->settling.count == at_once)
                 status = check_load(s, message);
         }
-        s->stopped = saltus_motion_stopped(&o->flow);
+        s->stopped = saltus_stop_asked(o->flow.stop);
         if (s->stopped)
             status = SALTUS_OK; /* the flow's interruption is no error here */
         if (status != SALTUS_OK || s->stopped)
             break;
-        s->stopped = o->progress && !o->progress(o->context, s->settling.count, o->transient);
+        saltus_progress_show(o->progress, (double)s->settling.count, (double)o->transient);
         if (is_resting(s)) {
             motion->verdict = saltus_flow_contacts(s->flow, 0) ? SALTUS_HELD : SALTUS_EQUILIBRIUM;
             break;

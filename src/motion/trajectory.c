@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "saltus/trajectory.h"
 
+#include "base/progress.h"
 #include "orbit/lap.h"
 
 #include <limits.h>
@@ -134,14 +135,14 @@ static bool take_event(recorder *self, const saltus_event *event) {
     return true;
 }
 
-/* Tell of a new period; false where the record is to end. */
-static bool go_on(const recorder *self, long long *told) {
+/* Tell of a new period. */
+static void tell(const recorder *self, long long *told) {
     const saltus_trajectory_plan *plan = self->plan;
     long long cycle = saltus_flow_time(self->flow, 0).cycle;
-    if (!plan->progress || cycle == *told)
-        return true;
+    if (cycle != *told)
+        saltus_progress_show(plan->progress, (double)(plan->transient + cycle),
+                             (double)(plan->transient + plan->periods));
     *told = cycle;
-    return plan->progress(plan->context, plan->transient + cycle, plan->transient + plan->periods);
 }
 
 /* From a state at the begin of a period to a later one, with samples and events. */
@@ -153,10 +154,9 @@ static saltus_status record_stretch(recorder *self, long long until, long long *
     bool room = take_samples(self, false);
     while (room && event.kind != SALTUS_REACHED) {
         saltus_status status = saltus_flow_advance(self->flow, end, watch, &event, message);
-        if (status == SALTUS_OK && !go_on(self, told))
-            status = saltus_fail(message, SALTUS_INTERRUPTED, "interrupted");
         if (status != SALTUS_OK)
             return status;
+        tell(self, told);
         bool contact = 1u << event.kind & SALTUS_WATCH_CONTACT;
         room = take_samples(self, contact) && (!contact || take_event(self, &event));
     }
@@ -170,11 +170,11 @@ static saltus_status run_transient(recorder *self, const double *state, long lon
     saltus_status status = saltus_flow_start(self->flow, 0, start, state, message);
     if (status != SALTUS_OK || self->plan->transient == 0)
         return status;
-    unsigned watch = self->plan->progress ? SALTUS_WATCH_STEP : 0;
+    unsigned watch = self->plan->progress.show ? SALTUS_WATCH_STEP : 0;
     do {
         status = saltus_flow_advance(self->flow, origin, watch, &event, message);
-        if (status == SALTUS_OK && !go_on(self, told))
-            status = saltus_fail(message, SALTUS_INTERRUPTED, "interrupted");
+        if (status == SALTUS_OK)
+            tell(self, told);
     } while (status == SALTUS_OK && event.kind != SALTUS_REACHED);
     return status;
 }

@@ -3,6 +3,7 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "saltus/harvest.h"
 
+#include "base/progress.h"
 #include "orbit/options.h"
 #include "orbit/returns.h"
 #include "system/state.h"
@@ -11,21 +12,20 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What a search works with, and on; `stopped` once the caller has refused to go on. */
+/* What a search works with, and on. */
 typedef struct search {
     const saltus_system *system;
     const saltus_harvest_options *options;
     saltus_flow *flow;
     saltus_returns *returns;
     saltus_harvest *harvest;
-    bool stopped;
 } search;
 
-static bool goes_on(search *s, double done) {
-    const saltus_harvest_options *o = s->options;
-    s->stopped =
-        s->stopped || (o->flow.stop && *o->flow.stop) || (o->progress && !o->progress(o->context, done));
-    return !s->stopped;
+static bool goes_on(const search *s, double done) {
+    const volatile sig_atomic_t *stop = s->options->flow.stop;
+    if (!saltus_stop_asked(stop))
+        saltus_progress_show(s->options->progress, done, 1);
+    return !saltus_stop_asked(stop);
 }
 
 static saltus_status initial_state(const saltus_system *system, const saltus_harvest_options *options,

@@ -2,6 +2,8 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "sweep/sweep.h"
 
+#include "base/progress.h"
+
 static void lock(saltus_schedule *schedule) {
 #ifdef _OPENMP
     omp_set_lock(&schedule->lock);
@@ -19,8 +21,9 @@ static void unlock(saltus_schedule *schedule) {
 }
 
 void saltus_schedule_begin(saltus_schedule *schedule, const saltus_sweep_feed *feed,
-                           saltus_message *message) {
+                           const volatile sig_atomic_t *stop, saltus_message *message) {
     schedule->feed = feed;
+    schedule->stop = stop;
     schedule->status = SALTUS_OK;
     schedule->message = message;
 #ifdef _OPENMP
@@ -65,6 +68,6 @@ void saltus_schedule_fail(saltus_schedule *schedule, saltus_status status, const
 }
 
 bool saltus_schedule_open(saltus_schedule *schedule) {
-    bool stopped = schedule->feed->stopped && schedule->feed->stopped(schedule->feed->context);
-    return !stopped && atomic_load_explicit(&schedule->status, memory_order_relaxed) == SALTUS_OK;
+    return !saltus_stop_asked(schedule->stop) &&
+           atomic_load_explicit(&schedule->status, memory_order_relaxed) == SALTUS_OK;
 }

@@ -135,7 +135,6 @@ saltus_status saltus_sweep_new(const saltus_scene *scene, const saltus_axis *axe
     made->scene = *scene;
     made->options = *options;
     made->options.flow.columns = made->options.flow.directions = 0;
-    made->options.flow.stop = NULL;
     for (int k = 0; k < SALTUS_PASSES; k++)
         if (options->passes >> k & 1)
             made->passes[made->pass_count++] = (saltus_pass)k;

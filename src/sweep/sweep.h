@@ -227,6 +227,7 @@ void saltus_sweep_trajectory_fail(saltus_sweep_trajectory *trajectory);
 /* schedule.c: the feed of a sweep, one thread at a time. */
 typedef struct saltus_schedule {
     const saltus_sweep_feed *feed;
+    const volatile sig_atomic_t *stop;
     atomic_int status;
     saltus_message *message;
 #ifdef _OPENMP
@@ -234,7 +235,8 @@ typedef struct saltus_schedule {
 #endif
 } saltus_schedule;
 
-void saltus_schedule_begin(saltus_schedule *schedule, const saltus_sweep_feed *feed, saltus_message *message);
+void saltus_schedule_begin(saltus_schedule *schedule, const saltus_sweep_feed *feed,
+                           const volatile sig_atomic_t *stop, saltus_message *message);
 /* What the run has come to. */
 saltus_status saltus_schedule_end(saltus_schedule *schedule);
 /* The next task, or -1. */

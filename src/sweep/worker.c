@@ -39,6 +39,7 @@ static bool open_flow(const worker *w, int lanes, int columns, saltus_flow **flo
     saltus_flow_options options = w->sweep->options.flow;
     saltus_message message = {.text = ""};
     options.columns = columns;
+    options.stop = NULL; /* a trajectory that is given up leaves no row */
     for (int l = 0; l < lanes; l++)
         systems[l] = w->sweep->system;
     saltus_status status = saltus_flow_new(systems, lanes, &options, flow, &message);
@@ -330,7 +331,7 @@ saltus_status saltus_sweep_run(const saltus_sweep *sweep, const saltus_sweep_fee
                                saltus_message *message) {
     saltus_message own;
     saltus_schedule schedule;
-    saltus_schedule_begin(&schedule, feed, message ? message : &own);
+    saltus_schedule_begin(&schedule, feed, sweep->options.flow.stop, message ? message : &own);
 #ifdef _OPENMP
     const int wanted = sweep->options.threads > 0 ? sweep->options.threads : omp_get_max_threads();
     /* No more than there are tasks, and not so many that they only take each other's cores. */
