@@ -14,34 +14,30 @@ typedef struct branch_record {
     int count, room;
 } branch_record;
 
-static inline void *branch_copy(const void *from, size_t count, size_t size) {
-    void *copy = calloc(count + 1, size);
-    assert_non_null(copy);
-    if (count)
-        memcpy(copy, from, count * size);
-    return copy;
-}
-
 static inline void branch_keep(branch_record *record, const saltus_branch_point *point) {
     if (record->count == record->room) {
         record->room = record->room ? 2 * record->room : 256;
         record->point = realloc(record->point, (size_t)record->room * sizeof *record->point);
         assert_non_null(record->point);
     }
+    /* A copy shares nothing with what it is of, and says the same. */
+    saltus_message message = {.text = ""};
     saltus_branch_point *kept = &record->point[record->count++];
     size_t n = (size_t)point->dimension;
-    *kept = *point;
-    kept->state = branch_copy(point->state, n, sizeof *kept->state);
-    kept->multipliers = branch_copy(point->multipliers, n, sizeof *kept->multipliers);
-    kept->events = branch_copy(point->events, (size_t)point->event_count, sizeof *kept->events);
+    check_ok(saltus_branch_point_copy(point, kept, &message), &message);
+    assert_true(kept->state != point->state && kept->events != point->events &&
+                kept->multipliers != point->multipliers);
+    assert_memory_equal(kept->state, point->state, n * sizeof *kept->state);
+    assert_memory_equal(kept->multipliers, point->multipliers, n * sizeof *kept->multipliers);
+    for (int k = 0; k < point->event_count; k++)
+        assert_memory_equal(&kept->events[k].time, &point->events[k].time, sizeof(saltus_time));
+    assert_true(kept->value[0] == point->value[0] && kept->event_count == point->event_count &&
+                saltus_spec_equal(&kept->spec, &point->spec) && strcmp(kept->label, point->label) == 0);
 }
 
 static inline void branch_forget(branch_record *record) {
-    for (int k = 0; k < record->count; k++) {
-        free(record->point[k].state);
-        free(record->point[k].multipliers);
-        free(record->point[k].events);
-    }
+    for (int k = 0; k < record->count; k++)
+        saltus_branch_point_clear(&record->point[k]);
     free(record->point);
     *record = (branch_record){0};
 }

@@ -9,6 +9,7 @@
 
 #include "saltus/scene.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -432,6 +433,40 @@ static void settings_of_several_stops(void **state) {
     set_refused(&scene, "xi=0.5", "xi: a stop of the model oscillator is placed by weight");
 }
 
+/* Numbers by key: what is set is read back bit for bit, of one stop or of all; nothing changes on error. */
+static void values_by_key(void **state) {
+    (void)state;
+    static const char *const keys[] = {"omega", "beta", "d", "r", "xi", "d2", "xi1", "r1"};
+    saltus_spec spec = parse("model: pipe\nomega: 20\nstops:\n- {xi: 0.5, d: 0.03}\n"
+                             "- {xi: 0.25, d: 0.04}\n")
+                           .spec;
+    saltus_message message = {.text = ""};
+    assert_true(saltus_spec_get(&spec, "omega") == 20 && saltus_spec_get(&spec, "d2") == 0.04);
+    assert_true(isnan(saltus_spec_get(&spec, "d")) && isnan(saltus_spec_get(&spec, "d3")) &&
+                isnan(saltus_spec_get(&spec, "nothing")) && saltus_spec_get(&spec, "xi1") == 0.5);
+    for (size_t k = 0; k < sizeof keys / sizeof keys[0]; k++) {
+        const double value = 1 / (3.0 + (double)k);
+        if (saltus_spec_set(&spec, keys[k], value, &message) != SALTUS_OK)
+            fail_msg("%s", message.text);
+        assert_true(saltus_spec_get(&spec, keys[k]) == value);
+    }
+    /* The stops' own values hold since d, r and xi were set for both. */
+    assert_true(spec.stops[0].d == 1 / 5.0 && spec.stops[1].d == 1 / 8.0);
+    assert_true(spec.stops[1].xi == 1 / 7.0 && spec.stops[0].xi == 1 / 9.0);
+    assert_true(spec.stops[1].r == 1 / 6.0 && spec.stops[0].r == 1 / 10.0);
+    static const struct {
+        const char *key;
+        double value;
+    } bad[] = {{"r", 1.5}, {"beta", -1}, {"omega", NAN}, {"d3", 1}, {"q1", 0.5}, {"nothing", 1}, {"N", 2.5}};
+    const saltus_spec before = spec;
+    for (size_t k = 0; k < sizeof bad / sizeof bad[0]; k++) {
+        message.text[0] = 0;
+        assert_int_equal(saltus_spec_set(&spec, bad[k].key, bad[k].value, &message), SALTUS_BAD_INPUT);
+        assert_non_null(strstr(message.text, bad[k].key));
+        assert_true(saltus_spec_equal(&spec, &before));
+    }
+}
+
 static void bad_settings(void **state) {
     (void)state;
     saltus_scene scene = load("pipe");
@@ -480,6 +515,7 @@ int main(void) {
         cmocka_unit_test(settings),
         cmocka_unit_test(settings_of_several_stops),
         cmocka_unit_test(bad_settings),
+        cmocka_unit_test(values_by_key),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -47,7 +47,8 @@ typedef enum saltus_point_kind {
 /* "", "LP", "PD", ... */
 const char *saltus_point_word(saltus_point_kind kind);
 
-/* One point of a branch. Arrays belong to the branch and last until its next step. */
+/* One point of a branch. Arrays of one that saltus_branch_step gives belong to the branch and last until its
+ * next step; saltus_branch_point_copy keeps it. */
 typedef struct saltus_branch_point {
     saltus_point_kind kind;
     saltus_point_kind locus; /* what the points of the curve are; REGULAR: orbits, on a branch */
@@ -119,6 +120,11 @@ void saltus_branch_free(saltus_branch *branch);
  * of the continuation itself end a branch with an EP point and its reason. */
 saltus_status saltus_branch_step(saltus_branch *branch, const saltus_branch_point **point,
                                  saltus_message *message);
+/* A point with arrays of its own, to be cleared. Errors: SALTUS_NO_MEMORY; the copy is then empty. */
+saltus_status saltus_branch_point_copy(const saltus_branch_point *point, saltus_branch_point *copy,
+                                       saltus_message *message);
+/* Free the arrays; a zeroed point is accepted. */
+void saltus_branch_point_clear(saltus_branch_point *point);
 /* What the run goes on from after the point last given out, as numbers to be stored: *state, `*count` of
  * them, the caller's to be freed. Where one step has made several points, that is known only after the last
  * of them: before, *count is 0, and what an earlier call gave holds. Errors: SALTUS_NO_MEMORY. */

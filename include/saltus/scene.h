@@ -35,6 +35,11 @@ void saltus_scene_clear(saltus_scene *scene);
  * of the initial state. The scene is unchanged on error. */
 saltus_status saltus_scene_set(saltus_scene *scene, const char *assignment, saltus_message *message);
 
+/* The same for a specification alone and a key whose value is a number: a parameter, or d, r, xi, d1, ... It
+ * is unchanged on error. What has become of it: saltus_spec_get. Errors: SALTUS_BAD_INPUT (unknown key, value
+ * out of its range). */
+saltus_status saltus_spec_set(saltus_spec *spec, const char *key, double value, saltus_message *message);
+
 /* The built-in scenes, in the order of listing. Static storage; NULL beyond the last. */
 int saltus_scene_builtin_count(void);
 const char *saltus_scene_builtin_name(int k);

@@ -113,7 +113,8 @@ const char *saltus_stop_text(const saltus_spec *spec, int stop, saltus_stop_part
 
 /* The model's defaults without any stop. */
 saltus_spec saltus_spec_defaults(const saltus_model *model);
-/* The value of a parameter by name; NaN when the model has none of that name. */
+/* The value of a key of `--set`: a parameter of the model, or d, r, xi (of all stops), d1, r2, ... (of one).
+ * NaN where there is no such key or no such stop, and where the stops differ under a common key. */
 double saltus_spec_get(const saltus_spec *spec, const char *name);
 /* Whether the k-th parameter has an effect, given the others. */
 bool saltus_spec_matters(const saltus_spec *spec, int k);

@@ -30,6 +30,24 @@ void saltus_branch_point_clear(saltus_branch_point *point) {
     *point = (saltus_branch_point){0};
 }
 
+saltus_status saltus_branch_point_copy(const saltus_branch_point *point, saltus_branch_point *copy,
+                                       saltus_message *message) {
+    size_t n = (size_t)point->dimension, events = (size_t)point->event_count;
+    *copy = *point;
+    copy->state = malloc(n * sizeof *copy->state);
+    copy->events = malloc((events + 1) * sizeof *copy->events);
+    copy->multipliers = malloc(n * sizeof *copy->multipliers);
+    if (!copy->state || !copy->events || !copy->multipliers) {
+        saltus_branch_point_clear(copy);
+        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a point of a branch");
+    }
+    memcpy(copy->state, point->state, n * sizeof *copy->state);
+    if (events)
+        memcpy(copy->events, point->events, events * sizeof *copy->events);
+    memcpy(copy->multipliers, point->multipliers, n * sizeof *copy->multipliers);
+    return SALTUS_OK;
+}
+
 /* Event times from section phase 0 of the orbit, in order. */
 static void fold_events(saltus_event *events, int count, int periods) {
     for (int k = 0; k < count; k++)

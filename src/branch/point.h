@@ -18,6 +18,5 @@ saltus_status saltus_point_make(saltus_orbits *orbits, const saltus_solution *so
 /* The touch at grazing is that of a breach. */
 void saltus_point_mark_grazing(const saltus_orbits *orbits, const saltus_breach *breach,
                                saltus_branch_point *point);
-void saltus_branch_point_clear(saltus_branch_point *point);
 
 #endif

@@ -8,6 +8,7 @@
 
 #include "system/system.h"
 
+#include <stdio.h>
 #include <string.h>
 
 enum { key_size = 32, value_size = 128 };
@@ -181,5 +182,20 @@ saltus_status saltus_scene_set(saltus_scene *scene, const char *assignment, salt
         status = apply(&changed, &s, message);
     if (status == SALTUS_OK)
         *scene = changed;
+    return status;
+}
+
+saltus_status saltus_spec_set(saltus_spec *spec, const char *key, double value, saltus_message *message) {
+    saltus_scene scene = {.spec = *spec};
+    char assignment[key_size + 32];
+    if (strlen(key) >= key_size)
+        return saltus_fail(message, SALTUS_BAD_INPUT, "%.40s...: too long for a key", key);
+    snprintf(assignment, sizeof assignment, "%s=%.17g", key, value);
+    saltus_status status = saltus_scene_set(&scene, assignment, message);
+    if (status == SALTUS_OK && scene.initial_count)
+        return saltus_fail_at(message, SALTUS_BAD_INPUT, (saltus_fault){.key = key},
+                              "%s: an entry of the initial state, which a scene has", key);
+    if (status == SALTUS_OK)
+        *spec = scene.spec;
     return status;
 }

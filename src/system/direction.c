@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "system/system.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -80,6 +81,15 @@ saltus_status saltus_spec_direction(const saltus_spec *spec, const char *key, sa
     if (value)
         *value = present;
     return status;
+}
+
+double saltus_spec_get(const saltus_spec *spec, const char *name) {
+    int k = saltus_model_parameter_index(spec->model, name);
+    double value = NAN;
+    saltus_direction direction;
+    if (k >= 0)
+        return spec->parameters[k];
+    return saltus_spec_direction(spec, name, &direction, &value, NULL) == SALTUS_OK ? value : NAN;
 }
 
 saltus_spec saltus_spec_shifted(const saltus_spec *spec, const saltus_direction *direction, double amount) {

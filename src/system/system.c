@@ -31,14 +31,13 @@ saltus_spec saltus_spec_defaults(const saltus_model *model) {
     return spec;
 }
 
-double saltus_spec_get(const saltus_spec *spec, const char *name) {
-    int k = saltus_model_parameter_index(spec->model, name);
-    return k < 0 ? NAN : spec->parameters[k];
+static double parameter(const saltus_spec *spec, const char *name) {
+    return spec->parameters[saltus_model_parameter_index(spec->model, name)];
 }
 
 bool saltus_spec_matters(const saltus_spec *spec, int k) {
     const saltus_parameter *p = &spec->model->parameters[k];
-    return !p->given || saltus_spec_get(spec, p->given) > p->above;
+    return !p->given || parameter(spec, p->given) > p->above;
 }
 
 bool saltus_spec_equal(const saltus_spec *a, const saltus_spec *b) {
