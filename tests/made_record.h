@@ -105,9 +105,9 @@ static inline figure draw(const saltus_system *system, const saltus_diagnosis *d
     char path[path_size];
     saltus_scene scene = scene_of(system);
     saltus_flow_options options = saltus_flow_defaults();
-    check_ok(
-        saltus_write_sheet(&scene, system, diagnosis, &options, NULL, path_in("sheet.svg", path), NULL, &message),
-        &message);
+    check_ok(saltus_write_sheet(&scene, system, diagnosis, &options, NULL, path_in("sheet.svg", path), NULL,
+                                &message),
+             &message);
     figure f = figure_taken(folder);
     assert_true(figure_begins(f.terminal, "svg "));
     figure_check_page(&f);
