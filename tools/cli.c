@@ -191,7 +191,7 @@ static void set_defaults(const cli_command *command, cli_request *request) {
                              .look = saltus_figure_defaults()};
     saltus_flow_options *const flows[] = {
         &request->flow,          &request->orbit.flow,    &request->harvest.flow, &request->branch.orbit.flow,
-        &request->classify.flow, &request->spectrum.flow, &request->sweep.flow, &request->lyapunov.flow};
+        &request->classify.flow, &request->spectrum.flow, &request->sweep.flow,   &request->lyapunov.flow};
     for (size_t k = 0; k < sizeof flows / sizeof flows[0]; k++)
         flows[k]->stop = interrupt_flag();
     for (int k = 0; command->options[k]; k++)
