@@ -404,10 +404,16 @@ static saltus_status initial_state(const saltus_scene *scene, const saltus_syste
     return saltus_system_check_state(system, state, message);
 }
 
+void cli_clear(cli_setup *setup) {
+    saltus_system_free(setup->system);
+    saltus_start_release(&setup->start);
+    saltus_scene_clear(&setup->scene);
+    setup->system = NULL;
+}
+
 int cli_build(const cli_request *request, cli_setup *setup) {
     saltus_message message = {.text = ""};
-    setup->system = NULL;
-    setup->start = (saltus_start){.periods = 0};
+    *setup = (cli_setup){.system = NULL};
     saltus_status status = cli_load_scene(request, &setup->scene, &message);
     if (status == SALTUS_OK && request->from)
         status = read_start(request, &setup->scene, &setup->start, &message);
@@ -415,10 +421,8 @@ int cli_build(const cli_request *request, cli_setup *setup) {
         status = saltus_system_new(&setup->scene.spec, &setup->system, &message);
     if (status == SALTUS_OK && !setup->start.dimension)
         status = initial_state(&setup->scene, setup->system, setup->start.state, &message);
-    if (status != SALTUS_OK) {
-        saltus_system_free(setup->system);
-        setup->system = NULL;
-    }
+    if (status != SALTUS_OK)
+        cli_clear(setup);
     return cli_report(status, &message);
 }
 

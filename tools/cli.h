@@ -163,9 +163,11 @@ int cli_report(saltus_status status, const saltus_message *message);
 /* The same, but what has gone wrong by itself is told as such, whether there was a signal or not. */
 int cli_report_cause(saltus_status status, const saltus_message *message);
 /* Build what the command line names: with --from, parameters and stops are those of the orbit file where
- * --set does not say otherwise. On success setup->system is to be freed; otherwise the message has been
+ * --set does not say otherwise. On success it is to be cleared; otherwise the message has been
  * printed and the exit code is returned. */
 int cli_build(const cli_request *request, cli_setup *setup);
+/* Release what a setup holds. A zeroed one is accepted. */
+void cli_clear(cli_setup *setup);
 /* Whether --from has told a periodic orbit with a state on it. */
 bool cli_on_orbit(const cli_setup *setup);
 /* The motion that a command is about: with --from a periodic orbit this very orbit, stable or not, polished

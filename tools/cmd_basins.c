@@ -32,14 +32,16 @@ static bool read_axes(const cli_request *request) {
 }
 
 static int run(const cli_request *request) {
-    saltus_scene scene;
+    saltus_scene scene = {.initial_count = 0};
     saltus_message message = {.text = ""};
     if (!read_axes(request))
         return CLI_BAD_INPUT;
     saltus_sweep_options how = sweep_read_options(request);
     how.record = 1;
     saltus_status status = cli_load_scene(request, &scene, &message);
-    return sweep_command(request, true, status, &scene, &how, &message);
+    int code = sweep_command(request, true, status, &scene, &how, &message);
+    saltus_scene_clear(&scene);
+    return code;
 }
 
 static const cli_example examples[] = {{"basins impact-pair --over q1=-1:1:20 --over v1=-1:1:20 -o basins.h5",

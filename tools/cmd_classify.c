@@ -61,7 +61,7 @@ static int run(const cli_request *request) {
     if (code != CLI_DONE)
         return code;
     saltus_status status = (request->seeds ? classify_seeds : classify_once)(request, &setup, &cut, &message);
-    saltus_system_free(setup.system);
+    cli_clear(&setup);
     if (status == SALTUS_OK && cut)
         return interrupt_report("this is what was found so far");
     return cli_report(status, &message);

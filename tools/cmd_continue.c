@@ -164,7 +164,9 @@ static int begin_again(run_state *run, saltus_message *message) {
         status =
             saltus_fail(message, SALTUS_BAD_INPUT, "%.200s: the state is too long", run->request->output);
     if (status == SALTUS_OK) {
+        const saltus_model *own = run->setup.scene.spec.model;
         run->setup.scene.spec = file->spec;
+        run->setup.scene.spec.model = own;
         snprintf(run->setup.scene.name, sizeof run->setup.scene.name, "%s", file->scene);
         snprintf(run->setup.scene.title, sizeof run->setup.scene.title, "%s", file->title);
         run->setup.start.periods = file->periods;
@@ -311,7 +313,7 @@ static int run(const cli_request *request) {
     saltus_branch_output_close(state->output, false, NULL);
     saltus_branch_free(state->branch);
     saltus_branch_file_clear(&state->earlier);
-    saltus_system_free(state->setup.system);
+    cli_clear(&state->setup);
     free(state);
     return code;
 }

@@ -106,7 +106,7 @@ static int run(const cli_request *request) {
     if (code != CLI_DONE)
         return code;
     saltus_status status = diagnose(request, &setup, &look, &message);
-    saltus_system_free(setup.system);
+    cli_clear(&setup);
     if (status != SALTUS_OK && interrupt_asked())
         return interrupt_report("no figure was drawn");
     return cli_report(status, &message);

@@ -98,7 +98,7 @@ static int run(const cli_request *request) {
     if (status == SALTUS_OK && interrupted)
         code = interrupt_report("the numbers rest on what was measured so far");
     saltus_lyapunov_clear(&result);
-    saltus_system_free(setup.system);
+    cli_clear(&setup);
     return status == SALTUS_OK ? code : cli_report(status, &message);
 }
 

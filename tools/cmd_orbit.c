@@ -138,7 +138,7 @@ static int run(const cli_request *request) {
         status = request->unstable ? harvest(request, &setup, &message)
                  : forced          ? find(request, &setup, p, &message)
                                    : find_equilibrium(request, &setup, &message);
-    saltus_system_free(setup.system);
+    cli_clear(&setup);
     if (status == SALTUS_OK && request->unstable && interrupt_asked())
         return interrupt_report("these are the orbits found so far");
     return cli_report(status, &message);

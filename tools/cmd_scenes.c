@@ -21,6 +21,7 @@ static int list_scenes(const cli_request *request) {
             return cli_report(status, &message);
         if (!request->scene)
             printf("%-18s %s\n", name, scene.title);
+        saltus_scene_clear(&scene);
     }
     if (!request->scene)
         return CLI_DONE;
@@ -62,7 +63,7 @@ static int check_scene(const cli_request *request) {
         print_stop(spec, s);
     printf("forcing period T = %.15g, integrator %s\n", saltus_system_period(setup.system),
            saltus_system_integrator(setup.system));
-    saltus_system_free(setup.system);
+    cli_clear(&setup);
     return CLI_DONE;
 }
 

@@ -67,7 +67,7 @@ static int run(const cli_request *request) {
                record.event_count, record.time[record.samples - 1]);
     saltus_trajectory_clear(&record);
     saltus_motion_clear(&motion);
-    saltus_system_free(setup.system);
+    cli_clear(&setup);
     if (status == SALTUS_OK && cut)
         return interrupt_report("the file holds what was simulated so far");
     return cli_report(status, &message);

@@ -70,7 +70,7 @@ static int run(const cli_request *request) {
     if (code != CLI_DONE)
         return code;
     saltus_status status = analyse(request, &setup, &look, &message);
-    saltus_system_free(setup.system);
+    cli_clear(&setup);
     return cli_report(status, &message);
 }
 

@@ -88,7 +88,7 @@ static bool read_options(const cli_request *request, saltus_sweep_options *o) {
 }
 
 static int run(const cli_request *request) {
-    saltus_scene scene;
+    saltus_scene scene = {.initial_count = 0};
     saltus_sweep_options how;
     saltus_message message = {.text = ""};
     if (!read_options(request, &how))
@@ -96,7 +96,9 @@ static int run(const cli_request *request) {
     saltus_status status = cli_load_scene(request, &scene, &message);
     if (status == SALTUS_OK && !request->what)
         how.keep = usual_clouds(request, &scene);
-    return sweep_command(request, false, status, &scene, &how, &message);
+    int code = sweep_command(request, false, status, &scene, &how, &message);
+    saltus_scene_clear(&scene);
+    return code;
 }
 
 static const cli_example examples[] = {

@@ -395,11 +395,17 @@ saltus_status saltus_start_read(const char *text, saltus_start *start, saltus_me
     if (status != SALTUS_OK)
         return status;
     const saltus_file_facts facts = saltus_file_identify(s.path);
-    if (strcmp(facts.kind, "sweep") == 0 || strcmp(facts.kind, "basins") == 0)
-        return read_row(&s, start, message);
-    status = facts.hdf5 ? read_point(&s, start, message) : read_json(&s, start, message);
-    if (status != SALTUS_OK && !facts.hdf5)
-        saltus_start_release(start); /* the model may have been read before what was wrong */
+    const bool rows = strcmp(facts.kind, "sweep") == 0 || strcmp(facts.kind, "basins") == 0;
+    status = rows         ? read_row(&s, start, message)
+             : facts.hdf5 ? read_point(&s, start, message)
+                          : read_json(&s, start, message);
+    if (status == SALTUS_OK)
+        return status;
+    /* What JSON tells may have brought a model of its own before it went wrong; the others share their
+     * file's. */
+    if (rows || facts.hdf5)
+        *start = (saltus_start){0};
+    saltus_start_release(start);
     return status;
 }
 
