@@ -187,11 +187,9 @@ static void put_evidence(FILE *file, const saltus_motion *motion) {
 
 void saltus_write_motion_text(FILE *file, const saltus_scene *scene, const saltus_system *system,
                               const saltus_motion *motion) {
-    static const char *const mirror[] = {"the scene has no mirror symmetry",
-                                         "the orbit is its own mirror image",
-                                         "the orbit is one of a mirror pair",
-                                         "the scene is symmetric; without a period there is no orbit to "
-                                         "compare with its image"};
+    static const char *const mirror[] = {
+        "the scene has no mirror symmetry", "the orbit is its own mirror image",
+        "the orbit is one of a mirror pair", "the scene is symmetric; no orbit is there to compare"};
     char verdict[64];
     saltus_motion_summary(motion, verdict);
     fprintf(file, "%s: %s\n", scene->name, verdict);
