@@ -601,12 +601,14 @@ static int follow_in_parts(const fixture *f, const char *line, const char *name)
 /* However often a branch was interrupted or killed, its file is that of the run that was not, byte for byte.
  */
 static void a_branch_in_parts_is_the_whole_one(void **state) {
+    static const char many_settings[] =
+        "continue impact-oscillator --set c=0.12504 F=1.1739 F0=0.11951 d=0.42605 r=0.40661 omega=2.0486 "
+        "--in omega=1.2292:3.2778 --locus LP --and d=0.12782:0.85211 --switch 1 --step-max 0.05";
     static const char *const lines[] = {
         "continue impact-oscillator --in omega=0.5:2 --step-max 0.002 --direction up",
         "continue impact-oscillator --in omega=0.9:1.3 --at 1,1.1 --step-max 0.003 --switch 2",
         "continue impact-oscillator --in omega=0.3:3 --step-max 0.005 --locus GR --and d=0.2:3",
-        "continue impact-oscillator --set c=0.12504 F=1.1739 F0=0.11951 d=0.42605 r=0.40661 omega=2.0486 "
-        "--in omega=1.2292:3.2778 --locus LP --and d=0.12782:0.85211 --switch 1 --step-max 0.05"};
+        many_settings};
     const fixture *f = *state;
     char line[256], path[320];
     for (size_t k = 0; k < sizeof lines / sizeof lines[0]; k++) {
