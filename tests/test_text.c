@@ -8,8 +8,12 @@
 #define LIST(array)                                                                                          \
     { array, sizeof array / sizeof array[0] }
 
+/* A choice by parameters takes its branch and nothing of the other, which here is not a number. */
 static const saltus_equation oscillator_motion[] = {
-    {"x1", "-c*x1' - k*x1 - c2*(x1' - x2') - k2*(x1 - x2) - z + F*cos(omega*t) + F0", 1},
+    {"x1",
+     "if(c > 0, -c*x1', sqrt(-1 - x1^2)) - if(k < 0, log(-1 - x1^2), k*x1) - c2*(x1' - x2') - k2*(x1 - x2) - "
+     "z + F*cos(omega*t) + F0",
+     1},
     {"x2", "-c2*(x2' - x1') - k2*(x2 - x1) + F2*cos(omega*t) + F02", 2}};
 static const saltus_equation oscillator_states[] = {{"z", "kz*x1' - z/tz", 3}};
 static const saltus_equation oscillator_mass[] = {{"x1", "m", 4}, {"x2", "m2", 5}};
@@ -154,7 +158,7 @@ static void compare(const saltus_spec *spec, const saltus_model *model, const do
 
 static void the_oscillator(void **unused) {
     (void)unused;
-    static const char *const keys[] = {"omega", "m", "m2", "c", "k2", "F", "F0", "tz", "kz", "d", "r"};
+    static const char *const keys[] = {"omega", "m", "m2", "c", "k", "k2", "F", "F0", "tz", "kz", "d", "r"};
     const saltus_model *model = oscillator_text();
     saltus_spec spec = oscillator_spec(0.1, 1.2, 0.8, 0.9);
     set_parameter(&spec, "N", 2);

@@ -27,7 +27,7 @@ fuzz() {
         >"$found/$target.log" 2>&1; then
         echo "$target: $(sed -n 's/stat::number_of_executed_units: *//p' "$found/$target.log") inputs, none fails"
     else
-        tail -n 40 "$found/$target.log"
+        grep -m 1 -A 40 'ERROR:\|out of memory\|FAILS' "$found/$target.log" || tail -n 40 "$found/$target.log"
         echo "$target: FAILS; see $found"
         return 1
     fi

@@ -318,6 +318,23 @@ static int add_function(maker *m, int node) {
     return step.out;
 }
 
+/* One of two series; which one is decided by parameters alone. */
+static int add_choice(maker *m, int node) {
+    saltus_graph *g = m->graph;
+    const saltus_graph_node n = *node_at(m, node);
+    int one = saltus_graph_constant(g, 1);
+    int chosen = saltus_graph_choose(g, n.operation, n.operand[0], n.operand[1], one, 0);
+    saltus_tape_step step = {.code = SALTUS_TAPE_CHOOSE,
+                             .out = -1,
+                             .depends = n.depends,
+                             .a = register_of(m, n.operand[2]),
+                             .b = register_of(m, n.operand[3]),
+                             .a2 = -1,
+                             .b2 = -1,
+                             .first = slot_of(m, chosen)};
+    return m->failed ? 0 : add_step(m, step);
+}
+
 static int add_leaf(maker *m, int node) {
     const saltus_graph_node n = *node_at(m, node);
     int place = new_register(m, n.depends, n.operation != SALTUS_OP_STATE);
@@ -342,10 +359,8 @@ static int add_node(maker *m, int node) {
         return combine(m, node);
     if (n.operation == SALTUS_OP_ATAN2 || (n.operation >= SALTUS_OP_SQRT && n.operation <= SALTUS_OP_COSH))
         return add_function(m, node);
-    if (n.operation != SALTUS_OP_MULTIPLY && n.operation != SALTUS_OP_DIVIDE) {
-        m->failed = true; /* a switch: refused before */
-        return 0;
-    }
+    if (n.operation >= SALTUS_OP_CHOOSE_LESS)
+        return add_choice(m, node);
     step.a = register_of(m, n.operand[0]);
     step.b = register_of(m, n.operand[1]);
     step.code = n.operation == SALTUS_OP_DIVIDE ? SALTUS_TAPE_DIVIDE

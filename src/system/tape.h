@@ -2,7 +2,7 @@
  * equations are made of, from those of order k and below, in few kinds of steps:
  *
  *   a linear combination of series, its factors being numbers that depend on parameters alone (slots),
- *   a product or a square, a quotient,
+ *   a product or a square, a quotient, one of two series by a number that depends on parameters alone,
  *   a function y = f(a), from y' = f'(a) a' with the series of f'(a), which is on the tape as well and needed
  *   one order less than y.
  *
@@ -21,6 +21,7 @@ typedef enum saltus_tape_code {
     SALTUS_TAPE_MULTIPLY, /* a * b */
     SALTUS_TAPE_SQUARE,   /* a * a */
     SALTUS_TAPE_DIVIDE,   /* a / b */
+    SALTUS_TAPE_CHOOSE,   /* a where a slot is 1, b where it is 0 */
     SALTUS_TAPE_FUNCTION  /* of a; the derivative's series is b */
 } saltus_tape_code;
 
@@ -30,7 +31,7 @@ typedef struct saltus_tape_step {
     int out, a, b;    /* registers; of a function: the operand, and the series of its derivative ... */
     double sign;      /* ... times this */
     int a2, b2;       /* the same of a second operand; -1: there is none */
-    int first, count; /* of a combination: its terms */
+    int first, count; /* of a combination: its terms; of a choice, first: its slot */
     unsigned depends; /* as of a node of the graph */
     bool linear;      /* what it is made of has no coefficients beyond order 1 */
 } saltus_tape_step;

@@ -133,6 +133,8 @@ KERNEL_INLINE lane_t step_value(frame f, const saltus_tape_step *s, int k) {
         return convolve_square(a, k);
     case SALTUS_TAPE_DIVIDE:
         return (a[k] - convolve(out, b, k, 0, k - 1)) / b[0];
+    case SALTUS_TAPE_CHOOSE:
+        return lane_if_less(lane_constant(0), *SLOT(s->first), a[k], b[k]);
     case SALTUS_TAPE_FUNCTION:
         break;
     }
@@ -180,6 +182,8 @@ KERNEL_INLINE lane_t step_tangent(frame f, const saltus_tape_step *s, int k, int
         if (second)
             sum -= convolve(out, db, k, 0, k);
         return (sum - convolve(SERIES(s->out, 0, c), b, k, 0, k - 1)) / b[0];
+    case SALTUS_TAPE_CHOOSE:
+        return lane_if_less(lane_constant(0), *SLOT(s->first), first ? da[k] : sum, second ? db[k] : sum);
     case SALTUS_TAPE_FUNCTION:
         break;
     }

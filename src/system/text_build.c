@@ -118,8 +118,9 @@ static const quantity *find_quantity(const quantity *list, int count, const char
 }
 
 static int constant_of(builder *b, const saltus_expression_term *term, const saltus_text_constant *c) {
+    const saltus_expression_term *terms = b->equation->right.terms;
     int index[2] = {0, 0}, wanted = (c->rows > 0) + (c->columns > 0), given = 0;
-    for (int k = term->first; k >= 0 && given < 3; k = b->equation->right.terms[k].next, given++)
+    for (int k = term->first; k >= 0 && given < 3; k = terms[k].next, given++)
         if (given < 2)
             index[given] = whole_of(b, k, "an index");
     if (b->status != SALTUS_OK)
@@ -389,9 +390,10 @@ static int call_of(builder *b, const saltus_expression_term *term) {
     return node;
 }
 
-/* The node of a term of the equation being read. */
+/* The node of a term of the equation being read. After a complaint b->equation is the one complained of,
+ * which may be another: an equation's terms are taken before any of them is looked at. */
 static int node_of(builder *b, int term) {
-    const saltus_expression_term *t = &b->equation->right.terms[term];
+    const saltus_expression_term *terms = b->equation->right.terms, *t = &terms[term];
     static const saltus_operation operations[] = {
         [SALTUS_SYNTAX_ADD] = SALTUS_OP_ADD,           [SALTUS_SYNTAX_SUBTRACT] = SALTUS_OP_SUBTRACT,
         [SALTUS_SYNTAX_MULTIPLY] = SALTUS_OP_MULTIPLY, [SALTUS_SYNTAX_DIVIDE] = SALTUS_OP_DIVIDE,
@@ -411,7 +413,7 @@ static int node_of(builder *b, int term) {
     default:
         break;
     }
-    int left = node_of(b, t->first), right = node_of(b, b->equation->right.terms[t->first].next);
+    int left = node_of(b, t->first), right = node_of(b, terms[t->first].next);
     if (t->kind == SALTUS_SYNTAX_DIVIDE && b->status == SALTUS_OK &&
         b->graph->nodes[right].operation == SALTUS_OP_CONSTANT && b->graph->nodes[right].value == 0)
         return refuse(b, t, "a division by zero");
@@ -695,6 +697,8 @@ static void build(builder *b) {
             b, NULL,
             "%d displacements and %d states: at most %d displacements and a state of %d numbers are possible",
             n, made->extra, SALTUS_MODES_MAX, SALTUS_STATE_MAX);
+    if (b->status != SALTUS_OK)
+        return;
     const size_t stops = (size_t)text->coordinates.count;
     int *field = made->field = reserve(b, (size_t)all, sizeof *field);
     made->names = reserve(b, (size_t)all, sizeof *made->names);
