@@ -84,7 +84,7 @@ refuse 2 "interval = 0.3" lyapunov fig7d --interval 0.3
 refuse 2 "periods = 100" lyapunov fig7d --periods 100
 refuse 2 "x.bmp" lyapunov fig7c --precision 1e-6 -o x.bmp
 refuse 1 "nowhere/x.png" lyapunov fig7c --precision 1e-6 -o nowhere/x.png
-refuse 2 "undecided" continue fig7c --in omega=5:15 --transient 500 -o branch.h5
+refuse 2 "irregular" continue fig7c --in omega=5:15 --transient 500 -o branch.h5
 refuse 2 "branch.txt" continue fig7d --in omega=35:56 -o branch.txt
 refuse 1 "nowhere/branch.h5" continue fig7d --in omega=35:56 -o nowhere/branch.h5
 refuse 2 "branch.h5" continue fig7d --in omega=35:56 -o branch.h5 --resume
@@ -125,8 +125,8 @@ accept "2/2" classify fig3 --json
 accept "4/4" classify pipe --set N=5 omega=42 --set d=0.035 r=0.9 xi=0.5 sides=upper --json
 accept "equilibrium" classify pipe --set sigma=0 --set sides=none --json
 accept "held" classify pipe --set sigma=0 d=0.01 --json
-accept "chaotic" classify chaos.yaml --json --transient 300 --measure 8000
-accept "undecided" classify chaos.yaml --json --transient 300 --measure 0
+accept "chaotic" classify chaos.yaml --json --transient 300 --measure 8000 --lifetime 300
+accept "irregular" classify chaos.yaml --json --transient 300 --measure 0
 accept "positive: nearby trajectories separate" lyapunov fig7c --precision 0.05
 accept '"sign": "negative"' lyapunov fig7d --json
 accept "trace and restitution give" lyapunov impact-oscillator --all

@@ -207,7 +207,7 @@ readable() {
     *never*) ;;
     *.h5 | *.csv) [ -s "out/${1##*out/}.journal" ] || fail "$1: no journal to go on with" ;;
     classify*--json*) grep -q '"attractors"' stdout || fail "$1 prints '$(cat stdout)'" ;;
-    classify* | diagnose*) grep -q 'undecided\|%' stdout || fail "$1 prints '$(cat stdout)'" ;;
+    classify* | diagnose*) grep -q 'undecided\|irregular\|%' stdout || fail "$1 prints '$(cat stdout)'" ;;
     "lyapunov fig7c --p"*) grep -q 'exponent' stdout || fail "$1 prints '$(cat stdout)'" ;;
     esac
 }

@@ -20,7 +20,7 @@ fail() {
 
 # The sweep of these tests: with chaos, whose exponents are measured.
 every="sweep fig6 --set N=2 --over omega=12:54:10 --over d=0.03:0.036:2 --at-most 150 --start both --seeds 2
-       --measure 500 --quiet"
+       --measure 500 --lifetime 160 --quiet"
 what="--what turning,impacts,stroboscopic,lyapunov"
 sweep="$every --record 20 $what"
 
@@ -77,7 +77,7 @@ run whole.h5 --resume >text || fail "a finished sweep is not taken up"
 sed -n '/^motion/,$p' text | grep ' %$' | tr -s ' ' >shown
 table told 120 | cmp -s - shown || fail "the table says $(cat shown), the summary $(cat told)"
 grep -q '20 points, 120 trajectories in whole.h5$' text && grep -qx 'all were there' text || fail "a finished sweep says $(cat text)"
-[ "$(grep -c '^undecided: ' text)" -eq "$(grep -c '^undecided ' told)" ] || fail "what could be decided: $(cat text)"
+[ "$(grep -c '^irregular: ' text)" -eq "$(grep -c '^irregular ' told)" ] || fail "what could be decided: $(cat text)"
 for lanes in 1 4; do
     run lanes.h5 --threads 1 --lanes "$lanes" >/dev/null || fail "$lanes lanes do not run"
     same whole.h5 lanes.h5 "$lanes lanes"
@@ -160,9 +160,9 @@ sed 's/.*"attractors": //' summary | tr '{' '\n' |
 awk '{printf "%s %d %.2f %% %.4g\n", $1, $2, 100 * $2 / 40, $3; rest += $2}
      END {if (rest < 40) printf "none found %d %.2f %%\n", 40 - rest, 100 * (40 - rest) / 40}' told >counted
 sed -n '/^attractor/,$p' text | sed 1d | grep ' %' | tr -s ' ' | cmp -s - counted || fail "the basins' table says $(cat text), the summary $(cat told)"
-[ "$(awk -F, '!/^#/ && $9 == -1 && $5 != "undecided"' basins.csv)" = '' ] || fail "a settled row has no attractor"
-[ "$(awk -F, '!/^#/ && $9 >= 0 && $5 == "undecided"' basins.csv)" = '' ] || fail "a row that has not settled has an attractor"
-[ "$(awk -F, '$5 == "undecided"' basins.csv | wc -l)" -gt 0 ] || fail "all rows of the basins have settled"
+[ "$(awk -F, '!/^#/ && $9 == -1 && $5 != "irregular"' basins.csv)" = '' ] || fail "a settled row has no attractor"
+[ "$(awk -F, '!/^#/ && $9 >= 0 && $5 == "irregular"' basins.csv)" = '' ] || fail "a row that has not settled has an attractor"
+[ "$(awk -F, '$5 == "irregular"' basins.csv | wc -l)" -gt 0 ] || fail "all rows of the basins have settled"
 same basins.h5 other.h5 "basins on three threads"
 
 # A kill after a random part of a second, again and again; each resumed run goes on with what there is.

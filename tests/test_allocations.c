@@ -257,6 +257,7 @@ static saltus_status classify(trial *t, const saltus_scene *scene, long long tra
     saltus_classify_options how = saltus_classify_defaults();
     how.transient = transient;
     how.measure = measure;
+    how.lifetime = how.measure / 24;
     saltus_status status = open_system(scene, &system, state, t);
     if (status == SALTUS_OK)
         status = saltus_classify(system, state, &how, &motion, &t->message);
@@ -462,6 +463,7 @@ static saltus_status run_sweep(trial *t, const saltus_axis *axes, int count, boo
     how.transient = 60;
     how.record = basins ? 1 : 4;
     how.measure = 600;
+    how.lifetime = how.measure / 24;
     how.keep =
         basins ? 0
                : SALTUS_KEEP_TURNING | SALTUS_KEEP_IMPACTS | SALTUS_KEEP_STROBOSCOPIC | SALTUS_KEEP_LYAPUNOV;

@@ -674,27 +674,32 @@ static void titles_of_the_paper_are_whole(void **state) {
 }
 
 static int undecided_rows;
+static saltus_verdict undecided_verdict;
 
 static void fill_undecided(made_place *m) {
-    m->row[0] = m->place < undecided_rows ? made_other(SALTUS_UNDECIDED) : made_periodic(1, 1);
+    m->row[0] = m->place < undecided_rows ? made_other(undecided_verdict) : made_periodic(1, 1);
 }
 
-/* A hint is given where motions are left undecided and more could be done about it, and only there. */
+/* A hint is given where motions are left irregular or undecided and more could be done about it, and only
+ * there. */
 static void what_could_be_decided_is_told(void **state) {
     static const struct {
         int undecided;
+        saltus_verdict verdict;
         unsigned keep;
         long long measure;
         const char *more, *hint, *number;
     } cases[] = {
-        {0, 0, 8000, "--what max", NULL, NULL},
-        {2, 0, 8000, "--what max", "undecided: no period up to 7 T ", "--what lyapunov"},
-        {0, SALTUS_KEEP_LYAPUNOV, 900, "--what lyapunov --measure 900", NULL, NULL},
-        {1, SALTUS_KEEP_LYAPUNOV, 900, "--what lyapunov --measure 900",
+        {0, SALTUS_IRREGULAR, 0, 32000, "--what max", NULL, NULL},
+        {2, SALTUS_IRREGULAR, 0, 32000, "--what max", "irregular: no period up to 7 T ", "--what lyapunov"},
+        {0, SALTUS_UNDECIDED, SALTUS_KEEP_LYAPUNOV, 900, "--what lyapunov --measure 900", NULL, NULL},
+        {2, SALTUS_IRREGULAR, SALTUS_KEEP_LYAPUNOV, 900, "--what lyapunov --measure 900",
+         "irregular: chaos watched for 900 periods, too few for a --lifetime of 10000", "--measure"},
+        {1, SALTUS_UNDECIDED, SALTUS_KEEP_LYAPUNOV, 900, "--what lyapunov --measure 900",
          "undecided: exponents that 900 periods ", "--measure"},
-        {3, SALTUS_KEEP_LYAPUNOV, 1, "--what lyapunov --measure 1", "undecided: exponents that 1 periods ",
-         "--measure"},
-        {3, SALTUS_KEEP_LYAPUNOV, 0, "--what lyapunov --measure 0", NULL, NULL},
+        {3, SALTUS_UNDECIDED, SALTUS_KEEP_LYAPUNOV, 1, "--what lyapunov --measure 1",
+         "undecided: exponents that 1 periods ", "--measure"},
+        {3, SALTUS_IRREGULAR, SALTUS_KEEP_LYAPUNOV, 0, "--what lyapunov --measure 0", NULL, NULL},
     };
     enum { points = 3 };
     const saltus_scene scene = oscillator_scene();
@@ -707,11 +712,13 @@ static void what_could_be_decided_is_told(void **state) {
         options.measure = cases[k].measure;
         options.longest = 7;
         undecided_rows = cases[k].undecided;
+        undecided_verdict = cases[k].verdict;
         made_write(path_in(f, "s.h5"), &scene, &axis, 1, &options, fill_undecided, points);
         snprintf(line, sizeof line,
                  "sweep impact-oscillator --over omega=0.9:1.1:%d --longest 7 --resume -o s.h5 %s", points,
                  cases[k].more);
-        char *text = told(f, line), *hint = strstr(text, "\nundecided: ");
+        char *text = told(f, line),
+             *hint = strstr(text, cases[k].verdict == SALTUS_IRREGULAR ? "\nirregular: " : "\nundecided: ");
         if (!hint != !cases[k].hint)
             fail_msg("%s says:\n%s", line, text);
         if (hint) {

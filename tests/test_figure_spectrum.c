@@ -837,7 +837,7 @@ static void diagnose_looks_longer_at_what_has_no_period(void **state) {
         "--quiet");
     figure f = figure_taken(folder);
     figure_check_page(&f);
-    figure_says(&f, "undecided");
+    figure_says(&f, "irregular");
     figure_says(&f, "section 2000");
     const figure_element *shown = figure_element_of(figure_panel_of(&f, "phase portrait"), "$strobe", 0),
                          *section =

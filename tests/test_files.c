@@ -244,6 +244,7 @@ static void a_chaotic_motion_reads_back_field_by_field(void **state) {
     saltus_system *system = build(&scene.spec);
     how.transient = 100;
     how.measure = 8000;
+    how.lifetime = how.measure / 24;
     check_ok(saltus_classify(system, start, &how, &motion, &message), &message);
     assert_int_equal(motion.verdict, SALTUS_CHAOTIC);
     for (int made_up = 0; made_up < 2; made_up++) {

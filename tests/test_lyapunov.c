@@ -48,10 +48,7 @@ static saltus_system *scene_system(const char *name, const char *settings, doubl
     for (char *rest = copy, *word; (word = strtok_r(rest, " ", &rest));)
         check_ok(saltus_scene_set(&scene, word, &message), &message);
     saltus_system *system = build(&scene.spec);
-    if (scene.initial_count)
-        memcpy(state, scene.initial, (size_t)scene.initial_count * sizeof *state);
-    else
-        check_ok(saltus_system_default_state(system, state, &message), &message);
+    check_ok(saltus_scene_state(&scene, system, state, &message), &message);
     return system;
 }
 

@@ -243,7 +243,7 @@ static void chaos_is_undecided(void **unused) {
     options.measure = 0;
     check_ok(saltus_system_default_state(system, state, &message), &message);
     check_ok(saltus_classify(system, state, &options, &motion, &message), &message);
-    assert_string_equal(motion.label, "undecided");
+    assert_string_equal(motion.label, "irregular");
     assert_non_null(strstr(motion.reason, "3000"));
     assert_int_equal(motion.transient, 3000);
     saltus_motion_clear(&motion);

@@ -49,7 +49,7 @@ typedef struct option_case {
 #define FLOW "--rtol 1e-6 --atol 1e-7 --integrator radau"
 #define SWEEP_SETS                                                                                           \
     "--set F=0.6 --seeds 3 --seed 7 --what impacts,lyapunov --at-most 300 --longest 9 --record 12 "          \
-    "--measure 4321 " FLOW
+    "--measure 4321 --lifetime 1234 " FLOW
 #define SWEEP_OVER "--over c=0.1:0.2:3:log --start both --what stroboscopic"
 #define SWEEP_LIST "--over c=0.1,0.2,0.4 --start carry --what turning,class"
 #define BASINS_SETS "--set F=0.6 --at-most 300 --longest 9 " FLOW
@@ -72,13 +72,15 @@ static const option_case cases[] = {
     {"classify", "--seeds", "", "classify impact-oscillator --json", "--seeds 2", "json:seeds=2"},
     {"classify", "--seed", "", "classify " TWICE " --seeds 2 --json", "--seed 5", "differs:out"},
     {"classify", "--transient", "", "classify " TWICE " --json --measure 0", "--transient 3",
-     "json:kind=undecided"},
+     "json:kind=irregular"},
     {"classify", "--longest", "", "classify " TWICE " --json --transient 200 --measure 0", "--longest 1",
-     "json:kind=undecided"},
-    {"classify", "--measure", "", "classify " CHAOS " --json --transient 100 --measure 8000", "--measure 0",
-     "json:kind=undecided"},
-    {"classify", "--measure", "", "classify " CHAOS " --json --transient 100 --measure 0", "--measure 8000",
-     "json:kind=chaotic"},
+     "json:kind=irregular"},
+    {"classify", "--measure", "", "classify " CHAOS " --json --transient 100 --measure 8000 --lifetime 300",
+     "--measure 0", "json:kind=irregular"},
+    {"classify", "--measure", "", "classify " CHAOS " --json --transient 100 --lifetime 300 --measure 0",
+     "--measure 8000", "json:kind=chaotic"},
+    {"classify", "--lifetime", "", "classify " CHAOS " --json --transient 100 --measure 8000",
+     "--lifetime 300", "json:kind=chaotic"},
     {"classify", "--rtol", "", "classify impact-oscillator --json", "--rtol 1e-4", "differs:out"},
     {"classify", "--atol", "", "classify impact-oscillator --json", "--atol 1e-3", "differs:out"},
     {"classify", "--integrator", "", "classify impact-oscillator --json", "--integrator radau",
@@ -97,6 +99,8 @@ static const option_case cases[] = {
      "differs:out"},
     {"diagnose", "--measure", "", "diagnose " CHAOS " --transient 100 --measure 0 -o s.png", "--measure 8000",
      "differs:out"},
+    {"diagnose", "--lifetime", "", "diagnose " CHAOS " --transient 100 --measure 8000 -o s.png",
+     "--lifetime 300", "differs:out"},
     {"diagnose", "--rtol", "", DIAGNOSE, FLOW, "attr:d.h5:/:rtol=1e-6"},
     {"diagnose", "--atol", "", DIAGNOSE, FLOW, "attr:d.h5:/:atol=1e-7"},
     {"diagnose", "--integrator", "", DIAGNOSE, FLOW, "attr:d.h5:/:integrator=radau"},
@@ -177,6 +181,7 @@ static const option_case cases[] = {
     {"sweep", "--longest", "", SWEEP, SWEEP_SETS, "attr:s.h5:/sweep:longest=9"},
     {"sweep", "--record", "", SWEEP, SWEEP_SETS, "attr:s.h5:/sweep:record=12"},
     {"sweep", "--measure", "", SWEEP, SWEEP_SETS, "attr:s.h5:/sweep:measure=4321"},
+    {"sweep", "--lifetime", "", SWEEP, SWEEP_SETS, "attr:s.h5:/sweep:lifetime=1234"},
     {"sweep", "--rtol", "", SWEEP, SWEEP_SETS, "attr:s.h5:/sweep:rtol=1e-6"},
     {"sweep", "--atol", "", SWEEP, SWEEP_SETS, "attr:s.h5:/sweep:atol=1e-7"},
     {"sweep", "--integrator", "", SWEEP, SWEEP_SETS, "attr:s.h5:/sweep:integrator=radau"},
@@ -778,6 +783,7 @@ static const struct {
     {"classify", "--seeds", 1, 1000000},  {"classify", "--seed", 0, 4294967295.0},
     {"classify", "--transient", 1, 1e12}, {"classify", "--longest", 1, 1024},
     {"classify", "--measure", 0, 1e12},   {"classify", "--rtol", 1e-15, 1e-3},
+    {"classify", "--lifetime", 0, 1e11},  {"sweep", "--lifetime", 0, 1e11},
     {"classify", "--atol", 0, 1},         {"simulate", "--periods", 1, 1e6},
     {"simulate", "--transient", 0, 1e12}, {"simulate", "--samples", 1, 1e5},
     {"orbit", "--periods", 1, 1e6},       {"orbit", "--transient", 0, 1e12},

@@ -102,7 +102,7 @@ static void sentences_name_what_is_wrong(void **state) {
         {"continue pipe --in omega=40:44 --at 41,42x -o never.h5", 2, "--at 42x: must be numbers"},
         {"continue pipe --in omega=40:44 --at 41, -o never.h5", 2, "--at : must be numbers"},
         {"continue twice.yaml --in omega=2.69:2.71 --transient 3 -o never.h5", 2,
-         "twice: its motion is no periodic orbit |, but undecided: no stable orbit |; name one by --from"},
+         "twice: its motion is no periodic orbit |, but irregular: no stable orbit |; name one by --from"},
         {"continue impact-oscillator --set F=0 --in F=0:1 -o never.h5", 2,
          "impact-oscillator: its motion is no periodic orbit |, but equilibrium; name one by --from"},
 

@@ -574,6 +574,8 @@ static void settings_change_their_entry(void **state) {
                 saltus_scene wanted = empty;
                 snprintf(text, sizeof text, "%c%d=0.125", lists[l], i + 1);
                 memset(wanted.initial, 0, sizeof wanted.initial);
+                for (int i = 0; i < dimension; i++)
+                    wanted.initial[i] = NAN;
                 wanted.initial[at] = 0.125;
                 wanted.initial_count = dimension;
                 check_setting(&empty, text, &wanted);

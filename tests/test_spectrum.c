@@ -1331,7 +1331,7 @@ static void kinds_have_their_spectra(void **unused) {
                  {0.1, 0, 1, 0, SALTUS_EQUILIBRIUM, SALTUS_SPECTRUM_CONSTANT, 1},
                  {0.1, 0, 1, 3, SALTUS_HELD, SALTUS_SPECTRUM_CONSTANT, 1},
                  {0.1, 0.5, 1, 3, SALTUS_HELD, SALTUS_SPECTRUM_CONSTANT, 1},
-                 {0, 0.1, 0.6180339887498949, 0, SALTUS_UNDECIDED, SALTUS_SPECTRUM_WELCH, 0}};
+                 {0, 0.1, 0.6180339887498949, 0, SALTUS_IRREGULAR, SALTUS_SPECTRUM_WELCH, 0}};
     for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
         saltus_spec spec = oscillator_spec(cases[k].c, 1, cases[k].force, cases[k].omega);
         saltus_classify_options how = saltus_classify_defaults();

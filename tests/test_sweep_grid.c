@@ -182,7 +182,8 @@ static void defaults_are_those_promised(void **unused) {
     const saltus_sweep_options o = saltus_sweep_defaults();
     assert_true(o.flow.rtol == 1e-10 && o.flow.atol == 1e-14 && o.keep == 0 && o.seeds == 1);
     assert_true(o.passes == 1u << SALTUS_PASS_RESET && o.adaptive && o.transient == 2000 && o.record == 100);
-    assert_true(o.measure == 8000 && o.longest == 20 && o.lanes == 0 && o.threads == 0);
+    assert_true(o.measure == 32000 && o.lifetime == 10000 && o.longest == 20 && o.lanes == 0 &&
+                o.threads == 0);
 }
 
 static void a_sweep_keeps_what_it_was_given(void **unused) {
@@ -236,8 +237,8 @@ static void a_sweep_keeps_what_it_was_given(void **unused) {
 static void words_and_labels(void **unused) {
     (void)unused;
     static const char *const words[SALTUS_VERDICTS] = {
-        "pending", NULL,          "equilibrium", "held",   "quasi-periodic",
-        "chaotic", "long-period", "undecided",   "failed", "transient"};
+        "pending",     NULL,        "equilibrium", "held",      "quasi-periodic", "chaotic",
+        "long-period", "undecided", "failed",      "transient", "irregular"};
     char label[32];
     assert_string_equal(saltus_pass_word(SALTUS_PASS_RESET), "reset");
     assert_string_equal(saltus_pass_word(SALTUS_PASS_UP), "up");
@@ -633,7 +634,7 @@ static void longest_transient_and_record_are_heeded(void **unused) {
             options.record = 6 + k;
             single s = run_single(&scene, "omega", 0.85, &options);
             const saltus_sweep_row *row = s.result.rows;
-            assert_string_equal(s.label, longest > 1 ? "1/2" : "undecided");
+            assert_string_equal(s.label, longest > 1 ? "1/2" : "irregular");
             assert_int_equal(row->recorded, longest > 1 ? 2 : 6 + k);
             assert_int_equal(s.result.strobe_counts[0], row->recorded);
             assert_true(longest > 1 ? row->settled < 700 : row->settled == 700 + k);
@@ -675,14 +676,16 @@ static void chaos_is_measured_as_long_as_said(void **unused) {
         options.transient = 100;
         options.record = 10;
         options.measure = most;
+        options.lifetime = options.measure / 24;
         single s = run_single(&scene, "omega", 3.04396, &options);
         const saltus_sweep_row *row = s.result.rows;
         long long measured = row->settled - 110;
         assert_int_equal(row->recorded, 10);
         if (most < 500)
-            assert_int_equal(row->verdict, SALTUS_UNDECIDED);
+            assert_true(row->verdict == SALTUS_IRREGULAR || (most && row->verdict == SALTUS_UNDECIDED));
         else
-            assert_int_equal(row->verdict, SALTUS_CHAOTIC);
+            /* Whether a stable orbit is found amid it is a matter of the points that are there. */
+            assert_true(row->verdict == SALTUS_CHAOTIC || row->verdict == SALTUS_TRANSIENT);
         if (most == 0)
             assert_true(isnan(row->lyapunov) && isnan(row->lyapunov_error) && row->settled == 100);
         else {

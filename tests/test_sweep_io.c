@@ -130,7 +130,8 @@ static void make_row(saltus_sweep_row *row, unsigned long long key) {
                               .largest_speed = real(key, 8) * 1e-300,
                               .contact_fraction = real(key, 9),
                               .lyapunov = mix(key, 15) % 7 ? real(key, 10) : -INFINITY,
-                              .lyapunov_error = mix(key, 15) % 7 ? real(key, 16) : 0};
+                              .lyapunov_error = mix(key, 15) % 7 ? real(key, 16) : 0,
+                              .lifetime_at_least = mix(key, 17) % 5 ? real(key, 18) : NAN};
     row->attractor = row->verdict == SALTUS_FAILED ? -1 : (int)(mix(key, 11) % seeds);
     if (row->verdict == SALTUS_PERIODIC) {
         row->impacts = (int)(mix(key, 12) % 12) - 1;
@@ -239,10 +240,12 @@ static void check_rows(const saltus_sweep_file *file, const saltus_sweep *sweep)
                     there->attractor == expected.attractor && there->settled == expected.settled &&
                     there->settled_impacts == expected.settled_impacts &&
                     there->recorded == expected.recorded);
-        assert_true(there->impact_rate == expected.impact_rate &&
-                    there->largest_speed == expected.largest_speed &&
-                    there->contact_fraction == expected.contact_fraction &&
-                    there->lyapunov == expected.lyapunov && there->lyapunov_error == expected.lyapunov_error);
+        assert_true(
+            there->impact_rate == expected.impact_rate && there->largest_speed == expected.largest_speed &&
+            there->contact_fraction == expected.contact_fraction && there->lyapunov == expected.lyapunov &&
+            there->lyapunov_error == expected.lyapunov_error &&
+            (there->lifetime_at_least == expected.lifetime_at_least ||
+             (isnan(there->lifetime_at_least) && isnan(expected.lifetime_at_least))));
         if (isnan(expected.largest)) {
             assert_memory_equal(&there->largest, &nan, sizeof nan);
             assert_memory_equal(&there->smallest, &nan, sizeof nan);
@@ -672,7 +675,7 @@ static saltus_sweep *changed_sweep(const fixture *f, int change, const char *wor
         {"transient is 321 there and 322"},
         {"rtol is "},
         {"omega value 1 is 0.5 there and 0.5625"},
-        {"measure is 8000 there and 8001"}};
+        {"measure is 32000 there and 32001"}};
     static const double other[] = {0.5, 0.3125, 1.75, 1, 2};
     saltus_scene scene = f->scene;
     saltus_sweep_options options = full_options();
@@ -1156,16 +1159,16 @@ static void check_number(char **text, double expected) {
 }
 
 static void check_table(const fixture *f, char *const *lines, int count) {
-    static const char *const verdicts[] = {"pending",        "periodic", "equilibrium", "held",
-                                           "quasi-periodic", "chaotic",  "long-period", "undecided",
-                                           "failed",         "transient"};
+    static const char *const verdicts[] = {"pending",        "periodic",  "equilibrium", "held",
+                                           "quasi-periodic", "chaotic",   "long-period", "undecided",
+                                           "failed",         "transient", "irregular"};
     made_up m;
     saltus_axis axes[2];
     full_axes(axes);
     assert_int_equal(count, 1 + seeds * f->places);
     assert_string_equal(lines[0], "omega,d,pass,seed,verdict,impacts,periods,sticking,attractor,settled,"
                                   "settled_impacts,recorded,largest,smallest,impact_rate,largest_speed,"
-                                  "contact_fraction,lyapunov,lyapunov_error,label");
+                                  "contact_fraction,lyapunov,lyapunov_error,lifetime_at_least,label");
     for (int line = 1; line < count; line++) {
         int row = line - 1, place = row / seeds, s = row % seeds;
         char *text = lines[line];
@@ -1180,7 +1183,7 @@ static void check_table(const fixture *f, char *const *lines, int count) {
                                 r->attractor,        (double)r->settled, (double)r->settled_impacts,
                                 (double)r->recorded, r->largest,         r->smallest,
                                 r->impact_rate,      r->largest_speed,   r->contact_fraction,
-                                r->lyapunov,         r->lyapunov_error};
+                                r->lyapunov,         r->lyapunov_error,  r->lifetime_at_least};
         for (size_t k = 0; k < sizeof whole / sizeof *whole; k++)
             check_number(&text, whole[k]);
         char label[32];

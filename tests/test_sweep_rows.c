@@ -265,7 +265,7 @@ static void rows_equal_a_recount(void **unused) {
         if (motions[k].label)
             assert_string_equal(s.label, motions[k].label);
         const saltus_sweep_row *row = s.result.rows;
-        if (row->periods || row->verdict == SALTUS_UNDECIDED)
+        if (row->periods || row->verdict == SALTUS_IRREGULAR)
             assert_int_equal(row->recorded, row->periods ? row->periods : 5);
         check_recorded(&s);
         close_single(&s);
@@ -337,7 +337,7 @@ static void the_way_to_the_verdict_is_counted(void **unused) {
                 recount_from(&r, system, &options.flow, start, transient);
                 check_near(scaled(system, s.result.strobes, r.end), 0, 1e-4);
                 if (adaptive) {
-                    assert_int_equal(s.result.rows->verdict, SALTUS_UNDECIDED);
+                    assert_int_equal(s.result.rows->verdict, SALTUS_IRREGULAR);
                     assert_int_equal(s.result.rows->settled, transient);
                     assert_int_equal(s.result.rows->settled_impacts, r.impacts);
                 }

@@ -67,6 +67,7 @@ static void verdicts_repeat_bit_for_bit(void **unused) {
     saltus_spec spec = scene_spec("fig6", chaotic_pipe);
     options.transient = 700;
     options.measure = 8000;
+    options.lifetime = options.measure / 24;
     saltus_motion a = judge(&spec, &options), b = judge(&spec, &options);
     assert_int_equal(a.verdict, SALTUS_CHAOTIC);
     assert_true(a.lyapunov == b.lyapunov && a.lyapunov_error == b.lyapunov_error);
@@ -131,14 +132,16 @@ static void stable_orbits_amid_chaos_count(void **unused) {
     const char *label = at_length() ? "2/1" : "18/4";
     options.transient = at_length() ? 2500 : 1600;
     options.measure = at_length() ? options.measure : 8000;
+    options.lifetime = options.measure / 24;
     saltus_motion motion = judge(&spec, &options);
-    assert_true(motion.verdict != SALTUS_CHAOTIC);
-    if (motion.verdict == SALTUS_UNDECIDED) {
-        assert_string_equal(motion.evidence.stable_orbit, label);
-        assert_non_null(strstr(motion.reason, "stable"));
+    if (motion.verdict == SALTUS_TRANSIENT) {
+        const saltus_evidence *e = &motion.evidence;
+        assert_true(e->left > 0 || strcmp(e->stable_orbit, label) == 0);
+        assert_string_equal(e->left > 0 ? e->left_for : e->stable_orbit, label);
         assert_non_null(strstr(motion.reason, label));
-        assert_non_null(strstr(motion.reason, "--measure"));
-    }
+        assert_true(e->lifetime_at_least > 0);
+    } else
+        assert_string_equal(motion.label, label);
     saltus_motion_clear(&motion);
 }
 
@@ -150,13 +153,13 @@ static void little_time_leaves_it_open(void **unused) {
     options.transient = 300;
     options.measure = 0;
     saltus_motion motion = judge(&spec, &options);
-    assert_int_equal(motion.verdict, SALTUS_UNDECIDED);
+    assert_int_equal(motion.verdict, SALTUS_IRREGULAR);
     assert_true(isnan(motion.lyapunov) && motion.evidence.periods == 0);
     assert_non_null(strstr(motion.reason, "after 300 periods"));
     saltus_motion_clear(&motion);
     options.measure = 100;
     motion = judge(&spec, &options);
-    assert_int_equal(motion.verdict, SALTUS_UNDECIDED);
+    assert_int_equal(motion.verdict, SALTUS_IRREGULAR);
     assert_true(strlen(motion.reason) > 20);
     saltus_motion_clear(&motion);
 }

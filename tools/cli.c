@@ -396,14 +396,6 @@ static saltus_status read_start(const cli_request *request, saltus_scene *scene,
     return status;
 }
 
-static saltus_status initial_state(const saltus_scene *scene, const saltus_system *system, double *state,
-                                   saltus_message *message) {
-    if (scene->initial_count == 0)
-        return saltus_system_default_state(system, state, message);
-    memcpy(state, scene->initial, (size_t)saltus_system_dimension(system) * sizeof *state);
-    return saltus_system_check_state(system, state, message);
-}
-
 void cli_clear(cli_setup *setup) {
     saltus_system_free(setup->system);
     saltus_start_release(&setup->start);
@@ -420,7 +412,7 @@ int cli_build(const cli_request *request, cli_setup *setup) {
     if (status == SALTUS_OK)
         status = saltus_system_new(&setup->scene.spec, &setup->system, &message);
     if (status == SALTUS_OK && !setup->start.dimension)
-        status = initial_state(&setup->scene, setup->system, setup->start.state, &message);
+        status = saltus_scene_state(&setup->scene, setup->system, setup->start.state, &message);
     if (status != SALTUS_OK)
         cli_clear(setup);
     return cli_report(status, &message);
@@ -584,6 +576,9 @@ void cli_progress_end(const cli_request *request) {
 
 saltus_classify_options cli_classify_options(const cli_request *request) {
     saltus_classify_options options = request->classify;
+    /* Where nobody has chosen how long to measure, it is long enough for the lifetime. */
+    if (!cli_given(request, "--measure") && options.lifetime > options.measure / 4)
+        options.measure = 4 * options.lifetime;
     if (cli_shows_progress(request))
         options.progress.show = show_periods;
     return options;

@@ -8,7 +8,8 @@
 #include <string.h>
 
 static const cli_table tables[] = {
-    CLI_TABLE(saltus_sweep_table, sweep, "--seeds --seed --what --record --measure"), {NULL, 0, NULL}};
+    CLI_TABLE(saltus_sweep_table, sweep, "--seeds --seed --what --record --measure --lifetime"),
+    {NULL, 0, NULL}};
 static const cli_option *const options[] = {&cli_set,    &sweep_over, &cli_output,
                                             &cli_resume, &sweep_json, NULL};
 

@@ -25,7 +25,7 @@ static const cli_option values =
 static const cli_option json = CLI_FLAG_OPTION("--json", json, "one JSON object for each point on stdout");
 
 static const cli_table tables[] = {CLI_TABLE(saltus_branch_table, branch, "--segments"),
-                                   CLI_TABLE(saltus_classify_table, classify, "--measure"),
+                                   CLI_TABLE(saltus_classify_table, classify, "--measure --lifetime"),
                                    {NULL, 0, NULL}};
 static const cli_option *const options[] = {&cli_set, &cli_from,   &range, &second_range, &periods,
                                             &values,  &cli_resume, &json,  &cli_output,   NULL};

@@ -8,7 +8,7 @@
 static const cli_option of = CLI_LIST_OPTION(
     "--of", of, "what", "displacement, velocity, q3 or v2; at most two (default the first two)");
 static const cli_table tables[] = {CLI_TABLE(saltus_spectrum_table, spectrum, NULL),
-                                   CLI_TABLE(saltus_classify_table, classify, "--measure"),
+                                   CLI_TABLE(saltus_classify_table, classify, "--measure --lifetime"),
                                    {NULL, 0, NULL}};
 static const cli_option *const options[] = {&cli_set,    &cli_from,          &of, &cli_json,
                                             &cli_output, CLI_FIGURE_OPTIONS, NULL};

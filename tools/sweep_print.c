@@ -104,20 +104,28 @@ static double rate(const sweep_report *report) {
     return report->seconds > 0 ? (double)report->computed / report->seconds : 0;
 }
 
+/* Whether a class is among those met. */
+static bool is_met(const sweep_report *report, const char *label) {
+    int k = 0;
+    while (k < report->tally.count && strcmp(report->tally.classes[k].label, label) != 0)
+        k++;
+    return k < report->tally.count;
+}
+
 /* What could have been decided. */
 static void print_hint(const saltus_sweep *sweep, const sweep_report *report) {
     const saltus_sweep_options *o = saltus_sweep_choices(sweep);
-    long long undecided = 0;
-    for (int k = 0; k < report->tally.count; k++)
-        if (strcmp(report->tally.classes[k].label, "undecided") == 0)
-            undecided = report->tally.classes[k].count;
-    if (!undecided)
-        return;
-    if (!(o->keep & SALTUS_KEEP_LYAPUNOV))
+    bool measured = o->keep & SALTUS_KEEP_LYAPUNOV;
+    if (is_met(report, "irregular") && !measured)
         printf(
-            "undecided: no period up to %d T was found; --what lyapunov would tell chaos from the others\n",
+            "irregular: no period up to %d T was found; --what lyapunov would tell chaos from the others\n",
             o->longest);
-    else if (o->measure > 0)
+    else if (is_met(report, "irregular") && o->measure > 0)
+        printf(
+            "irregular: chaos watched for %lld periods, too few for a --lifetime of %lld; a larger --measure "
+            "would tell\n",
+            o->measure, o->lifetime);
+    if (is_met(report, "undecided") && measured && o->measure > 0)
         printf("undecided: exponents that %lld periods do not tell from zero; a larger --measure would\n",
                o->measure);
 }

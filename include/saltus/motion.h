@@ -15,11 +15,13 @@ typedef enum saltus_verdict {
     SALTUS_EQUILIBRIUM,   /* at rest without contact force */
     SALTUS_HELD,          /* in contact for good */
     SALTUS_QUASIPERIODIC, /* largest exponent zero, spectrum of lines, closed curves in the section */
-    SALTUS_CHAOTIC,       /* largest exponent positive by three standard errors, and in both halves */
+    SALTUS_CHAOTIC,       /* largest exponent positive, none has left it for as long as was asked, no stable
+                             orbit amid it */
     SALTUS_LONG_PERIOD,   /* exponent negative: a longer period, or one that is reached slowly */
-    SALTUS_UNDECIDED,     /* no period found, and no exponent that tells */
+    SALTUS_UNDECIDED,     /* no period found, and the exponent measured does not tell */
     SALTUS_FAILED,        /* the flow gave up, or the initial state is not admissible */
-    SALTUS_TRANSIENT,     /* chaotic as yet, but neighbouring trajectories have come to something regular */
+    SALTUS_TRANSIENT,     /* chaotic as yet, but trajectories have left it, or a stable orbit lies amid it */
+    SALTUS_IRREGULAR,     /* no period found, exponents not measured, or not for long enough */
     SALTUS_VERDICTS
 } saltus_verdict;
 
@@ -43,14 +45,17 @@ typedef struct saltus_classify_options {
     saltus_flow_options flow;
     long long transient; /* periods to wait at most for the motion to settle */
     long long measure;   /* periods at most over which the largest exponent is measured where no period is
-                            found, by 8 trajectories together; 0: such a motion is undecided */
+                            found, by 8 trajectories together; 0: such a motion is irregular */
+    long long lifetime;  /* periods: chaos is asserted where its mean lifetime is at least this, with 95 %
+                            confidence; that takes three times as many periods without an escape */
     int longest;         /* longest period tried, in forcing periods */
     /* Periods simulated until the motion has settled, then periods measured. From saltus_attractors_find:
      * initial states done, the one under way counted by the part of its longest time. */
     saltus_progress progress;
 } saltus_classify_options;
 
-/* Flow defaults, at most 20000 periods, at most 256000 to measure an exponent, longest period 64. */
+/* Flow defaults, at most 20000 periods, at most 256000 to measure an exponent, lifetime 10000, longest period
+ * 64. */
 saltus_classify_options saltus_classify_defaults(void);
 
 /* What the verdict on a motion without a period rests on. Numbers are NAN where they were not computed. */
@@ -64,12 +69,17 @@ typedef struct saltus_evidence {
     double broadband;                  /* part of the section points' variance that is not in lines */
     int curves;                        /* closed curves that the section points fill; 0: they do not */
     double impacts_per_period;
-    double laminar;                    /* part of the time spent near a periodic motion, ... */
-    int laminar_period;                /* ... of this period; 0: no intermittency */
-    long long longest_phase;           /* longest of these laminar phases, in periods */
-    int left;                          /* trajectories that left for a regular motion, ... */
-    char left_for[32];                 /* ... of this label */
-    char stable_orbit[32];             /* label of a stable orbit found amid the chaos, or "" */
+    double laminar;          /* part of the time spent near a periodic motion, ... */
+    int laminar_period;      /* ... of this period; 0: no intermittency */
+    long long longest_phase; /* longest of these laminar phases, in periods */
+    /* Chaos may be a transient that ends by chance, at any time alike. Periods watched until trajectories
+     * left it bound its mean lifetime from below: M trajectories of L periods of which none has left, by M L
+     * / 3. */
+    double lifetime_at_least; /* periods, with 95 % confidence; NAN where the exponent is not positive */
+    double lifetime;          /* mean, from the times of escape; NAN where none has left */
+    int left;                 /* trajectories that left for a regular motion, ... */
+    char left_for[32];        /* ... of this label */
+    char stable_orbit[32];    /* label of a stable orbit found amid the chaos, or "" */
     saltus_lyapunov_progress *history; /* of the largest exponent */
     int history_count;
 } saltus_evidence;
@@ -78,7 +88,7 @@ typedef struct saltus_evidence {
 typedef struct saltus_motion {
     saltus_verdict verdict;
     char label[32];         /* "4/4", "0/1", "chatter/2", "equilibrium", "held", "quasi-periodic", "chaotic",
-                               "transient", "long-period", "undecided" */
+                               "transient", "long-period", "irregular", "undecided" */
     char reason[384];       /* motions without a period: what is known, what is lacking */
     int periods;            /* p, least period in forcing periods; 0 if not periodic */
     long long impacts;      /* n per orbit; -1 when complete chatter makes it infinite */

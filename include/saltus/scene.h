@@ -16,7 +16,8 @@ typedef struct saltus_scene {
     char title[160]; /* one line for figures and listings; may be empty */
     saltus_spec spec;
     int initial_count;                      /* entries of `initial`; 0: the system's default state */
-    double initial[SALTUS_SCENE_STATE_MAX]; /* q then q' then extra states, at section phase 0 */
+    double initial[SALTUS_SCENE_STATE_MAX]; /* q then q' then extra states, at section phase 0; NAN: the entry
+                                               of the system's default state */
 } saltus_scene;
 
 /* Read a YAML scene file, or a built-in scene when `source` is the name of one (no such name contains a '/'
@@ -32,8 +33,15 @@ saltus_status saltus_scene_parse(const char *text, size_t length, const char *or
 void saltus_scene_clear(saltus_scene *scene);
 /* Apply one `key=value`: a parameter of the model, or d, r, xi, sides, weight of the stop(s). With several
  * stops `d=` sets all of them and `d1=`, `d2=`, ... the first, second, ... one. `q1=`, `v1=`, ... set entries
- * of the initial state. The scene is unchanged on error. */
+ * of the initial state; in a scene that gives none the others stay those of the system's default state. The
+ * scene is unchanged on error. */
 saltus_status saltus_scene_set(saltus_scene *scene, const char *assignment, saltus_message *message);
+/* Where a scene's trajectory starts, at section phase 0, in the system that was built from its `spec`: the
+ * scene's initial state, what it leaves open being that of saltus_system_default_state. `state` has length
+ * saltus_system_dimension. Errors: SALTUS_BAD_INPUT where the scene's state has another number of entries, is
+ * beyond a stop, or no default is found. */
+saltus_status saltus_scene_state(const saltus_scene *scene, const saltus_system *system, double *state,
+                                 saltus_message *message);
 
 /* The same for a specification alone and a key whose value is a number: a parameter, or d, r, xi, d1, ... It
  * is unchanged on error. What has become of it: saltus_spec_get. Errors: SALTUS_BAD_INPUT (unknown key, value

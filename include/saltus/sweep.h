@@ -64,16 +64,17 @@ typedef struct saltus_sweep_options {
      * are run and `record` recorded whatever the motion. */
     bool adaptive;
     long long transient, record;
-    long long measure; /* with SALTUS_KEEP_LYAPUNOV: periods at most over which the exponent of a motion
-                          without a period is measured; chaos is asserted from an eighth of them on, and from
-                          500; 0: not at all */
-    int longest;       /* longest period looked for, 1 to 256 */
-    int lanes;         /* at most; 0: as many as the processor has */
-    int threads;       /* at most; 0: as many as there are cores */
+    long long measure;  /* with SALTUS_KEEP_LYAPUNOV: periods at most over which the exponent of a motion
+                           without a period is measured; 0: not at all */
+    long long lifetime; /* periods: chaos is asserted where its mean lifetime is at least this, with 95 %
+                           confidence; three times as many must be measured, or the row is irregular */
+    int longest;        /* longest period looked for, 1 to 256 */
+    int lanes;          /* at most; 0: as many as the processor has */
+    int threads;        /* at most; 0: as many as there are cores */
 } saltus_sweep_options;
 
 /* rtol 1e-10, atol 1e-14; nothing kept, one pass from reset, one seed, adaptive with at most 2000 periods,
- * 100 recorded, 8000 measured, longest period 20, all lanes and threads. */
+ * 100 recorded, 32000 measured, lifetime 10000, longest period 20, all lanes and threads. */
 saltus_sweep_options saltus_sweep_defaults(void);
 
 /* A sweep is made of a scene, its axes and its options, checked together; it is not changed by running. */
@@ -108,10 +109,11 @@ saltus_status saltus_sweep_scene_at(const saltus_sweep *sweep, long long point, 
 
 /* What is told of one trajectory. Measures are of the recorded periods. */
 typedef struct saltus_sweep_row {
-    int verdict;  /* saltus_verdict; quasi-periodic, chaotic and long-period only with SALTUS_KEEP_LYAPUNOV */
-    int impacts;  /* periodic: n per orbit, -1 where complete chatter makes it infinite; otherwise 0 */
-    int periods;  /* periodic: p */
-    int sticking; /* periodic: sticking intervals per orbit */
+    int verdict;   /* saltus_verdict; quasi-periodic, chaotic, transient, long-period and undecided only with
+                      SALTUS_KEEP_LYAPUNOV: a motion without a period is irregular otherwise */
+    int impacts;   /* periodic: n per orbit, -1 where complete chatter makes it infinite; otherwise 0 */
+    int periods;   /* periodic: p */
+    int sticking;  /* periodic: sticking intervals per orbit */
     int attractor; /* which of the distinct attractors met at this point in this pass, from 0 by seeds; all
                       chaotic motions of a point count as one, and so do all quasi-periodic, all unsettled
                       and all undecided ones; -1: failed */
@@ -125,6 +127,8 @@ typedef struct saltus_sweep_row {
     double lyapunov;       /* largest exponent per unit of time; NAN where not asked for, -INFINITY where all
                               directions are lost */
     double lyapunov_error; /* its standard error; 0 where an orbit's multipliers give it */
+    double lifetime_at_least; /* of chaos, in periods, with 95 % confidence; NAN where no positive exponent
+                                 was measured */
 } saltus_sweep_row;
 
 /* A row of which nothing but the verdict is known: no attractor, numbers NAN. */

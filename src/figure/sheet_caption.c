@@ -77,6 +77,10 @@ static void add_evidence(saltus_line *l, const saltus_motion *m) {
         add_fraction(l, e->broadband);
         separator = ";  ";
     }
+    if (e->lifetime_at_least > 0) {
+        saltus_line_add(l, "%smean lifetime at least %.0f {/:Italic T}", separator, e->lifetime_at_least);
+        separator = ";  ";
+    }
     saltus_line_add(l, "%s%.4g impacts per {/:Italic T}", separator, e->impacts_per_period);
 }
 

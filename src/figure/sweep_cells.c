@@ -139,11 +139,14 @@ static bool starts_beyond(const saltus_sweep_file *sweep, long long point) {
         if (pass == 0) {
             if (saltus_system_new(&spec, &system, NULL) != SALTUS_OK)
                 return false;
-            if (sweep->initial_count == saltus_system_dimension(system))
-                for (int i = 0; i < sweep->initial_count; i++)
-                    state[i] = sweep->initial[i];
-            else if (saltus_system_default_state(system, state, NULL) != SALTUS_OK)
+            bool open = sweep->initial_count != saltus_system_dimension(system);
+            for (int i = 0; i < sweep->initial_count; i++)
+                open = open || isnan(sweep->initial[i]);
+            if (open && saltus_system_default_state(system, state, NULL) != SALTUS_OK)
                 break;
+            for (int i = 0; i < sweep->initial_count; i++)
+                if (!isnan(sweep->initial[i]))
+                    state[i] = sweep->initial[i];
         }
     }
     for (int f = 0; f < saltus_system_face_count(system); f++)
@@ -200,7 +203,8 @@ saltus_paint saltus_class_paint(int verdict, int impacts, int periods) {
     static const uint32_t plain[SALTUS_VERDICTS] = {
         [SALTUS_PENDING] = 0xffffff,       [SALTUS_EQUILIBRIUM] = 0x5d7f8c, [SALTUS_HELD] = 0x4b5963,
         [SALTUS_QUASIPERIODIC] = 0xb4e3d6, [SALTUS_CHAOTIC] = 0x17171a,     [SALTUS_LONG_PERIOD] = 0x97939c,
-        [SALTUS_UNDECIDED] = 0xc6c6c6,     [SALTUS_FAILED] = 0xff2d78,      [SALTUS_TRANSIENT] = 0x6b6870};
+        [SALTUS_UNDECIDED] = 0xc6c6c6,     [SALTUS_FAILED] = 0xff2d78,      [SALTUS_TRANSIENT] = 0x6b6870,
+        [SALTUS_IRREGULAR] = 0xaeb0b4};
     static const struct {
         double hue, lightness; /* of one impact */
         unsigned texture;

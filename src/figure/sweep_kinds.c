@@ -55,7 +55,7 @@ static void add_shares(saltus_map *map) {
 
 void saltus_sweep_word_class(const saltus_sweep_file *sweep, const saltus_sweep_class *c, char label[64]) {
     bool measured = (sweep->options.keep & SALTUS_KEEP_LYAPUNOV) && sweep->options.measure > 0;
-    if (c->verdict == SALTUS_UNDECIDED && !measured)
+    if ((c->verdict == SALTUS_UNDECIDED || c->verdict == SALTUS_IRREGULAR) && !measured)
         snprintf(label, 64, "no period up to %d", sweep->options.longest);
     else if (c->verdict == SALTUS_LONG_PERIOD)
         snprintf(label, 64, "long period, or slow");

@@ -1,31 +1,75 @@
 /* Classification of a motion (model.md, section 4): what its trajectory settles on, or else what it is
  * without a period.
  * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "motion/long_period.h"
 #include "motion/options.h"
 #include "motion/search.h"
 
 #include <math.h>
+#include <stdio.h>
 
 enum {
     patience = 10 /* a motion without a period is judged after this part of the time it may take to settle */
 };
 
+/* Put what has been found in the motion's place, if it is settled. */
+static void take(saltus_motion *motion, saltus_motion *found) {
+    long long before = motion->transient;
+    if (!saltus_verdict_settled(found->verdict)) {
+        saltus_motion_clear(found);
+        return;
+    }
+    saltus_motion_clear(motion);
+    *motion = *found;
+    motion->transient += before;
+}
+
+/* Every difference dies in lasting contacts: look for the period from one to the same one, or say what keeps
+ * it from being known. */
+static saltus_status find_contact(saltus_search *s, saltus_motion *motion, saltus_message *message) {
+    saltus_motion found = {0};
+    long long periods;
+    bool rounding;
+    saltus_status status = saltus_motion_find_contact(s->system, s->options, motion->state, &found, &periods,
+                                                      &rounding, message);
+    if (status == SALTUS_OK && rounding)
+        snprintf(motion->reason, sizeof motion->reason,
+                 "superstable: every difference dies in a lasting contact, to which this run returns after "
+                 "%lld periods; in between neighbours separate so far that another tolerance gives another "
+                 "time: rounding decides the period",
+                 periods);
+    else if (status == SALTUS_OK && !periods)
+        snprintf(motion->reason, sizeof motion->reason,
+                 "superstable: every difference dies in a lasting contact, but the motion does not return to "
+                 "the same one within %lld periods (ten times --transient)",
+                 10 * s->options->transient);
+    take(motion, &found);
+    return status;
+}
+
 /* Nothing irregular goes on in the motion: look for longer periods than were asked for. */
 static saltus_status find_long_period(saltus_search *s, saltus_motion *motion, saltus_message *message) {
     saltus_classify_options options = *s->options;
     saltus_motion found = {0};
-    long long before = motion->transient;
     options.longest = SALTUS_LONGEST_PERIOD;
     options.transient = 8 * SALTUS_LONGEST_PERIOD;
     options.progress.show = NULL;
-    saltus_status status =
-        saltus_motion_find_period(s->system, motion->state, &options, true, &found, message);
-    if (status == SALTUS_OK && saltus_verdict_settled(found.verdict)) {
-        saltus_motion_clear(motion);
-        *motion = found;
-        motion->transient += before;
-    } else
+    saltus_status status = saltus_motion_find_locked(s->system, &options, motion->state, &found, message);
+    if (status == SALTUS_OK && !saltus_verdict_settled(found.verdict)) {
         saltus_motion_clear(&found);
+        status = saltus_motion_find_period(s->system, motion->state, &options, true, &found, message);
+    }
+    take(motion, &found);
+    if (status == SALTUS_OK && motion->lyapunov == -INFINITY && motion->verdict == SALTUS_UNDECIDED)
+        status = find_contact(s, motion, message);
+    return status;
+}
+
+/* A torus is only one if the motion is not locked. */
+static saltus_status look_for_locking(saltus_search *s, saltus_motion *motion, saltus_message *message) {
+    saltus_motion found = {0};
+    saltus_status status = saltus_motion_find_locked(s->system, s->options, motion->state, &found, message);
+    take(motion, &found);
     return status;
 }
 
@@ -36,17 +80,20 @@ static saltus_status judge(saltus_search *s, saltus_motion *motion, saltus_messa
     saltus_flow_state(s->flow, 0, motion->state);
     saltus_status status = saltus_motion_judge(s->system, o, motion, &outcome, message);
     bool regular = outcome == SALTUS_OUTCOME_REGULAR || outcome == SALTUS_OUTCOME_LEFT;
-    if (status != SALTUS_OK || motion->verdict != SALTUS_UNDECIDED)
+    if (status == SALTUS_OK && motion->verdict == SALTUS_QUASIPERIODIC)
+        return look_for_locking(s, motion, message);
+    bool open = motion->verdict == SALTUS_UNDECIDED || motion->verdict == SALTUS_IRREGULAR;
+    if (status != SALTUS_OK || !open)
         return status;
     if (s->settling.count < o->transient)
         status = saltus_search_run(s, o->transient, motion, message);
     if (status != SALTUS_OK || s->found || motion->verdict != SALTUS_UNDECIDED)
         return status;
     saltus_flow_state(s->flow, 0, motion->state);
-    if (regular && motion->evidence.left == 0)
+    if (outcome == SALTUS_OUTCOME_REGULAR)
         status = find_long_period(s, motion, message);
     if (status == SALTUS_OK && regular && motion->verdict == SALTUS_UNDECIDED)
-        motion->verdict = motion->evidence.left ? SALTUS_TRANSIENT : SALTUS_LONG_PERIOD;
+        motion->verdict = outcome == SALTUS_OUTCOME_LEFT ? SALTUS_TRANSIENT : SALTUS_LONG_PERIOD;
     return status;
 }
 
@@ -82,8 +129,10 @@ saltus_status saltus_motion_classify(const saltus_system *system, const double *
     else if (status == SALTUS_OK && !(saltus_verdict_settled(motion->verdict) && motion->multiplier_count))
         status = saltus_search_conclude(&s, motion, message);
     /* The extremes of a motion without a period are measured without a verdict, too. */
-    if (status == SALTUS_OK && motion->verdict == SALTUS_UNDECIDED && !judged && !s.stopped)
+    if (status == SALTUS_OK && motion->verdict == SALTUS_UNDECIDED && !judged && !s.stopped) {
+        motion->verdict = SALTUS_IRREGULAR;
         status = saltus_motion_survey(system, s.flow, motion, message);
+    }
     *stopped = s.stopped;
     saltus_search_close(&s);
     if (status != SALTUS_OK)

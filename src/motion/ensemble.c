@@ -169,8 +169,11 @@ static saltus_status take_sample(saltus_ensemble *e, int m, saltus_message *mess
     self->recent += self->growth.sample[0];
     self->samples++;
     saltus_flow_state(self->flow, self->lane, self->state);
-    if (m == 0 && e->points && self->samples <= e->room)
-        memcpy(e->points + (self->samples - 1) * e->n, self->state, (size_t)e->n * sizeof *self->state);
+    if (e->points && self->samples <= e->room) {
+        long long place = m * e->room + self->samples - 1;
+        memcpy(e->points + place * e->n, self->state, (size_t)e->n * sizeof *self->state);
+        e->growths[place] = self->growth.sample[0];
+    }
     return saltus_state_bounded(e->system, self->state, saltus_flow_time(self->flow, self->lane).cycle,
                                 message);
 }
@@ -288,11 +291,10 @@ void saltus_ensemble_record(const saltus_ensemble *e, saltus_estimate now, saltu
     history[(*count)++] = (saltus_lyapunov_progress){time, now.mean, now.standard_error};
 }
 
-saltus_estimate saltus_ensemble_half(const saltus_ensemble *e, int half) {
+saltus_estimate saltus_ensemble_part(const saltus_ensemble *e, double from, double to) {
     saltus_estimate each[SALTUS_MEMBERS_MAX] = {{0}};
     for (int m = 0; m < e->members; m++)
-        each[m] =
-            per_time(e, m, saltus_average_part(&e->member[m].averages[0], 0.5 * half, 0.5 * half + 0.5));
+        each[m] = per_time(e, m, saltus_average_part(&e->member[m].averages[0], from, to));
     return saltus_estimates_join(each, e->members);
 }
 

@@ -32,9 +32,11 @@ typedef struct saltus_ensemble {
     gsl_rng rng;
     long long transient; /* periods before the measurement */
     const volatile sig_atomic_t
-        *stop;      /* looked at in the transient, once a period, beside the flows' own; NULL: not */
-    bool stopped;   /* by it */
-    double *points; /* where the first member's section points go, `room` of them, or NULL; the owner's */
+        *stop;    /* looked at in the transient, once a period, beside the flows' own; NULL: not */
+    bool stopped; /* by it */
+    /* Where each member's section points go, `room` of them one member after the other, and the logarithms of
+     * the first vector's growth until each; NULL: nowhere. The owner's. */
+    double *points, *growths;
     long long room;
 } saltus_ensemble;
 
@@ -67,8 +69,8 @@ saltus_estimate saltus_ensemble_largest(const saltus_ensemble *ensemble);
  * there is no room every second entry goes. */
 void saltus_ensemble_record(const saltus_ensemble *ensemble, saltus_estimate now,
                             saltus_lyapunov_progress *history, int *count);
-/* The largest exponent over the first (0) or second half (1) of the run. */
-saltus_estimate saltus_ensemble_half(const saltus_ensemble *ensemble, int half);
+/* The largest exponent over a part of the run, 0 <= from < to <= 1. */
+saltus_estimate saltus_ensemble_part(const saltus_ensemble *ensemble, double from, double to);
 /* Whether the members' largest exponents scatter no more than their standard errors allow, or are within
  * `tolerance` of that of all. */
 bool saltus_ensemble_agrees(const saltus_ensemble *ensemble, double tolerance);

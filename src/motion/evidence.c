@@ -5,13 +5,17 @@
 #include "saltus/series.h"
 #include "saltus/spectrum.h"
 
+#include <gsl/gsl_cdf.h>
 #include <math.h>
 #include <stdlib.h>
 
+enum { least_watched = 500 }; /* periods, whatever the lifetime */
 static const double halves_errors = 2, halves_apart = 4;
 static const double zero_exponent = 2e-3; /* per period: what may be a torus */
 static const double slow_exponent = 1e-5; /* per period: what shrinks no faster may be a torus */
-static const double lines_only = 1e-2;    /* broadband part of a torus' section points */
+static const double zero_error = 5e-5;    /* per period: how well the exponent of a torus must be known */
+static const double confidence = 0.95;
+static const double lines_only = 1e-2; /* broadband part of a torus' section points */
 
 /* The observed displacement at the section points, or its rate where a contact holds the displacement. */
 static void observe(const saltus_system *system, const double *points, long long count, double *series) {
@@ -67,39 +71,59 @@ static saltus_status judge_points(const saltus_system *system, const double *val
     return status;
 }
 
+/* Whether the exponent is zero as far as it is known, and it is known so well that neither the weak chaos nor
+ * the locking of motions nearby hides in its error: these have exponents of some 1e-4 per period. */
+static bool may_be_zero(const saltus_runs *r) {
+    return fabs(r->all.mean) * r->period < zero_exponent &&
+           fabs(r->all.mean) < SALTUS_SIGNIFICANT * r->all.standard_error + slow_exponent / r->period &&
+           r->all.standard_error * r->period < zero_error;
+}
+
 static bool positive(const saltus_estimate *estimate, double errors) {
     return estimate->mean > errors * estimate->standard_error;
 }
 
-/* The whole run and both its halves have a positive exponent. */
+/* The whole run, both its halves and what came last have a positive exponent. */
 static bool all_positive(const saltus_runs *r) {
     return positive(&r->all, SALTUS_SIGNIFICANT) && positive(&r->first, halves_errors) &&
-           positive(&r->second, halves_errors);
+           positive(&r->second, halves_errors) && r->latest > 0;
+}
+
+double saltus_lifetime_at_least(double watched, int left) {
+    return 2 * watched / gsl_cdf_chisq_Pinv(confidence, 2.0 * (left + 1));
+}
+
+/* Chaos, if neighbours must have come apart: before they have, all trajectories may still be near one
+ * unstable orbit, which they leave slowly; and if it has been watched for its lifetime. */
+static saltus_outcome weigh_chaos(const saltus_runs *r) {
+    bool settled = fabs(r->first.mean - r->second.mean) <
+                   halves_apart * hypot(r->first.standard_error, r->second.standard_error);
+    bool apart = r->all.mean * r->period * (double)(r->watched / r->members) >= SALTUS_APART;
+    if (!settled || !apart || !all_positive(r))
+        return SALTUS_OUTCOME_OPEN;
+    bool enough =
+        r->watched >= least_watched && saltus_lifetime_at_least((double)r->watched, 0) >= (double)r->lifetime;
+    return enough ? SALTUS_OUTCOME_CHAOS : SALTUS_OUTCOME_SHORT;
 }
 
 saltus_outcome saltus_runs_weigh(const saltus_runs *r) {
-    bool settled = fabs(r->first.mean - r->second.mean) <
-                   halves_apart * hypot(r->first.standard_error, r->second.standard_error);
     bool shrinks =
         r->all.mean < -SALTUS_SIGNIFICANT * r->all.standard_error && -r->all.mean * r->period > slow_exponent;
     if (r->lost || (shrinks && r->first.mean < 0 && r->second.mean < 0))
         return SALTUS_OUTCOME_REGULAR;
-    if (fabs(r->all.mean) * r->period < zero_exponent)
-        return SALTUS_OUTCOME_TORUS;
-    return r->enough && settled && all_positive(r) ? SALTUS_OUTCOME_CHAOS : SALTUS_OUTCOME_OPEN;
+    saltus_outcome chaos = weigh_chaos(r);
+    return chaos == SALTUS_OUTCOME_OPEN && may_be_zero(r) ? SALTUS_OUTCOME_TORUS : chaos;
 }
 
-saltus_status saltus_runs_ask_points(const saltus_runs *r, const saltus_system *system, const double *points,
-                                     long long count, saltus_opinions opinions, saltus_evidence *evidence,
-                                     saltus_outcome *outcome, saltus_message *message) {
+saltus_status saltus_points_ask(const saltus_system *system, const double *points, long long count,
+                                saltus_opinions opinions, saltus_evidence *evidence, saltus_outcome *outcome,
+                                saltus_message *message) {
     saltus_status status = judge_points(system, points, count, opinions, evidence, message);
-    if (status != SALTUS_OK || (*outcome != SALTUS_OUTCOME_TORUS && *outcome != SALTUS_OUTCOME_CHAOS))
+    if (status != SALTUS_OK || *outcome != SALTUS_OUTCOME_TORUS)
         return status;
     /* The points of an orbit that is approached slowly have a spectrum of lines and keep their neighbours,
      * too, but their dimension is zero. */
-    if (evidence->curves > 0 && evidence->broadband < lines_only && !(evidence->dimension < 0.5))
-        *outcome = SALTUS_OUTCOME_TORUS;
-    else if (*outcome == SALTUS_OUTCOME_TORUS)
-        *outcome = r->enough && all_positive(r) ? SALTUS_OUTCOME_CHAOS : SALTUS_OUTCOME_OPEN;
+    if (!(evidence->curves > 0 && evidence->broadband < lines_only && !(evidence->dimension < 0.5)))
+        *outcome = SALTUS_OUTCOME_OPEN;
     return SALTUS_OK;
 }

@@ -61,7 +61,7 @@ void saltus_lyapunov_clear(saltus_lyapunov *l) {
 
 /* How far the two halves of the run are apart, and how many standard errors that is. */
 static double drift(const saltus_ensemble *e, double *errors) {
-    saltus_estimate first = saltus_ensemble_half(e, 0), second = saltus_ensemble_half(e, 1);
+    saltus_estimate first = saltus_ensemble_part(e, 0, 0.5), second = saltus_ensemble_part(e, 0.5, 1);
     double apart = fabs(first.mean - second.mean);
     *errors = apart > 0 ? apart / hypot(first.standard_error, second.standard_error) : 0;
     return apart;
@@ -177,7 +177,7 @@ static void tell_exponents(const saltus_ensemble *e, saltus_lyapunov *l) {
             l->independent = estimate.independent;
     }
     for (int half = 0; half < 2; half++) {
-        saltus_estimate part = saltus_ensemble_half(e, half);
+        saltus_estimate part = saltus_ensemble_part(e, 0.5 * half, 0.5 * half + 0.5);
         l->half[half] = all ? -INFINITY : part.mean;
         l->half_errors[half] = all ? 0 : part.standard_error;
     }

@@ -22,7 +22,9 @@ void saltus_motion_forget_evidence(saltus_motion *m) {
                                     .dimension = NAN,
                                     .dimension_error = NAN,
                                     .broadband = NAN,
-                                    .impacts_per_period = NAN};
+                                    .impacts_per_period = NAN,
+                                    .lifetime_at_least = NAN,
+                                    .lifetime = NAN};
 }
 
 bool saltus_motion_open(const saltus_system *system, const saltus_flow_options *flow, saltus_motion *motion) {

@@ -13,9 +13,15 @@
 static const saltus_option classify_choices[] = {
     {MEMBER(transient, "T", "periods to wait at most for the motion to settle", SALTUS_LONG),
      .fallback = 20000, .low = 1, .high = 1e12, .flag = "--transient", .argument = "n"},
-    {MEMBER(measure, "T", "without a period: periods at most to measure an exponent over; 0: undecided",
+    {MEMBER(measure, "T", "without a period: periods at most to measure an exponent over; 0: irregular",
             SALTUS_LONG),
      .fallback = 256000, .high = 1e12, .flag = "--measure", .argument = "n"},
+    {MEMBER(
+         lifetime, "T",
+         "chaos is asserted where its mean lifetime is at least so many periods (95 %); it takes three times "
+         "as many to watch",
+         SALTUS_LONG),
+     .fallback = 10000, .high = 1e11, .flag = "--lifetime", .argument = "n"},
     {MEMBER(longest, "T", "longest period tried, in forcing periods", SALTUS_INT), .fallback = 64, .low = 1,
      .high = SALTUS_LONGEST_PERIOD, .flag = "--longest", .argument = "p"},
     SALTUS_FLOW_CHOICES(saltus_classify_options, flow., 1e-13, 1e-16),

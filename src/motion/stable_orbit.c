@@ -2,61 +2,111 @@
  *
  * In a window of periodic motion chaos is a transient, which may last for hundreds of thousands of periods.
  * The orbit that it ends on is there all the time: Newton's method from close returns finds it long before
- * the trajectory does. Plain steps on the stroboscopic map, given up as soon as they do not converge, make
- * this cheap; what converges is confirmed by saltus_orbit_find.
+ * the trajectory does. Mostly it finds the unstable orbit that was born together with the stable one and
+ * bounds its basin, as trajectories come near this one more often: what leaves an unstable orbit on either
+ * side along its unstable direction is followed, and comes to the stable one. Returns over which tangent
+ * vectors have grown much belong to other orbits, of which there are the more the longer their period: they
+ * are passed over without any work. Plain steps on the stroboscopic map, given up as soon as they do not
+ * converge, try what is left; what is found is confirmed by saltus_orbit_find.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "motion/stable_orbit.h"
 
 #include "motion/motion.h"
 #include "orbit/fixed_point.h"
-#include "orbit/returns.h"
 
-#include <gsl/gsl_sort.h>
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 enum {
-    longest = 12,
-    most = 200,      /* returns of period 1 that are tried, fewer of longer periods, ... */
-    fewest = 5,      /* ... but so many at least */
-    steps = 10,      /* of Newton's method */
-    bisections = 6,  /* on the way from an orbit to the points */
-    probes = 64,     /* points that stand for all */
-    wait_most = 200, /* periods */
-    remembered = 8
+    longest = 64,
+    most = 200,     /* returns of period 1 that are tried, fewer of longer periods, ... */
+    fewest = 5,     /* ... but so many at least */
+    kept = 400,     /* returns, of which those to orbits that have been tried are passed over */
+    steps = 8,      /* of Newton's method */
+    turns = 12,     /* by which the unstable direction is found */
+    leaving = 40,   /* cycles in which what leaves an unstable orbit comes to a stable one */
+    bisections = 6, /* on the way from an orbit to the points */
+    probes = 64,    /* points that stand for all */
+    neighbours = 16,
+    wait_most = 200, /* periods, or so many of the orbit's where these are more: */
+    wait_cycles = 12,
+    remembered = 1024 /* points of orbits that have been tried, the last ones */
 };
 static const double converged = 1e-6, hopeless = 10;
-/* An orbit counts if its basin comes this near to the points: within so many distances of neighbouring
- * points, or such a part of their extent. */
-static const double spacings = 16, part_of_extent = 0.06;
+static const double near_return = 0.2; /* of the points' extent: no return is farther */
+static const double same_return = 0.3; /* of their distance: returns as near to each other lead to the same */
+static const double may_shrink = 8;    /* logarithm of a growth: beside a greater one no orbit is stable */
+static const double step_aside = 1e-3; /* from an unstable orbit, relative to the system's scales */
+/* An orbit counts if its basin comes as near to the points as so many times what the point nearest to it has
+ * to its neighbour of that number. */
+static const double spacings = 12;
 
 typedef struct search {
     const saltus_system *system;
     const saltus_flow_options *flow;
-    const double *points;
-    long long count;
-    int n;
-    double extent;                                 /* of the points */
-    double rejected[remembered][SALTUS_STATE_MAX]; /* points of stable orbits far from these, the last ones */
-    int rejections;                                /* how many there were */
+    const saltus_track *tracks;
+    int track_count, n;
+    double extent;      /* of the points */
+    saltus_flow *plain; /* without columns */
+    double *tried;      /* points of orbits that have been tried, `remembered` x n, and their periods */
+    int tried_periods[remembered];
+    long long tried_count;
 } search;
 
-static bool was_rejected(const search *s, const double *state) {
-    for (int k = 0; k < s->rejections && k < remembered; k++)
-        if (saltus_system_distance(s->system, state, s->rejected[k]) < 10 * converged)
+/* Distance of two points, INFINITY beyond a limit. */
+static double distance_within(const search *s, const double *a, const double *b, double limit) {
+    const double *scale = saltus_system_scale(s->system);
+    double largest = 0;
+    for (int i = 0; i < s->n; i++) {
+        largest = fmax(largest, fabs(a[i] - b[i]) / scale[i]);
+        if (!(largest < limit))
+            return INFINITY;
+    }
+    return largest;
+}
+
+/* One more period, or several, from a state at phase 0. */
+static bool advance(const search *s, int periods, double *state) {
+    saltus_event event;
+    bool sound = saltus_flow_start(s->plain, 0, (saltus_time){0, 0}, state, NULL) == SALTUS_OK &&
+                 saltus_flow_advance(s->plain, (saltus_time){periods, 0}, 0, &event, NULL) == SALTUS_OK;
+    if (sound)
+        saltus_flow_state(s->plain, 0, state);
+    return sound;
+}
+
+/* Whether a state lies on an orbit that has been tried, to within a distance. */
+static bool was_tried(const search *s, int p, const double *state, double distance) {
+    for (long long k = 0; k < s->tried_count && k < remembered; k++)
+        if (p % s->tried_periods[k] == 0 &&
+            distance_within(s, state, s->tried + k * s->n, distance) < distance)
             return true;
     return false;
 }
 
-/* Newton's method from a point: does it lead to a stable fixed point of the map? It is given up where it
- * leaves the points: far out a single period can take as long as a million of the motion's. */
-static bool leads_to_stable(const search *s, saltus_fixed_point *f, const double *point) {
+/* Remember the points of an orbit. */
+static void remember(search *s, int p, const double *on_orbit) {
+    double state[SALTUS_STATE_MAX];
+    memcpy(state, on_orbit, (size_t)s->n * sizeof *state);
+    for (int k = 0; k < p; k++) {
+        long long place = s->tried_count++ % remembered;
+        memcpy(s->tried + place * s->n, state, (size_t)s->n * sizeof *state);
+        s->tried_periods[place] = p;
+        if (!advance(s, 1, state))
+            return;
+    }
+}
+
+/* Newton's method from a point to a fixed point of the map. It is given up where it leaves the points: far
+ * out a single period can take as long as a million of the motion's. */
+static bool finds_orbit(const search *s, saltus_fixed_point *f, const double *point) {
     double before = INFINITY;
     memcpy(f->state, point, (size_t)s->n * sizeof *point);
     for (int k = 0; k < steps; k++) {
         double residual = saltus_fixed_point_residual(f);
         if (residual < converged)
-            return !(saltus_fixed_point_multiplier(f) >= 0) && !was_rejected(s, f->state);
+            return true;
         if (!(residual < hopeless * before) || saltus_fixed_point_step(f) == INFINITY ||
             !(saltus_system_distance(s->system, f->state, point) < s->extent))
             return false;
@@ -65,114 +115,240 @@ static bool leads_to_stable(const search *s, saltus_fixed_point *f, const double
     return false;
 }
 
-/* Distance of a point to the nearest of the trajectory's points but `self` (-1: of all), and which that is.
- */
-static double nearest(const search *s, const double *point, long long self, long long *which) {
-    double least = INFINITY;
-    for (long long k = 0; k < s->count; k++) {
-        double d = k == self ? INFINITY : saltus_system_distance(s->system, point, s->points + k * s->n);
-        if (d < least) {
-            least = d;
-            *which = k;
+/* The direction in which the map's derivative grows most, in the system's scales, of length 1. */
+static void unstable_direction(const search *s, const saltus_fixed_point *f, double *direction) {
+    double image[SALTUS_STATE_MAX];
+    for (int i = 0; i < s->n; i++)
+        direction[i] = 1;
+    for (int turn = 0; turn < turns; turn++) {
+        double length = 0;
+        for (int i = 0; i < s->n; i++) {
+            image[i] = 0;
+            for (int j = 0; j < s->n; j++)
+                image[i] += f->derivative[i * s->n + j] * direction[j];
+            length = fmax(length, fabs(image[i]));
         }
+        for (int i = 0; i < s->n && length > 0; i++)
+            direction[i] = image[i] / length;
     }
-    return least;
 }
 
-/* What distance from the points is near. */
-static double near_enough(const search *s) {
-    double spacing[probes];
-    long long which;
-    for (int k = 0; k < probes; k++) {
-        long long place = s->count * k / probes;
-        spacing[k] = nearest(s, s->points + place * s->n, place, &which);
+/* Follow what leaves an unstable orbit on one side; the periods of the stable orbit that it comes to, its own
+ * or twice as many, and the state there; 0: it goes elsewhere. */
+static int follow_away(const search *s, const saltus_fixed_point *f, int p, const double *direction,
+                       double step, double *state) {
+    double last[2][SALTUS_STATE_MAX];
+    size_t size = (size_t)s->n * sizeof *state;
+    for (int i = 0; i < s->n; i++)
+        state[i] = f->state[i] + step * direction[i] * f->scale[i];
+    saltus_state_admit(s->system, state);
+    for (int cycle = 0; cycle < leaving; cycle++) {
+        memcpy(last[cycle % 2], state, size);
+        if (!advance(s, p, state) || distance_within(s, state, f->state, near_return * s->extent) == INFINITY)
+            return 0;
     }
-    gsl_sort(spacing, 1, probes);
-    return fmax(spacings * spacing[probes / 2], part_of_extent * s->extent);
+    if (saltus_system_distance(s->system, state, f->state) < step_aside)
+        return 0;
+    for (int back = 1; back <= 2; back++)
+        if (saltus_system_distance(s->system, state, last[(leaving - back) % 2]) < step_aside)
+            return back * p;
+    return 0;
+}
+
+/* What leaves an unstable orbit, on either side. */
+static int partner(const search *s, const saltus_fixed_point *f, int p, double *state) {
+    double direction[SALTUS_STATE_MAX];
+    unstable_direction(s, f, direction);
+    int periods = follow_away(s, f, p, direction, step_aside, state);
+    return periods ? periods : follow_away(s, f, p, direction, -step_aside, state);
+}
+
+/* The nearest of all tracks' points, and its distance. */
+static const double *nearest(const search *s, const double *point, double *distance) {
+    const double *place = NULL;
+    *distance = INFINITY;
+    for (int t = 0; t < s->track_count; t++)
+        for (long long k = 0; k < s->tracks[t].count; k++) {
+            const double *other = s->tracks[t].points + k * s->n;
+            double d = distance_within(s, point, other, *distance);
+            if (d < *distance) {
+                *distance = d;
+                place = other;
+            }
+        }
+    return place;
+}
+
+static double extent_of(const search *s) {
+    const saltus_track *first = &s->tracks[0];
+    double extent = 0;
+    for (int k = 0; k < probes; k++) {
+        const double *point = first->points + first->count * k / probes * s->n;
+        extent = fmax(extent, saltus_system_distance(s->system, point, first->points));
+    }
+    return extent;
+}
+
+/* Distance of a point to its neighbour of number `neighbours` among all tracks' points. */
+static double spacing_at(const search *s, const double *point) {
+    double nearest_ones[neighbours + 1]; /* the point itself is the first */
+    int used = 0;
+    for (int t = 0; t < s->track_count; t++)
+        for (long long k = 0; k < s->tracks[t].count; k++) {
+            double limit = used <= neighbours ? INFINITY : nearest_ones[neighbours],
+                   d = distance_within(s, point, s->tracks[t].points + k * s->n, limit);
+            if (!(d < limit))
+                continue;
+            int place = used <= neighbours ? used++ : neighbours;
+            for (; place > 0 && nearest_ones[place - 1] > d; place--)
+                nearest_ones[place] = nearest_ones[place - 1];
+            nearest_ones[place] = d;
+        }
+    return nearest_ones[used - 1];
 }
 
 /* Whether a state comes to the orbit: to a tenth of its distance, in the time which that takes by the orbit's
  * multipliers. */
-static bool captured(const search *s, saltus_flow *flow, const saltus_motion *orbit, const double *from,
-                     double distance) {
+static bool captured(const search *s, const saltus_motion *orbit, const double *from, double distance) {
     double cycles = log(0.05) / fmin(orbit->multipliers[0].log_modulus, -1e-3), end[SALTUS_STATE_MAX];
-    long long wait = orbit->periods * (20 + (long long)cycles);
-    saltus_event event;
-    saltus_time until = {wait < wait_most ? wait : wait_most, 0};
-    if (saltus_flow_start(flow, 0, (saltus_time){0, 0}, from, NULL) != SALTUS_OK ||
-        saltus_flow_advance(flow, until, 0, &event, NULL) != SALTUS_OK)
-        return false;
-    saltus_flow_state(flow, 0, end);
-    return saltus_orbit_passes(s->system, orbit->section_states, orbit->periods, end, 0.1 * distance);
+    int wait = orbit->periods * (20 + (int)cycles), limit = wait_cycles * orbit->periods;
+    limit = limit > wait_most ? limit : wait_most;
+    memcpy(end, from, (size_t)s->n * sizeof *end);
+    return advance(s, wait < limit ? wait : limit, end) &&
+           saltus_orbit_passes(s->system, orbit->section_states, orbit->periods, end, 0.1 * distance);
 }
 
-/* How near to the points the orbit's basin reaches, on the way from the orbit to the nearest of them. */
-static double distance_of_basin(const search *s, saltus_flow *flow, const saltus_motion *orbit) {
+/* Whether the orbit's basin reaches near the points, on the way from the orbit to the nearest of them. */
+static bool lies_amid(const search *s, const saltus_motion *orbit) {
     double least = INFINITY, low = 0, high = 1, state[SALTUS_STATE_MAX];
     const double *from = NULL, *to = NULL;
     for (int k = 0; k < orbit->periods; k++) {
         const double *point = orbit->section_states + (size_t)k * (size_t)s->n;
-        long long which = 0;
-        double d = nearest(s, point, -1, &which);
+        double d;
+        const double *there = nearest(s, point, &d);
         if (d < least) {
             least = d;
             from = point;
-            to = s->points + which * s->n;
+            to = there;
         }
     }
     for (int k = 0; k < bisections; k++) {
         double middle = 0.5 * (low + high);
         for (int i = 0; i < s->n; i++)
             state[i] = from[i] + middle * (to[i] - from[i]);
-        *(captured(s, flow, orbit, state, middle * least) ? &low : &high) = middle;
+        *(captured(s, orbit, state, middle * least) ? &low : &high) = middle;
     }
-    return (1 - low) * least;
+    return (1 - low) * least < spacings * spacing_at(s, to);
 }
 
-/* The closest returns after p periods; short periods, whose trials cost little, get more of them. */
-static saltus_status try_period(search *s, saltus_returns *returns, int p, saltus_motion *motion, bool *found,
+/* The closest returns of a period, in order. */
+typedef struct returns {
+    int room, count;
+    double distance[kept];
+    const double *point[kept];
+} returns;
+
+/* Keep a return if it is among the closest; of neighbours, which lead to the same orbit, the closer one. */
+static void keep(const search *s, returns *r, double distance, const double *point) {
+    int place = r->count;
+    for (int k = 0; k < r->count; k++)
+        if (distance_within(s, r->point[k], point, same_return * fmax(distance, r->distance[k])) < INFINITY) {
+            place = k;
+            break;
+        }
+    if (place < r->count && r->distance[place] <= distance)
+        return;
+    if (place == r->room)
+        place--;
+    else if (place == r->count)
+        r->count++;
+    for (; place > 0 && r->distance[place - 1] > distance; place--) {
+        r->distance[place] = r->distance[place - 1];
+        r->point[place] = r->point[place - 1];
+    }
+    r->distance[place] = distance;
+    r->point[place] = point;
+}
+
+/* The closest returns after p periods from which tangent vectors have not grown much. */
+static void collect(const search *s, int p, returns *r) {
+    *r = (returns){.room = kept / p > 4 * fewest ? kept / p : 4 * fewest};
+    for (int t = 0; t < s->track_count; t++) {
+        const saltus_track *track = &s->tracks[t];
+        double growth = 0;
+        for (long long k = 1; k < track->count; k++) {
+            growth += track->growths[k] - (k > p ? track->growths[k - p] : 0);
+            if (k < p || growth > may_shrink)
+                continue;
+            const double *from = track->points + (k - p) * s->n;
+            double limit = r->count == r->room ? r->distance[r->count - 1] : near_return * s->extent,
+                   distance = distance_within(s, from, track->points + k * s->n, limit);
+            if (distance < limit)
+                keep(s, r, distance, from);
+        }
+    }
+}
+
+/* Newton's method from a return: the stable orbit that it finds, or that lies beside the one that it finds.
+ */
+static saltus_status try_return(search *s, saltus_fixed_point *f, int p, const double *point,
+                                saltus_motion *motion, bool *found, saltus_message *message) {
+    saltus_classify_options options = saltus_classify_defaults();
+    double state[SALTUS_STATE_MAX];
+    options.flow = *s->flow;
+    *found = false;
+    if (!finds_orbit(s, f, point) || was_tried(s, p, f->state, 10 * converged))
+        return SALTUS_OK;
+    int periods = p;
+    memcpy(state, f->state, (size_t)s->n * sizeof *state);
+    if (saltus_fixed_point_multiplier(f) >= 0)
+        periods = partner(s, f, p, state);
+    remember(s, p, f->state);
+    if (!periods)
+        return SALTUS_OK;
+    saltus_status status = saltus_motion_polish(s->system, periods, state, INFINITY, &options, motion);
+    *found = status == SALTUS_OK && lies_amid(s, motion);
+    if (status == SALTUS_OK && !*found)
+        saltus_motion_clear(motion);
+    return status == SALTUS_NO_MEMORY ? saltus_fail(message, status, "no memory for an orbit") : SALTUS_OK;
+}
+
+static saltus_status try_period(search *s, int p, saltus_motion *motion, bool *found,
                                 saltus_message *message) {
     int tries = most / p > fewest ? most / p : fewest;
-    saltus_classify_options options = saltus_classify_defaults();
-    options.flow = *s->flow;
+    returns r;
     saltus_fixed_point f;
-    saltus_return closest;
+    collect(s, p, &r);
+    if (!r.count)
+        return SALTUS_OK;
     saltus_status status = saltus_fixed_point_open(&f, s->system, p, s->flow, message);
-    for (int k = 0; k < tries && !*found && status == SALTUS_OK && saltus_returns_next(returns, p, &closest);
-         k++) {
-        saltus_flow *flow = NULL;
-        if (!leads_to_stable(s, &f, closest.state) ||
-            saltus_motion_polish(s->system, p, f.state, INFINITY, &options, motion) != SALTUS_OK)
-            continue;
-        memcpy(s->rejected[s->rejections++ % remembered], f.state, (size_t)s->n * sizeof *f.state);
-        status = saltus_flow_single(s->system, 0, s->flow, &flow, message);
-        *found = status == SALTUS_OK && distance_of_basin(s, flow, motion) < near_enough(s);
-        saltus_flow_free(flow);
-        if (!*found)
-            saltus_motion_clear(motion);
-    }
+    for (int k = 0; k < r.count && tries > 0 && !*found && status == SALTUS_OK; k++)
+        if (!was_tried(s, p, r.point[k], 2 * r.distance[k])) {
+            status = try_return(s, &f, p, r.point[k], motion, found, message);
+            tries--;
+        }
     saltus_fixed_point_close(&f);
     return status;
 }
 
 saltus_status saltus_stable_orbit_among(const saltus_system *system, const saltus_flow_options *flow,
-                                        const double *points, long long count, saltus_motion *motion,
+                                        const saltus_track *tracks, int track_count, saltus_motion *motion,
                                         bool *found, saltus_message *message) {
     search s = {.system = system,
                 .flow = flow,
-                .points = points,
-                .count = count,
+                .tracks = tracks,
+                .track_count = track_count,
                 .n = saltus_system_dimension(system)};
-    saltus_returns *returns = NULL;
     *found = false;
     *motion = (saltus_motion){0};
-    for (int k = 0; k < probes; k++)
-        s.extent = fmax(s.extent, saltus_system_distance(system, points + count * k / probes * s.n, points));
-    saltus_status status = saltus_returns_new(system, longest, most, INFINITY, &returns, message);
-    for (long long k = 0; k < count && status == SALTUS_OK; k++)
-        saltus_returns_add(returns, points + k * s.n);
+    s.tried = malloc((size_t)remembered * (size_t)s.n * sizeof *s.tried);
+    saltus_status status = s.tried ? saltus_flow_single(system, 0, flow, &s.plain, message)
+                                   : saltus_fail(message, SALTUS_NO_MEMORY, "no memory for orbits");
+    if (status == SALTUS_OK)
+        s.extent = extent_of(&s);
     for (int p = 1; p <= longest && status == SALTUS_OK && !*found; p++)
-        status = try_period(&s, returns, p, motion, found, message);
-    saltus_returns_free(returns);
+        status = try_period(&s, p, motion, found, message);
+    saltus_flow_free(s.plain);
+    free(s.tried);
     return status;
 }

@@ -16,6 +16,7 @@ const saltus_word saltus_verdict_words[] = {{"pending", SALTUS_PENDING},
                                             {"undecided", SALTUS_UNDECIDED},
                                             {"failed", SALTUS_FAILED},
                                             {"transient", SALTUS_TRANSIENT},
+                                            {"irregular", SALTUS_IRREGULAR},
                                             {NULL, 0}};
 
 const char *saltus_verdict_word(saltus_verdict verdict) {

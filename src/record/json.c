@@ -108,7 +108,12 @@ static void put_states(FILE *file, const saltus_motion *motion) {
     fputc(']', file);
 }
 
+/* Complete chatter makes them infinite: how many are simulated one by one depends on the tolerance. */
 static void put_impact_counts(FILE *file, const saltus_system *system, const saltus_motion *motion) {
+    if (motion->impacts < 0) {
+        fputs(", \"impacts_by_side\": null, \"impacts_by_stop\": null", file);
+        return;
+    }
     int stops = saltus_system_spec(system)->stop_count;
     long long sides[2] = {0, 0}, by_stop[SALTUS_STOPS_MAX][2] = {{0}};
     for (int f = 0; f < saltus_system_face_count(system); f++) {
@@ -272,6 +277,8 @@ void saltus_write_motion_json(FILE *file, const saltus_scene *scene, const saltu
     put_sum_rule(file, motion);
     saltus_json_member(file, "lyapunov", motion->lyapunov);
     saltus_json_member(file, "lyapunov_standard_error", motion->lyapunov_error);
+    if (!saltus_verdict_settled(motion->verdict))
+        saltus_json_member(file, "lifetime_at_least", motion->evidence.lifetime_at_least);
     put_evidence(file, motion);
     saltus_json_contact_force(file, system, motion->verdict == SALTUS_HELD ? motion->contact_force : NULL,
                               NULL);

@@ -32,7 +32,7 @@ static void put_options(saltus_h5 *w, const saltus_sweep_file *head) {
         snprintf(name, sizeof name, "spacing%d", k + 1);
         saltus_h5_text(w, group, name, saltus_word_of(saltus_spacing_words, (int)head->axes[k].spacing));
     }
-    saltus_h5_reals(w, group, "initial", "the scene's initial state; empty: the system's default",
+    saltus_h5_reals(w, group, "initial", "the scene's initial state; empty, and NaN: the system's default",
                     head->initial, head->initial_count);
     saltus_h5_close(group);
 }

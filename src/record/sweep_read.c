@@ -81,8 +81,12 @@ static saltus_status read_options(reader *r) {
 static saltus_status read_axes(reader *r) {
     saltus_sweep_file *made = r->made;
     double *initial = NULL;
-    saltus_status status = saltus_h5_get_reals(&r->h5, "sweep", "initial", SALTUS_SCENE_STATE_MAX, true,
+    saltus_status status = saltus_h5_get_reals(&r->h5, "sweep", "initial", SALTUS_SCENE_STATE_MAX, false,
                                                &made->initial_count, &initial);
+    /* NaN is what the scene leaves open. */
+    for (int i = 0; status == SALTUS_OK && i < made->initial_count; i++)
+        if (isinf(initial[i]))
+            status = saltus_h5_refuse_part(&r->h5, "sweep", "initial");
     if (status == SALTUS_OK)
         memcpy(made->initial, initial, (size_t)made->initial_count * sizeof *initial);
     free(initial);

@@ -182,6 +182,12 @@ static void put_evidence(FILE *file, const saltus_motion *motion) {
             fprintf(file, ", correlation dimension %.2f +- %.2f", e->dimension, e->dimension_error);
         fputc('\n', file);
     }
+    if (e->lifetime_at_least > 0) {
+        fprintf(file, "  %-14sat least %.0f periods in the mean (95 %%)", "lifetime", e->lifetime_at_least);
+        if (e->lifetime > 0)
+            fprintf(file, ", %.3g by the escape of %d of %d trajectories", e->lifetime, e->left, e->members);
+        fputc('\n', file);
+    }
     fprintf(file, "  %-14s%.4g per forcing period\n", "impacts", e->impacts_per_period);
 }
 

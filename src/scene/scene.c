@@ -4,6 +4,7 @@
 #include "system/system.h"
 
 #include <errno.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -123,4 +124,21 @@ const char *saltus_scene_builtin_name(int k) {
 
 const char *saltus_scene_builtin_text(int k) {
     return k >= 0 && k < saltus_builtin_count ? saltus_builtins[k].text : NULL;
+}
+
+saltus_status saltus_scene_state(const saltus_scene *scene, const saltus_system *system, double *state,
+                                 saltus_message *message) {
+    int n = saltus_system_dimension(system), open = n;
+    if (scene->initial_count && scene->initial_count != n)
+        return saltus_fail(message, SALTUS_BAD_INPUT, "%s: initial state has %d entries, the system needs %d",
+                           scene->name, scene->initial_count, n);
+    for (int i = 0; i < scene->initial_count; i++)
+        open -= !isnan(scene->initial[i]);
+    saltus_status status = open ? saltus_system_default_state(system, state, message) : SALTUS_OK;
+    if (status != SALTUS_OK || open == n)
+        return status;
+    for (int i = 0; i < n; i++)
+        if (!isnan(scene->initial[i]))
+            state[i] = scene->initial[i];
+    return saltus_system_check_state(system, state, message);
 }

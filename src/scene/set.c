@@ -8,6 +8,7 @@
 
 #include "system/system.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -147,8 +148,11 @@ static saltus_status set_initial(saltus_scene *scene, int list, int number, cons
         return saltus_fail_at(message, SALTUS_BAD_INPUT, (saltus_fault){.key = s->key},
                               "%s: the initial state has %d entr%s %s", s->key, room[list],
                               room[list] == 1 ? "y" : "ies", saltus_initial_keys[list]);
+    /* What is not set is the system's own, which is not known before all is set. */
     if (scene->initial_count == 0)
         memset(scene->initial, 0, sizeof scene->initial);
+    for (int i = 0; i < dimension && scene->initial_count == 0; i++)
+        scene->initial[i] = NAN;
     scene->initial_count = dimension;
     scene->initial[first[list] + number - 1] = value;
     return SALTUS_OK;

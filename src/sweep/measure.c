@@ -1,15 +1,15 @@
 /* What a motion without a period is, by its largest exponent.
  *
  * A tangent vector is carried along in runs that are doubled; after each the exponent is weighed as
- * classification does (motion/evidence.h), but from one trajectory and from fewer periods. Chaos is asserted
- * from an eighth of the periods that may be measured, and where both halves of them tell it. A negative
- * exponent means that a period must show: the trajectory is given at most the time that it had to settle once
- * more.
- * An exponent of zero may belong to a torus: then its section points are collected and asked.
+ * classification does (motion/evidence.h), but from one trajectory. Where chaos has not been watched for long
+ * enough to be asserted the row is irregular. A negative exponent means that a period must show: the
+ * trajectory is given at most the time that it had to settle once more. An exponent of zero may belong to a
+ * torus: then the section points are asked.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "sweep/sweep.h"
 
 #include "motion/evidence.h"
+#include "motion/stable_orbit.h"
 
 #include <float.h>
 #include <math.h>
@@ -17,12 +17,15 @@
 #include <string.h>
 
 enum {
-    align = 50,      /* periods in which the vector turns into the direction that grows */
-    first_run = 250, /* then doubled */
-    least_chaos = 500,
-    assertion = 8, /* chaos is asserted from this part of the periods that may be measured, */
-    least_points = 1500,
-    most_points = 4096,
+    align = 50,        /* periods in which the vector turns into the direction that grows */
+    first_run = 250,   /* then doubled */
+    least_given = 500, /* where nothing but the exponent is lacking, and this part of what may be measured */
+    part_given = 8,
+    least_points = 1500, /* that tell a torus, */
+    most_points = 4096,  /* and so many at most */
+    least_room = 4096,   /* for section points: between these, and within so many numbers */
+    most_room = 32768,
+    numbers = 1 << 19,
     patience = 400,        /* for a period that must show, where times are fixed */
     tangent_seed = 1 << 20 /* of random numbers: no seed of a sweep is as large */
 };
@@ -37,9 +40,27 @@ static long long at_most(const saltus_sweep_trajectory *t) {
     return t->sweep->options.measure;
 }
 
+/* Section points that are kept. */
+static long long room_of(const saltus_sweep_trajectory *t) {
+    long long room = numbers / t->measuring.growth.n;
+    room = room < most_room ? room : most_room;
+    return room > least_room ? room : least_room;
+}
+
+/* Room for section points, the first time that they are wanted. */
+static bool open_track(saltus_sweep_trajectory *t) {
+    saltus_measuring *m = &t->measuring;
+    size_t room = (size_t)room_of(t);
+    if (m->points || m->given)
+        return true;
+    m->points = malloc(room * ((size_t)m->growth.n + 1) * sizeof *m->points);
+    t->starved |= !m->points;
+    return m->points;
+}
+
 bool saltus_sweep_trajectory_measure(saltus_sweep_trajectory *t, saltus_flow *flow, int lane) {
     saltus_measuring *m = &t->measuring;
-    if (!saltus_sweep_trajectory_move(t, flow, lane))
+    if (!open_track(t) || !saltus_sweep_trajectory_move(t, flow, lane))
         return false;
     t->stage = SALTUS_STAGE_MEASURING;
     t->stage_end = saltus_sweep_trajectory_cycle(t) + align + at_most(t);
@@ -53,7 +74,6 @@ bool saltus_sweep_trajectory_measure(saltus_sweep_trajectory *t, saltus_flow *fl
     m->samples = -align;
     m->run_end = at_most(t) < first_run ? at_most(t) : first_run;
     m->deadline = m->count = m->asked = m->steps = 0;
-    m->suspected = false;
     return true;
 }
 
@@ -75,7 +95,10 @@ static saltus_runs runs_of(const saltus_sweep_trajectory *t) {
                          .first = per_time(t, saltus_average_part(&m->average, 0, 0.5)),
                          .second = per_time(t, saltus_average_part(&m->average, 0.5, 1)),
                          .period = saltus_system_period(t->system),
-                         .enough = m->samples >= least_chaos && m->samples >= at_most(t) / assertion,
+                         .latest = saltus_average_part(&m->average, 0.875, 1).mean,
+                         .watched = m->samples,
+                         .members = 1,
+                         .lifetime = t->sweep->options.lifetime,
                          .lost = m->growth.lost >= m->growth.n};
 }
 
@@ -85,37 +108,45 @@ static saltus_next end(saltus_sweep_trajectory *t, saltus_verdict verdict, const
         saltus_sweep_trajectory_settle(t, verdict, 0);
     t->row.lyapunov = runs->lost ? -INFINITY : runs->all.mean;
     t->row.lyapunov_error = runs->lost ? 0 : runs->all.standard_error;
+    if (!t->measuring.given && t->row.lyapunov > SALTUS_SIGNIFICANT * t->row.lyapunov_error)
+        t->row.lifetime_at_least = saltus_lifetime_at_least((double)runs->watched, 0);
     return SALTUS_NEXT_DONE;
 }
 
-/* A torus is suspected: ask its section points, or collect some first. */
-static saltus_outcome ask_points(saltus_sweep_trajectory *t, const saltus_runs *runs) {
+/* A torus is suspected: ask its section points, where there are more of them than last time. */
+static saltus_outcome ask_points(saltus_sweep_trajectory *t) {
     saltus_measuring *m = &t->measuring;
     saltus_evidence evidence = {.dimension = NAN}; /* not asked for */
-    if (!m->points)
-        m->points = malloc((size_t)most_points * (size_t)m->growth.n * sizeof *m->points);
-    t->starved |= !m->points;
-    m->suspected = m->points != NULL;
-    if (!m->suspected || m->count < least_points || m->count < 2 * m->asked)
+    saltus_outcome outcome = SALTUS_OUTCOME_TORUS;
+    if (m->count < least_points || m->count < 2 * m->asked)
         return SALTUS_OUTCOME_OPEN;
     m->asked = m->count;
-    saltus_outcome outcome = SALTUS_OUTCOME_TORUS;
-    saltus_status status = saltus_runs_ask_points(runs, t->system, m->points, m->count, SALTUS_OPINIONS_TORUS,
-                                                  &evidence, &outcome, NULL);
+    long long count = m->count < most_points ? m->count : most_points;
+    saltus_status status = saltus_points_ask(t->system, m->points + (m->count - count) * m->growth.n, count,
+                                             SALTUS_OPINIONS_TORUS, &evidence, &outcome, NULL);
     t->starved |= status == SALTUS_NO_MEMORY;
     return status == SALTUS_OK ? outcome : SALTUS_OUTCOME_OPEN;
 }
 
-/* The next run: as long as all before it; at the end of what may be measured, until points that have been
- * missed so far are there. */
+/* Whether a stable orbit lies amid the motion, as far as its section points have been kept. */
+static bool has_stable_orbit(saltus_sweep_trajectory *t) {
+    saltus_measuring *m = &t->measuring;
+    const saltus_track track = {m->points, m->points + room_of(t) * m->growth.n, m->count};
+    saltus_motion orbit = {0};
+    bool found = false;
+    saltus_flow_options flow = t->sweep->options.flow;
+    saltus_status status = saltus_stable_orbit_among(t->system, &flow, &track, 1, &orbit, &found, NULL);
+    t->starved |= status == SALTUS_NO_MEMORY;
+    saltus_motion_clear(&orbit);
+    return found;
+}
+
+/* The next run: as long as all before it, within what may be measured, and beyond for a period that must
+ * show. */
 static bool run_on(saltus_measuring *m, long long most) {
     if (m->samples < most)
         m->run_end = 2 * m->samples < most ? 2 * m->samples : most;
-    else if (m->suspected && m->count < least_points)
-        m->run_end = m->samples + least_points - m->count;
-    else
-        return m->deadline > 0;
-    return true;
+    return m->samples < most || m->deadline > 0;
 }
 
 /* Periods in which a period must show: together with those measured, so many as contract any distance to
@@ -132,22 +163,25 @@ static saltus_next weigh(saltus_sweep_trajectory *t) {
     saltus_measuring *m = &t->measuring;
     saltus_runs runs = runs_of(t);
     saltus_outcome outcome = saltus_runs_weigh(&runs);
-    bool forced = saltus_system_forced(t->system), zero = outcome == SALTUS_OUTCOME_TORUS;
-    if (m->given && (outcome == SALTUS_OUTCOME_REGULAR || runs.enough))
+    bool forced = saltus_system_forced(t->system),
+         long_enough = m->samples >= least_given && m->samples >= at_most(t) / part_given;
+    if (m->given && (outcome == SALTUS_OUTCOME_REGULAR || long_enough))
         return end(t, t->row.verdict, &runs);
-    if (zero && !forced && runs.enough)
+    if (outcome == SALTUS_OUTCOME_TORUS && !forced && long_enough)
         return end(t, SALTUS_UNDECIDED, &runs);
-    if (zero)
-        outcome = forced ? ask_points(t, &runs) : SALTUS_OUTCOME_OPEN;
+    if (outcome == SALTUS_OUTCOME_TORUS)
+        outcome = forced ? ask_points(t) : SALTUS_OUTCOME_OPEN;
     if (outcome == SALTUS_OUTCOME_CHAOS)
-        return end(t, SALTUS_CHAOTIC, &runs);
+        return end(t, has_stable_orbit(t) ? SALTUS_TRANSIENT : SALTUS_CHAOTIC, &runs);
     if (outcome == SALTUS_OUTCOME_TORUS)
         return end(t, SALTUS_QUASIPERIODIC, &runs);
     if (outcome != SALTUS_OUTCOME_REGULAR)
         m->deadline = 0;
     else if (!m->deadline)
         m->deadline = t->stage_end = saltus_sweep_trajectory_cycle(t) + longest_wait(t, &runs);
-    return run_on(m, at_most(t)) ? SALTUS_NEXT_GO_ON : end(t, SALTUS_UNDECIDED, &runs);
+    if (run_on(m, at_most(t)))
+        return SALTUS_NEXT_GO_ON;
+    return end(t, outcome == SALTUS_OUTCOME_SHORT ? SALTUS_IRREGULAR : SALTUS_UNDECIDED, &runs);
 }
 
 saltus_next saltus_measuring_add(saltus_sweep_trajectory *t) {
@@ -157,8 +191,10 @@ saltus_next saltus_measuring_add(saltus_sweep_trajectory *t) {
         return SALTUS_NEXT_GO_ON;
     }
     saltus_average_add(&m->average, m->growth.sample[0]);
-    if (m->suspected && m->count < most_points)
-        memcpy(m->points + m->count++ * m->growth.n, t->state, (size_t)m->growth.n * sizeof *m->points);
+    if (!m->given && m->count < room_of(t)) {
+        memcpy(m->points + m->count * m->growth.n, t->state, (size_t)m->growth.n * sizeof *m->points);
+        m->points[room_of(t) * m->growth.n + m->count++] = m->growth.sample[0];
+    }
     if (m->deadline && saltus_sweep_trajectory_cycle(t) >= m->deadline) {
         saltus_runs runs = runs_of(t);
         return end(t, SALTUS_LONG_PERIOD, &runs);

@@ -39,12 +39,17 @@ static const saltus_option choices[] = {
      .fallback = 2000, .high = 1e9, .flag = "--at-most", .argument = "n"},
     {MEMBER(record, "record", "T", "periods recorded of a motion without a period", SALTUS_LONG),
      .fallback = 100, .low = 1, .high = 1e9, .flag = "--record", .argument = "k"},
+    {MEMBER(measure, "measure", "T",
+            "with --what lyapunov: periods at most to measure a motion without a period; fewer than three "
+            "lifetimes are cheap, and leave chaos irregular",
+            SALTUS_LONG),
+     .fallback = 32000, .high = 1e9, .flag = "--measure", .argument = "n"},
     {MEMBER(
-         measure, "measure", "T",
-         "with --what lyapunov: periods at most to measure a motion without a period; chaos is asserted from "
-         "an eighth of them on (at least 500), 0: undecided",
+         lifetime, "lifetime", "T",
+         "chaos is asserted where its mean lifetime is at least so many periods (95 %); it takes three times "
+         "as many to watch",
          SALTUS_LONG),
-     .fallback = 8000, .high = 1e9, .flag = "--measure", .argument = "n"},
+     .fallback = 10000, .high = 1e11, .flag = "--lifetime", .argument = "n"},
     {MEMBER(longest, "longest", "T", "longest period looked for", SALTUS_INT), .fallback = 20, .low = 1,
      .high = 256, .flag = "--longest", .argument = "p"},
     SALTUS_FLOW_CHOICES(saltus_sweep_options, flow., 1e-10, 1e-14),

@@ -92,12 +92,9 @@ static saltus_status find_start(saltus_sweep_trajectory *t, bool carried) {
         saltus_sweep_trajectory_seed(t, t->seed);
         return saltus_state_random(t->system, t->rng, t->state, NULL);
     }
-    if (sweep->scene.initial_count == 0 && !sweep->moves_start)
-        return saltus_system_default_state(t->system, t->state, NULL);
     saltus_scene scene;
     saltus_status status = saltus_sweep_scene_at(sweep, saltus_sweep_trajectory_point(t), &scene, NULL);
-    memcpy(t->state, scene.initial, (size_t)sweep->dimension * sizeof *t->state);
-    return status;
+    return status == SALTUS_OK ? saltus_scene_state(&scene, t->system, t->state, NULL) : status;
 }
 
 bool saltus_sweep_trajectory_start(saltus_sweep_trajectory *t, saltus_flow *flow, int lane) {
@@ -170,7 +167,7 @@ static saltus_next settling_on(saltus_sweep_trajectory *t) {
     if (judgement.verdict == SALTUS_PENDING && !hopeless)
         return SALTUS_NEXT_GO_ON;
     if (judgement.verdict == SALTUS_PENDING)
-        judgement.verdict = SALTUS_UNDECIDED;
+        judgement.verdict = SALTUS_IRREGULAR;
     return act_on(t, judgement);
 }
 

@@ -262,5 +262,6 @@ saltus_sweep_row saltus_sweep_row_of(saltus_verdict verdict) {
                               .largest_speed = NAN,
                               .contact_fraction = NAN,
                               .lyapunov = NAN,
-                              .lyapunov_error = NAN};
+                              .lyapunov_error = NAN,
+                              .lifetime_at_least = NAN};
 }

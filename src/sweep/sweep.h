@@ -138,8 +138,7 @@ typedef struct saltus_measuring {
     long long deadline;     /* cycle by which a period must have shown; 0: there need not be one */
     long long steps;        /* of the flow until the first sample */
     bool given;             /* the verdict is there: nothing but the exponent is lacking */
-    bool suspected;         /* a torus: section points are collected */
-    double *points;         /* `count` of them, n each */
+    double *points;         /* section points, `count` of them, n each; behind their room the growths */
     long long count, asked; /* `asked`: of how many last told whether it is one */
 } saltus_measuring;
 

@@ -1,0 +1,176 @@
+/* Long periods: of motions that lock, and of those that stick.
+ *
+ * A motion near a torus may be locked to an orbit of hundreds of periods, which it approaches too slowly for
+ * iteration to show it. The times after which it has come closest to where it was, each closer than all
+ * before, are the guesses for Newton's method.
+ *
+ * A contact that wipes out all differences makes the motion superstable: it goes on from there as it did the
+ * last time that it came to the same contact, however long ago. Where neighbours separate between two such
+ * contacts beyond all numbers, the time from one to the next is decided by rounding: a run with another
+ * tolerance finds another one.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "motion/long_period.h"
+
+#include "motion/motion.h"
+#include "orbit/volume.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum {
+    longest = 1024, /* period of a locked motion */
+    followed = 4 * longest,
+    tries = 6,            /* of the closest returns */
+    costly = 3000,        /* impacts of an orbit: it is not tried */
+    contacts_watched = 8, /* that wipe out all differences */
+    patience = 10         /* times as long as a motion may take to settle, until such a contact */
+};
+static const double near_return = 0.05; /* relative to the system's scales */
+static const double same_contact = 1e-8;
+
+/* The closest returns to where a trajectory ends, each closer than all that are shorter: their periods, the
+ * closest first. Errors: those of the flow. */
+static saltus_status find_returns(const saltus_system *system, const saltus_classify_options *options,
+                                  double *state, int periods[tries], double *impacts,
+                                  saltus_message *message) {
+    int n = saltus_system_dimension(system);
+    double *points = malloc((size_t)followed * (size_t)n * sizeof *points), closest = near_return;
+    saltus_flow *flow = NULL;
+    saltus_event event;
+    saltus_status status = points ? saltus_flow_single(system, 0, &options->flow, &flow, message)
+                                  : saltus_fail(message, SALTUS_NO_MEMORY, "no memory for section points");
+    if (status == SALTUS_OK)
+        status = saltus_flow_start(flow, 0, (saltus_time){0, 0}, state, message);
+    for (int k = 0; k < followed && status == SALTUS_OK; k++) {
+        status = saltus_flow_advance(flow, (saltus_time){k + 1, 0}, 0, &event, message);
+        saltus_flow_state(flow, 0, points + (size_t)k * (size_t)n);
+    }
+    memset(periods, 0, tries * sizeof *periods);
+    if (status == SALTUS_OK) {
+        const double *last = points + (size_t)(followed - 1) * (size_t)n;
+        memcpy(state, last, (size_t)n * sizeof *state);
+        for (int p = 1; p <= longest; p++) {
+            double distance = saltus_system_distance(system, last, last - p * n);
+            if (!(distance < closest))
+                continue;
+            closest = distance;
+            memmove(periods + 1, periods, (tries - 1) * sizeof *periods);
+            periods[0] = p;
+        }
+        *impacts = (double)saltus_flow_information(flow, 0).impacts / followed;
+    }
+    saltus_flow_free(flow);
+    free(points);
+    return status;
+}
+
+saltus_status saltus_motion_find_locked(const saltus_system *system, const saltus_classify_options *options,
+                                        const double *state, saltus_motion *found, saltus_message *message) {
+    int periods[tries];
+    double end[SALTUS_STATE_MAX], impacts = 0;
+    saltus_classify_options how = *options;
+    *found = (saltus_motion){0};
+    how.progress.show = NULL;
+    memcpy(end, state, (size_t)saltus_system_dimension(system) * sizeof *end);
+    saltus_status status = find_returns(system, options, end, periods, &impacts, message);
+    for (int k = 0; k < tries && periods[k] && status == SALTUS_OK; k++) {
+        if (periods[k] * impacts > costly)
+            continue;
+        saltus_status polished = saltus_motion_polish(system, periods[k], end, near_return, &how, found);
+        if (polished == SALTUS_OK) {
+            found->transient = followed;
+            return SALTUS_OK;
+        }
+        if (polished == SALTUS_NO_MEMORY)
+            status = saltus_fail(message, polished, "no memory for an orbit");
+    }
+    return status;
+}
+
+/* A contact that wipes out all differences: when it began, with the state then, and the next section point.
+ */
+typedef struct contact {
+    saltus_time time;
+    double state[SALTUS_STATE_MAX], section[SALTUS_STATE_MAX];
+} contact;
+
+/* The next of these. *found is false where none comes within so many periods. */
+static saltus_status next_contact(const saltus_system *system, saltus_flow *flow, long long periods,
+                                  contact *c, bool *found, saltus_message *message) {
+    const int n = saltus_system_dimension(system);
+    const saltus_time until = {saltus_flow_time(flow, 0).cycle + periods, 0};
+    saltus_event event;
+    *found = false;
+    saltus_status status = SALTUS_OK;
+    while (status == SALTUS_OK && !*found) {
+        status = saltus_flow_advance(flow, until, SALTUS_WATCH_STICK, &event, message);
+        if (status != SALTUS_OK || event.kind == SALTUS_REACHED)
+            return status;
+        *found = saltus_lost_directions(flow, 0, &event) >= n;
+    }
+    c->time = event.time;
+    saltus_flow_state(flow, 0, c->state);
+    status = saltus_flow_advance(flow, (saltus_time){event.time.cycle + 1, 0}, 0, &event, message);
+    saltus_flow_state(flow, 0, c->section);
+    return status;
+}
+
+static bool same(const saltus_system *system, const contact *a, const contact *b) {
+    return saltus_system_distance(system, a->state, b->state) < same_contact &&
+           fabs(a->time.phase - b->time.phase) < same_contact;
+}
+
+/* Periods from a contact that wipes out all differences until the motion is at the same one again, twice
+ * alike; 0: it is not within so many. `begin` is the contact, its section point the orbit's. */
+static saltus_status return_to_contact(const saltus_system *system, const saltus_flow_options *options,
+                                       const double *state, long long patient, contact *begin,
+                                       long long *periods, saltus_message *message) {
+    saltus_flow *flow = NULL;
+    contact *seen = calloc(contacts_watched, sizeof *seen);
+    *periods = 0;
+    saltus_status status = seen ? saltus_flow_single(system, 0, options, &flow, message)
+                                : saltus_fail(message, SALTUS_NO_MEMORY, "no memory for contacts");
+    if (status == SALTUS_OK)
+        status = saltus_flow_start(flow, 0, (saltus_time){0, 0}, state, message);
+    for (int k = 0; k < contacts_watched && status == SALTUS_OK && !*periods; k++) {
+        bool found;
+        status = next_contact(system, flow, patient, &seen[k], &found, message);
+        if (status != SALTUS_OK || !found)
+            break;
+        for (int j = k - 1; j >= 0 && !*periods; j--)
+            if (same(system, &seen[k], &seen[j])) {
+                *periods = seen[k].time.cycle - seen[j].time.cycle;
+                *begin = seen[k];
+            }
+    }
+    saltus_flow_free(flow);
+    free(seen);
+    return status;
+}
+
+saltus_status saltus_motion_find_contact(const saltus_system *system, const saltus_classify_options *options,
+                                         const double *state, saltus_motion *found, long long *periods,
+                                         bool *rounding, saltus_message *message) {
+    const long long patient = patience * options->transient;
+    saltus_classify_options how = *options;
+    saltus_flow_options other = options->flow;
+    contact begin, again;
+    long long with_other = 0;
+    *found = (saltus_motion){0};
+    *rounding = false;
+    how.progress.show = NULL;
+    other.rtol *= 4;
+    saltus_status status =
+        return_to_contact(system, &options->flow, state, patient, &begin, periods, message);
+    if (status != SALTUS_OK || !*periods)
+        return status;
+    status = return_to_contact(system, &other, begin.section, 2 * *periods, &again, &with_other, message);
+    *rounding = with_other != *periods;
+    if (status != SALTUS_OK || *rounding || *periods > patient)
+        return status;
+    saltus_status polished =
+        saltus_motion_polish(system, (int)*periods, begin.section, near_return, &how, found);
+    return polished == SALTUS_NO_MEMORY ? saltus_fail(message, polished, "no memory for an orbit")
+                                        : SALTUS_OK;
+}

@@ -1,0 +1,152 @@
+/* How long chaos has been watched, and what long periods hide behind it.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "sweep_check.h"
+
+#include "motion/evidence.h"
+
+#include <gsl/gsl_randist.h>
+
+static saltus_motion classify_with(const char *name, const char *settings,
+                                   const saltus_classify_options *options) {
+    saltus_scene scene = scene_of(name, settings);
+    saltus_message message = {.text = ""};
+    saltus_system *system = build(&scene.spec);
+    saltus_motion motion;
+    double start[SALTUS_STATE_MAX];
+    check_ok(saltus_system_default_state(system, start, &message), &message);
+    check_ok(saltus_classify(system, start, options, &motion, &message), &message);
+    saltus_system_free(system);
+    return motion;
+}
+
+/* The bound is what its name says: of trajectories that leave by chance at a known mean time, watched for any
+ * time, one bound in twenty lies above that mean, and no more. */
+static void bounds_hold_as_often_as_they_say(void **unused) {
+    (void)unused;
+    enum { trials = 4000, members = 8 };
+    static const double watched[] = {0.05, 0.3, 1, 4}; /* mean lifetimes, each trajectory */
+    gsl_rng *rng = gsl_rng_alloc(gsl_rng_mt19937);
+    assert_non_null(rng);
+    assert_true(saltus_lifetime_at_least(30000, 0) > 10000 && saltus_lifetime_at_least(29900, 0) < 10000);
+    for (size_t k = 0; k < sizeof watched / sizeof watched[0]; k++) {
+        int above = 0;
+        for (int t = 0; t < trials; t++) {
+            double sum = 0;
+            int left = 0;
+            for (int m = 0; m < members; m++) {
+                double life = gsl_ran_exponential(rng, 1);
+                left += life < watched[k];
+                sum += fmin(life, watched[k]);
+            }
+            above += saltus_lifetime_at_least(sum, left) > 1;
+        }
+        /* Four standard deviations of the number. */
+        assert_true(above < 0.05 * trials + 4 * sqrt(0.05 * 0.95 * trials));
+    }
+    gsl_rng_free(rng);
+}
+
+/* Chaos is asserted where it has been watched for three times the lifetime asked for, and not before. */
+static void chaos_is_asserted_for_its_lifetime(void **unused) {
+    (void)unused;
+    for (int k = 0; k < 2; k++) {
+        saltus_classify_options options = saltus_classify_defaults();
+        options.transient = 500;
+        options.measure = 16000;
+        options.lifetime = k ? 5000 : 6000;
+        saltus_motion motion = classify_with("pipe", "d=0.035 omega=10", &options);
+        const saltus_evidence *e = &motion.evidence;
+        check_near(e->lifetime_at_least, (double)e->periods / 3, 0.01 * (double)e->periods);
+        assert_true(isnan(e->lifetime) && e->left == 0);
+        assert_int_equal(motion.verdict, k ? SALTUS_CHAOTIC : SALTUS_IRREGULAR);
+        assert_true((e->lifetime_at_least >= (double)options.lifetime) == k);
+        if (!k)
+            assert_non_null(strstr(motion.reason, "--measure"));
+        saltus_motion_clear(&motion);
+    }
+}
+
+/* The same rule in a sweep. */
+static void rows_are_irregular_until_then(void **unused) {
+    (void)unused;
+    saltus_scene scene = scene_of("pipe", "d=0.035");
+    for (int k = 0; k < 2; k++) {
+        saltus_sweep_options options = saltus_sweep_defaults();
+        options.keep = SALTUS_KEEP_LYAPUNOV;
+        options.transient = 300;
+        options.measure = 4000;
+        options.lifetime = k ? 1000 : 2000;
+        single s = run_single(&scene, "omega", 10, &options);
+        const saltus_sweep_row *row = s.result.rows;
+        assert_string_equal(s.label, k ? "chaotic" : "irregular");
+        assert_true(row->lyapunov > 3 * row->lyapunov_error);
+        assert_true((row->lifetime_at_least >= (double)options.lifetime) == k);
+        close_single(&s);
+    }
+}
+
+/* Motions near a torus that are locked to an orbit of hundreds of periods, which draws them slowly: the orbit
+ * is found, and it is one. */
+static void locked_motions_have_a_period(void **unused) {
+    (void)unused;
+    const saltus_classify_options options = saltus_classify_defaults();
+    saltus_motion motion = classify_with("pipe", "d=0.033 omega=52.25", &options);
+    saltus_scene scene = scene_of("pipe", "d=0.033 omega=52.25");
+    saltus_message message = {.text = ""};
+    saltus_system *system = build(&scene.spec);
+    double state[SALTUS_STATE_MAX];
+    assert_int_equal(motion.verdict, SALTUS_PERIODIC);
+    assert_true(motion.periods > 64 && motion.stable);
+    memcpy(state, motion.state, (size_t)motion.dimension * sizeof *state);
+    check_ok(saltus_motion_settle(system, &options.flow, motion.periods, state, &message), &message);
+    assert_true(saltus_system_distance(system, state, motion.state) < 1e-8);
+    for (int p = 1; p < motion.periods; p++)
+        assert_true(saltus_system_distance(system, motion.state,
+                                           motion.section_states + (size_t)p * (size_t)motion.dimension) >
+                    1e-6);
+    saltus_system_free(system);
+    saltus_motion_clear(&motion);
+}
+
+/* Contacts that wipe out all differences make motions superstable; where neighbours separate between them
+ * until rounding counts, that is said, and no period is asserted. */
+static void rounding_decides_long_superstable_periods(void **unused) {
+    (void)unused;
+    static const char *const cases[][2] = {{"budd-dux", "omega=4.85 d=.01"},
+                                           {"pipe", "N=1 omega=35.164427 d=0.010235 r=0.6187 sides=both"}};
+    for (int k = 0; k < 2; k++) {
+        const saltus_classify_options options = saltus_classify_defaults();
+        saltus_motion motion = classify_with(cases[k][0], cases[k][1], &options);
+        assert_int_equal(motion.verdict, SALTUS_LONG_PERIOD);
+        assert_true(motion.lyapunov == -INFINITY);
+        assert_non_null(strstr(motion.reason, "rounding decides"));
+        saltus_motion_clear(&motion);
+    }
+}
+
+/* A window of periodic motion, its chaos being a transient of some 40,000 periods: the orbit is found or a
+ * trajectory comes to it, and it is told as the end. */
+static void long_orbits_amid_chaos_are_found(void **unused) {
+    (void)unused;
+    const saltus_classify_options options = saltus_classify_defaults();
+    saltus_motion motion = classify_with("pipe", "d=0.03 r=0.8 omega=37.547169811320757", &options);
+    const saltus_evidence *e = &motion.evidence;
+    assert_true(motion.verdict == SALTUS_TRANSIENT || motion.verdict == SALTUS_PERIODIC);
+    assert_string_equal(motion.verdict == SALTUS_PERIODIC ? motion.label
+                        : e->left                         ? e->left_for
+                                                          : e->stable_orbit,
+                        "2/14");
+    saltus_motion_clear(&motion);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(bounds_hold_as_often_as_they_say),
+        cmocka_unit_test(chaos_is_asserted_for_its_lifetime),
+        cmocka_unit_test(rows_are_irregular_until_then),
+        cmocka_unit_test(locked_motions_have_a_period),
+        cmocka_unit_test(rounding_decides_long_superstable_periods),
+        cmocka_unit_test(long_orbits_amid_chaos_are_found),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
