@@ -158,7 +158,9 @@ typedef struct saltus_attractors {
 
 /* Classify from `seeds` random admissible initial states: Gaussian with the system's scales (GSL's mt19937
  * from `seed`, reproducible), states beyond a stop drawn again. Attractors are told apart by their orbits'
- * section points. Where it is stopped, `seeds` is the number of initial states done until then. */
+ * section points. Where it is stopped, `seeds` is the number of initial states done until then.
+ * options->measure is shared by all initial states, each having as much as it takes to assert chaos (four
+ * lifetimes) in any case. */
 saltus_status saltus_attractors_find(const saltus_system *system, int seeds, unsigned long seed,
                                      const saltus_classify_options *options, saltus_attractors *attractors,
                                      saltus_message *message);

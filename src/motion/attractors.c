@@ -5,6 +5,14 @@
 
 #include <stdlib.h>
 
+/* Periods that the next initial state may measure: its share of what is left for all, but as many as it takes
+ * to assert chaos. */
+static long long share_of(const saltus_classify_options *options, long long left, int seeds) {
+    long long share = left / seeds, least = 4 * options->lifetime;
+    share = share > least ? share : least;
+    return share < options->measure ? share : options->measure;
+}
+
 /* Count a motion with its attractor, or add it as a new one. */
 static void sort_in(const saltus_system *system, saltus_attractors *found, saltus_motion *motion) {
     saltus_ending ending = saltus_motion_ending(motion);
@@ -54,6 +62,7 @@ saltus_status saltus_attractors_find(const saltus_system *system, int seeds, uns
     double state[SALTUS_STATE_MAX];
     seeds_told told = {.to = options->progress, .all = seeds};
     saltus_classify_options how = *options;
+    long long left = options->measure;
     how.progress = (saltus_progress){show_part, &told};
     gsl_rng *rng = gsl_rng_alloc(gsl_rng_mt19937);
     attractors->motions = calloc((size_t)seeds, sizeof *attractors->motions);
@@ -68,9 +77,11 @@ saltus_status saltus_attractors_find(const saltus_system *system, int seeds, uns
         bool stopped = false;
         told.before = k;
         saltus_progress_show(options->progress, k, seeds);
+        how.measure = share_of(options, left, seeds - k);
         status = saltus_state_random(system, rng, state, message);
         if (status == SALTUS_OK)
             status = saltus_motion_classify(system, state, &how, &motion, &stopped, message);
+        left -= motion.evidence.periods < left ? motion.evidence.periods : left;
         stopped |= status == SALTUS_INTERRUPTED;
         if (stopped)
             attractors->seeds = k + saltus_verdict_settled(motion.verdict);

@@ -42,6 +42,9 @@ typedef struct judge {
     double *points, *growths;        /* of all trajectories, points_kept each */
     bool searched;                   /* for stable orbits */
     long long escaped[trajectories]; /* samples of each until it left; 0: it has not */
+    /* Sticking makes tangent vectors shrink now and then without any escape: a look that found none is not
+     * repeated before twice as many samples. */
+    long long next_look[trajectories];
 } judge;
 
 static long long points_there(const judge *j) {
@@ -94,9 +97,10 @@ static saltus_status look_who_left(judge *j, saltus_message *message) {
     for (int m = 0; m < trajectories && status == SALTUS_OK; m++) {
         const saltus_member *member = &j->ensemble.member[m];
         saltus_motion regular = {0};
-        if (j->escaped[m] || !(member->recent <= 0))
+        if (j->escaped[m] || member->samples < j->next_look[m] || !(member->recent <= 0))
             continue;
-        status = saltus_motion_find_period(j->system, member->state, &options, false, &regular, message);
+        j->next_look[m] = 2 * member->samples;
+        status = saltus_motion_find_period(j->system, member->state, &options, true, &regular, message);
         if (status == SALTUS_OK && saltus_verdict_settled(regular.verdict)) {
             if (!evidence->left)
                 tell_exponent(j);
@@ -295,7 +299,8 @@ static void tell_transient(const judge *j) {
 static void tell_lifetime(judge *j) {
     saltus_evidence *e = &j->motion->evidence;
     double watched = periods_watched(j);
-    if (!(j->motion->lyapunov > SALTUS_SIGNIFICANT * j->motion->lyapunov_error))
+    bool positive = j->motion->lyapunov > SALTUS_SIGNIFICANT * j->motion->lyapunov_error;
+    if (!positive && !e->left && !e->stable_orbit[0])
         return;
     e->lifetime_at_least = saltus_lifetime_at_least(watched, e->left);
     e->lifetime = e->left ? watched / e->left : NAN;

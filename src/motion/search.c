@@ -13,7 +13,8 @@
 #include <stdio.h>
 
 /* Distances in the stroboscopic section are relative to the system's scales. */
-static const double nearby = 3e-3;        /* the polished orbit must be this close to the trajectory */
+static const double nearby = 3e-3; /* the polished orbit must be this close to the trajectory */
+static const double all_but_reached = 1e-6;
 static const double drift_at_rest = 1e-6; /* of a displacement over a period */
 
 /* One more period of the trajectory. */
@@ -97,15 +98,23 @@ void saltus_search_close(saltus_search *s) {
 /* Try the period that recurs at present: Newton's method from the trajectory's last point. The orbit must be
  * where the trajectory is, and stable. */
 static saltus_status try_period(saltus_search *s, saltus_message *message) {
-    enum { most_impacts = 150 };
+    enum { most_impacts = 150, few_steps = 4 };
     saltus_orbit_options shooting = saltus_motion_shooting(s->options);
     const double *last = saltus_settling_point(&s->settling, 0);
     int p = saltus_system_forced(s->system) ? saltus_settling_candidate(&s->settling) : 0;
-    /* A try at a very long orbit of very many impacts would take minutes. */
+    /* A try at a long orbit of very many impacts may take minutes: only where it is all but reached. */
     double impacts = (double)saltus_flow_information(s->flow, 0).impacts / (double)s->settling.count;
-    if (p == 0 || (s->limited && p * impacts > most_impacts))
+    if (p == 0)
         return SALTUS_OK;
-    double near = fmax(nearby, 30 * saltus_settling_recurrence(&s->settling, p));
+    double recurrence = saltus_settling_recurrence(&s->settling, p);
+    bool costly = p * impacts > most_impacts;
+    if (costly && (s->limited || recurrence > all_but_reached || s->settling.count < s->next_costly))
+        return SALTUS_OK;
+    if (costly) {
+        s->next_costly = 4 * s->settling.count;
+        shooting.iterations = few_steps; /* so near to an orbit, Newton's method needs no more */
+    }
+    double near = fmax(nearby, 30 * recurrence);
     saltus_status status = saltus_return_polish(s->beside, p, last, &shooting, &s->orbit, &s->lap, message);
     if (status == SALTUS_OK && saltus_multipliers_stable(s->orbit.multipliers, s->orbit.dimension) &&
         saltus_system_distance(s->system, s->orbit.state, last) <= near)

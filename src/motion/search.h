@@ -17,7 +17,8 @@ typedef struct saltus_search {
     saltus_orbit orbit;
     saltus_lap lap; /* around the orbit */
     bool found, stopped;
-    bool limited; /* no very long orbits of very many impacts */
+    long long next_costly; /* periods before a costly orbit is tried again */
+    bool limited;          /* no very long orbits of very many impacts */
 } saltus_search;
 
 /* A zeroed search, given its system and options, begins at a state, with an undecided motion. Close in any
