@@ -1309,8 +1309,8 @@ static void settle(const saltus_scene *scene, const char *setting, double *state
     saltus_system *system = build(&changed.spec);
     int n = saltus_system_dimension(system);
     start[n / 2] = -1;
-    if (changed.initial_count == n)
-        memcpy(start, changed.initial, (size_t)n * sizeof *start);
+    for (int i = 0; i < changed.initial_count; i++)
+        start[i] = isnan(changed.initial[i]) ? start[i] : changed.initial[i];
     check_ok(saltus_trajectory_record(system, start, &options, 0, 3, 16, &record, &message), &message);
     memset(state, 0, SALTUS_SCENE_STATE_MAX * sizeof *state);
     memcpy(state, record.states + (record.samples - 1) * n, (size_t)n * sizeof *state);
