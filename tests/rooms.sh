@@ -1,6 +1,6 @@
 #!/bin/sh
 # The order of rooms and of files: a file includes and calls only what lies in its own room or in one above it in
-# README's table, and no files of a room depend on one another in a circle. A public header belongs to the room that
+# src/README.md's table, and no files of a room depend on one another in a circle. A public header belongs to the room that
 # defines its functions.
 # Arguments: the folder of the sources, the library's object files.
 # SPDX-License-Identifier: GPL-3.0-or-later
@@ -151,7 +151,7 @@ fi
 sources=$1
 shift
 # shellcheck disable=SC2016
-rooms=$(sed -n 's/^| `src\/\([a-z]*\)` |.*/\1/p' "$sources/README.md" | tr '\n' ' ')
+rooms=$(sed -n 's/^| `src\/\([a-z]*\)` |.*/\1/p' "$sources/src/README.md" | tr '\n' ' ')
 called=$(nm -A -g "$@" | calls)
 for file in "$sources"/src/*/*.c; do
     file=${file#"$sources/src/"}

@@ -1,7 +1,6 @@
 #!/bin/sh
 # Measures error against run time and the cost of each feature (saltus_bench, about five minutes), writes tables and
-# figures to data/bench and puts the README's tables between its two bench marks. --quick, half a minute: into build/bench,
-# and the README stays as it is.
+# figures to data/bench. --quick, half a minute: into build/bench.
 # SPDX-License-Identifier: GPL-3.0-or-later
 set -eu
 cd "$(dirname "$0")/.."
@@ -25,7 +24,7 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 csv=$place/work-precision.csv
 
-"$build/saltus_bench" "$@" --to "$place" data/reference >"$work/tables"
+"$build/saltus_bench" "$@" --to "$place" data/reference
 
 problems=$(awk -F, '!/^#/ && $1 != "problem" && !seen[$1]++ {printf "%s ", $1}' "$csv")
 
@@ -84,10 +83,3 @@ figure work-precision-evaluations "Error of the event times against evaluations 
 figure work-precision-state "Relative error of the final state against CPU time" 6 "CPU time, µs" "error" "\$5"
 figure work-precision-multipliers "Error of the two leading multipliers against CPU time, tangent vectors included" 10 "CPU time, µs" \
     "error" "\$9"
-
-[ "$place" = data/bench ] || exit 0
-awk -v tables="$work/tables" '
-    /<!-- bench -->/ {print; while ((getline line <tables) > 0) print line; skip = 1; next}
-    /<!-- \/bench -->/ {skip = 0}
-    !skip' README.md >"$work/README.md"
-cp "$work/README.md" README.md

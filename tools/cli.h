@@ -104,6 +104,7 @@ struct cli_command {
     const char *summary; /* "find one periodic orbit", behind the name */
     const char *usage;   /* what follows the name */
     const char *help;    /* paragraphs, one in a line */
+    const char *notes;   /* likewise: what its results mean; NULL: nothing more to say */
     bool needs_scene;
     bool together;                    /* several ranks share its work */
     int inputs;                       /* how many files it takes; 0: one */

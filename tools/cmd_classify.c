@@ -83,6 +83,26 @@ const cli_command cmd_classify = {
     .needs_scene = true,
     .tables = tables,
     .options = options,
+    .notes =
+        "n/p means n impacts in p forcing periods; chatter/p has infinitely many impacts, which end in "
+        "sticking; held means that the contact never opens.\n"
+        "Periodic: found by Newton's method, and stable. Chaotic: the largest Lyapunov exponent is "
+        "positive by 3 standard errors over the whole run and by 2 in each half of it; none of 8 "
+        "trajectories has left the motion, for so long that its mean lifetime is at least --lifetime "
+        "periods with 95 % confidence (M trajectories of L periods: M L / 3; the bound is printed); and no "
+        "stable orbit of a period up to 64 lies amid it. Transient: one has left, or a stable orbit lies "
+        "amid it, with where it ends and the lifetime from the times of escape. Quasi-periodic: an "
+        "exponent of zero, known to 5e-5 per period, section points on closed curves with a spectrum of "
+        "lines, and no locking to an orbit of up to 1024 periods. Long-period: the exponent is negative, "
+        "no period was found, or rounding decides which. Irregular: no period found, exponents not "
+        "measured, or not for long enough. Undecided: measured, with what is lacking and how long a run "
+        "would tell. Intermittency is noted; the 0-1 test and the correlation dimension of the section "
+        "points stand beside the exponent as second opinions.\n"
+        "--json gives label, impacts (null with chatter), periods, sticking_intervals, impacts_by_side, "
+        "state (displacements, then velocities, at section phase 0), section_states, events (event, side, "
+        "time_over_T, normal_velocity_before), multipliers ([re, im] by decreasing modulus) with "
+        "log_moduli, stable, mirror, residual, sum_rule; of motions without a period lyapunov with "
+        "lyapunov_standard_error, lifetime_at_least and evidence; reason, parameters, version.",
     .examples = examples,
     .see = "orbit diagnose lyapunov sweep",
     .run = run,

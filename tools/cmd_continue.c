@@ -351,6 +351,31 @@ const cli_command cmd_continue = {
     .resumes = true,
     .tables = tables,
     .options = options,
+    .notes =
+        "Labels: LP fold, PD flip, NS torus (Neimark-Sacker), BP branch point, GR grazing, CH complete "
+        "chatter begins or ends, ST sticking begins, splits or ends, UZ a value asked for by --at, EP end "
+        "of a branch, with its reason. Where the contact is permanent (held) a point tells its smallest "
+        "force over the orbit: where that is zero the contact lets go. Points of codimension two on a "
+        "curve: CP cusp, R1 to R4 resonances (double multipliers 1 and -1, pairs at a third and a quarter "
+        "of the circle), GR-LP, GR-PD, GR-NS, GR-BP where the curve meets grazing, GR-GR two grazings, "
+        "CH-GR grazing meets the end of chatter.\n"
+        "An orbit is followed with its sequence of events as given, so a branch does not lose its way "
+        "where a multiplier grows without bound at grazing. The event-driven flow then checks every point: "
+        "it is admissible if the flow has the same events and closes. Where that ends, the place is "
+        "located (GR, CH, ST) and the branch goes on with the new sequence, or says why not. At grazing an "
+        "impact is born or dies; the branch goes through, or turns back there like a fold but with a "
+        "corner. --switch k also follows what branches off at PD and BP, and orbits of twice the period at "
+        "GR, to depth k.\n"
+        "Nothing is followed twice: a branch that comes back to a special point, or reaches another "
+        "branch's, ends there and says so. Every few seconds, and when interrupted, all points go to the "
+        "file; its layout stands in saltus/record.h. FILE.h5:12 (row) and FILE.h5:PD1 (first flip) are "
+        "orbits for --from.\n"
+        "--json gives one object for each point: label, values (of the continued parameters), motion "
+        "(n/p), motion_after (GR, CH, ST), impacts, periods, sticking_intervals, stable, unstable "
+        "(multipliers outside the unit circle), admissible, state, events, grazing (GR: side, stop and "
+        "time_over_T of the touch), multipliers, log_moduli, arclength, heading, branch, parent, step, "
+        "residual, iterations, log_volume, sum_rule, accuracy, reason, parameters, scene, version. A "
+        "branch file has the same in columns, the touch as grazing_time, grazing_stop, grazing_side.",
     .examples = examples,
     .see = "orbit plot",
     .run = run,

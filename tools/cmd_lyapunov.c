@@ -122,6 +122,11 @@ const cli_command cmd_lyapunov = {
     .endings = cli_figures_or_table,
     .tables = tables,
     .options = options,
+    .notes =
+        "Tangent vectors pass impacts by saltation matrices, and chatter, sticking and release by their "
+        "limit maps. Directions lost in a lasting contact have exponent -infinity, and are named so. The "
+        "standard error comes of an autoregressive fit to batches, for regular motion of how far the sums "
+        "swing; the run ends when the precision asked for is reached and its halves and trajectories agree.",
     .examples = examples,
     .see = "classify spectrum",
     .run = run,

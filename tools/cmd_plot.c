@@ -168,6 +168,11 @@ const cli_command cmd_plot = {
     .inputs = CLI_INPUTS_MAX,
     .endings = cli_figures,
     .options = options,
+    .notes =
+        "A motion has one colour and texture in all figures, by its n/p alone. Dense clouds are "
+        "density-shaded rasters in vector axes. --view of a sweep shows the largest displacement, impact "
+        "speed, rate, contact, settling time or the number of attractors. --over lays branches over a "
+        "diagram (turning points, impacts, speed, section), curves of special points over a map.",
     .examples = examples,
     .see = "sweep continue simulate export",
     .run = run,

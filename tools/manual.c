@@ -44,7 +44,7 @@ static const char *meaning_of(const cli_entry *entry, char text[SALTUS_FIELD_TEX
     return text;
 }
 
-/* Text in lines of at most 80 letters, each paragraph from a new line on. */
+/* Text in lines of at most 80 letters, an empty line between paragraphs. */
 static void put_wrapped(const char *text, FILE *file) {
     enum { width = 80 };
     for (size_t column = 0; *text;) {
@@ -57,7 +57,7 @@ static void put_wrapped(const char *text, FILE *file) {
         column += length + (column > 0);
         text += length;
         if (*text == '\n') {
-            fputc('\n', file);
+            fputs("\n\n", file);
             column = 0;
         }
         text += *text != '\0';
@@ -81,6 +81,10 @@ void manual_help(const cli_command *command, FILE *file) {
     fputs("\nexamples\n", file);
     for (const cli_example *e = command->examples; e->line; e++)
         fprintf(file, "  # %s\n  saltus %s\n", e->what, e->line);
+    if (command->notes) {
+        fputs("\nnotes\n", file);
+        put_wrapped(command->notes, file);
+    }
     fprintf(file, "\nsee also: saltus help %s\n", command->see);
 }
 
@@ -145,6 +149,11 @@ static void put_command_page(const cli_command *command, FILE *file) {
     fputc('\n', file);
     put_options(command, file);
     put_examples(command->examples, file);
+    if (command->notes) {
+        fputs(".SH NOTES\n", file);
+        put_roff(command->notes, file);
+        fputc('\n', file);
+    }
     fputs(".SH SEE ALSO\n.BR saltus (1)", file);
     for (const char *at = command->see; *at;) {
         size_t length = strcspn(at, " ");

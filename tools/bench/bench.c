@@ -7,7 +7,7 @@
  * the leading multipliers with the CPU time when tangent vectors are carried along.
  *
  * usage: saltus_bench [--quick] [--only problem] [--to folder] [--cost-only] [folder of references]
- * Tables go to `folder` (work-precision.csv, cost.csv, README.md), the README's to the standard output.
+ * Tables go to `folder` (work-precision.csv, cost.csv, README.md), a summary to the standard output.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "cost.h"
 #include "report.h"
@@ -126,7 +126,7 @@ static void write_page(FILE *page, const results *r, const cost_table *costs) {
     fprintf(page, "## Asked and got\n\n");
     report_asked(page, r);
     fprintf(page, "## Costs\n\n");
-    cost_print(page, costs, false);
+    cost_print(page, costs);
 }
 
 static bool write_all(const request *q, const results *r, const cost_table *costs) {
@@ -147,11 +147,11 @@ static bool write_all(const request *q, const results *r, const cost_table *cost
     return done[0] && done[1] && done[2];
 }
 
-static void print_readme(const results *r, const cost_table *costs) {
+static void print_summary(const results *r, const cost_table *costs) {
     printf("\n");
     report_summary(stdout, r);
     report_worst(stdout, r);
-    cost_print(stdout, costs, true);
+    cost_print(stdout, costs);
 }
 
 static bool read_arguments(int count, char **arguments, request *q) {
@@ -192,7 +192,7 @@ int main(int count, char **arguments) {
             open_problems(&q, places, r);
         measure_all(&q, r);
         done = (q.only || cost_measure(costs, q.quick)) && write_all(&q, r, costs);
-        print_readme(r, costs);
+        print_summary(r, costs);
         for (int p = 0; p < r->problem_count; p++)
             problem_close(r->problems[p]);
     }

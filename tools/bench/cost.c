@@ -443,15 +443,14 @@ static void print_short(FILE *file, const cost_table *costs, const char *const *
     fprintf(file, "\n");
 }
 
-void cost_print(FILE *file, const cost_table *costs, bool brief) {
+void cost_print(FILE *file, const cost_table *costs) {
     static const char *const others[] = {"classification", "lanes", "threads"};
     if (costs->count == 0)
         return;
     print_table(file, costs, "features", "what you pay for (pipe, N = 5, omega = 42)", "µs a period");
     print_table(file, costs, "terms", "terms of the field (u0 = 2, alpha = 0)", "µs a step");
     print_short(file, costs, others, 3, "verdicts, and many trajectories (d = 0.035)", "µs a period of one");
-    if (!brief)
-        fprintf(file, "Settled motion, rtol 1e-13; threads: a sweep over omega at rtol 1e-10. Evaluations of "
-                      "the field: orders of a Taylor series, or nodes of all sweeps of collocation.\n\n");
+    fprintf(file, "Settled motion, rtol 1e-13; threads: a sweep over omega at rtol 1e-10. Evaluations of "
+                  "the field: orders of a Taylor series, or nodes of all sweeps of collocation.\n\n");
     print_table(file, costs, "modes", "modes (ratio to N = 5)", "µs a period");
 }

@@ -27,7 +27,7 @@ typedef struct cost_table {
 /* Measure everything; `quick` on short runs. */
 bool cost_measure(cost_table *costs, bool quick);
 void cost_csv(FILE *file, const cost_table *costs);
-/* As tables; `brief` leaves out what the README has no room for. */
-void cost_print(FILE *file, const cost_table *costs, bool brief);
+/* As tables. */
+void cost_print(FILE *file, const cost_table *costs);
 
 #endif
