@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "sweep_print.h"
 
+#include "base/field.h"
 #include "run_sweep.h"
 #include "sweep_options.h"
 
@@ -16,19 +17,6 @@ typedef struct share {
     int attractor;
     long long count;
 } share;
-
-/* A string of JSON; file and scene names may hold anything. */
-static void put_string(const char *text) {
-    putchar('"');
-    for (const unsigned char *c = (const unsigned char *)text; *c; c++)
-        if (*c < 0x20)
-            printf("\\u%04x", *c);
-        else if (*c == '"' || *c == '\\')
-            printf("\\%c", *c);
-        else
-            putchar(*c);
-    putchar('"');
-}
 
 static saltus_status tally_file(const saltus_sweep_file *file, sweep_report *report,
                                 saltus_message *message) {
@@ -176,9 +164,9 @@ static void put_json(const sweep_order *order, const sweep_report *report, const
                      const share *shares) {
     const saltus_sweep *sweep = order->sweep;
     printf("{\"version\": \"%s\", \"scene\": ", SALTUS_VERSION);
-    put_string(saltus_sweep_scene(sweep)->name);
+    saltus_put_string(stdout, saltus_sweep_scene(sweep)->name);
     printf(", \"file\": ");
-    put_string(order->path);
+    saltus_put_string(stdout, order->path);
     printf(", \"kind\": \"%s\", \"complete\": true, \"points\": %lld, \"passes\": [",
            order->basins ? "basins" : "sweep", saltus_sweep_points(sweep));
     for (int k = 0; k < saltus_sweep_pass_count(sweep); k++)

@@ -17,6 +17,18 @@ const char *saltus_number(double value, char *text) {
     return text;
 }
 
+void saltus_put_string(FILE *file, const char *text) {
+    fputc('"', file);
+    for (const unsigned char *c = (const unsigned char *)text; *c; c++)
+        if (*c == '"' || *c == '\\')
+            fprintf(file, "\\%c", *c);
+        else if (*c < 0x20 || *c == 0x7f)
+            fprintf(file, "\\u%04x", *c);
+        else
+            fputc(*c, file);
+    fputc('"', file);
+}
+
 const char *saltus_word_of(const saltus_word *words, int value) {
     while (words->word && words->value != value)
         words++;
@@ -30,13 +42,6 @@ bool saltus_word_value(const saltus_word *words, const char *word, size_t length
             return true;
         }
     return false;
-}
-
-int saltus_word_count(const saltus_word *words) {
-    int count = 0;
-    while (words[count].word)
-        count++;
-    return count;
 }
 
 size_t saltus_field_bytes(const saltus_field *field) {
@@ -294,7 +299,9 @@ void saltus_options_fill(const saltus_option_table *table, void *record) {
 /* "turning, impacts or stroboscopic" */
 static void list_words(const saltus_option *o, char *text, size_t room) {
     size_t used = 0;
-    int count = saltus_word_count(o->field.words);
+    int count = 0;
+    while (o->field.words[count].word)
+        count++;
     for (int k = 0; k < count && used < room; k++)
         used += (size_t)snprintf(text + used, room - used, "%s%s",
                                  k == 0          ? ""

@@ -9,6 +9,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdio.h>
 
 typedef enum saltus_field_type {
     SALTUS_REAL,    /* double */
@@ -84,13 +85,13 @@ enum { SALTUS_NUMBER_MAX = 32, SALTUS_FIELD_TEXT_MAX = 256 };
 /* A number that reads back as the same one, with a '.' whatever the locale; `text` holds SALTUS_NUMBER_MAX
  * bytes. */
 const char *saltus_number(double value, char *text);
+/* Text as a string of JSON, in quotation marks. */
+void saltus_put_string(FILE *file, const char *text);
 
 /* The word for a value; NULL when it has none. */
 const char *saltus_word_of(const saltus_word *words, int value);
 /* The value of a word of `length` characters; false when there is no such word. */
 bool saltus_word_value(const saltus_word *words, const char *word, size_t length, int *value);
-/* Number of words. */
-int saltus_word_count(const saltus_word *words);
 
 /* Bytes of one entry in memory; of a text, all of it. */
 size_t saltus_field_bytes(const saltus_field *field);

@@ -51,8 +51,6 @@ void saltus_plot_free_visits(saltus_plot_page *page);
 bool saltus_plot_logarithmic(const saltus_figure_options *look, const char *key);
 /* Exchange the two parameters of a curve of special points. */
 void saltus_plot_turn(saltus_branch_file *file);
-/* Speed of an event where it is an impact, otherwise NAN. */
-double saltus_impact_speed(const saltus_event *event);
 
 /* Whether a point is marked: on a curve of special points those that make it are not, and no end that was to
  * be expected. The point is one of the file's. */

@@ -77,14 +77,15 @@ static bool on_border(const saltus_branch_options *o, const saltus_branch_point 
     return false;
 }
 
-double saltus_impact_speed(const saltus_event *event) {
+/* Speed of an event where it is an impact, otherwise NAN. */
+static double impact_speed(const saltus_event *event) {
     return event->kind == SALTUS_IMPACT || event->kind == SALTUS_STICK ? fabs(event->velocity_before) : NAN;
 }
 
 static double largest_speed(const saltus_branch_point *point) {
     double largest = 0;
     for (int k = 0; k < point->event_count; k++)
-        largest = fmax(largest, saltus_impact_speed(&point->events[k]));
+        largest = fmax(largest, impact_speed(&point->events[k]));
     return largest;
 }
 
@@ -92,7 +93,7 @@ static double largest_speed(const saltus_branch_point *point) {
 static double slowest(const saltus_branch_point *point) {
     double least = INFINITY;
     for (int k = 0; k < point->event_count; k++)
-        least = fmin(least, saltus_impact_speed(&point->events[k]));
+        least = fmin(least, impact_speed(&point->events[k]));
     return isfinite(least) ? least : 0;
 }
 
@@ -108,9 +109,9 @@ static double grazing_speed(const saltus_plot_page *page, const saltus_branch_po
         saltus_face face = saltus_system_face(page->system, point->events[k].face);
         double apart = remainder(saltus_time_periods(point->events[k].time) - point->grazing_time,
                                  fmax(1, point->periods));
-        if (!isnan(saltus_impact_speed(&point->events[k])) && fabs(apart) < same &&
+        if (!isnan(impact_speed(&point->events[k])) && fabs(apart) < same &&
             face.stop + 1 == point->grazing_stop && face.side == point->grazing_side)
-            return saltus_impact_speed(&point->events[k]);
+            return impact_speed(&point->events[k]);
     }
     return isnan(point->grazing_time) ? slowest(point) : 0;
 }
@@ -155,7 +156,7 @@ static double measure(const saltus_plot_page *page, const saltus_branch_point *p
 static bool find_impacts(const saltus_branch_point *point, saltus_visits *visits) {
     visits->list = calloc((size_t)point->event_count + 1, sizeof *visits->list);
     for (int k = 0; k < point->event_count && visits->list; k++) {
-        double speed = saltus_impact_speed(&point->events[k]);
+        double speed = impact_speed(&point->events[k]);
         if (!isnan(speed))
             visits->list[visits->count++] =
                 (saltus_visit){saltus_time_periods(point->events[k].time), speed, point->events[k].face};

@@ -78,7 +78,8 @@ bool saltus_parameter_shown(const saltus_spec *spec, int k) {
     return saltus_spec_matters(spec, k) && !(spec->parameters[k] == 0 && p[k].fallback == 0);
 }
 
-void saltus_put_parameters(FILE *file, const saltus_spec *spec, const char *prefix) {
+/* All parameters, then a comment line for each stop; no newline at the end. */
+static void put_parameters(FILE *file, const saltus_spec *spec) {
     int count;
     const saltus_parameter *p = saltus_model_parameters(spec->model, &count);
     for (int k = 0; k < count; k++) {
@@ -86,7 +87,7 @@ void saltus_put_parameters(FILE *file, const saltus_spec *spec, const char *pref
         saltus_put_number(file, spec->parameters[k]);
     }
     for (int s = 0; s < spec->stop_count; s++) {
-        fprintf(file, "\n%sstop %d: ", prefix, s + 1);
+        fprintf(file, "\n# stop %d: ", s + 1);
         saltus_put_stop(file, spec, s);
     }
 }
@@ -99,7 +100,7 @@ void saltus_put_table_head(FILE *file, const char *what, const saltus_scene *sce
     if (motion)
         fprintf(file, "# motion: %s\n", motion);
     fprintf(file, "# model: %s\n# parameters: ", saltus_model_name(spec->model));
-    saltus_put_parameters(file, spec, "# ");
+    put_parameters(file, spec);
     fputc('\n', file);
 }
 

@@ -43,9 +43,6 @@ bool saltus_parameter_shown(const saltus_spec *spec, int k);
 void saltus_put_place(FILE *file, const saltus_spec *spec, int stop, int digits);
 /* A stop as `key = value` phrases with all digits. */
 void saltus_put_stop(FILE *file, const saltus_spec *spec, int stop);
-/* All parameters in the same form, then a line for each stop that begins with `prefix`; no newline at the
- * end. */
-void saltus_put_parameters(FILE *file, const saltus_spec *spec, const char *prefix);
 /* The comment lines that begin a table of comma-separated values: what it is, its scene, the label of the
  * motion (NULL: none), model, parameters and stops. */
 void saltus_put_table_head(FILE *file, const char *what, const saltus_scene *scene, const char *motion,

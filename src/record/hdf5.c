@@ -82,14 +82,33 @@ static void put_field(saltus_h5 *w, hid_t owner, const saltus_field *field, cons
         saltus_h5_integer(w, owner, field->name, saltus_field_whole(field, record));
 }
 
+/* Read an attribute of one entry; `memory` is closed by the caller. */
+static bool get_attribute(hid_t owner, const char *name, H5T_class_t class, hid_t memory, void *value) {
+    hid_t attribute = H5Aexists(owner, name) > 0 ? H5Aopen(owner, name, H5P_DEFAULT) : -1;
+    if (attribute < 0)
+        return false;
+    hid_t type = H5Aget_type(attribute), space = H5Aget_space(attribute);
+    bool fits = type >= 0 && space >= 0 && H5Tget_class(type) == class &&
+                H5Sget_simple_extent_npoints(space) == 1 &&
+                (class != H5T_STRING || H5Tis_variable_str(type) == 0);
+    fits = fits && H5Aread(attribute, memory, value) >= 0;
+    saltus_h5_close(type);
+    saltus_h5_close(space);
+    H5Aclose(attribute);
+    return fits;
+}
+
+static bool get_double(hid_t owner, const char *name, double *value) {
+    return get_attribute(owner, name, H5T_FLOAT, H5T_NATIVE_DOUBLE, value);
+}
+
 /* False when the attribute is absent, of another type, or no value of the field. */
 static bool get_field(hid_t owner, const saltus_field *field, void *record) {
     char text[SALTUS_FIELD_TEXT_MAX];
     double real;
     long long whole;
     if (field->type == SALTUS_REAL)
-        return saltus_h5_get_double(owner, field->name, &real) &&
-               saltus_field_set_number(field, real, record);
+        return get_double(owner, field->name, &real) && saltus_field_set_number(field, real, record);
     if (field->words || field->type == SALTUS_TEXT)
         return saltus_h5_get_text(owner, field->name, text, sizeof text) &&
                saltus_field_read(field, text, record);
@@ -236,26 +255,6 @@ static hid_t read_file(const char *path, saltus_message *message) {
     return file;
 }
 
-/* Read an attribute of one entry; `memory` is closed by the caller. */
-static bool get_attribute(hid_t owner, const char *name, H5T_class_t class, hid_t memory, void *value) {
-    hid_t attribute = H5Aexists(owner, name) > 0 ? H5Aopen(owner, name, H5P_DEFAULT) : -1;
-    if (attribute < 0)
-        return false;
-    hid_t type = H5Aget_type(attribute), space = H5Aget_space(attribute);
-    bool fits = type >= 0 && space >= 0 && H5Tget_class(type) == class &&
-                H5Sget_simple_extent_npoints(space) == 1 &&
-                (class != H5T_STRING || H5Tis_variable_str(type) == 0);
-    fits = fits && H5Aread(attribute, memory, value) >= 0;
-    saltus_h5_close(type);
-    saltus_h5_close(space);
-    H5Aclose(attribute);
-    return fits;
-}
-
-bool saltus_h5_get_double(hid_t owner, const char *name, double *value) {
-    return get_attribute(owner, name, H5T_FLOAT, H5T_NATIVE_DOUBLE, value);
-}
-
 bool saltus_h5_get_integer(hid_t owner, const char *name, long long *value) {
     return get_attribute(owner, name, H5T_INTEGER, H5T_NATIVE_LLONG, value);
 }
@@ -327,7 +326,7 @@ static saltus_status get_parameters(const saltus_h5_reader *r, const saltus_mode
     if (group < 0)
         return saltus_h5_refuse(r, "the group /parameters is missing");
     for (int k = 0; k < count && !lacking; k++)
-        if (!saltus_h5_get_double(group, p[k].name, &spec->parameters[k]) || !isfinite(spec->parameters[k]))
+        if (!get_double(group, p[k].name, &spec->parameters[k]) || !isfinite(spec->parameters[k]))
             lacking = p[k].name;
     H5Gclose(group);
     if (lacking)

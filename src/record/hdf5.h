@@ -72,7 +72,6 @@ enum { SALTUS_H5_SEAL = 24 };
 bool saltus_h5_seal(int descriptor, long long length, char seal[SALTUS_H5_SEAL + 1]);
 
 /* Attributes; false when one is absent, of another type or, as a text, of more than room - 1 bytes. */
-bool saltus_h5_get_double(hid_t owner, const char *name, double *value);
 bool saltus_h5_get_integer(hid_t owner, const char *name, long long *value);
 bool saltus_h5_get_text(hid_t owner, const char *name, char *text, size_t room);
 

@@ -14,18 +14,6 @@ void saltus_json_value(FILE *file, double value) {
         fputs("null", file);
 }
 
-static void put_string(FILE *file, const char *text) {
-    fputc('"', file);
-    for (const unsigned char *c = (const unsigned char *)text; *c; c++)
-        if (*c == '"' || *c == '\\')
-            fprintf(file, "\\%c", *c);
-        else if (*c < 0x20 || *c == 0x7f)
-            fprintf(file, "\\u%04x", *c);
-        else
-            fputc(*c, file);
-    fputc('"', file);
-}
-
 void saltus_json_key(FILE *file, const char *key) {
     fprintf(file, ", \"%s\": ", key);
 }
@@ -37,7 +25,7 @@ void saltus_json_member(FILE *file, const char *key, double value) {
 
 void saltus_json_text(FILE *file, const char *key, const char *text) {
     saltus_json_key(file, key);
-    put_string(file, text);
+    saltus_put_string(file, text);
 }
 
 void saltus_json_vector(FILE *file, const double *vector, int length) {
@@ -67,7 +55,7 @@ static void put_field(FILE *file, const saltus_field *field, const int *counts, 
     else if (field->type == SALTUS_FLAG)
         fputs(saltus_field_whole(field, record) ? "true" : "false", file);
     else if (field->words || field->type == SALTUS_TEXT)
-        put_string(file, saltus_field_text(field, record, text));
+        saltus_put_string(file, saltus_field_text(field, record, text));
     else
         fputs(saltus_field_text(field, record, text), file);
 }
@@ -209,7 +197,7 @@ static void put_stop(FILE *file, const saltus_spec *spec, int s) {
     const double *place = saltus_stop_place(spec->model, stop, &count);
     fprintf(file, "\"%s\": ", saltus_model_stop_key(spec->model));
     if (coordinate)
-        put_string(file, coordinate);
+        saltus_put_string(file, coordinate);
     else if (count == 1)
         saltus_json_value(file, *place);
     else
@@ -227,7 +215,7 @@ void saltus_json_parameters(FILE *file, const saltus_spec *spec) {
     if (saltus_model_text(spec->model))
         fputs(saltus_model_text(spec->model), file);
     else
-        put_string(file, saltus_model_name(spec->model));
+        saltus_put_string(file, saltus_model_name(spec->model));
     for (int k = 0; k < count; k++)
         saltus_json_member(file, p[k].name, spec->parameters[k]);
     if (spec->stop_count) {

@@ -1,6 +1,7 @@
 /* The model of a scene whose equations stand in it.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "system/text.h"
+#include "base/field.h"
 #include "scene/scene.h"
 #include "system/system.h"
 
@@ -172,18 +173,6 @@ static saltus_status read_equations(reading *r, const saltus_node *node, saltus_
     return SALTUS_OK;
 }
 
-static void put_string(FILE *out, const char *text) {
-    fputc('"', out);
-    for (const unsigned char *c = (const unsigned char *)text; *c; c++)
-        if (*c == '"' || *c == '\\')
-            fprintf(out, "\\%c", *c);
-        else if (*c < 0x20)
-            fprintf(out, "\\u%04x", *c);
-        else
-            fputc(*c, out);
-    fputc('"', out);
-}
-
 /* A value as JSON: numbers as they are, everything else in quotation marks. */
 static void put_json(FILE *out, const saltus_node *node) {
     const char *ends = node->kind == SALTUS_NODE_LIST ? "[]" : "{}", *comma = "";
@@ -195,14 +184,14 @@ static void put_json(FILE *out, const saltus_node *node) {
         if (number)
             fputs(node->text, out);
         else
-            put_string(out, node->text);
+            saltus_put_string(out, node->text);
         return;
     }
     fputc(ends[0], out);
     for (const saltus_node *child = node->first; child; child = child->next, comma = ", ") {
         fputs(comma, out);
         if (child->key) {
-            put_string(out, child->key);
+            saltus_put_string(out, child->key);
             fputs(": ", out);
         }
         put_json(out, child);
@@ -218,7 +207,7 @@ static void put_model(FILE *out, const reading *r, const saltus_node *model, con
         if (strcmp(child->key, "contacts") == 0 || strcmp(child->key, "start") == 0)
             continue;
         fputs(comma, out);
-        put_string(out, child->key);
+        saltus_put_string(out, child->key);
         fputs(": ", out);
         put_json(out, child);
         comma = ", ";
@@ -230,9 +219,9 @@ static void put_model(FILE *out, const reading *r, const saltus_node *model, con
         for (int k = 0; k < 3; k++)
             if (parts[k]->text) {
                 fputs(k ? ", " : "", out);
-                put_string(out, parts[k]->name);
+                saltus_put_string(out, parts[k]->name);
                 fputs(": ", out);
-                put_string(out, parts[k]->text);
+                saltus_put_string(out, parts[k]->text);
             }
         fputs(s + 1 < r->text.stop_count ? "}" : "}]", out);
     }

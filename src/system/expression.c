@@ -299,10 +299,3 @@ void saltus_expression_clear(saltus_expression *expression) {
 const char *saltus_function_name(saltus_function function) {
     return functions[function].name;
 }
-
-int saltus_term_arguments(const saltus_expression *expression, int term) {
-    int count = 0;
-    for (int k = expression->terms[term].first; k >= 0; k = expression->terms[k].next)
-        count++;
-    return count;
-}

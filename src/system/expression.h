@@ -81,7 +81,5 @@ saltus_status saltus_expression_parse(const char *text, saltus_expression *expre
 void saltus_expression_clear(saltus_expression *expression);
 
 const char *saltus_function_name(saltus_function function);
-/* Number of arguments of a term. */
-int saltus_term_arguments(const saltus_expression *expression, int term);
 
 #endif
