@@ -40,7 +40,7 @@ static inline void made_write_as(bool basins, const char *path, const saltus_sce
     saltus_sweep *sweep = NULL;
     saltus_sweep_output *output = NULL;
     check_ok(saltus_sweep_new(scene, axes, count, options, &sweep, &message), &message);
-    check_ok(saltus_sweep_output_open(path, sweep, basins, false, &output, &message), &message);
+    check_ok(saltus_sweep_output_open(path, sweep, basins, false, NULL, &output, &message), &message);
     long long points = saltus_sweep_points(sweep), places = points * saltus_sweep_pass_count(sweep);
     made_place *m = calloc(1, sizeof *m);
     assert_non_null(m);

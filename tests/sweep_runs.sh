@@ -4,6 +4,8 @@
 # Argument: the saltus program. SALTUS_KILLS: how often a run is killed (default 8; 40 with SALTUS_LONG_TESTS=1).
 # SPDX-License-Identifier: GPL-3.0-or-later
 set -u
+# Equal results give equal files, whenever they are made.
+export SOURCE_DATE_EPOCH=0
 saltus=$1
 kills=${SALTUS_KILLS:-${SALTUS_LONG_TESTS:+40}}
 kills=${kills:-8}

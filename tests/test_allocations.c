@@ -422,7 +422,7 @@ static saltus_status follow_branch(trial *t, const saltus_branch_options *how, d
     if (status == SALTUS_OK)
         status = saltus_branch_new(&scene.spec, 1, state, how, &branch, &t->message);
     if (status == SALTUS_OK)
-        status = saltus_branch_output_open(t->path, &scene, 1, state, how, &output, &t->message);
+        status = saltus_branch_output_open(t->path, &scene, 1, state, how, NULL, &output, &t->message);
     do {
         if (status == SALTUS_OK)
             status = saltus_branch_step(branch, &point, &t->message);
@@ -470,7 +470,7 @@ static saltus_status run_sweep(trial *t, const saltus_axis *axes, int count, boo
     load("impact-oscillator", &scene);
     saltus_status status = saltus_sweep_new(&scene, axes, count, &how, &sweep, &t->message);
     if (status == SALTUS_OK)
-        status = saltus_sweep_output_open(t->path, sweep, basins, false, &f.output, &t->message);
+        status = saltus_sweep_output_open(t->path, sweep, basins, false, NULL, &f.output, &t->message);
     f.sweep = sweep;
     if (status == SALTUS_OK)
         status = saltus_sweep_run(sweep, &feed, &t->message);
@@ -513,7 +513,7 @@ static saltus_status record(trial *t, const char *ending) {
     if (status == SALTUS_OK)
         status = saltus_trajectory_record(system, state, &how, 2, 40, 4, &made, &t->message);
     if (status == SALTUS_OK)
-        status = saltus_write_trajectory(&made, &scene, system, &how, path, &t->message);
+        status = saltus_write_trajectory(&made, &scene, system, &how, NULL, path, &t->message);
     if (status == SALTUS_OK)
         note_file(t, path);
     saltus_trajectory_clear(&made);

@@ -133,8 +133,9 @@ static const char *path_in(const fixture *f, const char *name, char path[160]) {
 static saltus_branch_output *open_output(const fixture *f, const char *path) {
     saltus_message message = {.text = ""};
     saltus_branch_output *output;
-    check_ok(saltus_branch_output_open(path, &f->scene, 4, f->states[0], &f->options, &output, &message),
-             &message);
+    check_ok(
+        saltus_branch_output_open(path, &f->scene, 4, f->states[0], &f->options, NULL, &output, &message),
+        &message);
     return output;
 }
 
@@ -339,7 +340,7 @@ static void a_good_file_outlives_failures(void **state) {
     for (size_t k = 0; k < sizeof bad / sizeof bad[0]; k++) {
         path_in(f, bad[k].name, path);
         assert_int_equal(
-            saltus_branch_output_open(path, &f->scene, 4, f->states[0], &f->options, &output, &message),
+            saltus_branch_output_open(path, &f->scene, 4, f->states[0], &f->options, NULL, &output, &message),
             bad[k].status);
         assert_null(output);
         assert_non_null(strstr(message.text, bad[k].word));
@@ -396,7 +397,8 @@ static void foreign_files_are_named(void **state) {
     check_ok(
         saltus_trajectory_record(f->system, f->reference.states[0], &options, 0, 2, 20, &record, &message),
         &message);
-    check_ok(saltus_write_trajectory(&record, &f->scene, f->system, &options, path, &message), &message);
+    check_ok(saltus_write_trajectory(&record, &f->scene, f->system, &options, NULL, path, &message),
+             &message);
     refuse_file(path, "trajectory");
     saltus_trajectory_clear(&record);
     folder_files(f->folder, true);

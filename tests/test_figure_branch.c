@@ -78,7 +78,7 @@ static void write_branch(const char *name) {
     saltus_branch_output *output = NULL;
     char path[path_size];
     check_ok(saltus_branch_output_open(path_in(name, path), &made.scene, 1, made.state[0], &made.options,
-                                       &output, &message),
+                                       NULL, &output, &message),
              &message);
     for (int k = 0; k < points; k++)
         check_ok(saltus_branch_output_add(output, &made.point[k], &message), &message);

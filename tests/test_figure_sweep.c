@@ -996,8 +996,9 @@ static void views_that_cannot_be_shown_are_named(void **state) {
     saltus_sweep *sweep = NULL;
     saltus_sweep_output *output = NULL;
     check_ok(saltus_sweep_new(&scene, axes, 2, &options, &sweep, &message), &message);
-    check_ok(saltus_sweep_output_open(path_in("basins.h5", path), sweep, true, false, &output, &message),
-             &message);
+    check_ok(
+        saltus_sweep_output_open(path_in("basins.h5", path), sweep, true, false, NULL, &output, &message),
+        &message);
     check_ok(saltus_sweep_output_close(output, &message), &message);
     saltus_sweep_free(sweep);
     for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {

@@ -349,13 +349,13 @@ static void a_trajectory_is_the_same_in_every_format(void **state) {
     char path[128];
     size_t length;
     int n = r->dimension;
-    check_ok(
-        saltus_write_trajectory(r, &f->scene, f->system, &f->options, path_in(f, "run.csv", path), &message),
-        &message);
+    check_ok(saltus_write_trajectory(r, &f->scene, f->system, &f->options, NULL, path_in(f, "run.csv", path),
+                                     &message),
+             &message);
     char *text = read_all(path, &length), *rest = text;
-    check_ok(
-        saltus_write_trajectory(r, &f->scene, f->system, &f->options, path_in(f, "run.h5", path), &message),
-        &message);
+    check_ok(saltus_write_trajectory(r, &f->scene, f->system, &f->options, NULL, path_in(f, "run.h5", path),
+                                     &message),
+             &message);
     hid_t file = H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT);
     assert_true(file >= 0);
     double *time = reals_of(file, "trajectory/time", r->samples);
@@ -505,7 +505,7 @@ static void the_longest_words_come_back_whole(void **state) {
         strcpy(how.key[0], "omega");
         how.high[0] = 2;
         path_in(f, "b.h5", path);
-        check_ok(saltus_branch_output_open(path, &scene, 1, start, &how, &branch, &message), &message);
+        check_ok(saltus_branch_output_open(path, &scene, 1, start, &how, NULL, &branch, &message), &message);
         check_ok(saltus_branch_output_add(branch, &point, &message), &message);
         check_ok(saltus_branch_output_close(branch, true, &message), &message);
         check_ok(saltus_branch_file_read(path, &read, &message), &message);
@@ -528,7 +528,7 @@ static void the_longest_words_come_back_whole(void **state) {
         saltus_sweep_file file;
         check_ok(saltus_sweep_new(&scene, &axis, 1, &options, &sweep, &message), &message);
         path_in(f, "s.h5", path);
-        check_ok(saltus_sweep_output_open(path, sweep, false, false, &output, &message), &message);
+        check_ok(saltus_sweep_output_open(path, sweep, false, false, NULL, &output, &message), &message);
         check_ok(saltus_sweep_output_close(output, &message), &message);
         saltus_sweep_free(sweep);
         check_ok(saltus_sweep_file_read(path, &file, &message), &message);
@@ -545,8 +545,9 @@ static void the_longest_words_come_back_whole(void **state) {
             assert_non_null(strstr(text, line));
             free(text);
             path_in(f, "r.csv", path);
-            check_ok(saltus_write_trajectory(&f->record, &scene, f->system, &f->options, path, &message),
-                     &message);
+            check_ok(
+                saltus_write_trajectory(&f->record, &scene, f->system, &f->options, NULL, path, &message),
+                &message);
         }
         folder_files(f->folder, true);
     }

@@ -39,6 +39,7 @@ static fixture *make_fixture(void) {
     fixture *f = calloc(1, sizeof *f);
     strcpy(f->folder, "/tmp/saltus-test-XXXXXX");
     assert_non_null(mkdtemp(f->folder));
+    setenv("SOURCE_DATE_EPOCH", "0", 1);
     snprintf(f->tools, sizeof f->tools, "%s/tools", f->folder);
     snprintf(f->nameless, sizeof f->nameless, "%s/nameless", f->folder);
     snprintf(f->paper, sizeof f->paper, "%s/paper", f->folder);

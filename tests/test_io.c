@@ -60,7 +60,7 @@ static const char *path_in(const fixture *f, const char *name, char path[128]) {
 }
 
 static saltus_status write_record(const fixture *f, const char *path, saltus_message *message) {
-    return saltus_write_trajectory(&f->record, &f->scene, f->system, &f->options, path, message);
+    return saltus_write_trajectory(&f->record, &f->scene, f->system, &f->options, NULL, path, message);
 }
 
 static saltus_status write_sheet(const fixture *f, const char *path, const char *data,

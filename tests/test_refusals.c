@@ -274,8 +274,8 @@ static void what_a_run_goes_on_from_is_checked(void **state) {
         memcpy(copy, numbers, (size_t)count * sizeof *copy);
         if (k < 5)
             copy[places[k]] = k == 1 ? 0.5 * copy[places[k]] + 1 : NAN;
-        check_ok(saltus_branch_output_open(path, &scene, file.periods, file.state, &file.options, &output,
-                                           &message),
+        check_ok(saltus_branch_output_open(path, &scene, file.periods, file.state, &file.options, NULL,
+                                           &output, &message),
                  &message);
         for (int i = 0; i < points; i++)
             check_ok(saltus_branch_output_add(output, &file.points[i], &message), &message);

@@ -130,7 +130,7 @@ static unsigned places_there(const char *path, saltus_status *status, saltus_mes
     unsigned there = 0;
     make_options(&scene, &axis, &options);
     check_ok(saltus_sweep_new(&scene, &axis, 1, &options, &sweep, message), message);
-    *status = saltus_sweep_output_open(path, sweep, false, true, &output, message);
+    *status = saltus_sweep_output_open(path, sweep, false, true, NULL, &output, message);
     for (int k = 0; k < passes * points && *status == SALTUS_OK; k++)
         there |= (unsigned)saltus_sweep_output_has(output, k) << k;
     if (output)
@@ -230,7 +230,7 @@ static void attractors_are_kept_with_their_points(void **state) {
     assert_non_null(mkdtemp(folder));
     snprintf(path, sizeof path, "%s/b.h5", folder);
     check_ok(saltus_sweep_new(&scene, axes, 2, &options, &sweep, &message), &message);
-    check_ok(saltus_sweep_output_open(path, sweep, true, false, &output, &message), &message);
+    check_ok(saltus_sweep_output_open(path, sweep, true, false, NULL, &output, &message), &message);
     for (int place = 0; place < 4; place++) {
         saltus_sweep_row row = {.verdict = SALTUS_PERIODIC, .periods = 1, .lyapunov = NAN};
         const long long none = 0;

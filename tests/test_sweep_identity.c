@@ -57,8 +57,9 @@ static void check_difference(recipe *changed, const char *const path[2], const c
         saltus_message message = {.text = ""};
         saltus_sweep_output *output = NULL;
         char there[301] = "", now[301] = "";
-        assert_int_equal(saltus_sweep_output_open(path[k], sweep, changed->basins, true, &output, &message),
-                         SALTUS_BAD_INPUT);
+        assert_int_equal(
+            saltus_sweep_output_open(path[k], sweep, changed->basins, true, NULL, &output, &message),
+            SALTUS_BAD_INPUT);
         const char *at = strstr(message.text, ": is of another sweep: ");
         if (!at || strncmp(at + 23, name, strlen(name)) != 0)
             fail_msg("'%s' does not name %s", message.text, name);
@@ -86,8 +87,9 @@ static void check_numbers(recipe *changed, const char *const path[2], const char
     for (int k = 0; k < 2; k++) {
         saltus_message message = {.text = ""};
         saltus_sweep_output *output = NULL;
-        assert_int_equal(saltus_sweep_output_open(path[k], sweep, changed->basins, true, &output, &message),
-                         SALTUS_BAD_INPUT);
+        assert_int_equal(
+            saltus_sweep_output_open(path[k], sweep, changed->basins, true, NULL, &output, &message),
+            SALTUS_BAD_INPUT);
         if (!strstr(message.text, words))
             fail_msg("'%s' instead of '%s'", message.text, words);
     }

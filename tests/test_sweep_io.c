@@ -176,7 +176,7 @@ static void make_result(const saltus_sweep *sweep, long long place, made_up *m) 
 static saltus_sweep_output *open_output(const char *path, const saltus_sweep *sweep, bool resume) {
     saltus_message message = {.text = ""};
     saltus_sweep_output *output = NULL;
-    check_ok(saltus_sweep_output_open(path, sweep, false, resume, &output, &message), &message);
+    check_ok(saltus_sweep_output_open(path, sweep, false, resume, NULL, &output, &message), &message);
     return output;
 }
 
@@ -500,7 +500,8 @@ static void killed_runs_lose_nothing(void **state) {
         if (child == 0) {
             saltus_message message = {.text = ""};
             saltus_sweep_output *output;
-            if (saltus_sweep_output_open(path, f->sweep, false, run > 0, &output, &message) == SALTUS_OK)
+            if (saltus_sweep_output_open(path, f->sweep, false, run > 0, NULL, &output, &message) ==
+                SALTUS_OK)
                 take_some(output, f->sweep, 20, run);
             kill(getpid(), SIGKILL);
         }
@@ -540,7 +541,7 @@ static void torn_journals_are_cut_back(void **state) {
         write_all(journal, bytes, cut);
         saltus_message message = {.text = ""};
         saltus_sweep_output *output = NULL;
-        saltus_status status = saltus_sweep_output_open(path, f->sweep, false, true, &output, &message);
+        saltus_status status = saltus_sweep_output_open(path, f->sweep, false, true, NULL, &output, &message);
         if (status != SALTUS_OK) {
             /* Not even the head is whole: the file there is an unfinished one without a journal. */
             assert_int_equal(status, SALTUS_BAD_INPUT);
@@ -573,7 +574,7 @@ static void damaged_journals_do_no_harm(void **state) {
         write_all(journal, bytes, whole);
         saltus_message message = {.text = ""};
         saltus_sweep_output *output = NULL;
-        if (saltus_sweep_output_open(path, f->sweep, false, true, &output, &message) != SALTUS_OK) {
+        if (saltus_sweep_output_open(path, f->sweep, false, true, NULL, &output, &message) != SALTUS_OK) {
             assert_non_null(strstr(message.text, "b.h5.journal: "));
             check_same_bytes(journal, bytes, whole);
         } else {
@@ -612,7 +613,7 @@ static void lengths_beyond_the_file_are_seen(void **state) {
             left = k < 0 ? 0ULL + (unsigned long long)k : left - 3 + (unsigned long long)k;
             memcpy(copy + length_at, &left, sizeof left);
             write_all(journal, copy, whole - torn);
-            assert_int_equal(saltus_sweep_output_open(path, f->sweep, false, true, &output, &message),
+            assert_int_equal(saltus_sweep_output_open(path, f->sweep, false, true, NULL, &output, &message),
                              SALTUS_BAD_INPUT);
             if (!strstr(message.text, "b.h5.journal: is damaged at its begin"))
                 fail_msg("%d: %s", k, message.text);
@@ -648,7 +649,7 @@ static void check_refused(const char *path, const saltus_sweep *sweep, bool basi
                           saltus_status expected, const char *const words[3]) {
     saltus_message message = {.text = ""};
     saltus_sweep_output *output = NULL;
-    saltus_status status = saltus_sweep_output_open(path, sweep, basins, resume, &output, &message);
+    saltus_status status = saltus_sweep_output_open(path, sweep, basins, resume, NULL, &output, &message);
     if (status != expected || output)
         fail_msg("%s: status %d, %s", path, (int)status, message.text);
     for (int k = 0; k < 3 && words[k]; k++)
@@ -890,7 +891,8 @@ static void full_disks_leave_the_file_as_it_was(void **state) {
     remove(path);
     limit_files(2000);
     saltus_sweep_output *output = NULL;
-    assert_int_equal(saltus_sweep_output_open(path, f->sweep, false, false, &output, &message), SALTUS_IO);
+    assert_int_equal(saltus_sweep_output_open(path, f->sweep, false, false, NULL, &output, &message),
+                     SALTUS_IO);
     limit_files(0);
     assert_int_equal(folder_files(f->folder, true), 1);
     free(expected);
@@ -1396,7 +1398,7 @@ static saltus_status take_result(void *context, const saltus_sweep_result *resul
 static void run_basins(const saltus_sweep *sweep, const char *path, bool resume, long long most) {
     saltus_message message = {.text = ""};
     feeding feed = {.sweep = sweep, .most = most};
-    check_ok(saltus_sweep_output_open(path, sweep, true, resume, &feed.output, &message), &message);
+    check_ok(saltus_sweep_output_open(path, sweep, true, resume, NULL, &feed.output, &message), &message);
     const saltus_sweep_feed link = {.context = &feed, .next = next_task, .take = take_result};
     check_ok(saltus_sweep_run(sweep, &link, &message), &message);
     check_ok(saltus_sweep_output_close(feed.output, &message), &message);

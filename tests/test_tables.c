@@ -100,7 +100,7 @@ static void write_tables(const saltus_scene *scene, const saltus_system *system,
     char path[path_size];
     size_t length;
     make_record(&m, system, 1, NULL, 0);
-    check_ok(saltus_write_trajectory(&m.record, scene, system, flow, path_in("t.csv", path), &message),
+    check_ok(saltus_write_trajectory(&m.record, scene, system, flow, NULL, path_in("t.csv", path), &message),
              &message);
     text[0] = read_all(path, &length);
     check_ok(saltus_spectra_write(scene, system, &motion, &spectra, flow, NULL, path, &message), &message);
@@ -340,7 +340,8 @@ static void what_does_not_fit_leaves_nothing(void **state) {
         small = before;
         small.rlim_cur = 2000;
         setrlimit(RLIMIT_FSIZE, &small);
-        saltus_status status = saltus_write_trajectory(&m.record, &scene, system, &flow, path, &message);
+        saltus_status status =
+            saltus_write_trajectory(&m.record, &scene, system, &flow, NULL, path, &message);
         setrlimit(RLIMIT_FSIZE, &before);
         assert_int_equal(status, SALTUS_IO);
         assert_non_null(strstr(message.text, "could not be written completely: File too large"));

@@ -289,6 +289,22 @@ static bool take_input(const cli_command *command, const char *text, cli_request
     return false;
 }
 
+/* Options that change how a run goes and where its results go, not the results. */
+static bool goes_without_saying(const cli_command *command, const char *flag) {
+    static const cli_option *const own[] = {&cli_output, &cli_json, &cli_resume, &cli_force, &quiet, &format};
+    cli_entry entry;
+    int number;
+    bool found = find_entry(command, flag, &number, &entry) && entry.option && entry.option->apart;
+    for (size_t k = 0; k < sizeof own / sizeof own[0] && !found; k++)
+        found = strcmp(flag, own[k]->name) == 0;
+    return found;
+}
+
+static void keep_words(cli_request *request, int count, char **words) {
+    for (int k = 0; k < count && request->word_count < CLI_WORDS_MAX; k++)
+        request->words[request->word_count++] = words[k];
+}
+
 bool cli_parse(const cli_command *command, int count, char **arguments, cli_request *request) {
     set_defaults(command, request);
     for (int k = 0; k < count;) {
@@ -296,8 +312,13 @@ bool cli_parse(const cli_command *command, int count, char **arguments, cli_requ
             int used = take_option(command, count - k, arguments + k, request);
             if (used == 0)
                 return false;
+            if (!goes_without_saying(command, arguments[k]))
+                keep_words(request, used, arguments + k);
             k += used;
-        } else if (!take_input(command, arguments[k++], request))
+            continue;
+        }
+        keep_words(request, 1, arguments + k);
+        if (!take_input(command, arguments[k++], request))
             return false;
     }
     request->scene = request->inputs[0];

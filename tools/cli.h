@@ -12,7 +12,8 @@ enum {
     CLI_BAD_INPUT = 2,
     CLI_SETTINGS_MAX = 256,
     CLI_INPUTS_MAX = 256,
-    CLI_LIST_MAX = 64
+    CLI_LIST_MAX = 64,
+    CLI_WORDS_MAX = 1024
 };
 
 /* The values of an option that may be repeated. */
@@ -49,7 +50,9 @@ typedef struct cli_request {
     cli_list parts, labels, over, of, logarithmic;
     long seeds, seed, transient, periods, samples;
     const cli_command *command;
-    unsigned long long given; /* a bit for each option of the command that was there */
+    unsigned long long given;         /* a bit for each option of the command that was there */
+    const char *words[CLI_WORDS_MAX]; /* of the command line, but for what the results do not depend on */
+    int word_count;
 } cli_request;
 
 /* Of all kinds but the last four an option is given once. The keys of --set and of a CLI_KEYS option, what

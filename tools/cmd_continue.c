@@ -5,6 +5,7 @@
 #include "branch/options.h"
 #include "interrupt.h"
 #include "motion/options.h"
+#include "origin.h"
 #include "progress.h"
 
 #include <math.h>
@@ -257,9 +258,13 @@ static int open_branch(run_state *run, saltus_message *message) {
         status = saltus_fail(message, SALTUS_BAD_INPUT, "the start is no orbit of period %d T: %.400s",
                              start->periods, reason.text);
     }
+    cli_origin origin = {.command = NULL};
+    if (status == SALTUS_OK)
+        status = cli_origin_new(run->request, &origin, message);
     if (status == SALTUS_OK)
         status = saltus_branch_output_open(run->request->output, &run->setup.scene, start->periods,
-                                           start->state, &run->options, &run->output, message);
+                                           start->state, &run->options, &origin.told, &run->output, message);
+    cli_origin_clear(&origin);
     return cli_report(status, message);
 }
 

@@ -4,6 +4,7 @@
 
 #include "flow/options.h"
 #include "interrupt.h"
+#include "origin.h"
 #include "progress.h"
 
 static const cli_option periods =
@@ -40,6 +41,7 @@ static int run(const cli_request *request) {
     saltus_classify_options describing = saltus_classify_defaults();
     saltus_motion motion = {0};
     saltus_status status = SALTUS_OK;
+    cli_origin origin = {.command = NULL};
     double told = 0;
     describing.flow = flow;
     if (cli_on_orbit(&setup) && request->transient)
@@ -60,8 +62,11 @@ static int run(const cli_request *request) {
     cli_progress_end(request);
     bool cut = status == SALTUS_INTERRUPTED && record.samples > 0;
     if (status == SALTUS_OK || cut)
-        status =
-            saltus_write_trajectory(&record, &setup.scene, setup.system, &flow, request->output, &message);
+        status = cli_origin_new(request, &origin, &message);
+    if (status == SALTUS_OK)
+        status = saltus_write_trajectory(&record, &setup.scene, setup.system, &flow, &origin.told,
+                                         request->output, &message);
+    cli_origin_clear(&origin);
     if (status == SALTUS_OK && !request->quiet && !request->to_stdout)
         printf("%s: %lld samples, %lld events over %.9g periods\n", request->output, record.samples,
                record.event_count, record.time[record.samples - 1]);

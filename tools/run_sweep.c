@@ -254,7 +254,7 @@ static saltus_status open_output(sweep_exchange *exchange, unsigned char **marks
     if (exchange->here > 0)
         return SALTUS_OK;
     saltus_status status = saltus_sweep_output_open(order->path, exchange->sweep, order->basins,
-                                                    order->resume, &exchange->output, message);
+                                                    order->resume, order->origin, &exchange->output, message);
     return status == SALTUS_OK && order->resume ? mark_settled(exchange, marks, message) : status;
 }
 

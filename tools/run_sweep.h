@@ -10,6 +10,7 @@ typedef struct sweep_order {
     const saltus_sweep *sweep;   /* NULL where this rank could not make one */
     volatile sig_atomic_t *stop; /* the sweep's flow.stop: it is the run's to raise */
     const char *path;
+    const saltus_origin *origin;
     bool basins, resume, quiet;
     bool to_stdout; /* the file is copied to standard output and does not last */
 } sweep_order;

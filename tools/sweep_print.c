@@ -2,6 +2,7 @@
 #include "sweep_print.h"
 
 #include "base/field.h"
+#include "origin.h"
 #include "run_sweep.h"
 #include "sweep_options.h"
 
@@ -213,11 +214,15 @@ int sweep_command(const cli_request *request, bool basins, saltus_status status,
     saltus_sweep *sweep = NULL;
     sweep_report report;
     how.flow.stop = &stop;
+    cli_origin origin = {.command = NULL};
     if (status == SALTUS_OK)
         status = sweep_make(request, scene, &how, &sweep, message);
+    if (status == SALTUS_OK)
+        status = cli_origin_new(request, &origin, message);
     const sweep_order order = {.sweep = sweep,
                                .stop = &stop,
                                .path = request->output,
+                               .origin = &origin.told,
                                .basins = basins,
                                .resume = request->resume,
                                .quiet = request->quiet,
@@ -227,5 +232,6 @@ int sweep_command(const cli_request *request, bool basins, saltus_status status,
         code = cli_report(print_report(&order, &report, request->json, message), message);
     sweep_tally_clear(&report.tally);
     saltus_sweep_free(sweep);
+    cli_origin_clear(&origin);
     return code;
 }

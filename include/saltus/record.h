@@ -17,7 +17,7 @@
 
 SALTUS_API_BEGIN
 
-/* A motion as one JSON object and a newline; keys as in the README. Numbers round-trip. */
+/* A motion as one JSON object and a newline; keys as in the manual of saltus classify. Numbers round-trip. */
 void saltus_write_motion_json(FILE *file, const saltus_scene *scene, const saltus_system *system,
                               const saltus_motion *motion);
 /* The same for people: a few lines. */
@@ -52,12 +52,21 @@ void saltus_write_spectra_text(FILE *file, const saltus_scene *scene, const salt
 /* The same as one JSON object and a newline, with all lines up to the highest trustworthy frequency. */
 void saltus_write_spectra_json(FILE *file, const saltus_scene *scene, const saltus_system *system,
                                const saltus_motion *motion, const saltus_spectra *spectra);
+/* How results came about, as HDF5 files tell it: the texts `command`, `date` and `scene_text` beside the
+ * groups. Each may be NULL: not told. */
+typedef struct saltus_origin {
+    const char *command; /* the command line, but for what the results do not depend on */
+    const char *date;    /* when the run began, such as 2026-01-31T12:00:00Z */
+    const char *scene;   /* the scene's text, as it was before the command line changed it */
+} saltus_origin;
+
 /* Write a record to a .csv or .h5 file (chosen by the ending), complete or not at all. An HDF5 file is laid
  * out like that of a branch: its head, the flow's options as attributes, the groups /trajectory (samples),
- * /events and /strobe (stroboscopic points). Errors: SALTUS_BAD_INPUT for another ending, SALTUS_IO. */
+ * /events and /strobe (stroboscopic points); `origin` may be NULL. Errors: SALTUS_BAD_INPUT for another
+ * ending, SALTUS_IO. */
 saltus_status saltus_write_trajectory(const saltus_trajectory *record, const saltus_scene *scene,
                                       const saltus_system *system, const saltus_flow_options *options,
-                                      const char *path, saltus_message *message);
+                                      const saltus_origin *origin, const char *path, saltus_message *message);
 
 /* What a file is, as its beginning tells. */
 typedef struct saltus_file_facts {
@@ -99,7 +108,8 @@ void saltus_write_point_json(FILE *file, const saltus_scene *scene, const saltus
 /* A branch with all that is needed to go on from any of its points. Layout of the file (.h5), with attributes
  * `units` and `description` on every dataset:
  *
- *     /               attributes kind = "branch", version, scene, title, model, complete (0: interrupted)
+ *     /               attributes kind = "branch", version, scene, title, model, complete (0: interrupted);
+ *                     datasets command, date and scene_text (saltus_origin)
  *     /parameters     an attribute for each parameter of the start; /parameters/stop_1, ... for the stops
  *     /start          attribute periods; dataset state
  *     /continuation   the options as attributes: key1, low1, high1, key2, low2, high2, locus, step, ...;
@@ -145,11 +155,12 @@ void saltus_branch_file_clear(saltus_branch_file *file);
  * points so far, however the run may end. */
 typedef struct saltus_branch_output saltus_branch_output;
 
-/* `state` is the start's. Nothing is written yet, but whether it can be is tested. Errors: SALTUS_BAD_INPUT
- * (an ending other than .h5, not a plain file), SALTUS_IO, SALTUS_NO_MEMORY. */
+/* `state` is the start's; `origin` may be NULL. Nothing is written yet, but whether it can be is tested.
+ * Errors: SALTUS_BAD_INPUT (an ending other than .h5, not a plain file), SALTUS_IO, SALTUS_NO_MEMORY. */
 saltus_status saltus_branch_output_open(const char *path, const saltus_scene *scene, int periods,
                                         const double *state, const saltus_branch_options *options,
-                                        saltus_branch_output **output, saltus_message *message);
+                                        const saltus_origin *origin, saltus_branch_output **output,
+                                        saltus_message *message);
 /* Errors: SALTUS_NO_MEMORY, SALTUS_IO. */
 saltus_status saltus_branch_output_add(saltus_branch_output *output, const saltus_branch_point *point,
                                        saltus_message *message);
@@ -157,7 +168,8 @@ saltus_status saltus_branch_output_add(saltus_branch_output *output, const saltu
  * output's; none leaves it at what there was. */
 void saltus_branch_output_resume(saltus_branch_output *output, double *numbers, int count);
 /* The first `kept` points of an interrupted run, and what it goes on from, before any other point: the file
- * is exchanged once all of them are there. Errors: SALTUS_NO_MEMORY, SALTUS_IO. */
+ * is exchanged once all of them are there, and goes on telling of the interrupted run how it came about.
+ * Errors: SALTUS_NO_MEMORY, SALTUS_IO. */
 saltus_status saltus_branch_output_take_over(saltus_branch_output *output, const saltus_branch_file *earlier,
                                              int kept, saltus_message *message);
 /* Write what is left, if there is any point, and free the output (NULL is accepted). `complete` tells that
@@ -173,13 +185,14 @@ saltus_status saltus_branch_output_close(saltus_branch_output *output, bool comp
  * `description` on every dataset:
  *
  *     /               attributes kind = "sweep" or "basins", version, scene, title, model, complete (0:
- *                     interrupted)
+ *                     interrupted); datasets command, date and scene_text (saltus_origin)
  *     /parameters     an attribute for each parameter of the scene; /parameters/stop_1, ... for the stops
  *     /sweep          the options as attributes: keep, seeds, seed, adaptive, transient, record, measure,
  *                     longest, rtol, atol, order, integrator, dimension, passes ("reset,up,down"), axes,
- * key1, spacing1, key2, spacing2; dataset initial /axes           datasets axis1 and axis2 (where there are
- * two): the values /rows           one dataset for each member of saltus_sweep_row, of shape
- * [pass][axis2][axis1][seed] (axis2 has length 1 where there is one axis): verdict (enumeration pending,
+ *                     key1, spacing1, key2, spacing2; dataset initial
+ *     /axes           datasets axis1 and axis2 (where there are two): the values
+ *     /rows           one dataset for each member of saltus_sweep_row, of shape [pass][axis2][axis1][seed]
+ *                     (axis2 has length 1 where there is one axis): verdict (enumeration pending,
  *                     periodic, ...), impacts, periods, sticking, attractor, settled, ..., lyapunov; `label`,
  *                     the motion's name as text, n/p where it is periodic; and `attractors`, the number of
  *                     distinct ones, of shape [pass][axis2][axis1]
@@ -194,10 +207,12 @@ typedef struct saltus_sweep_output saltus_sweep_output;
 
 /* With `resume` an interrupted run's journal is taken up (none there: an unfinished file without journal and
  * a file of another sweep are refused with a sentence that names the difference; a finished file of the same
- * sweep counts as all done). With `basins` the rows' attractors are those of the whole plane. Errors:
+ * sweep counts as all done). With `basins` the rows' attractors are those of the whole plane. `origin` may be
+ * NULL; with `resume` an interrupted run's file goes on telling how that run came about. Errors:
  * SALTUS_BAD_INPUT, SALTUS_IO, SALTUS_NO_MEMORY. */
 saltus_status saltus_sweep_output_open(const char *path, const saltus_sweep *sweep, bool basins, bool resume,
-                                       saltus_sweep_output **output, saltus_message *message);
+                                       const saltus_origin *origin, saltus_sweep_output **output,
+                                       saltus_message *message);
 /* Whether the result of a place is there already. */
 bool saltus_sweep_output_has(const saltus_sweep_output *output, long long place);
 /* Errors: SALTUS_IO (what was written before stays), SALTUS_NO_MEMORY. A place that is there already is left

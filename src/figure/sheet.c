@@ -378,7 +378,7 @@ saltus_status saltus_write_sheet(const saltus_scene *scene, const saltus_system 
         return status;
     char *script = data && !page.look.script ? beside(data, ".gp") : NULL;
     if (data)
-        status = saltus_write_trajectory(record, scene, system, options, data, message);
+        status = saltus_write_trajectory(record, scene, system, options, NULL, data, message);
     if (status == SALTUS_OK && data && !page.look.script && !script)
         status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a file name");
     if (script)

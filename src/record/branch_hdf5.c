@@ -27,6 +27,7 @@ struct saltus_branch_output {
     saltus_system *system;   /* of the start */
     saltus_rows points, events;
     char *path;
+    saltus_h5_origin origin;
     double written, cost; /* when the file was last exchanged, and how long that took; seconds */
 };
 
@@ -57,6 +58,7 @@ static void put_options(saltus_h5 *w, const saltus_branch_file *head, bool compl
 static void put_head(saltus_h5 *w, const saltus_branch_output *o) {
     const saltus_branch_file *head = &o->head;
     saltus_h5_put_head(w, "branch", head->scene, head->title, &head->spec, head->complete);
+    saltus_h5_put_origin(w, &o->origin);
     saltus_h5_text(w, w->file, "integrator",
                    saltus_integrator_used(o->system, head->options.orbit.flow.integrator));
     put_options(w, head, head->complete);
@@ -122,6 +124,7 @@ static void release(saltus_branch_output *o) {
     saltus_rows_clear(&o->events);
     saltus_branch_file_clear(&o->head);
     saltus_system_free(o->system);
+    saltus_h5_origin_clear(&o->origin);
     free(o->path);
     free(o);
 }
@@ -138,7 +141,8 @@ static saltus_status test_path(const char *path, saltus_message *message) {
 
 saltus_status saltus_branch_output_open(const char *path, const saltus_scene *scene, int periods,
                                         const double *state, const saltus_branch_options *options,
-                                        saltus_branch_output **output, saltus_message *message) {
+                                        const saltus_origin *origin, saltus_branch_output **output,
+                                        saltus_message *message) {
     *output = NULL;
     saltus_status status = test_path(path, message);
     if (status != SALTUS_OK)
@@ -150,7 +154,8 @@ saltus_status saltus_branch_output_open(const char *path, const saltus_scene *sc
     saltus_model_retain(scene->spec.model);
     o->head.periods = periods;
     status = saltus_system_new(&scene->spec, &o->system, message);
-    if (status == SALTUS_OK && !fill_head(o, path, scene, state, options))
+    bool kept = saltus_h5_origin_keep(&o->origin, origin);
+    if (status == SALTUS_OK && !(kept && fill_head(o, path, scene, state, options)))
         status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the branch file");
     if (status == SALTUS_OK)
         *output = o;
@@ -202,6 +207,8 @@ saltus_status saltus_branch_output_take_over(saltus_branch_output *o, const salt
     double *numbers = copy_reals(earlier->resume, earlier->resume_count);
     saltus_status status =
         numbers ? SALTUS_OK : saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the branch file");
+    if (status == SALTUS_OK)
+        status = saltus_h5_origin_take_over(&o->origin, o->path, message);
     for (int k = 0; k < kept && status == SALTUS_OK; k++)
         status = append_point(o, &earlier->points[k], message);
     saltus_branch_output_resume(o, numbers, numbers ? earlier->resume_count : 0);

@@ -91,8 +91,7 @@ static saltus_h5_shape column_shape(const saltus_field *field, const int *counts
     return shape;
 }
 
-/* How a dataset is stored. Empty ones are stored plainly. */
-static hid_t storage(saltus_h5 *w, const saltus_h5_shape *shape, hid_t memory, const void *fill) {
+hid_t saltus_h5_storage(saltus_h5 *w, const saltus_h5_shape *shape, hid_t memory, const void *fill) {
     enum { level = 6 };
     hid_t list = H5Pcreate(H5P_DATASET_CREATE);
     bool sound = list >= 0 && H5Pset_obj_track_times(list, 0) >= 0;
@@ -112,7 +111,7 @@ static hid_t storage(saltus_h5 *w, const saltus_h5_shape *shape, hid_t memory, c
 static hid_t open_column(saltus_h5 *w, hid_t group, const saltus_field *field, const saltus_h5_shape *shape,
                          bool extensible, const void *fill) {
     hid_t stored = entry_type(field, true), memory = entry_type(field, false), set = -1;
-    hid_t list = storage(w, shape, memory, fill);
+    hid_t list = saltus_h5_storage(w, shape, memory, fill);
     hsize_t most[SALTUS_H5_RANK_MAX];
     memcpy(most, shape->size, sizeof most);
     if (shape->size[0] && extensible)

@@ -26,6 +26,10 @@ typedef struct saltus_h5_shape {
     hsize_t size[SALTUS_H5_RANK_MAX], part[SALTUS_H5_RANK_MAX];
 } saltus_h5_shape;
 
+/* How a dataset of a shape is stored, as creation properties to be closed; `fill` (of the type in `memory`)
+ * is what parts that are not written hold, NULL: zeros. Empty ones are stored plainly. */
+hid_t saltus_h5_storage(saltus_h5 *w, const saltus_h5_shape *shape, hid_t memory, const void *fill);
+
 /* Write all rows as datasets of a group, in chunks with checksums, shuffled and deflated, with the attributes
  * `units` and `description`. A field without entries has no dataset. */
 void saltus_h5_rows(saltus_h5 *w, hid_t group, const saltus_rows *rows);

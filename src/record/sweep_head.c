@@ -43,6 +43,7 @@ void saltus_sweep_put_head(saltus_h5 *w, const saltus_sweep_stream *stream) {
         return;
     saltus_h5_put_head(w, head.basins ? "basins" : "sweep", head.scene, head.title, &head.spec,
                        head.complete);
+    saltus_h5_put_origin(w, stream->origin);
     put_options(w, &head);
     hid_t group = saltus_h5_open_group(w, "axes", "what was varied");
     for (int k = 0; k < head.axis_count && w->sound; k++)

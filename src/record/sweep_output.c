@@ -23,6 +23,7 @@ struct saltus_sweep_output {
     saltus_basins *basins; /* NULL: not of basins */
     saltus_journal journal;
     char *path;
+    saltus_h5_origin origin;
     bool table;           /* comma-separated values */
     bool finished;        /* a complete file of this sweep was there: nothing is to be done */
     double written, cost; /* when the file was last exchanged, and how long that took; seconds */
@@ -46,6 +47,7 @@ static saltus_status exchange(saltus_sweep_output *o, bool last, saltus_message 
     saltus_sweep_stream stream = {.sweep = o->sweep,
                                   .journal = &o->journal,
                                   .basins = o->basins,
+                                  .origin = &o->origin,
                                   .complete = last && o->journal.found == o->journal.places};
     if (!saltus_sweep_stream_open(&stream))
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for writing %s", o->path);
@@ -118,12 +120,14 @@ static saltus_status open_journal(saltus_sweep_output *o, bool resume, bool exis
 static void release(saltus_sweep_output *o, bool discard) {
     saltus_journal_close(&o->journal, discard);
     saltus_basins_free(o->basins);
+    saltus_h5_origin_clear(&o->origin);
     free(o->path);
     free(o);
 }
 
 saltus_status saltus_sweep_output_open(const char *path, const saltus_sweep *sweep, bool basins, bool resume,
-                                       saltus_sweep_output **output, saltus_message *message) {
+                                       const saltus_origin *origin, saltus_sweep_output **output,
+                                       saltus_message *message) {
     bool exists = false;
     *output = NULL;
     saltus_status status = test_target(path, sweep, &exists, message);
@@ -135,12 +139,14 @@ saltus_status saltus_sweep_output_open(const char *path, const saltus_sweep *swe
     o->sweep = sweep;
     o->table = saltus_path_ends(path, ".csv");
     o->path = strdup(path);
-    if (!o->path)
+    if (!(saltus_h5_origin_keep(&o->origin, origin) && o->path))
         status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for writing %s", path);
     if (status == SALTUS_OK && basins)
         status = saltus_basins_new(sweep, &o->basins, message);
     if (status == SALTUS_OK)
         status = open_journal(o, resume, exists, message);
+    if (status == SALTUS_OK && o->journal.found && exists && !o->table)
+        status = saltus_h5_origin_take_over(&o->origin, o->path, message);
     if (status == SALTUS_OK && !o->finished && !o->table)
         status = exchange(o, false, message);
     if (status == SALTUS_OK)

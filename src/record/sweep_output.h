@@ -57,8 +57,9 @@ void saltus_journal_close(saltus_journal *journal, bool discard);
 typedef struct saltus_sweep_stream {
     const saltus_sweep *sweep;
     saltus_journal *journal;
-    saltus_basins *basins;    /* NULL: not of basins */
-    bool complete;            /* all places are there: basins are told apart */
+    saltus_basins *basins; /* NULL: not of basins */
+    bool complete;         /* all places are there: basins are told apart */
+    const saltus_h5_origin *origin;
     saltus_sweep_line *lines; /* of one place */
     int distinct;             /* attractors met at this place */
     saltus_sweep_result result;

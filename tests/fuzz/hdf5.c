@@ -90,7 +90,7 @@ static void make_branch(bench *b, const char *path) {
     options.high[0] = 2;
     options.values = values;
     options.value_count = 2;
-    check(saltus_branch_output_open(path, &b->scene, 2, state, &options, &output, &message), &message);
+    check(saltus_branch_output_open(path, &b->scene, 2, state, &options, NULL, &output, &message), &message);
     for (int k = 0; k < 4; k++) {
         saltus_branch_point point = {.kind = (saltus_point_kind)(k ? 2 * k + 1 : 0),
                                      .parent = -1,
@@ -121,7 +121,7 @@ static void make_sweep(const saltus_sweep *sweep, bool basins, const char *path)
     saltus_message message = {.text = ""};
     feeder f = {.sweep = sweep};
     const saltus_sweep_feed feed = {.context = &f, .next = next_task, .take = take_result};
-    check(saltus_sweep_output_open(path, sweep, basins, false, &f.output, &message), &message);
+    check(saltus_sweep_output_open(path, sweep, basins, false, NULL, &f.output, &message), &message);
     check(saltus_sweep_run(sweep, &feed, &message), &message);
     check(saltus_sweep_output_close(f.output, &message), &message);
 }
