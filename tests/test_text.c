@@ -197,10 +197,48 @@ static void the_pipe(void **unused) {
     saltus_model_release(model);
 }
 
+/* One text, two fields: a whole parameter chooses the exponent. Such systems share no flow. */
+static void whole_parameters(void **unused) {
+    (void)unused;
+    static const saltus_equation motion[] = {{"x", "-x - x^n + F*cos(omega*t)", 1}};
+    static const saltus_text_parameter parameters[] = {
+        {.name = "n", .fallback = 2, .min = 1, .max = 9, .integer = true},
+        {.name = "F", .fallback = 0.1, .min = 0, .max = 1},
+        {.name = "omega", .fallback = 1, .min = 0, .max = 9}};
+    saltus_text text = {.origin = "test",
+                        .parameters = parameters,
+                        .parameter_count = 3,
+                        .motion = LIST(motion),
+                        .forcing = {"forcing", "omega", 7}};
+    saltus_message message = {.text = ""};
+    const saltus_model *model = NULL;
+    check_ok(saltus_text_model_new(&text, &model, &message), &message);
+    saltus_spec spec = saltus_spec_defaults(model);
+    saltus_system *square = build(&spec), *cube, *stronger;
+    set_parameter(&spec, "F", 0.4);
+    stronger = build(&spec);
+    set_parameter(&spec, "n", 3);
+    cube = build(&spec);
+    saltus_flow_options options = saltus_flow_defaults();
+    saltus_flow *flow = NULL;
+    assert_int_equal(saltus_flow_new((const saltus_system *[]){square, cube}, 2, &options, &flow, &message),
+                     SALTUS_BAD_INPUT);
+    check_ok(saltus_flow_new((const saltus_system *[]){square, stronger}, 2, &options, &flow, &message),
+             &message);
+    assert_int_equal(saltus_flow_retune(flow, 0, cube, &message), SALTUS_BAD_INPUT);
+    check_ok(saltus_flow_retune(flow, 0, stronger, &message), &message);
+    saltus_flow_free(flow);
+    saltus_system_free(square);
+    saltus_system_free(cube);
+    saltus_system_free(stronger);
+    saltus_model_release(model);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_oscillator),
         cmocka_unit_test(the_pipe),
+        cmocka_unit_test(whole_parameters),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -27,9 +27,17 @@ static int automatic_order(double rtol) {
     return order < SALTUS_ORDER_MIN ? SALTUS_ORDER_MIN : order;
 }
 
+/* Whether two systems have one vector field but for its numbers. Of texts the steps decide, because the first
+ * lane's stand for all: whole parameters may have made others of the same text. */
+static bool same_field(const saltus_system *a, const saltus_system *b) {
+    if (a->tape && b->tape)
+        return a->tape == b->tape || saltus_tape_equal(a->tape, b->tape);
+    return saltus_model_same(a->spec.model, b->spec.model);
+}
+
 /* Whether a system's flow looks the same from outside: states, faces. */
 static bool same_shape(const saltus_system *a, const saltus_system *b) {
-    bool same = saltus_model_same(a->spec.model, b->spec.model) && a->dof == b->dof && a->extra == b->extra &&
+    bool same = same_field(a, b) && a->dof == b->dof && a->extra == b->extra &&
                 a->face_count == b->face_count && a->spec.stop_count == b->spec.stop_count;
     for (int f = 0; same && f < a->face_count; f++)
         same = a->faces[f].stop == b->faces[f].stop && a->faces[f].side == b->faces[f].side;

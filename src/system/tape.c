@@ -455,6 +455,10 @@ bool saltus_tape_equal(const saltus_tape *a, const saltus_tape *b) {
                 a->slot_count == b->slot_count && a->register_count == b->register_count &&
                 a->state_count == b->state_count && a->output_count == b->output_count &&
                 a->time == b->time && a->phase == b->phase;
+    for (int i = 0; same && i < a->state_count; i++)
+        same = a->state_register[i] == b->state_register[i];
+    for (int i = 0; same && i < a->output_count; i++)
+        same = a->outputs[i] == b->outputs[i];
     for (int k = 0; same && k < a->step_count; k++)
         same = same_step(&a->steps[k], &b->steps[k]);
     for (int k = 0; same && k < a->term_count; k++)
