@@ -260,8 +260,9 @@ static int differentiate_power(saltus_graph *g, int a, int b, int da, int db) {
     return add(g, first, multiply(g, multiply(g, power, function(g, SALTUS_OP_LOG, a)), db));
 }
 
-/* The factor of a' in the derivative of a function of one operand; `node` is the function itself. */
-static int outer_derivative(saltus_graph *g, saltus_operation operation, int node, int a) {
+int saltus_graph_outer_derivative(saltus_graph *g, int node) {
+    const saltus_operation operation = g->nodes[node].operation;
+    const int a = g->nodes[node].operand[0];
     int one = constant(g, 1), square = multiply(g, a, a);
     switch (operation) {
     case SALTUS_OP_SQRT:
@@ -323,7 +324,7 @@ static int differentiate(saltus_graph *g, int node, const int *d) {
     case SALTUS_OP_CHOOSE_EQUAL:
         return saltus_graph_choose(g, n.operation, a, b, d[n.operand[2]], d[n.operand[3]]);
     default:
-        return da ? multiply(g, outer_derivative(g, n.operation, node, a), da) : 0;
+        return da ? multiply(g, saltus_graph_outer_derivative(g, node), da) : 0;
     }
 }
 

@@ -84,6 +84,8 @@ double saltus_operation_value(saltus_operation operation, const double operand[4
 /* For each of the first `count` nodes that depend on nothing but what is `among` the node of its derivative
  * with respect to a leaf; 0, the constant 0, where it does not depend on it, and for all other nodes. */
 void saltus_graph_differentiate(saltus_graph *graph, int leaf, int count, unsigned among, int *derivatives);
+/* The derivative of a function of one operand with respect to that operand. */
+int saltus_graph_outer_derivative(saltus_graph *graph, int node);
 /* Values of all nodes; leaves are taken from the arrays. */
 void saltus_graph_evaluate(const saltus_graph *graph, const double *parameters, const double *state,
                            double time, double phase, double *values);

@@ -252,48 +252,16 @@ static int rewrite(maker *m, int node) {
     return saltus_graph_apply(g, SALTUS_OP_SUBTRACT, one, part);
 }
 
-/* The node of a function's derivative by its operand a, but for the sign. */
-static int derivative_node(maker *m, saltus_operation function, int node, int a) {
-    saltus_graph *g = m->graph;
-    int one = saltus_graph_constant(g, 1), square;
-    switch (function) {
-    case SALTUS_OP_SQRT:
-        return saltus_graph_apply(g, SALTUS_OP_DIVIDE, saltus_graph_constant(g, 0.5), node);
-    case SALTUS_OP_EXP:
-        return node;
-    case SALTUS_OP_LOG:
-        return saltus_graph_apply(g, SALTUS_OP_DIVIDE, one, a);
-    case SALTUS_OP_SIN:
-        return saltus_graph_apply(g, SALTUS_OP_COS, a, -1);
-    case SALTUS_OP_COS:
-        return saltus_graph_apply(g, SALTUS_OP_SIN, a, -1);
-    case SALTUS_OP_SINH:
-        return saltus_graph_apply(g, SALTUS_OP_COSH, a, -1);
-    case SALTUS_OP_COSH:
-        return saltus_graph_apply(g, SALTUS_OP_SINH, a, -1);
-    default: /* asin, acos, atan */
-        square = saltus_graph_apply(g, SALTUS_OP_MULTIPLY, a, a);
-        if (function == SALTUS_OP_ATAN)
-            return saltus_graph_apply(g, SALTUS_OP_DIVIDE, one,
-                                      saltus_graph_apply(g, SALTUS_OP_ADD, one, square));
-        return saltus_graph_apply(g, SALTUS_OP_DIVIDE, one,
-                                  saltus_graph_apply(g, SALTUS_OP_SQRT,
-                                                     saltus_graph_apply(g, SALTUS_OP_SUBTRACT, one, square),
-                                                     -1));
-    }
-}
-
 /* The step of a function comes before those of its derivative, which may be made of the function: so it has
  * its register first. */
 static int add_function(maker *m, int node) {
     saltus_graph *g = m->graph;
     const saltus_graph_node n = *node_at(m, node);
-    bool two = n.operation == SALTUS_OP_ATAN2,
-         minus = n.operation == SALTUS_OP_COS || n.operation == SALTUS_OP_ACOS;
+    bool two = n.operation == SALTUS_OP_ATAN2;
     saltus_tape_step step = {.code = SALTUS_TAPE_FUNCTION,
                              .function = n.operation,
                              .depends = n.depends,
-                             .sign = minus ? -1 : 1,
+                             .sign = 1,
                              .a = register_of(m, n.operand[0]),
                              .a2 = two ? register_of(m, n.operand[1]) : -1,
                              .b2 = -1};
@@ -311,8 +279,11 @@ static int add_function(maker *m, int node) {
         step.b = register_of(m, saltus_graph_apply(g, SALTUS_OP_DIVIDE, x, size));
         step.b2 = register_of(m, saltus_graph_apply(g, SALTUS_OP_DIVIDE,
                                                     saltus_graph_apply(g, SALTUS_OP_SUBTRACT, 0, y), size));
-    } else
-        step.b = register_of(m, derivative_node(m, n.operation, node, n.operand[0]));
+    } else {
+        summand derivative = split(m, saltus_graph_outer_derivative(g, node));
+        step.sign = node_at(m, derivative.factor)->value;
+        step.b = register_of(m, derivative.node);
+    }
     if (!m->failed)
         ((saltus_tape_step *)m->steps.items)[index] = step;
     return step.out;
