@@ -269,6 +269,88 @@ static void domains_are_reached(void **unused) {
     }
 }
 
+/* A free mass between two walls. One that leaves the lower wall without speed where the force turns, at
+ * omega t = -pi/2, has x = t + pi/2 - d - cos t; its first impact on the upper wall is at `time`, with
+ * `speed`.
+ */
+static void first_impact(long double d, long double *time, long double *speed) {
+    const long double half = acosl(0);
+    long double t = half;
+    for (int k = 0; k < 60; k++)
+        t -= (t + half - 2 * d - cosl(t)) / (1 + sinl(t));
+    *time = t;
+    *speed = 1 + sinl(t);
+}
+
+/* Whether the impacts that follow on the first one come to an end before the force turns away from the wall.
+ * In a flight from t on the distance from the wall is u s - s^2/2 cos t + s^3/6 sin t + s^4/24 cos t - ... */
+static bool comes_to_rest(long double t, long double speed, long double r) {
+    const long double turn = acosl(0);
+    for (long double u = r * speed; u > 1e-24L;) {
+        long double c = cosl(t), sine = sinl(t), s = 2 * u / c;
+        for (int k = 0; k < 60 && t + s < turn; k++)
+            s += (u - s * c / 2 + s * s / 6 * sine + s * s * s / 24 * c - s * s * s * s / 120 * sine) /
+                 (c / 2 - s / 3 * sine - s * s / 8 * c + s * s * s / 30 * sine);
+        if (!(t + s < turn))
+            return false;
+        u = r * (s * c - s * s / 2 * sine - s * s * s / 6 * c + s * s * s * s / 24 * sine - u);
+        t += s;
+    }
+    return true;
+}
+
+/* Where a wall hardly rebounds impacts are born within 1e-5 of a period of one another: chatter completes,
+ * and the branch goes on until there is no rebound at all. There and up to that place the mass leaves its
+ * wall where the force turns, whatever the restitution. */
+static void until_nothing_rebounds(void **unused) {
+    (void)unused;
+    const long double d = 1.5L;
+    long double time, speed, low = 7e-4L, high = 9e-4L;
+    first_impact(d, &time, &speed);
+    for (int k = 0; k < 60; k++) {
+        long double middle = 0.5L * (low + high);
+        *(comes_to_rest(time, speed, middle) ? &low : &high) = middle;
+    }
+    saltus_spec spec = oscillator_spec(0, 0, 1, 1);
+    add_stop(&spec, (double)d, 0.8, SALTUS_BOTH);
+    saltus_branch_options options = branch_along("r", 0, 1);
+    options.direction = -1;
+    branch_record record = run_settled(&spec, &options, "2/1");
+    int completes = 0, after = 0;
+    for (int k = 0; k < record.count; k++) {
+        const saltus_branch_point *p = &record.point[k];
+        if (p->kind == SALTUS_POINT_CH) {
+            check_near(p->value[0], (double)low, 1e-10);
+            completes++;
+        } else if (completes) {
+            assert_string_equal(p->label, p->value[0] > 0 ? "chatter/1" : "2/1");
+            check_near(p->state[0], (double)(acosl(0) - d - 1), 1e-9);
+            check_near(p->state[1], 1, 1e-9);
+            after++;
+        }
+    }
+    const saltus_branch_point *last = &record.point[record.count - 1];
+    assert_true(completes == 1 && after > 2);
+    assert_true(last->value[0] == 0 && last->spec.stops[0].r == 0);
+    assert_string_equal(last->reason, "end of the parameter's range");
+    branch_forget(&record);
+}
+
+/* A range may end where the orbits have no derivative by its parameter; that is said. */
+static void domains_without_a_derivative(void **unused) {
+    (void)unused;
+    saltus_spec spec = pipe_spec(1, 10);
+    set_parameter(&spec, "u0", 2);
+    saltus_branch_options options = branch_along("beta", 0, 0.7);
+    options.direction = -1;
+    branch_record record = run_settled(&spec, &options, "0/1");
+    const saltus_branch_point *last = &record.point[record.count - 1];
+    check_near(last->value[0], 0, 1e-12);
+    assert_non_null(strstr(last->reason, "beta = 0"));
+    assert_non_null(strstr(last->reason, "no derivative"));
+    branch_forget(&record);
+}
+
 /* Two masses of which one hits two stops: tori and flips come in pairs, within one step, each time an impact
  * dies. */
 static void tori_beside_flips(void **unused) {
@@ -423,6 +505,8 @@ int main(void) {
         cmocka_unit_test(chatter_ends_where_it_begins),
         cmocka_unit_test(contacts_that_become_permanent),
         cmocka_unit_test(domains_are_reached),
+        cmocka_unit_test(until_nothing_rebounds),
+        cmocka_unit_test(domains_without_a_derivative),
         cmocka_unit_test(tori_beside_flips),
         cmocka_unit_test(grazings_close_together),
         cmocka_unit_test(a_branch_leaves_chatter),

@@ -151,6 +151,8 @@ static void grazing_undoes_grazing(void **state) {
         counts[c.dead > 0][c.born > 0]++;
         if (c.dead + c.born)
             assert_string_equal(words, words_of(&c));
+        else
+            assert_null(words);
         /* What stays keeps its order. */
         for (int j = 0, last = -1; j < fresh.count; j++)
             if (order[j] >= 0) {

@@ -25,9 +25,6 @@
 static const char range_ends[] = "end of the parameter's range";
 static const char enough_points[] = "as many points as asked for";
 
-/* A change of events this near to the range's end is at it. */
-static const double at_border = 1e-12;
-
 /* What the next step of a run does. */
 typedef enum run_phase {
     RUN_BEGIN, /* take up the next start */
@@ -313,6 +310,13 @@ static saltus_status end(saltus_branch *b, const saltus_solution *s, double ahea
                 message);
 }
 
+/* A solution on a border of the range, which the rounding of its unknown may miss. */
+static saltus_status end_at_border(saltus_branch *b, saltus_solution *s, double ahead,
+                                   saltus_message *message) {
+    s->value = s->parameter[0] == b->range[1] ? b->options.high[0] : b->options.low[0];
+    return end(b, s, ahead, range_ends, message);
+}
+
 static void swap(saltus_solution **a, saltus_solution **b) {
     saltus_solution *kept = *a;
     *a = *b;
@@ -482,6 +486,8 @@ static saltus_status leap(saltus_branch *b, double ahead, saltus_leap kind, cons
         return status;
     if (isnan(change.accuracy))
         return end(b, t->here, 0, why, message);
+    if (change.at_border)
+        return end_at_border(b, b->spare, b->trial->at.ahead, message);
     notice what = {.kind = change.kind,
                    .ahead = b->trial->at.ahead,
                    .accuracy = change.accuracy,
@@ -570,7 +576,7 @@ static saltus_status graze(saltus_branch *b, double accuracy, saltus_message *me
     if (status != SALTUS_OK)
         return status;
     /* Further impacts are beyond rounding: on to where chatter is complete. */
-    if (change.kind == SALTUS_POINT_EP && !joins && ends_run(at)) {
+    if (change.kind == SALTUS_POINT_EP && !joins && (!change.reason || ends_run(at))) {
         status = saltus_shooting_shape(o->shooting, &t->here->sequence, message);
         return status == SALTUS_OK ? leap(b, 2 * at->at.ahead, SALTUS_LEAP_RUN,
                                           "grazings follow one another ever more closely", message)
@@ -682,7 +688,7 @@ static saltus_status advance(saltus_branch *b, saltus_message *message) {
         swap(&b->next, &b->trial);
         reached = -1;
         for (int k = 0; k < 2; k++)
-            if (fabs(b->next->parameter[0] - b->range[k]) < at_border) {
+            if (fabs(b->next->parameter[0] - b->range[k]) < saltus_at_border) {
                 b->next->parameter[0] = b->range[k];
                 reached = 0;
             }
@@ -706,11 +712,8 @@ static saltus_status advance(saltus_branch *b, saltus_message *message) {
     if (status != SALTUS_OK || b->phase != RUN_FOLLOW || b->locus)
         return status;
     t->step = saltus_curve_next_step(t->step, b->next->at.iterations, b->options.step_max);
-    if (reached >= 0) {
-        bool high = b->next->parameter[0] == b->range[1];
-        b->next->value = high ? b->options.high[0] : b->options.low[0];
-        return end(b, b->next, b->next->at.ahead, range_ends, message);
-    }
+    if (reached >= 0)
+        return end_at_border(b, b->next, b->next->at.ahead, message);
     if (breached && (kind == SALTUS_BREACH_HOLD || kind == SALTUS_BREACH_FORCE))
         return leap(b, b->next->at.ahead, SALTUS_LEAP_EVENTS, "the contact changes", message);
     if (breached)

@@ -65,6 +65,10 @@ saltus_status saltus_change_graze(saltus_orbits *o, const saltus_solution *at, s
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch");
     change->reason = saltus_sequence_graze(&at->sequence, picked, pick_change(at, picked), beyond, order);
     free(picked);
+    if (!change->reason) {
+        change->kind = SALTUS_POINT_EP;
+        return SALTUS_OK;
+    }
     double *old = calloc((size_t)(o->n * beyond->cuts + beyond->count + 1), sizeof *old);
     if (!old)
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch");
@@ -142,6 +146,16 @@ static bool shoot_freely(saltus_orbits *o, const saltus_sequence *old, const dou
     return sequence_met(o, out, state, &met) &&
            saltus_solution_place(o, &met, parameters, state, true, out, &ignored) == SALTUS_OK &&
            saltus_solution_survey(o, out, &ignored) == SALTUS_OK;
+}
+
+/* The same along the tangent of an orbit to a parameter. */
+static bool shoot_ahead(saltus_orbits *o, const saltus_solution *from, double parameter, double *state,
+                        saltus_solution *out) {
+    double distance = (parameter - from->parameter[0]) / saltus_solution_heading(from);
+    const double *scale = saltus_shooting_scale(o->shooting);
+    for (int i = 0; i < o->n; i++)
+        state[i] = (from->at.u[i] + distance * from->at.tangent[i]) * scale[i];
+    return shoot_freely(o, &from->sequence, &parameter, state, out);
 }
 
 /* In contact all the time. */
@@ -228,19 +242,17 @@ saltus_status saltus_change_leap(saltus_orbits *o, const saltus_solution *from, 
     if (isnan(width))
         return SALTUS_OK;
     change->accuracy = width * slope(o, at);
-    double *state = calloc((size_t)o->n, sizeof *state);
+    double *state = calloc((size_t)o->n, sizeof *state), border = range[heading > 0];
     if (!state)
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch");
+    change->at_border =
+        fabs(at->parameter[0] - border) < saltus_at_border && shoot_ahead(o, at, border, state, here);
     bool found = false;
-    for (size_t k = 0; k < sizeof reach / sizeof reach[0] && !found; k++) {
-        double distance = copysign(reach[k], heading), parameter = at->parameter[0] + distance;
+    for (size_t k = 0; k < sizeof reach / sizeof reach[0] && !found && !change->at_border; k++) {
+        double parameter = at->parameter[0] + copysign(reach[k], heading);
         if (parameter < range[0] || parameter > range[1])
             break;
-        /* Along the tangent to that parameter. */
-        for (int i = 0; i < o->n; i++)
-            state[i] = (at->at.u[i] + distance * at->at.tangent[i] / heading) *
-                       saltus_shooting_scale(o->shooting)[i];
-        found = shoot_freely(o, &at->sequence, &parameter, state, here);
+        found = shoot_ahead(o, at, parameter, state, here);
         change->distance = reach[k];
     }
     free(state);

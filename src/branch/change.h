@@ -13,6 +13,9 @@
 #include "branch/solution.h"
 #include "saltus/branch.h"
 
+/* A change this near to a border of the range, in the parameter unknown, is at it. */
+static const double saltus_at_border = 1e-12;
+
 typedef struct saltus_change {
     saltus_point_kind kind; /* GR, CH or ST; EP: the branch ends; REGULAR: the events stay, but the step leads
                                over a difficulty of the continuation */
@@ -22,6 +25,7 @@ typedef struct saltus_change {
     char after[SALTUS_LABEL_MAX]; /* the label beyond */
     bool turns_back;              /* in the parameter */
     double distance;              /* arclength from the change to where the branch goes on */
+    bool at_border; /* `here` is on the border of the range, on which `at` lies but for rounding */
 } saltus_change;
 
 /* The branch goes on beyond grazing at `at`: `here` becomes the same orbit with the sequence `beyond`, and
@@ -29,8 +33,9 @@ typedef struct saltus_change {
  * unknowns. False: no orbit of this period goes on with other events. */
 bool saltus_change_pass(saltus_orbits *orbits, const saltus_sequence *beyond, const double *parameters,
                         const double *state, const double *old, saltus_solution *here, saltus_solution *next);
-/* The change at grazing, `at`: the sequence beyond is found and passed to (kind GR), or kind is EP. The
- * sequence on the other side goes to `beyond`. Errors: SALTUS_NO_MEMORY. */
+/* The change at grazing, `at`: the sequence beyond is found and passed to (kind GR), or kind is EP; without a
+ * reason where the impact that is born is too near to another one to be told from it. The sequence on the
+ * other side goes to `beyond`. Errors: SALTUS_NO_MEMORY. */
 saltus_status saltus_change_graze(saltus_orbits *orbits, const saltus_solution *at, saltus_sequence *beyond,
                                   saltus_solution *here, saltus_solution *next, saltus_change *change,
                                   saltus_message *message);

@@ -54,7 +54,8 @@ const char *saltus_sequence_graze(const saltus_sequence *old, const saltus_breac
            : born > 1   ? "impacts are born"
            : born       ? "an impact is born"
            : dead > 1   ? "impacts die"
-                        : "an impact dies";
+           : dead       ? "an impact dies"
+                        : NULL;
 }
 
 bool saltus_sequence_join(const saltus_sequence *first, const saltus_sequence *second,

@@ -9,7 +9,8 @@
 #include "orbit/shooting.h"
 
 /* Beyond grazing: impacts whose speed has fallen to zero are taken out, free maxima that touch a stop become
- * impacts. Returns what happens in words ("an impact is born"). */
+ * impacts. Returns what happens in words ("an impact is born"); NULL: nothing, as a maximum is too near to an
+ * impact to be told from that impact's own touch. */
 const char *saltus_sequence_graze(const saltus_sequence *old, const saltus_breach *breaches, int count,
                                   saltus_sequence *fresh, int *order);
 /* The orbit gone through twice; false where that are too many marks. */

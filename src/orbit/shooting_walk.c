@@ -6,6 +6,7 @@
  * its own column the shift that a delay of t causes (saltus_strike).
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "orbit/shooting_private.h"
+#include "system/system.h"
 
 #include <math.h>
 #include <string.h>
@@ -218,7 +219,11 @@ static saltus_status tune(saltus_shooting *p, const double *parameters, saltus_m
         return SALTUS_OK;
     saltus_spec spec = saltus_family_spec(&p->family, parameters);
     saltus_system *system = NULL;
-    saltus_status status = saltus_system_new(&spec, &system, message);
+    saltus_status status = SALTUS_OK;
+    for (int d = 0; d < p->family.parameters && status == SALTUS_OK; d++)
+        status = saltus_spec_differentiable(&spec, &p->family.direction[d], message);
+    if (status == SALTUS_OK)
+        status = saltus_system_new(&spec, &system, message);
     if (status == SALTUS_OK)
         status = saltus_flow_retune(p->flow, 0, system, message);
     if (status != SALTUS_OK) {

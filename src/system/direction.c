@@ -20,19 +20,26 @@ bool saltus_key_numbered(const char *key, const char *name, int *number) {
     return true;
 }
 
+saltus_status saltus_spec_differentiable(const saltus_spec *spec, const saltus_direction *direction,
+                                         saltus_message *message) {
+    for (int k = 0; k < spec->model->parameter_count; k++) {
+        const char *obstacle = direction->parameter[k] != 0 ? spec->model->obstacle(spec, k) : NULL;
+        if (obstacle)
+            return saltus_fail(message, SALTUS_BAD_INPUT, "%s = %g: %s", spec->model->parameters[k].name,
+                               spec->parameters[k], obstacle);
+    }
+    return SALTUS_OK;
+}
+
 static saltus_status parameter_direction(const saltus_spec *spec, int index, saltus_direction *direction,
                                          double *value, saltus_message *message) {
     const saltus_parameter *p = &spec->model->parameters[index];
     if (p->integer)
         return saltus_fail(message, SALTUS_BAD_INPUT, "%s: a whole number (%s) cannot be varied continuously",
                            p->name, p->meaning);
-    const char *obstacle = spec->model->obstacle(spec, index);
-    if (obstacle)
-        return saltus_fail(message, SALTUS_BAD_INPUT, "%s = %g: %s", p->name, spec->parameters[index],
-                           obstacle);
     direction->parameter[index] = 1;
     *value = spec->parameters[index];
-    return SALTUS_OK;
+    return saltus_spec_differentiable(spec, direction, message);
 }
 
 /* `stop` counts the stops from 1; 0: all of them. */

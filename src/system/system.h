@@ -86,6 +86,9 @@ typedef struct saltus_variation {
 void saltus_model_retain(const saltus_model *model);
 void saltus_model_release(const saltus_model *model);
 
+/* Whether the derivative along a direction is defined. Errors: SALTUS_BAD_INPUT, with the parameter. */
+saltus_status saltus_spec_differentiable(const saltus_spec *spec, const saltus_direction *direction,
+                                         saltus_message *message);
 /* Reserve a variation's arrays (called for measuring and again for handing out), and fill them in. */
 void saltus_variation_reserve(saltus_variation *variation, const saltus_system *system, saltus_arena *arena);
 void saltus_variation_fill(saltus_variation *variation, const saltus_system *system,
