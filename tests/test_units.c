@@ -168,7 +168,7 @@ static void coasts_are_the_same_in_any_units(void **unused) {
                     saltus_flow *flow = open_flow(system, &options, s.phase, s.state);
                     faces = saltus_system_face_count(system);
                     for (int f = 0; f < faces; f++)
-                        extremes[j][f].value = -INFINITY;
+                        extremes[j][f] = (saltus_extreme){.value = -INFINITY, .inner = -INFINITY};
                     check_ok(saltus_flow_coast(flow, 0,
                                                (saltus_time){(piece + 4) / 12, (piece + 4) % 12 / 12.0},
                                                extremes[j], &message),
@@ -178,8 +178,11 @@ static void coasts_are_the_same_in_any_units(void **unused) {
                 }
                 for (int f = 0; f < faces; f++) {
                     same_number(extremes[0][f].value, extremes[1][f].value, u->length);
+                    same_number(extremes[0][f].inner, extremes[1][f].inner, u->length);
                     if (extremes[0][f].value > -INFINITY)
                         same_time(extremes[0][f].time, extremes[1][f].time);
+                    if (extremes[0][f].inner > -INFINITY)
+                        same_time(extremes[0][f].inner_time, extremes[1][f].inner_time);
                 }
             }
         }

@@ -162,6 +162,8 @@ saltus_status saltus_flow_advance(saltus_flow *flow, saltus_time until, unsigned
 typedef struct saltus_extreme {
     double value; /* -INFINITY: there is no maximum */
     saltus_time time;
+    double inner; /* the same but for the last 1e-4 periods, in which an impact that ends the way may touch */
+    saltus_time inner_time;
 } saltus_extreme;
 
 /* Place a lane at a time and state with the given faces in lasting contact, wherever the stops are. Tangent

@@ -54,7 +54,7 @@ saltus_status saltus_solution_contact_force(saltus_orbits *o, const saltus_solut
     if (sequence->contacts == 0 || sequence->count > 0 || sequence->driven)
         return SALTUS_OK;
     for (int f = 0; f < SALTUS_FACES_MAX; f++)
-        extremes[f].value = -INFINITY;
+        extremes[f] = (saltus_extreme){.value = -INFINITY, .inner = -INFINITY};
     /* At the end of the orbit, and where a force is smallest on the way. */
     saltus_status status = saltus_orbits_tune(o, s->parameter, message);
     if (status == SALTUS_OK)

@@ -129,11 +129,21 @@ static void restart_at_zero(double *c, int degree, double root) {
 
 static void raise_extreme(const saltus_lane *self, const double *c, int degree, double s, double step,
                           saltus_extreme *extreme) {
+    const double last = 1e-4;
     double value = c[degree];
     for (int k = degree - 1; k >= 0; k--)
         value = fma(value, s, c[k]);
-    if (value > extreme->value)
-        *extreme = (saltus_extreme){value, saltus_time_after(self->now, s * step / self->system->period)};
+    if (!(value > extreme->inner))
+        return;
+    saltus_time time = saltus_time_after(self->now, s * step / self->system->period);
+    if (value > extreme->value) {
+        extreme->value = value;
+        extreme->time = time;
+    }
+    if (saltus_time_between(time, self->target.until) > last) {
+        extreme->inner = value;
+        extreme->inner_time = time;
+    }
 }
 
 /* Raise `extreme` by the local maxima on (0, 1) of the polynomial c. Where another step follows, a maximum at

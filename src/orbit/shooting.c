@@ -109,7 +109,7 @@ saltus_status saltus_shooting_shape(saltus_shooting *p, const saltus_sequence *s
     p->count = cuts * p->n + marks;
     p->equations.kind = marks ? "event times unknown" : "stroboscopic map";
     int unknowns = p->count + (p->family.parameters > 1 ? p->family.parameters : 1);
-    p->breach_room = 2 * marks + (marks + cuts + 1) * faces;
+    p->breach_room = 2 * marks + 2 * (marks + cuts + 1) * faces;
     p->breaches = calloc((size_t)p->breach_room + 1, sizeof *p->breaches);
     reserve_shape(p, unknowns);
     if (!(p->breaches && saltus_dense_lu_open(&p->equations.lu, unknowns) &&

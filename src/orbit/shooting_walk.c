@@ -65,16 +65,20 @@ static saltus_status coast(walk *w, double until, int mark, saltus_message *mess
     unsigned contacts = saltus_flow_contacts(p->flow, 0);
     double begin = saltus_time_periods(saltus_flow_time(p->flow, 0));
     for (int f = 0; f < SALTUS_FACES_MAX; f++)
-        extremes[f].value = -INFINITY;
+        extremes[f] = (saltus_extreme){.value = -INFINITY, .inner = -INFINITY};
     saltus_status status = saltus_flow_coast(p->flow, 0, saltus_time_of(until), extremes, message);
     for (int f = 0; f < saltus_system_face_count(p->system) && status == SALTUS_OK; f++)
         /* Just after a release or an impact without rebound the gap is zero: its maximum there is rounding.
          */
         if (extremes[f].value > -INFINITY && saltus_time_periods(extremes[f].time) - begin > 1e-6) {
             bool held = contacts >> f & 1;
-            note_breach(p, held ? SALTUS_BREACH_FORCE : SALTUS_BREACH_GAP,
-                        extremes[f].value / (held ? p->force : p->length), mark, f,
-                        saltus_time_periods(extremes[f].time));
+            saltus_breach_kind kind = held ? SALTUS_BREACH_FORCE : SALTUS_BREACH_GAP;
+            double scale = held ? p->force : p->length;
+            note_breach(p, kind, extremes[f].value / scale, mark, f, saltus_time_periods(extremes[f].time));
+            /* The own touch of an impact without speed must not hide another one. */
+            if (extremes[f].value > extremes[f].inner && extremes[f].inner > -INFINITY)
+                note_breach(p, kind, extremes[f].inner / scale, mark, f,
+                            saltus_time_periods(extremes[f].inner_time));
         }
     return status;
 }
