@@ -587,8 +587,32 @@ static saltus_spec meeting_curves(void) {
     return spec;
 }
 
+/* The grazing of orbits of two periods of which one impact is left ends where that is gone too. There the
+ * orbit of one period has the response sin(w T) of a displacement to an impact, w the damped frequency, equal
+ * to zero: omega = 2 w, and the gap is its amplitude. The curves of grazing and of flips of the orbits of one
+ * period go through that place. */
+static void check_join(const branch_record *record, int k) {
+    const saltus_branch_point *p = &record->point[k];
+    const long double c = 0.12504L, omega = 2 * sqrtl(1 - c * c / 4), square = omega * omega;
+    assert_true(p->kind == SALTUS_POINT_GR_PD && p->locus == SALTUS_POINT_GR && p->periods == 2);
+    check_near(p->value[0], (double)omega, 1e-10);
+    check_near(p->value[1],
+               (double)(0.11951L + 1.1739L / sqrtl((1 - square) * (1 - square) + c * c * square)), 1e-10);
+    for (int flips = 0; flips < 2; flips++) {
+        saltus_point_kind locus = flips ? SALTUS_POINT_PD : SALTUS_POINT_GR;
+        bool found = false;
+        for (int j = 0; j < record->count; j++) {
+            const saltus_branch_point *q = &record->point[j];
+            found |= q->locus == locus && q->periods == 1 && q->step == 0 &&
+                     fabs(q->value[0] - p->value[0]) < 1e-9 && fabs(q->value[1] - p->value[1]) < 1e-9;
+        }
+        assert_true(found);
+    }
+}
+
 /* Folds, flips and grazings of an oscillator and its period-doubled orbits, which meet in many points, two
- * impacts grazing in some of them; each curve is followed once. Every grazing orbit touches its stop. */
+ * impacts grazing in some of them; each curve is followed once, and ends at a border, at a named point or
+ * where such points accumulate. Every grazing orbit touches its stop. */
 static void networks_of_curves(void **unused) {
     (void)unused;
     static const char *const key[2] = {"omega", "d"};
@@ -600,7 +624,7 @@ static void networks_of_curves(void **unused) {
     saltus_motion motion;
     double state[2] = {0};
     check_ok(saltus_classify(system, state, &how, &motion, &message), &message);
-    int curves_at[3] = {0}, found[SALTUS_POINT_KINDS] = {0};
+    int curves_at[3] = {0}, found[SALTUS_POINT_KINDS] = {0}, joins = 0;
     /* The first fold is on the branch of twice the period. */
     for (int switches = 1; switches < 3; switches++) {
         saltus_branch_options options = locus_options(SALTUS_POINT_LP, key, low, high);
@@ -612,6 +636,12 @@ static void networks_of_curves(void **unused) {
             const saltus_branch_point *p = &record.point[k];
             curves_at[switches] += p->step == 0;
             found[p->kind] += switches == 2;
+            if (p->kind == SALTUS_POINT_EP && !strstr(p->reason, "range"))
+                assert_true(p[-1].kind >= SALTUS_POINT_CP && p[-1].branch == p->branch);
+            if (strstr(p->reason, "half the period") && switches == 2) {
+                check_join(&record, k - 1);
+                joins++;
+            }
             if (p->kind == SALTUS_POINT_GR) {
                 saltus_system *own = build(&p->spec);
                 /* The speed answers to the gap like a square root. */
@@ -622,6 +652,7 @@ static void networks_of_curves(void **unused) {
         branch_forget(&record);
     }
     assert_true(curves_at[1] > 2 && curves_at[2] > curves_at[1]);
+    assert_int_equal(joins, 1);
     assert_true(found[SALTUS_POINT_GR_LP] > 4 && found[SALTUS_POINT_GR_PD] > 4 &&
                 found[SALTUS_POINT_GR_GR] > 1);
     saltus_motion_clear(&motion);

@@ -667,6 +667,56 @@ static saltus_status end_contact(saltus_locus *l, bool *found, saltus_message *m
     return status == SALTUS_NO_MEMORY ? status : SALTUS_OK;
 }
 
+/* How fast the impact of a mark is. */
+static double speed_of(const saltus_solution *s, int mark) {
+    for (int k = 0; k < s->breach_count; k++)
+        if (s->breaches[k].kind == SALTUS_BREACH_SPEED && s->breaches[k].mark == mark)
+            return -s->breaches[k].value;
+    return NAN;
+}
+
+/* A curve of grazing whose orbits touch again half their period later, with a speed that falls to nothing,
+ * ends on the curve of grazing of orbits of half the period, where these have a flip. The equations are
+ * singular there; but the curve depends smoothly on that speed, in which `trial` is extrapolated from orbits
+ * before. *found: whether the curve ends so just ahead of `here`. Errors: SALTUS_NO_MEMORY. */
+static saltus_status end_in_half(saltus_locus *l, bool *found, saltus_message *message) {
+    enum { samples = 6 };
+    const double apart = 1e-3, slow = 1e-4, near = 1e-3, sharp = 1e-9, tolerance = 1e-13;
+    const saltus_breach *worst = saltus_corner_worst(&l->x, &l->orbit);
+    int m = l->here.unknowns, mark = worst ? worst->mark : -1;
+    saltus_message ignored;
+    *found = l->x.kind == SALTUS_POINT_GR && worst && worst->kind == SALTUS_BREACH_SPEED &&
+             worst->value > -slow && saltus_solution_half_distance(&l->x.orbits, &l->orbit, false) < near;
+    if (!*found)
+        return SALTUS_OK;
+    double speed[samples], *u = calloc((size_t)(m * samples), sizeof *u);
+    double usual = l->x.equations.tolerance;
+    saltus_status status = u ? SALTUS_OK : no_memory(message);
+    /* A residual moves the place by itself over the speed. */
+    l->x.equations.tolerance = tolerance;
+    for (int k = 0; k < samples && status == SALTUS_OK; k++) {
+        status = saltus_curve_visit(&l->x.equations, &l->here, -(k + 1) * apart, &l->trial, &ignored);
+        if (status == SALTUS_OK)
+            status = see_orbit(l, &l->trial, &l->located, &ignored);
+        speed[k] = status == SALTUS_OK ? speed_of(&l->located, mark) : NAN;
+        for (int j = 0; j < m && status == SALTUS_OK; j++)
+            u[j * samples + k] = l->trial.u[j];
+    }
+    l->x.equations.tolerance = usual;
+    l->trial.ahead = 0;
+    for (int j = 0; j < m && status == SALTUS_OK; j++) {
+        l->trial.u[j] = saltus_curve_interpolate(speed, u + j * samples, samples);
+        l->trial.ahead += (l->trial.u[j] - l->here.u[j]) * l->here.tangent[j];
+    }
+    free(u);
+    if (status == SALTUS_OK)
+        status = see_orbit(l, &l->trial, &l->located, &ignored);
+    *found = status == SALTUS_OK && fabs(l->trial.ahead) < apart &&
+             fabs(speed_of(&l->located, mark)) < sharp &&
+             saltus_solution_half_distance(&l->x.orbits, &l->located, false) < sharp;
+    return status == SALTUS_NO_MEMORY ? no_memory(message) : SALTUS_OK;
+}
+
 static const char *const corner_reasons[] = {
     [SALTUS_POINT_GR_LP] = "a fold meets grazing",
     [SALTUS_POINT_GR_PD] = "a flip meets grazing",
@@ -731,17 +781,28 @@ static saltus_status give_corner(saltus_locus *l, saltus_corner corner, double a
 
 /* The curve ends where it is, as it does not go on. */
 static saltus_status give_end(saltus_locus *l, saltus_message *message) {
-    bool contact = false;
+    bool contact = false, half = false;
+    saltus_corner corner = {.kind = SALTUS_POINT_CH_GR};
     saltus_status status = l->lost ? SALTUS_OK : end_contact(l, &contact, message);
+    if (status == SALTUS_OK && !l->lost && !contact)
+        status = end_in_half(l, &half, message);
     if (status != SALTUS_OK)
         return status;
-    if (!contact)
+    if (!contact && !half)
         return give(l, &l->orbit, &l->here, SALTUS_POINT_EP, 0,
                     "the curve ends: its orbit changes its events or the curve has a corner", message);
-    status = give(l, &l->located, &l->trial, SALTUS_POINT_CH_GR, l->trial.ahead, NULL, message);
-    return status != SALTUS_OK || l->ended ? status
-                                           : give(l, &l->located, &l->trial, SALTUS_POINT_EP, l->trial.ahead,
-                                                  corner_reasons[SALTUS_POINT_CH_GR], message);
+    const char *reason = corner_reasons[SALTUS_POINT_CH_GR];
+    if (half) {
+        corner = (saltus_corner){.kind = SALTUS_POINT_GR_PD, .halves = true};
+        reason = "its orbits join those of half the period, whose flip meets grazing";
+    }
+    status = give(l, &l->located, &l->trial, corner.kind, l->trial.ahead, NULL, message);
+    if (status == SALTUS_OK && half && !l->ended && l->depth < l->options.switches)
+        status = saltus_locus_starts_meet(&l->x, &corner, &l->located, l->number, l->depth + 1, &l->starts,
+                                          message);
+    return status != SALTUS_OK || l->ended
+               ? status
+               : give(l, &l->located, &l->trial, SALTUS_POINT_EP, l->trial.ahead, reason, message);
 }
 
 /* One step along the curve under way, with the corners on it. */

@@ -159,6 +159,19 @@ static int other_grazing(saltus_extended *x, const saltus_solution *at, saltus_l
     return 2;
 }
 
+/* Where the orbit is one of half the period: the curve of its grazing, and that of its flips. */
+static int half_curves(const saltus_extended *x, const saltus_solution *at, saltus_locus_start *starts) {
+    saltus_sequence half = at->sequence;
+    half.periods /= 2;
+    half.count /= 2;
+    starts[0].kind = SALTUS_POINT_GR;
+    starts[0].mark = x->mark % half.count;
+    starts[1].kind = SALTUS_POINT_PD;
+    starts[1].one_way = true;
+    starts[0].sequence = starts[1].sequence = half;
+    return 2;
+}
+
 static int curves_at(saltus_extended *x, const saltus_corner *corner, const saltus_solution *at,
                      saltus_locus_start *starts) {
     static const saltus_point_kind special[SALTUS_POINT_KINDS] = {[SALTUS_POINT_GR_LP] = SALTUS_POINT_LP,
@@ -168,6 +181,8 @@ static int curves_at(saltus_extended *x, const saltus_corner *corner, const salt
     saltus_locus_start *start = &starts[0];
     start->sequence = at->sequence;
     start->theta = corner->theta;
+    if (corner->halves)
+        return half_curves(x, at, starts);
     if (corner->kind == SALTUS_POINT_GR_GR)
         return other_grazing(x, at, starts);
     if (corner->kind == SALTUS_POINT_R1 || corner->kind == SALTUS_POINT_R2) {
