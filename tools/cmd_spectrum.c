@@ -91,11 +91,11 @@ const cli_command cmd_spectrum = {
     .endings = cli_figures_or_table,
     .tables = tables,
     .options = options,
-    .notes =
-        "Spectra of periodic motion are taken over whole orbits, so that the lines at multiples of omega/p "
-        "are exact; other motion gets Welch's density with a confidence band, the lines that stand out and "
-        "the broadband fraction. Velocity jumps alias: the highest trustworthy frequency is stated and "
-        "what lies above is greyed.",
+    .notes = "Spectra of periodic motion are taken over whole orbits, so that the lines at multiples of "
+             "omega/p are exact; other motion gets Welch's density with a confidence band, the lines that "
+             "stand out and the broadband fraction. Velocities are the lines and densities of the "
+             "displacement, differentiated, so that their jumps do not alias. The highest trustworthy "
+             "frequency is stated and what lies above is greyed.",
     .examples = examples,
     .see = "lyapunov diagnose",
     .run = run,

@@ -15,12 +15,27 @@
 
 SALTUS_API_BEGIN
 
-/* A real signal, sampled evenly: sample j belongs to the time j / per_period, in forcing periods. */
+/* A time at which derivatives of a signal by the time in forcing periods jump. */
+typedef struct saltus_corner {
+    double time;        /* forcing periods from the first sample */
+    double slope, bend; /* what the first and the second derivative gain there */
+} saltus_corner;
+
+/* A real signal, sampled evenly: sample j belongs to the time j / per_period, in forcing periods. What is
+ * known beside the samples keeps jumps from aliasing; all of it may be left out. */
 typedef struct saltus_signal {
     const double *samples; /* the caller's */
     long long count;
     int per_period;  /* samples a forcing period; 1 for a stroboscopic series */
     double rounding; /* a signal this close to its mean does not move; 0: 1e-14 of its largest value */
+    /* An integral of the signal over the time in forcing periods, sampled at the same times, the caller's:
+     * means, lines and densities are then its own, differentiated, and the samples give the variance alone.
+     */
+    const double *primitive;
+    /* Corners of the primitive, where there is one, or of the samples: the caller's. The lines of whole
+     * orbits are free of what they alias. */
+    const saltus_corner *corners;
+    long long corner_count;
 } saltus_signal;
 
 typedef enum saltus_spectrum_kind {
@@ -47,7 +62,7 @@ typedef struct saltus_spectrum {
     long long count; /* samples analysed */
     double mean;
     double variance; /* about the mean: the total power of lines and continuum */
-    double parseval; /* |power of all bins - (windowed) variance of the samples| over the latter */
+    double parseval; /* |power of all bins - (windowed) power of what was transformed| over the latter */
 
     long long bins;    /* frequencies 0, resolution, ... up to half the samples' frequency */
     double resolution; /* distance of the bins */

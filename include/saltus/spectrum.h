@@ -55,9 +55,9 @@ typedef struct saltus_spectra {
 } saltus_spectra;
 
 /* Sample a motion from a state at section phase 0 and analyse it: by whole orbits where its period p is known
- * (`periods` > 0, the state on the orbit), otherwise by Welch's method. A sample at the very time of a jump
- * is the mean of both sides. On success to be cleared. Errors: SALTUS_BAD_INPUT, SALTUS_NO_MEMORY, those of
- * the flow. */
+ * (`periods` > 0, the state on the orbit), otherwise by Welch's method. A velocity's lines and density
+ * are those of the displacement, differentiated; a sample of it at the very time of a jump is the mean of
+ * both sides. On success to be cleared. Errors: SALTUS_BAD_INPUT, SALTUS_NO_MEMORY, those of the flow. */
 saltus_status saltus_spectra_run(const saltus_system *system, const double *state, int periods,
                                  const saltus_spectrum_options *options, saltus_spectra *spectra,
                                  saltus_message *message);

@@ -18,6 +18,7 @@ enum {
     pilot_segment = 8,
     pilot_samples_max = 1 << 21, /* of one orbit */
     per_period_min = 256,
+    per_period_exact = 2048, /* of orbits with corners: what third derivatives alias is then below 1e-11 */
     per_period_max = 16384,
     irregular_per_period_max = 2048
 };
@@ -26,12 +27,16 @@ static const double reach_of_lines = 32, reach_of_density = 16; /* times omega *
 static const double rounding = 1e-12, rest_rounding = 1e-8;     /* of the scale of a quantity */
 
 typedef struct sampler {
-    saltus_flow *flow;
-    int quantities, dimension;
-    double row[SALTUS_QUANTITIES_MAX][SALTUS_STATE_MAX]; /* each quantity is this row times the state */
+    saltus_flow *flow, *probe; /* probe: of what the field was before an event */
+    double period;
+    int quantities, dof;
+    bool velocity[SALTUS_QUANTITIES_MAX];
+    double row[SALTUS_QUANTITIES_MAX][SALTUS_STATE_MAX]; /* times positions or velocities: the quantity */
     double scale[SALTUS_QUANTITIES_MAX];
-    double *samples; /* quantities x count */
+    double *samples; /* quantities x (count, and as many of a velocity's primitive) */
     long long count, next;
+    saltus_corner *corners[SALTUS_QUANTITIES_MAX];
+    long long corner_count, corner_room;
     int per_period;
     bool anew;
 } sampler;
@@ -71,30 +76,48 @@ void saltus_spectra_clear(saltus_spectra *spectra) {
 static saltus_status open_sampler(sampler *self, const saltus_system *system,
                                   const saltus_spectrum_options *options, saltus_message *message) {
     const double *scale = saltus_system_scale(system), *observer = saltus_system_observer(system);
-    int dof = saltus_system_dof(system);
     *self = (sampler){.quantities = options->quantity_count,
-                      .dimension = saltus_system_dimension(system),
+                      .dof = saltus_system_dof(system),
+                      .period = saltus_system_period(system),
                       .anew = options->anew};
     for (int k = 0; k < self->quantities; k++) {
         const saltus_quantity *quantity = &options->quantities[k];
-        double *row = self->row[k] + (quantity->velocity ? dof : 0);
+        self->velocity[k] = quantity->velocity;
         if (quantity->coordinate > 0)
-            row[quantity->coordinate - 1] = 1;
+            self->row[k][quantity->coordinate - 1] = 1;
         else
-            memcpy(row, observer, (size_t)dof * sizeof *row);
-        for (int i = 0; i < self->dimension; i++)
-            self->scale[k] += fabs(self->row[k][i]) * scale[i];
+            memcpy(self->row[k], observer, (size_t)self->dof * sizeof *self->row[k]);
+        for (int i = 0; i < self->dof; i++)
+            self->scale[k] += fabs(self->row[k][i]) * scale[(quantity->velocity ? self->dof : 0) + i];
     }
-    return saltus_flow_single(system, 0, &options->flow, &self->flow, message);
+    saltus_status status = saltus_flow_single(system, 0, &options->flow, &self->flow, message);
+    return status == SALTUS_OK ? saltus_flow_single(system, 0, &options->flow, &self->probe, message)
+                               : status;
+}
+
+static void close_sampler(sampler *self) {
+    saltus_flow_free(self->flow);
+    saltus_flow_free(self->probe);
+    free(self->samples);
+    for (int k = 0; k < SALTUS_QUANTITIES_MAX; k++)
+        free(self->corners[k]);
+}
+
+/* Quantity k of positions or velocities. */
+static double weigh(const sampler *self, int k, const double *numbers) {
+    double value = 0;
+    for (int i = 0; i < self->dof; i++)
+        value += self->row[k][i] * numbers[i];
+    return value;
 }
 
 /* Add a share of a state's quantities to the next sample. */
 static void add_sample(sampler *self, const double *state, double share) {
     for (int k = 0; k < self->quantities; k++) {
-        double value = 0;
-        for (int i = 0; i < self->dimension; i++)
-            value += self->row[k][i] * state[i];
-        self->samples[(long long)k * self->count + self->next] += share * value;
+        double *sample = self->samples + 2 * k * self->count + self->next;
+        *sample += share * weigh(self, k, self->velocity[k] ? state + self->dof : state);
+        if (self->velocity[k])
+            sample[self->count] += share * weigh(self, k, state) / self->period;
     }
 }
 
@@ -117,6 +140,52 @@ static void take_samples(sampler *self, long long end, bool event) {
     }
 }
 
+static bool make_room_for_corner(sampler *self) {
+    if (self->corner_count < self->corner_room)
+        return true;
+    long long room = self->corner_room ? 2 * self->corner_room : 64;
+    for (int k = 0; k < self->quantities; k++) {
+        saltus_corner *larger = realloc(self->corners[k], (size_t)room * sizeof *larger);
+        if (!larger)
+            return false;
+        self->corners[k] = larger;
+    }
+    self->corner_room = room;
+    return true;
+}
+
+/* An event is a corner of every displacement: what velocities and accelerations gain at it, the contacts
+ * before it given. */
+static saltus_status take_corner(sampler *self, unsigned contacts, saltus_message *message) {
+    saltus_time now = saltus_flow_time(self->flow, 0);
+    double before[SALTUS_STATE_MAX], after[SALTUS_STATE_MAX], field[SALTUS_STATE_MAX],
+        gain[2][SALTUS_STATE_MAX];
+    saltus_flow_state_at(self->flow, 0, now, before);
+    saltus_flow_state(self->flow, 0, after);
+    saltus_status status = saltus_flow_place(self->probe, 0, now, before, contacts, message);
+    if (status == SALTUS_OK && !make_room_for_corner(self))
+        status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the corners of a motion");
+    if (status != SALTUS_OK)
+        return status;
+    saltus_flow_field(self->probe, 0, field);
+    for (int i = 0; i < self->dof; i++) {
+        gain[0][i] = after[self->dof + i] - before[self->dof + i];
+        gain[1][i] = -field[self->dof + i];
+    }
+    saltus_flow_field(self->flow, 0, field);
+    for (int i = 0; i < self->dof; i++)
+        gain[1][i] += field[self->dof + i];
+    for (int k = 0; k < self->quantities; k++) {
+        double unit = self->velocity[k] ? 1 : self->period;
+        self->corners[k][self->corner_count] =
+            (saltus_corner){.time = saltus_time_periods(now),
+                            .slope = unit * weigh(self, k, gain[0]),
+                            .bend = unit * self->period * weigh(self, k, gain[1])};
+    }
+    self->corner_count++;
+    return SALTUS_OK;
+}
+
 /* Sample from a state at phase 0, from sample `next` to sample `end`. */
 static saltus_status run_stretch(sampler *self, const double *state, long long end, saltus_message *message) {
     enum { watch = SALTUS_WATCH_STEP | SALTUS_WATCH_CONTACT };
@@ -130,9 +199,14 @@ static saltus_status run_stretch(sampler *self, const double *state, long long e
         self->next++;
     }
     while (status == SALTUS_OK && event.kind != SALTUS_REACHED) {
+        unsigned contacts = saltus_flow_contacts(self->flow, 0);
         status = saltus_flow_advance(self->flow, until, watch, &event, message);
-        if (status == SALTUS_OK)
-            take_samples(self, end, 1u << event.kind & SALTUS_WATCH_CONTACT);
+        if (status != SALTUS_OK)
+            break;
+        bool contact = 1u << event.kind & SALTUS_WATCH_CONTACT;
+        take_samples(self, end, contact);
+        if (contact)
+            status = take_corner(self, contacts, message);
     }
     return status;
 }
@@ -144,7 +218,8 @@ static saltus_status sample(sampler *self, const double *state, long long period
     self->count = periods * per_period;
     self->next = 0;
     free(self->samples);
-    self->samples = calloc((size_t)self->quantities * (size_t)self->count, sizeof *self->samples);
+    self->corner_count = 0;
+    self->samples = calloc(2 * (size_t)self->quantities * (size_t)self->count, sizeof *self->samples);
     if (!self->samples)
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for %lld samples", self->count);
     long long stretch = self->anew && orbit > 0 ? (long long)orbit * per_period : self->count;
@@ -155,7 +230,11 @@ static saltus_status sample(sampler *self, const double *state, long long period
 }
 
 static saltus_signal signal_of(const sampler *self, int k, bool resting) {
-    return (saltus_signal){.samples = self->samples + (long long)k * self->count,
+    const double *samples = self->samples + 2 * k * self->count;
+    return (saltus_signal){.samples = samples,
+                           .primitive = self->velocity[k] ? samples + self->count : NULL,
+                           .corners = self->corners[k],
+                           .corner_count = self->corner_count,
                            .count = self->count,
                            .per_period = self->per_period,
                            .rounding = self->scale[k] * (resting ? rest_rounding : rounding)};
@@ -183,9 +262,10 @@ static saltus_status choose_samples(sampler *self, const double *state, int orbi
     double reach = options->reach > 0 ? options->reach : orbit ? reach_of_lines : reach_of_density;
     while (orbit && most > per_period_min && (long long)most * orbit > pilot_samples_max)
         most /= 2;
-    *per_period = per_period_min;
     saltus_status status = sample(self, state, orbit ? orbit : pilot_periods, 0, most, message);
-    double *thinned = malloc((size_t)self->count * sizeof *thinned);
+    *per_period =
+        orbit && self->corner_count > 0 && most > per_period_exact ? per_period_exact : per_period_min;
+    double *thinned = malloc(2 * (size_t)self->count * sizeof *thinned);
     if (status == SALTUS_OK && !thinned)
         status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a spectrum");
     for (int k = 0; k < self->quantities && status == SALTUS_OK; k++)
@@ -270,8 +350,7 @@ saltus_status saltus_spectra_run(const saltus_system *system, const double *stat
         status = segment ? saltus_signal_welch(&signal, segment, options->confidence, spectrum, message)
                          : saltus_signal_orbits(&signal, periods, spectrum, message);
     }
-    saltus_flow_free(self.flow);
-    free(self.samples);
+    close_sampler(&self);
     if (status != SALTUS_OK) {
         saltus_spectra_clear(spectra);
         return status;

@@ -5,6 +5,7 @@
 
 #include <gsl/gsl_cdf.h>
 #include <stdlib.h>
+#include <string.h>
 
 enum { welch_lines_max = 4096 };
 
@@ -32,24 +33,77 @@ static void measure(const saltus_signal *signal, saltus_spectrum *s) {
 
 /* Whole orbits */
 
-/* Transform of a signal without its mean, divided by the number of samples; the signal may be in t->input. */
-static void transform_whole(saltus_transform *t, const saltus_signal *signal, double mean) {
+/* Powers of what is transformed: in time, and in the bins of the transform. */
+typedef struct parseval_sums {
+    saltus_sum in_time, in_bins;
+} parseval_sums;
+
+static double parseval_error(const parseval_sums *sums) {
+    double total = sums->in_time.value + sums->in_time.rest;
+    return total > 0 ? fabs(sums->in_bins.value + sums->in_bins.rest - total) / total : 0;
+}
+
+static void transform_and_compare(saltus_transform *t, parseval_sums *sums) {
     for (long long j = 0; j < t->count; j++)
-        t->input[j] = signal->samples[j] - mean;
+        saltus_sum_add(&sums->in_time, t->input[j] * t->input[j]);
     fftw_execute(t->plan);
+    for (long long k = 0; k < t->bins; k++) {
+        double re = creal(t->output[k]), im = cimag(t->output[k]);
+        saltus_sum_add(&sums->in_bins,
+                       saltus_bin_weight(k, t->count) * (re * re + im * im) / (double)t->count);
+    }
+}
+
+/* A corner of a function of period `length` is that of -slope length / 2 B2(x) - bend length^2 / 6 B3(x),
+ * with Bernoulli's polynomials of x = (t - time) / length in [0, 1). Without its corners a function has lines
+ * that fall with the fourth power of their number. */
+static void take_corner(const saltus_corner *corner, double length, long long count, double *samples) {
+    for (long long j = 0; j < count; j++) {
+        double x = (double)j / (double)count - corner->time / length;
+        x -= floor(x);
+        samples[j] += corner->slope * length / 2 * (x * (x - 1) + 1.0 / 6) +
+                      corner->bend * length * length / 6 * x * (x - 0.5) * (x - 1);
+    }
+}
+
+/* The lines of the same, (slope s^-2 + bend s^-3) / length at s = 2 pi i k / length, turned to its time. */
+static void return_corner(const saltus_corner *corner, double length, long long bins, double complex *lines) {
+    enum { stretch = 64 }; /* bins from one angle, so that rounding does not add up */
+    double turn = fmod(corner->time, length) / length;
+    double complex factor = cexp(-2 * M_PI * I * turn), at = 1;
+    for (long long k = 1; k < bins; k++) {
+        double angle = 2 * M_PI * (double)k, place = turn * (double)k;
+        at = k % stretch == 1 ? cexp(-2 * M_PI * I * (place - floor(place))) : at * factor;
+        lines[k] -= at * length / (angle * angle) * (corner->slope - corner->bend * length * I / angle);
+    }
+}
+
+/* Lines of a signal without its mean: its transform over the number of samples, that of its primitive
+ * differentiated, the corners taken out before and put back after. */
+static double transform_whole(saltus_transform *t, const saltus_signal *signal, double mean) {
+    double length = (double)signal->count / signal->per_period;
+    parseval_sums sums = {0};
+    saltus_signal_steady(signal, mean, 0, t->count, t->input);
+    for (long long c = 0; c < signal->corner_count; c++)
+        take_corner(&signal->corners[c], length, t->count, t->input);
+    transform_and_compare(t, &sums);
     for (long long k = 0; k < t->bins; k++)
         t->output[k] /= (double)t->count;
+    for (long long c = 0; c < signal->corner_count; c++)
+        return_corner(&signal->corners[c], length, t->bins, t->output);
+    for (long long k = 0; signal->primitive && k < t->bins; k++)
+        t->output[k] *= 2 * M_PI * I * (double)k / length;
+    return parseval_error(&sums);
 }
 
 /* Density, lines and what lies between them. */
 static void read_orbits(const saltus_transform *t, saltus_spectrum *s) {
-    saltus_sum all = {0, 0}, off = {0, 0};
+    saltus_sum off = {0, 0};
     double highest = 0, between = 0;
     for (long long k = 0; k < t->bins; k++) {
         double weight = saltus_bin_weight(k, t->count), modulus = cabs(t->output[k]),
                power = weight * modulus * modulus;
         s->density[k] = power / s->resolution;
-        saltus_sum_add(&all, power);
         if (k % s->orbits) {
             saltus_sum_add(&off, power);
             between = fmax(between, weight * modulus);
@@ -63,7 +117,6 @@ static void read_orbits(const saltus_transform *t, saltus_spectrum *s) {
             highest = fmax(highest, weight * modulus);
         }
     }
-    s->parseval = fabs(all.value + all.rest - s->variance) / s->variance;
     s->broadband = (off.value + off.rest) / s->variance;
     s->between = s->orbits == 1 ? NAN : highest > 0 ? between / highest : INFINITY;
     saltus_lines_rank(s->lines, s->line_count);
@@ -77,8 +130,11 @@ static saltus_status trust_orbits(const saltus_signal *signal, const saltus_tran
                                   saltus_spectrum *s, saltus_message *message) {
     saltus_transform half = {0};
     saltus_status status = saltus_transform_open(&half, signal->count / 2, message);
+    double *samples = malloc((size_t)signal->count * sizeof *samples);
+    if (status == SALTUS_OK && !samples)
+        status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory to look for aliasing");
     if (status == SALTUS_OK) {
-        saltus_signal halved = saltus_signal_thinned(signal, 2, half.input);
+        saltus_signal halved = saltus_signal_thinned(signal, 2, samples);
         transform_whole(&half, &halved, s->mean);
         long long lines = half.bins > 2 ? (half.bins - 2) / s->orbits : 0, trusted = lines;
         double highest = 0, reference = 0;
@@ -95,6 +151,7 @@ static saltus_status trust_orbits(const saltus_signal *signal, const saltus_tran
         }
         s->trustworthy = (double)(trusted * s->orbits) * s->resolution;
     }
+    free(samples);
     saltus_transform_close(&half);
     return status;
 }
@@ -113,6 +170,10 @@ saltus_status saltus_signal_orbits(const saltus_signal *signal, int periods, sal
     measure(signal, s);
     if (s->variance == 0)
         return SALTUS_OK;
+    if (signal->primitive) { /* it returns with the orbit */
+        s->mean = 0;
+        s->variance = saltus_signal_variance(signal, 0);
+    }
     s->kind = SALTUS_SPECTRUM_LINES;
     s->periods = periods;
     s->orbits = (int)(signal->count / orbit);
@@ -125,7 +186,9 @@ saltus_status saltus_signal_orbits(const saltus_signal *signal, int periods, sal
     if (status == SALTUS_OK && !(s->density && s->lines))
         status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a spectrum of %lld bins", t.bins);
     if (status == SALTUS_OK) {
-        transform_whole(&t, signal, s->mean);
+        s->parseval = transform_whole(&t, signal, s->mean);
+        s->mean += creal(t.output[0]); /* corners have no mean, but their samples do */
+        t.output[0] = 0;
         read_orbits(&t, s);
     }
     if (status == SALTUS_OK && signal->per_period % 2 == 0)
@@ -144,37 +207,54 @@ static double hann(long long j, long long length) {
     return sine * sine;
 }
 
+/* One windowed segment's transform in `segment`; of a primitive q, as the window w vanishes at both ends,
+ * that of w q' = (w q)' - w' q. */
+static void transform_segment(saltus_transform *t, const double *window, const saltus_signal *signal,
+                              double *steady, double complex *segment, parseval_sums *sums) {
+    double periods = (double)t->count / signal->per_period;
+    for (long long j = 0; j < t->count; j++)
+        t->input[j] = window[j] * steady[j];
+    transform_and_compare(t, sums);
+    memcpy(segment, t->output, (size_t)t->bins * sizeof *segment);
+    if (!signal->primitive)
+        return;
+    for (long long j = 0; j < t->count; j++)
+        t->input[j] = M_PI / periods * sin(2 * M_PI * (double)j / (double)t->count) * steady[j];
+    fftw_execute(t->plan);
+    for (long long k = 0; k < t->bins; k++)
+        segment[k] = 2 * M_PI * I * (double)k / periods * segment[k] - t->output[k];
+}
+
 /* Averaged density of a signal with a given mean; `parseval` may be NULL. */
 static saltus_status average_segments(const saltus_signal *signal, double mean, long long length,
                                       double *density, double *parseval, saltus_message *message) {
     saltus_transform t = {0};
     saltus_status status = saltus_transform_open(&t, length, message);
     double *window = malloc((size_t)length * sizeof *window), squares = 0;
-    if (status == SALTUS_OK && !window)
+    double *steady = malloc((size_t)length * sizeof *steady);
+    double complex *segment = malloc((size_t)(length / 2 + 1) * sizeof *segment);
+    if (status == SALTUS_OK && !(window && steady && segment))
         status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a window of %lld samples", length);
     for (long long j = 0; status == SALTUS_OK && j < length; j++) {
         window[j] = hann(j, length);
         squares += window[j] * window[j];
     }
-    saltus_sum in_time = {0, 0}, in_bins = {0, 0};
+    parseval_sums sums = {0};
     long long hop = length / 2, segments = (signal->count - length) / hop + 1;
     for (long long m = 0; status == SALTUS_OK && m < segments; m++) {
-        for (long long j = 0; j < length; j++) {
-            t.input[j] = window[j] * (signal->samples[m * hop + j] - mean);
-            saltus_sum_add(&in_time, t.input[j] * t.input[j]);
-        }
-        fftw_execute(t.plan);
+        saltus_signal_steady(signal, mean, m * hop, length, steady);
+        transform_segment(&t, window, signal, steady, segment, &sums);
         for (long long k = 0; k < t.bins; k++) {
-            double re = creal(t.output[k]), im = cimag(t.output[k]),
-                   square = saltus_bin_weight(k, length) * (re * re + im * im);
-            density[k] += square / (squares * signal->per_period * (double)segments);
-            saltus_sum_add(&in_bins, square / (double)length);
+            double re = creal(segment[k]), im = cimag(segment[k]);
+            density[k] += saltus_bin_weight(k, length) * (re * re + im * im) /
+                          (squares * signal->per_period * (double)segments);
         }
     }
-    double total = in_time.value + in_time.rest;
     if (parseval)
-        *parseval = total > 0 ? fabs(in_bins.value + in_bins.rest - total) / total : 0;
+        *parseval = parseval_error(&sums);
     free(window);
+    free(steady);
+    free(segment);
     saltus_transform_close(&t);
     return status;
 }
@@ -203,7 +283,7 @@ static int band_of(long long k) {
 /* The same as for lines (trust_orbits), band by band. */
 static saltus_status trust_welch(const saltus_signal *signal, long long length, saltus_spectrum *s,
                                  saltus_message *message) {
-    double *samples = malloc((size_t)(signal->count / 2 + 1) * sizeof *samples),
+    double *samples = malloc((size_t)(signal->count + 2) * sizeof *samples),
            *density = calloc((size_t)(length / 4 + 1), sizeof *density);
     saltus_status status = samples && density
                                ? SALTUS_OK

@@ -32,12 +32,19 @@ double saltus_bin_weight(long long k, long long count);
 
 /* Whether a signal can be analysed. */
 saltus_status saltus_signal_check(const saltus_signal *signal, saltus_message *message);
+/* By its primitive where that is known: its rise over the time between the first sample and the last. */
 double saltus_signal_mean(const saltus_signal *signal);
 bool saltus_signal_moves(const saltus_signal *signal, double mean);
 /* Mean square of the distance from the mean. */
 double saltus_signal_variance(const saltus_signal *signal, double mean);
-/* Every `thinning`-th sample of a signal: a signal of its own, held by `samples` (count / thinning). */
+/* Every `thinning`-th sample of a signal: a signal of its own, held by `samples` (count / thinning, twice as
+ * much with a primitive). */
 saltus_signal saltus_signal_thinned(const saltus_signal *signal, int thinning, double *samples);
+
+/* What is transformed for a signal without its mean: the samples less that, or the primitive less a straight
+ * line, from sample `first` on. */
+void saltus_signal_steady(const saltus_signal *signal, double mean, long long first, long long count,
+                          double *steady);
 
 /* Decibels of lines whose amplitudes are known. */
 void saltus_lines_rank(saltus_spectral_line *lines, long long count);

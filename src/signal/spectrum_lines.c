@@ -41,7 +41,7 @@ typedef struct peak {
 
 typedef struct finder {
     saltus_transform transform;
-    double complex *left;        /* the transform without the lines found */
+    double complex *left;        /* the transform without the lines found, by bins */
     long long count, bins, last; /* last: bin up to which lines are sought */
     peak *peaks;
     int peak_count, most;
@@ -246,18 +246,34 @@ static void find_lines(finder *self) {
         relax(self, fresh);
 }
 
-/* Transform the signal, windowed and without its mean. What the window leaves of that is taken away as a line
- * that cannot move. */
-static void transform_signal(finder *self, const saltus_signal *signal, double mean) {
-    saltus_transform *t = &self->transform;
+/* What is transformed, times the window or its derivative by the time in forcing periods, in t->output. */
+static void transform_windowed(saltus_transform *t, const saltus_signal *signal, double mean,
+                               bool derivative) {
+    double rate = 2 * M_PI * signal->per_period / (double)t->count;
+    saltus_signal_steady(signal, mean, 0, t->count, t->input);
     for (long long j = 0; j < t->count; j++) {
-        double angle = 2 * M_PI * (double)j / (double)t->count, weight = window[0] - window[1] * cos(angle) +
-                                                                         window[2] * cos(2 * angle) -
-                                                                         window[3] * cos(3 * angle);
-        t->input[j] = weight * (signal->samples[j] - mean) / (double)t->count;
+        double angle = 2 * M_PI * (double)j / (double)t->count, weight = derivative ? 0 : window[0];
+        for (int m = 1; m < terms; m++)
+            weight +=
+                (m % 2 ? -1 : 1) * window[m] * (derivative ? -rate * m * sin(m * angle) : cos(m * angle));
+        t->input[j] *= weight / (double)t->count;
     }
     fftw_execute(t->plan);
-    self->left = t->output;
+}
+
+/* Transform the signal, windowed and without its mean; of a primitive q, as the window w vanishes almost at
+ * both ends, w q' = (w q)' - w' q. What the window leaves of the mean is taken away as a line that cannot
+ * move. */
+static void transform_signal(finder *self, const saltus_signal *signal, double mean) {
+    saltus_transform *t = &self->transform;
+    transform_windowed(t, signal, mean, false);
+    memcpy(self->left, t->output, (size_t)t->bins * sizeof *self->left);
+    if (signal->primitive) {
+        transform_windowed(t, signal, mean, true);
+        for (long long k = 0; k < t->bins; k++)
+            self->left[k] = 2 * M_PI * I * (double)k * signal->per_period / (double)t->count * self->left[k] -
+                            t->output[k];
+    }
     self->peaks[self->peak_count++] = (peak){.place = 0};
     mark_tried(self, 0);
     relax(self, 1);
@@ -286,12 +302,14 @@ static saltus_status open_finder(finder *self, const saltus_signal *signal, doub
     self->candidates = malloc((size_t)self->most * sizeof *self->candidates);
     self->tried = calloc((size_t)self->bins, 1);
     self->level = malloc((size_t)(self->bins / block + 1) * sizeof *self->level);
-    return self->peaks && self->candidates && self->tried && self->level
+    self->left = malloc((size_t)self->bins * sizeof *self->left);
+    return self->peaks && self->candidates && self->tried && self->level && self->left
                ? SALTUS_OK
                : saltus_fail(message, SALTUS_NO_MEMORY, "no memory to look for lines");
 }
 
 static void close_finder(finder *self) {
+    free(self->left);
     free(self->peaks);
     free(self->candidates);
     free(self->tried);

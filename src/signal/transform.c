@@ -41,10 +41,18 @@ saltus_status saltus_signal_check(const saltus_signal *signal, saltus_message *m
             return saltus_fail(message, SALTUS_BAD_INPUT,
                                "sample %lld of the signal is %g: must be finite and below 1e100", j,
                                signal->samples[j]);
+    for (long long j = 0; signal->primitive && j < signal->count; j++)
+        if (!(fabs(signal->primitive[j]) < 1e100))
+            return saltus_fail(message, SALTUS_BAD_INPUT,
+                               "sample %lld of the signal's primitive is %g: must be finite and below 1e100",
+                               j, signal->primitive[j]);
     return SALTUS_OK;
 }
 
 double saltus_signal_mean(const saltus_signal *signal) {
+    if (signal->primitive && signal->count > 1)
+        return (signal->primitive[signal->count - 1] - signal->primitive[0]) * signal->per_period /
+               (double)(signal->count - 1);
     saltus_sum sum = {0, 0};
     for (long long j = 0; j < signal->count; j++)
         saltus_sum_add(&sum, signal->samples[j]);
@@ -75,7 +83,20 @@ saltus_signal saltus_signal_thinned(const saltus_signal *signal, int thinning, d
     thinned.per_period /= thinning;
     for (long long j = 0; j < thinned.count; j++)
         samples[j] = signal->samples[j * thinning];
+    if (signal->primitive) {
+        thinned.primitive = samples + thinned.count;
+        for (long long j = 0; j < thinned.count; j++)
+            samples[thinned.count + j] = signal->primitive[j * thinning];
+    }
     return thinned;
+}
+
+void saltus_signal_steady(const saltus_signal *signal, double mean, long long first, long long count,
+                          double *steady) {
+    for (long long j = 0; j < count; j++)
+        steady[j] = signal->primitive ? signal->primitive[first + j] - signal->primitive[0] -
+                                            mean * (double)(first + j) / signal->per_period
+                                      : signal->samples[first + j] - mean;
 }
 
 void saltus_lines_rank(saltus_spectral_line *lines, long long count) {
