@@ -288,6 +288,9 @@ static void a_checked_scene_is_told(void **state) {
         snprintf(head, sizeof head, "model: %s (%s)", saltus_model_name(scene.spec.model),
                  saltus_model_summary(scene.spec.model));
         lines_next(&lines, head, NULL, 0);
+        snprintf(head, sizeof head, "state: %d numbers (q1, ", saltus_system_dimension(system));
+        assert_int_equal(strncmp(lines.at, head, strlen(head)), 0);
+        lines.at = strchr(lines.at, '\n') + 1;
         for (int k = 0; k < count; k++) {
             const char *end = strchr(lines.at, '\n'), *at = strstr(lines.at, p[k].name);
             assert_true(end && at && at < end);
@@ -305,6 +308,8 @@ static void a_checked_scene_is_told(void **state) {
             else
                 lines_next(&lines, head, "weight = [", 2, stop->weight[0], stop->weight[1]);
         }
+        lines_next(&lines, "metric of impacts: the identity", NULL, 0);
+        lines_next(&lines, "symmetry: none found under a change of all signs", NULL, 0);
         snprintf(head, sizeof head, ", integrator %s", saltus_system_integrator(system));
         lines_next(&lines, "forcing period T = ", head, 1, saltus_system_period(system));
         lines_end(&lines);

@@ -43,7 +43,7 @@ typedef struct cli_request {
     saltus_sweep_options sweep;
     saltus_figure_options look;
     /* What only the command line knows. */
-    bool json, quiet, help, unstable, mirror, verbose, resume, force, quick, all;
+    bool json, quiet, help, derivatives, unstable, mirror, verbose, resume, force, quick, all;
     bool to_stdout; /* -o -: the result goes to standard output, `output` is where it is made */
     const char *output, *data, *from, *range, *second_range, *values, *show;
     const char *start, *what, *table, *figure, *format, *view, *size;

@@ -1,11 +1,10 @@
-/* saltus scenes and saltus check: what can be simulated.
+/* saltus scenes: what can be simulated.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "cli.h"
 
 #include <string.h>
 
 static const cli_option *const no_options[] = {NULL};
-static const cli_option *const check_options[] = {&cli_set, NULL};
 
 static int list_scenes(const cli_request *request) {
     saltus_message message = {.text = ""};
@@ -27,44 +26,6 @@ static int list_scenes(const cli_request *request) {
         return CLI_DONE;
     fprintf(stderr, "saltus: %s: no built-in scene of that name; saltus scenes lists them\n", request->scene);
     return CLI_BAD_INPUT;
-}
-
-static void print_stop(const saltus_spec *spec, int s) {
-    const saltus_model *model = spec->model;
-    const saltus_stop *stop = &spec->stops[s];
-    const char *coordinate = saltus_stop_text(spec, s, SALTUS_STOP_COORDINATE);
-    static const char *const sides[] = {"", "upper", "lower", "both"};
-    printf("stop %d: %s side%s, d = %g, r = %g, ", s + 1, sides[stop->sides],
-           stop->sides == SALTUS_BOTH ? "s" : "", stop->d, stop->r);
-    if (coordinate) {
-        printf("coordinate = %s\n", coordinate);
-        return;
-    }
-    int count;
-    const double *place = saltus_stop_place(model, stop, &count);
-    printf("%s = %s", saltus_model_stop_key(model), count > 1 ? "[" : "");
-    for (int k = 0; k < count; k++)
-        printf("%s%g", k ? ", " : "", place[k]);
-    puts(count > 1 ? "]" : "");
-}
-
-static int check_scene(const cli_request *request) {
-    cli_setup setup;
-    int code = cli_build(request, &setup), count;
-    if (code != CLI_DONE)
-        return code;
-    const saltus_spec *spec = &setup.scene.spec;
-    const saltus_parameter *table = saltus_model_parameters(spec->model, &count);
-    printf("%s: ok\nmodel: %s (%s)\n", setup.scene.name, saltus_model_name(spec->model),
-           saltus_model_summary(spec->model));
-    for (int k = 0; k < count; k++)
-        printf("  %-6s %-12.9g %s\n", table[k].name, spec->parameters[k], table[k].meaning);
-    for (int s = 0; s < spec->stop_count; s++)
-        print_stop(spec, s);
-    printf("forcing period T = %.15g, integrator %s\n", saltus_system_period(setup.system),
-           saltus_system_integrator(setup.system));
-    cli_clear(&setup);
-    return CLI_DONE;
 }
 
 static const cli_example scenes_examples[] = {
@@ -92,21 +53,4 @@ const cli_command cmd_scenes = {
     .examples = scenes_examples,
     .see = "check classify",
     .run = list_scenes,
-};
-
-static const cli_example check_examples[] = {
-    {"check pipe --set N=4 omega=40", "parameters and stops of a scene with changes"},
-    {"scenes two-stops | saltus check -", "one from standard input"},
-    {NULL, NULL}};
-
-const cli_command cmd_check = {
-    .name = "check",
-    .summary = "what a scene means",
-    .usage = "SCENE [--set key=value ...]",
-    .help = "Read a scene, check it and show what it means; nothing is simulated.",
-    .needs_scene = true,
-    .options = check_options,
-    .examples = check_examples,
-    .see = "scenes",
-    .run = check_scene,
 };

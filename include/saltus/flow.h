@@ -210,5 +210,22 @@ int saltus_flow_state_at(const saltus_flow *flow, int lane, saltus_time time, do
  * step is lost. */
 void saltus_flow_tangent_field(saltus_flow *flow, int lane, double *derivatives);
 
+/* A column of a flow beside differences of whole runs. */
+typedef struct saltus_column_check {
+    char name[40];     /* the entry of the state or the key of --set that the column is the derivative by */
+    double difference; /* the largest, relative to the column, in the system's scales; NAN: not compared,
+                          because neighbouring runs pass other events or are not possible */
+    bool agrees;
+} saltus_column_check;
+enum { SALTUS_COLUMN_CHECKS_MAX = SALTUS_STATE_MAX + SALTUS_PARAMETERS_MAX + 3 * SALTUS_STOPS_MAX };
+
+/* Compare the tangent vectors of all entries of the state, and the columns of all parameters and properties
+ * of stops that can be varied, with extrapolated differences. The run begins at phase 0 in `state` and ends
+ * shortly after its first contact, where one comes within ten periods, else after a quarter of one. A column
+ * agrees to 1e-6. `checks` has room for SALTUS_COLUMN_CHECKS_MAX; *count of them are filled in. Errors: those
+ * of saltus_flow_new and saltus_flow_run for the run itself. */
+saltus_status saltus_columns_check(const saltus_system *system, const double *state,
+                                   saltus_column_check *checks, int *count, saltus_message *message);
+
 SALTUS_API_END
 #endif

@@ -162,6 +162,22 @@ const saltus_spec *saltus_system_spec(const saltus_system *system);
 int saltus_system_dof(const saltus_system *system);
 int saltus_system_extra(const saltus_system *system);
 int saltus_system_dimension(const saltus_system *system);
+/* What an entry of the state is called in --set, in files and in figures, and which one a name means. */
+typedef struct saltus_state_name {
+    char text[40];
+} saltus_state_name;
+/* Of a model from text the text's own names, x, x' and p, and x1, x1' of families; of a built-in one q1, v1,
+ * z1: displacements, velocities, further states, from 1. */
+saltus_state_name saltus_system_state_name(const saltus_system *system, int entry);
+/* The entry of that name, or -1. x_dot is x', and q1, v1, z1 count entries of any model where no name of its
+ * text is the same. */
+int saltus_system_state_index(const saltus_system *system, const char *name);
+/* The same for a specification, as far as its whole-number parameters tell; -1 where it cannot be built. */
+int saltus_spec_state_index(const saltus_spec *spec, const char *name);
+/* The right side of an acceleration (entries 0 to dof - 1) or of a further state's rate (from dof on), as
+ * the model from text understands it: masses divided out, numbers folded. To be freed by the caller; NULL for
+ * a built-in model, and where memory is lacking. */
+char *saltus_system_right_side(const saltus_system *system, int entry);
 /* Forcing period T = 2 pi / omega, the unit in which sections and event phases are counted. */
 double saltus_system_period(const saltus_system *system);
 /* Whether the vector field depends on time. */
@@ -173,6 +189,8 @@ int saltus_system_face_count(const saltus_system *system);
 saltus_face saltus_system_face(const saltus_system *system, int face);
 /* Row vector n with g = n.q for a stop (length dof). */
 const double *saltus_system_stop_normal(const saltus_system *system, int stop);
+/* The inverse of the mass matrix, dof x dof: the metric of impacts. */
+const double *saltus_system_inverse_mass(const saltus_system *system);
 /* Gap normal.q - d of a face for a state; negative inside, positive beyond the stop. */
 double saltus_system_gap(const saltus_system *system, int face, const double *state);
 /* A typical magnitude of each state component (length dimension), for random initial states and scaled

@@ -124,6 +124,14 @@ void saltus_flow_aim(saltus_flow *flow, int lane, saltus_time until, unsigned wa
         flow->work.stops = turning;
 }
 
+/* A lane cannot go on from where it is: what in the equations has no value there is told, too. */
+static saltus_status fail_here(saltus_flow *flow, int lane, saltus_message *why) {
+    const saltus_lane *self = &flow->lane[lane];
+    saltus_lane_gather(flow, lane, 0, flow->state);
+    saltus_system_explain(self->system, flow->state, self->now.phase, why);
+    return SALTUS_STALLED;
+}
+
 /* Jets of all lanes, and where each lane's step ends: at its own length, the target or the first event. */
 static saltus_status expand_lanes(saltus_flow *flow, saltus_message *message) {
     saltus_work *w = &flow->work;
@@ -135,9 +143,12 @@ static saltus_status expand_lanes(saltus_flow *flow, saltus_message *message) {
     if (flow->radau) {
         saltus_lane *self = &flow->lane[0];
         saltus_status status = saltus_radau_step(flow->radau, w, &self->info.field_evaluations);
-        if (status != SALTUS_OK)
-            return saltus_fail(message, status, "no step of the stiff integrator converges at %.15g periods",
-                               saltus_time_periods(self->now));
+        if (status != SALTUS_OK) {
+            saltus_fail(message, status, "no step of the stiff integrator converges at %.15g periods",
+                        saltus_time_periods(self->now));
+            fail_here(flow, 0, message);
+            return status;
+        }
     } else {
         flow->kernel->expand(w, w->order);
         flow->kernel->measure(w);
@@ -150,21 +161,22 @@ static saltus_status expand_lanes(saltus_flow *flow, saltus_message *message) {
         const double planned = w->lane->advance[l];
         if (self->cycle_steps >= first_steps &&
             self->cycle_steps > steps_per_period_max * (self->now.phase - self->cycle_from)) {
-            self->failure = saltus_fail(
+            saltus_fail(
                 &self->why, SALTUS_STALLED,
                 "a forcing period, T = %.6g, would take more than %.0e steps (%d of them, %.3g long, go over "
                 "%.3g T): omega is too small, or a load too great",
                 self->system->period, steps_per_period_max, self->cycle_steps, planned,
                 self->now.phase - self->cycle_from);
+            self->failure = fail_here(flow, l, &self->why);
             w->lane->advance[l] = w->lane->passing[l] = 0;
             continue;
         }
         bool moves = planned > 0 && self->now.phase + w->lane->passing[l] != self->now.phase;
         if (!moves && w->lane->left[l] > 0) {
-            self->failure =
-                saltus_fail(&self->why, SALTUS_STALLED,
-                            "the step falls to %.3g at %.15g periods: the motion grows without bound",
-                            planned, saltus_time_periods(self->now));
+            saltus_fail(&self->why, SALTUS_STALLED,
+                        "the step falls to %.3g at %.15g periods: the motion grows without bound", planned,
+                        saltus_time_periods(self->now));
+            self->failure = fail_here(flow, l, &self->why);
             w->lane->advance[l] = w->lane->passing[l] = 0;
             continue;
         }

@@ -123,6 +123,14 @@ static saltus_status set_stop(saltus_scene *scene, int key, int number, const se
         return saltus_fail_at(message, SALTUS_BAD_INPUT, (saltus_fault){.key = s->key},
                               "%s: the scene has %d stop%s", s->key, spec->stop_count,
                               spec->stop_count > 1 ? "s" : "");
+    for (int k = 0; k < spec->stop_count && (key == stop_d || key == stop_r); k++) {
+        const char *text =
+            saltus_stop_text(spec, k, key == stop_d ? SALTUS_STOP_CLEARANCE : SALTUS_STOP_RESTITUTION);
+        if (text && (number == 0 || number == k + 1))
+            return saltus_fail_at(message, SALTUS_BAD_INPUT, (saltus_fault){.key = s->key},
+                                  "%s: is %.200s in the scene; the names in it are what can be set", s->key,
+                                  text);
+    }
     alone.stops[0] = saltus_stop_defaults();
     alone.stop_count = 1;
     saltus_status status = assign(&alone.stops[0], key, s, message);

@@ -56,6 +56,13 @@ static saltus_status stop_direction(const saltus_spec *spec, const char *key, in
                            spec->stop_count == 0   ? "no stop"
                            : spec->stop_count == 1 ? "only one stop"
                                                    : "fewer stops");
+    for (int s = first; s < last && number != SALTUS_STOP_XI; s++) {
+        const char *text = saltus_stop_text(
+            spec, s, number == SALTUS_STOP_D ? SALTUS_STOP_CLEARANCE : SALTUS_STOP_RESTITUTION);
+        if (text)
+            return saltus_fail(message, SALTUS_BAD_INPUT,
+                               "%s: is %.200s in the scene; the names in it are what can be set", key, text);
+    }
     *value = stop_value(&spec->stops[first], number);
     for (int s = first; s < last; s++) {
         double other = stop_value(&spec->stops[s], number);

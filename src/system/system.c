@@ -309,6 +309,9 @@ saltus_face saltus_system_face(const saltus_system *system, int face) {
 const double *saltus_system_stop_normal(const saltus_system *system, int stop) {
     return system->stop_normal[stop];
 }
+const double *saltus_system_inverse_mass(const saltus_system *system) {
+    return system->inverse_mass;
+}
 const double *saltus_system_scale(const saltus_system *system) {
     return system->scale;
 }
@@ -363,6 +366,70 @@ double saltus_system_trace(const saltus_system *system, const double *state) {
 
 double saltus_system_fastest_decay(const saltus_system *system) {
     return system->decay;
+}
+
+/* Names of all models: by what an entry is, and which of its kind. */
+static const char kinds[] = "qvz";
+
+static saltus_state_name state_name(const saltus_spec *spec, int dof, int entry) {
+    saltus_state_name name;
+    int kind = entry < dof ? 0 : entry < 2 * dof ? 1 : 2;
+    if (spec->model->state_name)
+        return spec->model->state_name(spec, dof, entry);
+    snprintf(name.text, sizeof name.text, "%c%d", kinds[kind], entry - kind * dof + 1);
+    return name;
+}
+
+/* x' for x_dot. */
+static saltus_state_name with_prime(const char *name) {
+    saltus_state_name plain;
+    size_t length = strlen(name);
+    bool dotted = length > 4 && strcmp(name + length - 4, "_dot") == 0;
+    snprintf(plain.text, sizeof plain.text, "%.*s%s", dotted ? (int)length - 4 : (int)length, name,
+             dotted ? "'" : "");
+    return plain;
+}
+
+static int state_index(const saltus_spec *spec, int dof, int dimension, const char *name) {
+    const saltus_state_name wanted = with_prime(name);
+    const int first[] = {0, dof, 2 * dof, dimension};
+    int number;
+    for (int i = 0; i < dimension; i++)
+        if (strcmp(state_name(spec, dof, i).text, wanted.text) == 0)
+            return i;
+    for (int k = 0; k < 3; k++)
+        if (saltus_key_numbered(name, (const char[]){kinds[k], '\0'}, &number) && number > 0 &&
+            number <= first[k + 1] - first[k])
+            return first[k] + number - 1;
+    return -1;
+}
+
+saltus_state_name saltus_system_state_name(const saltus_system *system, int entry) {
+    return state_name(&system->spec, system->dof, entry);
+}
+
+int saltus_system_state_index(const saltus_system *system, const char *name) {
+    return state_index(&system->spec, system->dof, system->dimension, name);
+}
+
+int saltus_spec_state_index(const saltus_spec *spec, const char *name) {
+    int dof = 0, extra = 0;
+    return spec->model->shape(spec, &dof, &extra, NULL) == SALTUS_OK
+               ? state_index(spec, dof, 2 * dof + extra, name)
+               : -1;
+}
+
+char *saltus_system_right_side(const saltus_system *system, int entry) {
+    return system->spec.model->right_side ? system->spec.model->right_side(system, entry) : NULL;
+}
+
+void saltus_system_explain(const saltus_system *system, const double *state, double phase,
+                           saltus_message *message) {
+    saltus_message what = {.text = ""};
+    if (!message || !system->spec.model->fault || !system->spec.model->fault(system, state, phase, &what))
+        return;
+    size_t used = strlen(message->text);
+    snprintf(message->text + used, sizeof message->text - used, ": %s", what.text);
 }
 
 double saltus_system_shape(const saltus_system *system, const double *state, double xi) {

@@ -132,7 +132,18 @@ struct saltus_model {
     void (*start)(const saltus_system *system, double *state);
     double (*trace)(const saltus_system *system, const double *state);
     double (*deflection)(const saltus_system *system, const double *state, double xi);
+    /* Names and right sides that a text gives (saltus_system_state_name, saltus_system_right_side); NULL:
+     * names are those of all built-in models. After `shape`. */
+    saltus_state_name (*state_name)(const saltus_spec *spec, int dof, int entry);
+    char *(*right_side)(const saltus_system *system, int entry);
+    /* What in the equations has no value at a state, or none close by: "sqrt(p) at p = -0.1". False: all is
+     * well. NULL: nothing can go wrong. */
+    bool (*fault)(const saltus_system *system, const double *state, double phase, saltus_message *what);
 };
+
+/* Add to a failure at a state what in the equations has no value there, if anything has none. */
+void saltus_system_explain(const saltus_system *system, const double *state, double phase,
+                           saltus_message *message);
 
 extern const saltus_model saltus_pipe;
 extern const saltus_model saltus_oscillator;

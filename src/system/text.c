@@ -315,6 +315,51 @@ static void start(const saltus_system *system, double *state) {
             state[i] = system->numbers[g->initial[i]];
 }
 
+static saltus_state_name state_name(const saltus_spec *spec, int dof, int entry) {
+    const saltus_equations_graph *g = graph_of(spec);
+    bool rate = entry >= dof && entry < 2 * dof;
+    saltus_state_name name;
+    snprintf(name.text, sizeof name.text, "%s%s", g->names[entry < dof ? entry : entry - dof],
+             rate ? "'" : "");
+    return name;
+}
+
+/* A node in the names of the text; NULL without memory. */
+static char *node_text(const saltus_system *system, int node) {
+    const saltus_equations_graph *g = graph_of(&system->spec);
+    saltus_state_name *names = malloc((size_t)system->dimension * sizeof *names + 1);
+    for (int i = 0; names && i < system->dimension; i++)
+        names[i] = state_name(&system->spec, system->dof, i);
+    char *text = names ? saltus_graph_text(&g->graph, node, system->spec.model->parameters, names) : NULL;
+    free(names);
+    return text;
+}
+
+static char *right_side(const saltus_system *system, int entry) {
+    return node_text(system, graph_of(&system->spec)->field[entry]);
+}
+
+static bool fault(const saltus_system *system, const double *state, double phase, saltus_message *what) {
+    const saltus_equations_graph *g = graph_of(&system->spec);
+    const int count = system->dof + system->extra;
+    double *values = values_of(g);
+    int operand = -1, node = -1;
+    if (values) {
+        evaluate(g, &system->spec, state, phase, values);
+        node = saltus_graph_fault(&g->graph, g->field, count, values, system->scale, &operand);
+    }
+    char *whole = node < 0 ? NULL : node_text(system, node),
+         *part = node < 0 ? NULL : node_text(system, operand);
+    if (whole && part)
+        snprintf(what->text, sizeof what->text, "%.200s has %s value where %.100s = %.6g", whole,
+                 isfinite(values[node]) ? "hardly a" : "no", part, values[operand]);
+    bool found = whole && part;
+    free(whole);
+    free(part);
+    free(values);
+    return found;
+}
+
 /* Displacements side by side, joined by straight lines. */
 static double deflection(const saltus_system *system, const double *state, double xi) {
     double place = xi * system->dof;
@@ -702,7 +747,10 @@ saltus_status saltus_text_model_new(const saltus_text *text, const saltus_model 
                               .obstacle = obstacle,
                               .start = start,
                               .trace = trace,
-                              .deflection = deflection};
+                              .deflection = deflection,
+                              .state_name = state_name,
+                              .right_side = right_side,
+                              .fault = fault};
     /* Every name is looked up once, with the defaults. */
     int dof, extra;
     if (status == SALTUS_OK) {

@@ -5,6 +5,7 @@
 
 #include "system/expression.h"
 #include "system/tape.h"
+#include "saltus/system.h"
 #include "system/text.h"
 
 /* An equation, parsed. Its left side is `base`, `base[number]`, or `base[index]` for all members of a family.
@@ -58,5 +59,14 @@ typedef struct saltus_equations_graph {
 saltus_status saltus_equations_graph_new(const saltus_parsed_text *text, const double *parameters,
                                          saltus_equations_graph **made, saltus_message *message);
 void saltus_equations_graph_free(saltus_equations_graph *graph);
+
+/* A node as an expression, to be freed by the caller; NULL without memory. Very long ones end in "...". */
+char *saltus_graph_text(const saltus_graph *graph, int node, const saltus_parameter *parameters,
+                        const saltus_state_name *states);
+/* The operation, among those that the given nodes are made of, that has no value where all nodes have these
+ * values, or that is next to where it has none; -1: there is none. *operand: of it, the node that decides.
+ * `scale`: typical sizes of the states. */
+int saltus_graph_fault(const saltus_graph *graph, const int *roots, int root_count, const double *values,
+                       const double *scale, int *operand);
 
 #endif

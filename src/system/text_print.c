@@ -1,0 +1,302 @@
+/* From a graph back to text: equations as they are understood, and what in them has no value.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "system/text_build.h"
+
+#include "base/field.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* How strongly what is printed holds together; weaker parts stand in parentheses. */
+enum { of_sum, of_product, of_power, of_atom };
+
+/* Nodes that several others use are written out each time: an end to that. */
+enum { nodes_max = 2000, parts_max = 256 };
+
+typedef struct printer {
+    FILE *file;
+    const saltus_graph *graph;
+    const saltus_parameter *parameters;
+    const saltus_state_name *states;
+    int left; /* nodes that may still be written */
+} printer;
+
+static const char *const names[] = {
+    [SALTUS_OP_SQRT] = "sqrt", [SALTUS_OP_EXP] = "exp",   [SALTUS_OP_LOG] = "log",
+    [SALTUS_OP_SIN] = "sin",   [SALTUS_OP_COS] = "cos",   [SALTUS_OP_TAN] = "tan",
+    [SALTUS_OP_ASIN] = "asin", [SALTUS_OP_ACOS] = "acos", [SALTUS_OP_ATAN] = "atan",
+    [SALTUS_OP_SINH] = "sinh", [SALTUS_OP_COSH] = "cosh", [SALTUS_OP_TANH] = "tanh",
+    [SALTUS_OP_ABS] = "abs",   [SALTUS_OP_SIGN] = "sign", [SALTUS_OP_ATAN2] = "atan2",
+    [SALTUS_OP_MOD] = "mod",   [SALTUS_OP_MIN] = "min",   [SALTUS_OP_MAX] = "max",
+    [SALTUS_OP_STEP] = "step",
+};
+
+/* A product or a sum taken apart: numbers together, everything else in the order of the text. */
+typedef struct parts {
+    int node[parts_max], count;
+    bool minus[parts_max]; /* of summands */
+    double number;
+} parts;
+
+static void put_node(printer *p, int node, int within);
+
+/* False where there are too many. */
+static bool collect_factors(const saltus_graph *g, int node, parts *all) {
+    const saltus_graph_node *n = &g->nodes[node];
+    if (n->operation == SALTUS_OP_CONSTANT) {
+        all->number *= n->value;
+        return true;
+    }
+    if (n->operation == SALTUS_OP_MULTIPLY)
+        return collect_factors(g, n->operand[0], all) && collect_factors(g, n->operand[1], all);
+    if (all->count == parts_max)
+        return false;
+    all->node[all->count++] = node;
+    return true;
+}
+
+static bool collect_summands(const saltus_graph *g, int node, bool minus, parts *all) {
+    const saltus_graph_node *n = &g->nodes[node];
+    bool sum = n->operation == SALTUS_OP_ADD || n->operation == SALTUS_OP_SUBTRACT;
+    if (sum)
+        return collect_summands(g, n->operand[0], minus, all) &&
+               collect_summands(g, n->operand[1], minus != (n->operation == SALTUS_OP_SUBTRACT), all);
+    if (all->count == parts_max)
+        return false;
+    all->minus[all->count] = minus;
+    all->node[all->count++] = node;
+    return true;
+}
+
+static void put_number(printer *p, double value) {
+    char text[SALTUS_NUMBER_MAX];
+    fputs(saltus_number(value, text), p->file);
+}
+
+/* Whether a summand has a minus sign of its own: -2, -k*x. */
+static bool is_negative(const saltus_graph *g, int node) {
+    parts all = {.number = 1};
+    return collect_factors(g, node, &all) && all.number < 0;
+}
+
+/* A product without its sign. Numbers and parameters come before what moves. */
+static void put_product(printer *p, int node) {
+    const saltus_graph *g = p->graph;
+    parts all = {.number = 1};
+    const char *star = "";
+    if (!collect_factors(g, node, &all)) {
+        fputs("...", p->file);
+        return;
+    }
+    if (fabs(all.number) != 1 || all.count == 0) {
+        put_number(p, fabs(all.number));
+        star = "*";
+    }
+    for (int moving = 0; moving < 2; moving++)
+        for (int k = 0; k < all.count; k++)
+            if (((g->nodes[all.node[k]].depends & ~(unsigned)SALTUS_OF_PARAMETERS) != 0) == moving) {
+                fputs(star, p->file);
+                put_node(p, all.node[k], all.count > 1 || *star ? of_product + 1 : of_product);
+                star = "*";
+            }
+}
+
+static void put_sum(printer *p, int node) {
+    parts all = {.number = 0};
+    if (!collect_summands(p->graph, node, false, &all)) {
+        fputs("...", p->file);
+        return;
+    }
+    for (int k = 0; k < all.count; k++) {
+        bool minus = all.minus[k] != is_negative(p->graph, all.node[k]);
+        fputs(k ? (minus ? " - " : " + ") : (minus ? "-" : ""), p->file);
+        put_product(p, all.node[k]);
+    }
+}
+
+static void put_arguments(printer *p, const char *name, const int *operands, int count) {
+    fprintf(p->file, "%s(", name);
+    for (int k = 0; k < count; k++) {
+        fputs(k ? ", " : "", p->file);
+        put_node(p, operands[k], of_sum);
+    }
+    fputc(')', p->file);
+}
+
+static void put_choice(printer *p, const saltus_graph_node *n) {
+    fputs("if(", p->file);
+    put_node(p, n->operand[0], of_sum);
+    fputs(n->operation == SALTUS_OP_CHOOSE_LESS         ? " < "
+          : n->operation == SALTUS_OP_CHOOSE_LESS_EQUAL ? " <= "
+                                                        : " == ",
+          p->file);
+    put_node(p, n->operand[1], of_sum);
+    fputs(", ", p->file);
+    put_node(p, n->operand[2], of_sum);
+    fputs(", ", p->file);
+    put_node(p, n->operand[3], of_sum);
+    fputc(')', p->file);
+}
+
+/* How strongly a node holds together. */
+static int strength(const saltus_graph *g, int node) {
+    switch (g->nodes[node].operation) {
+    case SALTUS_OP_ADD:
+    case SALTUS_OP_SUBTRACT:
+        return of_sum;
+    case SALTUS_OP_MULTIPLY:
+        return is_negative(g, node) ? of_sum : of_product;
+    case SALTUS_OP_DIVIDE:
+        return of_product;
+    case SALTUS_OP_POWER:
+        return of_power;
+    case SALTUS_OP_CONSTANT:
+        return g->nodes[node].value < 0 ? of_sum : of_atom;
+    default:
+        return of_atom;
+    }
+}
+
+static void put_inside(printer *p, int node) {
+    const saltus_graph_node n = p->graph->nodes[node];
+    switch (n.operation) {
+    case SALTUS_OP_CONSTANT:
+        put_number(p, n.value);
+        return;
+    case SALTUS_OP_PARAMETER:
+        fputs(p->parameters[n.index].name, p->file);
+        return;
+    case SALTUS_OP_STATE:
+        fputs(p->states[n.index].text, p->file);
+        return;
+    case SALTUS_OP_TIME:
+    case SALTUS_OP_PHASE:
+        fputs(n.operation == SALTUS_OP_TIME ? "t" : "phase", p->file);
+        return;
+    case SALTUS_OP_ADD:
+    case SALTUS_OP_SUBTRACT:
+    case SALTUS_OP_MULTIPLY:
+        put_sum(p, node);
+        return;
+    case SALTUS_OP_DIVIDE:
+        put_node(p, n.operand[0], of_product);
+        fputc('/', p->file);
+        put_node(p, n.operand[1], of_product + 1);
+        return;
+    case SALTUS_OP_POWER:
+        put_node(p, n.operand[0], of_power + 1);
+        fputc('^', p->file);
+        put_node(p, n.operand[1], of_power + 1);
+        return;
+    default:
+        if (n.operation >= SALTUS_OP_CHOOSE_LESS)
+            put_choice(p, &n);
+        else
+            put_arguments(p, names[n.operation], n.operand, saltus_operation_operands(n.operation));
+    }
+}
+
+static void put_node(printer *p, int node, int within) {
+    bool wrapped = strength(p->graph, node) < within;
+    if (p->left-- <= 0) {
+        fputs("...", p->file);
+        return;
+    }
+    fputs(wrapped ? "(" : "", p->file);
+    put_inside(p, node);
+    fputs(wrapped ? ")" : "", p->file);
+}
+
+char *saltus_graph_text(const saltus_graph *graph, int node, const saltus_parameter *parameters,
+                        const saltus_state_name *states) {
+    char *text = NULL;
+    size_t length;
+    FILE *file = open_memstream(&text, &length);
+    if (!file)
+        return NULL;
+    printer p = {file, graph, parameters, states, nodes_max};
+    put_node(&p, node, of_sum);
+    bool good = !ferror(file);
+    if (fclose(file) != 0 || !good) {
+        free(text);
+        return NULL;
+    }
+    return text;
+}
+
+/* How large a node would be if nothing in it cancelled. */
+static double size_of(const saltus_graph_node *n, const double *sizes, double value) {
+    switch (n->operation) {
+    case SALTUS_OP_ADD:
+    case SALTUS_OP_SUBTRACT:
+        return sizes[n->operand[0]] + sizes[n->operand[1]];
+    case SALTUS_OP_MULTIPLY:
+        return sizes[n->operand[0]] * sizes[n->operand[1]];
+    default:
+        return fabs(value);
+    }
+}
+
+/* How near an operation is to where it has no value: 0 on it, relative to the size of what it is made of;
+ * infinite where it has one everywhere. `operand` receives what decides. */
+static double nearness(const saltus_graph *g, const saltus_graph_node *n, const double *values,
+                       const double *sizes, int *operand) {
+    const double a = n->operand[0] < 0 ? 0 : values[n->operand[0]];
+    *operand = n->operand[n->operation == SALTUS_OP_DIVIDE];
+    switch (n->operation) {
+    case SALTUS_OP_POWER:
+        if (g->nodes[n->operand[1]].operation == SALTUS_OP_CONSTANT &&
+            g->nodes[n->operand[1]].value == floor(g->nodes[n->operand[1]].value) &&
+            g->nodes[n->operand[1]].value >= 0)
+            return INFINITY;
+        return fabs(a) / sizes[*operand];
+    case SALTUS_OP_SQRT:
+    case SALTUS_OP_LOG:
+    case SALTUS_OP_DIVIDE:
+        return fabs(values[*operand]) / sizes[*operand];
+    case SALTUS_OP_ASIN:
+    case SALTUS_OP_ACOS:
+        return fabs(1 - fabs(a));
+    case SALTUS_OP_TAN:
+        return fabs(cos(a));
+    default:
+        return INFINITY;
+    }
+}
+
+int saltus_graph_fault(const saltus_graph *graph, const int *roots, int root_count, const double *values,
+                       const double *scale, int *operand) {
+    static const double near = 1e-4;
+    bool *needed = calloc((size_t)graph->count, sizeof *needed);
+    double *sizes = calloc((size_t)graph->count, sizeof *sizes), best = near;
+    int found = -1;
+    if (needed)
+        saltus_graph_mark(graph, roots, root_count, needed);
+    for (int k = 0; k < graph->count && needed && sizes; k++) {
+        const saltus_graph_node *n = &graph->nodes[k];
+        bool sound = true;
+        int which;
+        sizes[k] = n->operation == SALTUS_OP_STATE ? fmax(scale[n->index], fabs(values[k]))
+                                                   : size_of(n, sizes, values[k]);
+        for (int j = 0; j < saltus_operation_operands(n->operation); j++)
+            sound = sound && isfinite(values[n->operand[j]]);
+        if (!needed[k] || !sound || saltus_operation_operands(n->operation) == 0)
+            continue;
+        double distance = nearness(graph, n, values, sizes, &which);
+        if (!isfinite(values[k])) {
+            found = k;
+            *operand = which;
+            break;
+        }
+        if (distance <= best) {
+            best = distance;
+            found = k;
+            *operand = which;
+        }
+    }
+    free(needed);
+    free(sizes);
+    return found;
+}
