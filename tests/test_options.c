@@ -308,6 +308,7 @@ static const option_case cases[] = {
     {"paper", "--format", "", "paper --figure 3 -o p", "--format pdf", "made:p/fig3.pdf"},
 
     {"check", "--set", "", "check impact-oscillator", "--set F=0.6", "differs:out"},
+    {"check", "--derivatives", "", "check impact-oscillator", "--derivatives", "differs:out"},
 };
 
 /* Options that have a case of their own below. */

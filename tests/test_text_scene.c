@@ -166,11 +166,71 @@ static void files_tell_the_model(void **state) {
     saltus_scene_clear(&scene);
 }
 
+/* What a scene names goes by that name everywhere: in --set, columns of tables, axes, the spectrum's
+ * quantities, --json; the numbers are those of the state's entries. */
+static void names_are_those_of_the_text(void **state) {
+    fixture *f = *state;
+    FILE *file = fopen(path_in(f, "valve.yaml"), "w");
+    assert_non_null(file);
+    fprintf(file, "%s", valve);
+    fclose(file);
+    file = fopen(path_in(f, "seen.yaml"), "w");
+    assert_non_null(file);
+    for (const char *line = valve; *line; line = strchr(line, '\n') + 1)
+        fprintf(file, "%.*s%s", (int)strcspn(line, "\n") + 1, line,
+                strncmp(line, "  states", 8) == 0 ? ""
+                : strncmp(line, "    p:", 6) == 0 ? "  observe: {lift: x, power: p*x'}\n"
+                                                  : "");
+    fclose(file);
+    free(told(f, "simulate seen.yaml --set x=0.25 x_dot=-0.5 p=19 --periods 1 -o run.csv"));
+    size_t length;
+    char *table = read_all(path_in(f, "run.csv"), &length), *head = strstr(table, "\ntime_over_T,");
+    static const char columns[] = "\ntime_over_T,displacement,velocity,x,x',p,lift,power,stop,side,event\n";
+    assert_non_null(head);
+    assert_memory_equal(head, columns, strlen(columns));
+    double row[8];
+    char *at = head + strlen(columns);
+    for (int rows = 0; *at; rows++, at = strchr(at, '\n') + 1) {
+        for (int k = 0; k < 8; k++, at++)
+            row[k] = strtod(at, &at);
+        assert_true(row[1] == row[3] && row[2] == row[4] && row[6] == row[3]);
+        check_near(row[7], row[5] * row[4], 1e-15 * fabs(row[7]));
+        if (rows == 0)
+            assert_true(row[3] == 0.25 && row[4] == -0.5 && row[5] == 19);
+    }
+    free(table);
+    free(told(f, "simulate valve.yaml --periods 1 -o run.h5"));
+    free(told(f, "export run.h5 -o run2.csv"));
+    table = read_all(path_in(f, "run2.csv"), &length);
+    assert_non_null(strstr(table, "\ntime,x,x',p,"));
+    free(table);
+    free(told(f, "basins duffing --over x=-1:1:2 --over x_dot=-1:1:2 -o basins.h5"));
+    char *text = told(f, "classify duffing --json");
+    assert_non_null(strstr(text, "\"state_names\": [\"x\", \"x'\"], \"state\": ["));
+    free(text);
+    text = told(f, "spectrum duffing --of x_dot -o spectrum.csv");
+    assert_non_null(strstr(text, "\n  x'            mean "));
+    free(text);
+    assert_int_equal(run(f, "check duffing --set y=1"), 2);
+    text = said(f, "err");
+    assert_non_null(strstr(text, "\"y\": unknown key; the keys here are "));
+    assert_non_null(strstr(text, "omega, sides, d, r, x, x'"));
+    free(text);
+    saltus_scene scene;
+    saltus_message message = {.text = ""};
+    check_ok(saltus_scene_load("chain", &scene, &message), &message);
+    check_ok(saltus_scene_set(&scene, "x4'=0.5", &message), &message);
+    assert_true(scene.initial[8] == 0.5);
+    assert_int_equal(saltus_scene_set(&scene, "x6'=0.5", &message), SALTUS_BAD_INPUT);
+    saltus_scene_clear(&scene);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(errors_tell_the_line),
         cmocka_unit_test(stops_and_starts_follow_parameters),
         cmocka_unit_test(a_relief_valve),
+        cmocka_unit_test_setup_teardown(names_are_those_of_the_text, open_fixture, close_fixture),
         cmocka_unit_test_setup_teardown(files_tell_the_model, open_fixture, close_fixture),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -13,34 +13,42 @@ static const cli_table tables[] = {
 static const cli_option *const options[] = {&cli_set,    &sweep_over, &cli_output,
                                             &cli_resume, &sweep_json, NULL};
 
-/* Whether an axis moves an entry of the initial state: q1, v1, z1, ... */
-static bool moves_start(const char *axis) {
-    return strchr("qvz", axis[0]) && axis[1] >= '1' && axis[1] <= '9';
+/* Whether an axis moves an entry of the initial state: q1, v1, z1 or the names of a text. */
+static bool moves_start(const saltus_scene *scene, const char *axis) {
+    char key[64];
+    snprintf(key, sizeof key, "%.*s", (int)strcspn(axis, "="), axis);
+    return saltus_spec_state_index(&scene->spec, key) >= 0;
 }
 
-static bool read_axes(const cli_request *request) {
+static bool check_axes(const cli_request *request, const saltus_scene *scene) {
+    for (int k = 0; k < request->over.count; k++)
+        if (!moves_start(scene, request->over.items[k])) {
+            fprintf(stderr, "saltus: --over %s: must be an entry of the initial state, such as %s\n",
+                    request->over.items[k], saltus_model_text(scene->spec.model) ? "x or x'" : "q1 or v1");
+            return false;
+        }
+    return true;
+}
+
+static bool count_axes(const cli_request *request) {
     if (request->over.count != 2 || !request->output) {
         fprintf(stderr, "saltus: basins: needs --over q1=lo:hi:n --over v1=lo:hi:n and -o basins.h5\n");
         return false;
     }
-    for (int k = 0; k < request->over.count; k++)
-        if (!moves_start(request->over.items[k])) {
-            fprintf(stderr, "saltus: --over %s: must be an entry of the initial state, such as q1 or v1\n",
-                    request->over.items[k]);
-            return false;
-        }
     return true;
 }
 
 static int run(const cli_request *request) {
     saltus_scene scene = {.initial_count = 0};
     saltus_message message = {.text = ""};
-    if (!read_axes(request))
+    if (!count_axes(request))
         return CLI_BAD_INPUT;
     saltus_sweep_options how = sweep_read_options(request);
     how.record = 1;
     saltus_status status = cli_load_scene(request, &scene, &message);
-    int code = sweep_command(request, true, status, &scene, &how, &message);
+    int code = status == SALTUS_OK && !check_axes(request, &scene)
+                   ? CLI_BAD_INPUT
+                   : sweep_command(request, true, status, &scene, &how, &message);
     saltus_scene_clear(&scene);
     return code;
 }

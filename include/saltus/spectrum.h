@@ -13,15 +13,17 @@ enum { SALTUS_QUANTITIES_MAX = 2 };
 
 /* What is analysed of a motion. */
 typedef struct saltus_quantity {
-    int coordinate; /* 0: the observed one (saltus_system_observer); k: mode or mass k */
-    bool velocity;  /* its rate instead of its displacement */
+    int coordinate; /* 0: the observed one (saltus_system_observer); k: the k-th displacement, beyond all of
+                       them the further states */
+    bool velocity;  /* the rate of a displacement */
 } saltus_quantity;
 
-/* Read "displacement", "velocity", "q3" or "v2". Errors: SALTUS_BAD_INPUT. */
+/* Read "displacement", "velocity" or the name of an entry of the state: "q3", "v2". Errors:
+ * SALTUS_BAD_INPUT. */
 saltus_status saltus_quantity_parse(const saltus_system *system, const char *word, saltus_quantity *quantity,
                                     saltus_message *message);
 /* The word that reads back as the quantity. */
-void saltus_quantity_name(saltus_quantity quantity, char name[16]);
+saltus_state_name saltus_quantity_name(const saltus_system *system, saltus_quantity quantity);
 
 typedef struct saltus_spectrum_options {
     saltus_flow_options flow;

@@ -170,7 +170,7 @@ typedef struct saltus_state_name {
  * z1: displacements, velocities, further states, from 1. */
 saltus_state_name saltus_system_state_name(const saltus_system *system, int entry);
 /* The entry of that name, or -1. x_dot is x', and q1, v1, z1 count entries of any model where no name of its
- * text is the same. */
+ * text is the same. Parameters come first. */
 int saltus_system_state_index(const saltus_system *system, const char *name);
 /* The same for a specification, as far as its whole-number parameters tell; -1 where it cannot be built. */
 int saltus_spec_state_index(const saltus_spec *spec, const char *name);
@@ -201,6 +201,14 @@ double saltus_system_distance(const saltus_system *system, const double *a, cons
 /* The row vector of the displacement that diagrams show: the first stop's contact coordinate; without a stop
  * the pipe's midpoint or the oscillator's first mass. */
 const double *saltus_system_observer(const saltus_system *system);
+/* What it is called: an observed quantity's name, the first stop's coordinate, the first displacement; NULL
+ * for built-in models, which have symbols for it (saltus_notation). */
+const char *saltus_system_observed_name(const saltus_system *system);
+/* The quantities that a model's text names under `observe`: how many, the k-th one's name, and all of them at
+ * a state and a phase of the forcing; NaN without memory. */
+int saltus_system_observable_count(const saltus_system *system);
+const char *saltus_system_observable_name(const saltus_system *system, int k);
+void saltus_system_observe(const saltus_system *system, const double *state, double phase, double *values);
 /* That displacement of a vector of displacements, or its rate of one of velocities (length dof). */
 double saltus_system_observed(const saltus_system *system, const double *vector);
 /* A small admissible initial state for scenes that give none. Errors: SALTUS_BAD_INPUT when none could be

@@ -53,6 +53,15 @@ void saltus_line_symbol(saltus_line *l, const char *name) {
         saltus_line_add(l, "_{%s}", name + 1);
 }
 
+void saltus_line_state(saltus_line *l, const saltus_system *system, int entry) {
+    const int dof = saltus_system_dof(system);
+    const bool rate = entry >= dof && entry < 2 * dof;
+    saltus_state_name name = saltus_system_state_name(system, rate ? entry - dof : entry);
+    saltus_line_add(l, "{/:Italic ");
+    saltus_line_plain(l, name.text);
+    saltus_line_add(l, "}%s", rate ? "′" : "");
+}
+
 /* The coordinate that a stop limits, w1 x1 + w2 x2, without zeros and ones. */
 static void add_weights(saltus_line *l, const double weight[2]) {
     bool first = true;
@@ -86,6 +95,9 @@ static void add_stop(saltus_line *l, const saltus_system *system, int s, const c
         saltus_line_add(l, " = %.6g, ", *place);
     } else if (count > 1 && saltus_system_dof(system) > 1) {
         add_weights(l, place);
+        saltus_line_add(l, ", ");
+    } else if (count == 0) {
+        saltus_line_plain(l, saltus_stop_text(spec, s, SALTUS_STOP_COORDINATE));
         saltus_line_add(l, ", ");
     }
     if (!varies(varied, "d", s)) {
@@ -159,8 +171,13 @@ void saltus_observed_name(const saltus_system *system, bool velocity, char *text
     if (xi != 0.5)
         snprintf(place, sizeof place, "%.4g", xi);
     const saltus_notation *n = saltus_notation_of(system);
-    const char *x = n->displacement, *t = n->time;
-    if (n->structure == SALTUS_STRUCTURE_LINE && velocity)
+    const char *x = n->displacement, *t = n->time, *own = saltus_system_observed_name(system);
+    if (own) {
+        saltus_line name = {.length = 0};
+        saltus_line_plain(&name, own);
+        snprintf(text, room, velocity ? "velocity d({/:Italic %.80s})/d{/:Italic %s}" : "{/:Italic %.120s}",
+                 name.text, t);
+    } else if (n->structure == SALTUS_STRUCTURE_LINE && velocity)
         snprintf(text, room, "velocity ∂{/:Italic %s}/∂{/:Italic %s} (%s, {/:Italic %s})", x, t, place, t);
     else if (n->structure == SALTUS_STRUCTURE_LINE)
         snprintf(text, room, "displacement {/:Italic %s}(%s, {/:Italic %s})", x, place, t);

@@ -33,7 +33,13 @@ static void add_name(const row *r, saltus_line *line) {
         saltus_line_add(line, "%s", name);
         return;
     }
-    const saltus_notation *n = saltus_notation_of(r->source->system);
+    const saltus_system *system = r->source->system;
+    const saltus_notation *n = saltus_notation_of(system);
+    if (saltus_model_text(saltus_system_spec(system)->model)) {
+        int entry = saltus_system_state_index(system, saltus_quantity_name(system, r->quantity).text);
+        saltus_line_state(line, system, entry);
+        return;
+    }
     saltus_line_add(line, "%s %d, {/:Italic %s}%s_{%d}", n->part, k, n->coordinate,
                     r->quantity.velocity ? "′" : "", k);
 }
@@ -255,11 +261,11 @@ static void put_whole(const row *r, saltus_frame frame, int letter) {
 /* Caption */
 
 static void add_findings(const saltus_spectra_source *source, saltus_line *line) {
-    char name[16];
     for (int k = 0; k < source->spectra->count; k++) {
         const saltus_spectrum *s = &source->spectra->spectra[k];
-        saltus_quantity_name(source->spectra->quantities[k], name);
-        saltus_line_add(line, "%s%s: ", line->length ? ";  " : "", name);
+        saltus_line_add(line, "%s", line->length ? ";  " : "");
+        saltus_line_plain(line, saltus_quantity_name(source->system, source->spectra->quantities[k]).text);
+        saltus_line_add(line, ": ");
         if (s->kind == SALTUS_SPECTRUM_CONSTANT) {
             saltus_line_number(line, "%.6g", s->mean);
             saltus_line_add(line, " throughout");

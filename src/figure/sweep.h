@@ -91,8 +91,6 @@ bool saltus_view_is_cloud(saltus_view view);
 double saltus_sweep_measure(saltus_view view, const saltus_sweep_row *row);
 /* The verdict of a row; SALTUS_BEYOND where it failed because the scene's start is beyond a stop there. */
 int saltus_sweep_verdict(const saltus_sweep_file *sweep, long long row);
-/* The entry of a state that a key names (q1, v1, z1, ...), or -1. */
-int saltus_sweep_entry(const saltus_system *system, const char *key);
 /* The rows of a point: the k-th of passes times seeds. */
 int saltus_sweep_visits(const saltus_sweep_file *sweep);
 long long saltus_sweep_visit(const saltus_sweep_file *sweep, long long point, int k);

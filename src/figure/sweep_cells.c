@@ -109,13 +109,6 @@ bool saltus_cells_at(const saltus_cells *cells, int pixels, int pixel, int *firs
     return true;
 }
 
-/* A state's entry that a key names (q1, v1, z1, ...), or -1. */
-int saltus_sweep_entry(const saltus_system *system, const char *key) {
-    int dof = saltus_system_dof(system), k = atoi(key + 1) - 1;
-    int entry = key[0] == 'q' ? k : key[0] == 'v' ? k + dof : key[0] == 'z' ? k + 2 * dof : -1;
-    return k >= 0 && key[1] >= '1' && key[1] <= '9' && entry < saltus_system_dimension(system) ? entry : -1;
-}
-
 /* Whether the scene's start lies beyond a stop at a point of the sweep. */
 static bool starts_beyond(const saltus_sweep_file *sweep, long long point) {
     double state[SALTUS_SCENE_STATE_MAX] = {0};
@@ -130,7 +123,7 @@ static bool starts_beyond(const saltus_sweep_file *sweep, long long point) {
             left /= sweep->axes[a].count;
             bool parameter =
                 saltus_spec_direction(&spec, sweep->axes[a].key, &direction, &old, NULL) == SALTUS_OK;
-            int entry = system ? saltus_sweep_entry(system, sweep->axes[a].key) : -1;
+            int entry = system ? saltus_system_state_index(system, sweep->axes[a].key) : -1;
             if (pass == 0 && parameter)
                 spec = saltus_spec_shifted(&spec, &direction, value - old);
             else if (pass == 1 && !parameter && entry >= 0)

@@ -194,8 +194,8 @@ bool saltus_map_basins(saltus_map *map) {
 
 void saltus_map_put_orbits(const saltus_map *map) {
     const saltus_sweep_file *sweep = map->page->sweep;
-    int across = saltus_sweep_entry(map->page->system, map->page->x.key),
-        up = saltus_sweep_entry(map->page->system, map->page->y.key);
+    int across = saltus_system_state_index(map->page->system, map->page->x.key),
+        up = saltus_system_state_index(map->page->system, map->page->y.key);
     for (int k = 0; k < sweep->attractor_count; k++) {
         fprintf(map->page->file, "$orbit_%d << EOD\n# stroboscopic points of an attractor\nNaN NaN\n", k);
         for (long long p = 0; p < sweep->attractor_points[k]; p++) {

@@ -55,13 +55,12 @@ void saltus_sweep_name_measure(const saltus_sweep_page *page, saltus_line *line)
     saltus_line_add(line, "%s%s%s", words[page->view].before, name, words[page->view].after);
 }
 
-/* Whether a key is an entry of the initial state: q1, v1, z1, ... */
-static bool is_initial(const char *key) {
-    return (key[0] == 'q' || key[0] == 'v' || key[0] == 'z') && key[1] >= '1' && key[1] <= '9';
-}
-
-static void add_symbol(const char *key, saltus_line *line) {
-    if (is_initial(key))
+/* The symbol of a key: q1 and v1 of built-in models are letters with numbers, names of a text stay words. */
+static void add_symbol(const saltus_system *system, const char *key, saltus_line *line) {
+    const int entry = saltus_system_state_index(system, key);
+    if (entry >= 0 && saltus_model_text(saltus_system_spec(system)->model))
+        saltus_line_state(line, system, entry);
+    else if (entry >= 0)
         saltus_line_add(line, "{/:Italic %c}%s_{%s}", key[0] == 'z' ? 'z' : 'q', key[0] == 'v' ? "′" : "",
                         key + 1);
     else
@@ -72,10 +71,10 @@ static void add_head(const saltus_sweep_page *page, saltus_line *line) {
     const saltus_sweep_file *sweep = page->sweep;
     saltus_line_plain(line, sweep->scene);
     saltus_line_add(line, ":  %s in ", subject(page));
-    add_symbol(sweep->axes[0].key, line);
+    add_symbol(page->system, sweep->axes[0].key, line);
     if (sweep->axis_count > 1) {
         saltus_line_add(line, " and ");
-        add_symbol(sweep->axes[1].key, line);
+        add_symbol(page->system, sweep->axes[1].key, line);
     }
     if (sweep->complete)
         return;
@@ -106,9 +105,10 @@ static void add_method(const saltus_sweep_page *page, saltus_line *line) {
     static const char *const starts[] = {"each from the initial state", "carried up", "carried down"};
     for (int k = 0; k < sweep->axis_count; k++) {
         saltus_line_add(line, k ? " × %d of " : "%d values of ", sweep->axes[k].count);
-        add_symbol(sweep->axes[k].key, line);
+        add_symbol(page->system, sweep->axes[k].key, line);
     }
-    for (int k = 0; k < sweep->pass_count && !is_initial(sweep->axes[0].key); k++)
+    const bool start = saltus_system_state_index(page->system, sweep->axes[0].key) >= 0;
+    for (int k = 0; k < sweep->pass_count && !start; k++)
         saltus_line_add(line, "%s%s", k ? " and " : ", ",
                         sweep->passes[k] == SALTUS_PASS_RESET && o->seeds > 1 ? "each"
                         : k && sweep->passes[k] == SALTUS_PASS_DOWN && sweep->passes[k - 1] == SALTUS_PASS_UP
@@ -149,12 +149,15 @@ void saltus_sweep_put_raster_ranges(FILE *file, int width, int height) {
 void saltus_sweep_put_axis(const saltus_sweep_page *page, char axis, const saltus_cells *cells) {
     saltus_line name = {.length = 0};
     const char *key = cells->key;
-    if (is_initial(key)) {
+    const int entry = saltus_system_state_index(page->system, key), dof = saltus_system_dof(page->system);
+    if (entry >= 0) {
+        bool text = saltus_model_text(saltus_system_spec(page->system)->model) != NULL;
         saltus_line_add(&name, "initial %s  ",
-                        key[0] == 'q'   ? "displacement"
-                        : key[0] == 'v' ? "velocity"
-                                        : "force");
-        add_symbol(key, &name);
+                        entry < dof       ? "displacement"
+                        : entry < 2 * dof ? "velocity"
+                        : text            ? "state"
+                                          : "force");
+        add_symbol(page->system, key, &name);
     } else
         saltus_line_parameter(&name, &page->sweep->spec, key);
     saltus_page_axis(&page->paper, axis, name.text, cells->range);

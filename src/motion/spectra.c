@@ -31,6 +31,7 @@ typedef struct sampler {
     double period;
     int quantities, dof;
     bool velocity[SALTUS_QUANTITIES_MAX];
+    int extra[SALTUS_QUANTITIES_MAX]; /* the first-order state that the quantity is, as an entry; -1: none */
     double row[SALTUS_QUANTITIES_MAX][SALTUS_STATE_MAX]; /* times positions or velocities: the quantity */
     double scale[SALTUS_QUANTITIES_MAX];
     double *samples; /* quantities x (count, and as many of a velocity's primitive) */
@@ -43,26 +44,31 @@ typedef struct sampler {
 
 saltus_status saltus_quantity_parse(const saltus_system *system, const char *word, saltus_quantity *quantity,
                                     saltus_message *message) {
-    char *end = NULL;
     int dof = saltus_system_dof(system);
     *quantity = (saltus_quantity){0, strcmp(word, "velocity") == 0};
     if (quantity->velocity || strcmp(word, "displacement") == 0)
         return SALTUS_OK;
-    bool letter = word[0] == 'q' || word[0] == 'v', digit = letter && word[1] >= '1' && word[1] <= '9';
-    long coordinate = digit ? strtol(word + 1, &end, 10) : 0;
-    if (!digit || *end || coordinate > dof)
-        return saltus_fail(message, SALTUS_BAD_INPUT,
-                           "%.40s: must be displacement, velocity, or q1 to q%d or v1 to v%d", word, dof,
-                           dof);
-    *quantity = (saltus_quantity){(int)coordinate, word[0] == 'v'};
+    int entry = saltus_system_state_index(system, word);
+    if (entry < 0)
+        return saltus_fail(message, SALTUS_BAD_INPUT, "%.40s: must be displacement, velocity, or %s to %s",
+                           word, saltus_system_state_name(system, 0).text,
+                           saltus_system_state_name(system, saltus_system_dimension(system) - 1).text);
+    *quantity = (saltus_quantity){(entry < dof ? entry : entry - dof) + 1, entry >= dof && entry < 2 * dof};
     return SALTUS_OK;
 }
 
-void saltus_quantity_name(saltus_quantity quantity, char name[16]) {
-    if (quantity.coordinate == 0)
-        snprintf(name, 16, "%s", quantity.velocity ? "velocity" : "displacement");
-    else
-        snprintf(name, 16, "%c%d", quantity.velocity ? 'v' : 'q', quantity.coordinate);
+/* The entry of the state that a quantity is, which must not be the observed one. */
+static int entry_of(const saltus_system *system, saltus_quantity quantity) {
+    const int dof = saltus_system_dof(system), k = quantity.coordinate - 1;
+    return quantity.velocity || k >= dof ? k + dof : k;
+}
+
+saltus_state_name saltus_quantity_name(const saltus_system *system, saltus_quantity quantity) {
+    if (quantity.coordinate > 0)
+        return saltus_system_state_name(system, entry_of(system, quantity));
+    saltus_state_name name;
+    snprintf(name.text, sizeof name.text, "%s", quantity.velocity ? "velocity" : "displacement");
+    return name;
 }
 
 void saltus_spectra_clear(saltus_spectra *spectra) {
@@ -76,19 +82,23 @@ void saltus_spectra_clear(saltus_spectra *spectra) {
 static saltus_status open_sampler(sampler *self, const saltus_system *system,
                                   const saltus_spectrum_options *options, saltus_message *message) {
     const double *scale = saltus_system_scale(system), *observer = saltus_system_observer(system);
+    const int dof = saltus_system_dof(system);
     *self = (sampler){.quantities = options->quantity_count,
-                      .dof = saltus_system_dof(system),
+                      .dof = dof,
                       .period = saltus_system_period(system),
                       .anew = options->anew};
     for (int k = 0; k < self->quantities; k++) {
         const saltus_quantity *quantity = &options->quantities[k];
         self->velocity[k] = quantity->velocity;
-        if (quantity->coordinate > 0)
+        self->extra[k] = quantity->coordinate > dof ? entry_of(system, *quantity) : -1;
+        if (self->extra[k] >= 0)
+            self->scale[k] = scale[self->extra[k]];
+        else if (quantity->coordinate > 0)
             self->row[k][quantity->coordinate - 1] = 1;
         else
-            memcpy(self->row[k], observer, (size_t)self->dof * sizeof *self->row[k]);
-        for (int i = 0; i < self->dof; i++)
-            self->scale[k] += fabs(self->row[k][i]) * scale[(quantity->velocity ? self->dof : 0) + i];
+            memcpy(self->row[k], observer, (size_t)dof * sizeof *self->row[k]);
+        for (int i = 0; i < dof; i++)
+            self->scale[k] += fabs(self->row[k][i]) * scale[(quantity->velocity ? dof : 0) + i];
     }
     saltus_status status = saltus_flow_single(system, 0, &options->flow, &self->flow, message);
     return status == SALTUS_OK ? saltus_flow_single(system, 0, &options->flow, &self->probe, message)
@@ -115,7 +125,9 @@ static double weigh(const sampler *self, int k, const double *numbers) {
 static void add_sample(sampler *self, const double *state, double share) {
     for (int k = 0; k < self->quantities; k++) {
         double *sample = self->samples + 2 * k * self->count + self->next;
-        *sample += share * weigh(self, k, self->velocity[k] ? state + self->dof : state);
+        *sample +=
+            share * (self->extra[k] >= 0 ? state[self->extra[k]]
+                                         : weigh(self, k, self->velocity[k] ? state + self->dof : state));
         if (self->velocity[k])
             sample[self->count] += share * weigh(self, k, state) / self->period;
     }
@@ -155,11 +167,11 @@ static bool make_room_for_corner(sampler *self) {
 }
 
 /* An event is a corner of every displacement: what velocities and accelerations gain at it, the contacts
- * before it given. */
+ * before it given; and of every first-order state, whose rate gains. */
 static saltus_status take_corner(sampler *self, unsigned contacts, saltus_message *message) {
     saltus_time now = saltus_flow_time(self->flow, 0);
     double before[SALTUS_STATE_MAX], after[SALTUS_STATE_MAX], field[SALTUS_STATE_MAX],
-        gain[2][SALTUS_STATE_MAX];
+        gain[2][SALTUS_STATE_MAX], rate[SALTUS_STATE_MAX];
     saltus_flow_state_at(self->flow, 0, now, before);
     saltus_flow_state(self->flow, 0, after);
     saltus_status status = saltus_flow_place(self->probe, 0, now, before, contacts, message);
@@ -168,6 +180,7 @@ static saltus_status take_corner(sampler *self, unsigned contacts, saltus_messag
     if (status != SALTUS_OK)
         return status;
     saltus_flow_field(self->probe, 0, field);
+    memcpy(rate, field, sizeof rate);
     for (int i = 0; i < self->dof; i++) {
         gain[0][i] = after[self->dof + i] - before[self->dof + i];
         gain[1][i] = -field[self->dof + i];
@@ -181,6 +194,9 @@ static saltus_status take_corner(sampler *self, unsigned contacts, saltus_messag
             (saltus_corner){.time = saltus_time_periods(now),
                             .slope = unit * weigh(self, k, gain[0]),
                             .bend = unit * self->period * weigh(self, k, gain[1])};
+        if (self->extra[k] >= 0)
+            self->corners[k][self->corner_count].slope =
+                self->period * (field[self->extra[k]] - rate[self->extra[k]]);
     }
     self->corner_count++;
     return SALTUS_OK;
@@ -285,10 +301,11 @@ static saltus_status check_options(const saltus_system *system, int periods, con
     if (o->quantity_count < 1 || o->quantity_count > SALTUS_QUANTITIES_MAX)
         return saltus_fail(message, SALTUS_BAD_INPUT, "%d quantities: must be 1 to %d", o->quantity_count,
                            SALTUS_QUANTITIES_MAX);
+    const int most = saltus_system_dimension(system) - saltus_system_dof(system);
     for (int k = 0; k < o->quantity_count; k++)
-        if (o->quantities[k].coordinate < 0 || o->quantities[k].coordinate > saltus_system_dof(system))
+        if (o->quantities[k].coordinate < 0 || o->quantities[k].coordinate > most)
             return saltus_fail(message, SALTUS_BAD_INPUT, "coordinate %d: must be 0 to %d",
-                               o->quantities[k].coordinate, saltus_system_dof(system));
+                               o->quantities[k].coordinate, most);
     if (o->per_period % 4)
         return saltus_fail(message, SALTUS_BAD_INPUT, "per_period = %d: must be a multiple of 4",
                            o->per_period);

@@ -168,6 +168,20 @@ static void put_parameters(saltus_h5 *w, const saltus_spec *spec) {
     }
 }
 
+/* The names of the state's entries, separated by blanks. */
+static void put_state_names(saltus_h5 *w, const saltus_spec *spec) {
+    char text[SALTUS_STATE_MAX * sizeof(saltus_state_name)] = "";
+    saltus_system *system = NULL;
+    size_t used = 0;
+    if (!saltus_h5_note_memory(w, saltus_system_new(spec, &system, NULL) == SALTUS_OK))
+        return;
+    for (int i = 0; i < saltus_system_dimension(system); i++)
+        used += (size_t)snprintf(text + used, sizeof text - used, "%s%s", i ? " " : "",
+                                 saltus_system_state_name(system, i).text);
+    saltus_h5_text(w, w->file, "state", text);
+    saltus_system_free(system);
+}
+
 void saltus_h5_put_head(saltus_h5 *w, const char *kind, const char *scene, const char *title,
                         const saltus_spec *spec, bool complete) {
     saltus_h5_text(w, w->file, "kind", kind);
@@ -177,6 +191,7 @@ void saltus_h5_put_head(saltus_h5 *w, const char *kind, const char *scene, const
     saltus_h5_text(w, w->file, "model", saltus_model_name(spec->model));
     if (saltus_model_text(spec->model))
         saltus_h5_text(w, w->file, "equations", saltus_model_text(spec->model));
+    put_state_names(w, spec);
     saltus_h5_integer(w, w->file, "complete", complete);
     put_parameters(w, spec);
 }

@@ -81,6 +81,18 @@ void saltus_json_named(FILE *file, const char *names, const saltus_field_table *
     }
 }
 
+/* The names of the state's entries, where the scene gives them. */
+static void put_state_names(FILE *file, const saltus_system *system) {
+    if (!saltus_model_text(saltus_system_spec(system)->model))
+        return;
+    saltus_json_key(file, "state_names");
+    for (int i = 0; i < saltus_system_dimension(system); i++) {
+        fputs(i ? ", " : "[", file);
+        put_string(file, saltus_system_state_name(system, i).text);
+    }
+    fputc(']', file);
+}
+
 static void put_states(FILE *file, const saltus_motion *motion) {
     saltus_json_key(file, "state");
     if (motion->state)
@@ -256,6 +268,7 @@ void saltus_write_motion_json(FILE *file, const saltus_scene *scene, const saltu
             motion->sticking_intervals);
     put_impact_counts(file, system, motion);
     saltus_json_member(file, "impacts_per_response", saltus_impacts_per_response(system, motion));
+    put_state_names(file, system);
     put_states(file, motion);
     saltus_json_events(file, system, motion->events, motion->event_count);
     saltus_json_multipliers(file, motion->multipliers, motion->multiplier_count);

@@ -30,7 +30,7 @@ static void put_quantity(FILE *file, const saltus_spectrum *s, const char *name)
 }
 
 static void put_header(const saltus_spectra_source *source, FILE *file) {
-    char a[SALTUS_NUMBER_MAX], b[SALTUS_NUMBER_MAX], method[256], name[16];
+    char a[SALTUS_NUMBER_MAX], b[SALTUS_NUMBER_MAX], method[256];
     saltus_spectra_method(source->spectra, method, sizeof method);
     saltus_put_table_head(file, "spectrum", source->scene, source->motion->label,
                           saltus_system_spec(source->system));
@@ -39,8 +39,8 @@ static void put_header(const saltus_spectra_source *source, FILE *file) {
             saltus_integrator_word(source->flow->integrator),
             saltus_integrator_used(source->system, source->flow->integrator), method);
     for (int k = 0; k < source->spectra->count; k++) {
-        saltus_quantity_name(source->spectra->quantities[k], name);
-        put_quantity(file, &source->spectra->spectra[k], name);
+        put_quantity(file, &source->spectra->spectra[k],
+                     saltus_quantity_name(source->system, source->spectra->quantities[k]).text);
     }
     fputs(
         "# a line is amplitude * cos(frequency_over_omega * omega * time + phase), time from section phase "
@@ -56,11 +56,12 @@ static void put_value(FILE *file, double value) {
     saltus_put_number(file, value);
 }
 
-static void put_columns(const saltus_spectra *spectra, bool lines, FILE *file) {
-    char name[16];
+static void put_columns(const saltus_spectra_source *source, bool lines, FILE *file) {
+    const saltus_spectra *spectra = source->spectra;
     fputs(lines ? "harmonic,frequency_over_omega" : "frequency_over_omega", file);
     for (int k = 0; k < spectra->count; k++) {
-        saltus_quantity_name(spectra->quantities[k], name);
+        const saltus_state_name whole = saltus_quantity_name(source->system, spectra->quantities[k]);
+        const char *name = whole.text;
         if (spectra->spectra[k].kind == SALTUS_SPECTRUM_LINES)
             fprintf(file, ",%s_amplitude,%s_phase,%s_dB", name, name, name);
         if (spectra->spectra[k].kind == SALTUS_SPECTRUM_WELCH)
@@ -82,7 +83,7 @@ void saltus_put_spectra_table(const saltus_spectra_source *source, FILE *file) {
     bool lines = first && first->kind == SALTUS_SPECTRUM_LINES;
     long long rows = !first ? 0 : lines ? first->line_count : first->bins;
     put_header(source, file);
-    put_columns(spectra, lines, file);
+    put_columns(source, lines, file);
     for (long long row = 0; row < rows && !ferror(file); row++) {
         if (lines)
             fprintf(file, "%lld,", first->lines[row].harmonic);

@@ -82,9 +82,7 @@ static void put_lines(FILE *file, const saltus_spectrum *s) {
         fprintf(file, "    ... the %d strongest\n", count);
 }
 
-static void put_spectrum(FILE *file, const saltus_spectrum *s, saltus_quantity quantity) {
-    char name[16];
-    saltus_quantity_name(quantity, name);
+static void put_spectrum(FILE *file, const saltus_spectrum *s, const char *name) {
     if (s->kind == SALTUS_SPECTRUM_CONSTANT) {
         fprintf(file, "  %-14sdoes not move: %.10g throughout\n", name, s->mean);
         return;
@@ -121,7 +119,7 @@ void saltus_write_spectra_text(FILE *file, const saltus_scene *scene, const salt
     saltus_put_scene(file, scene, system);
     fprintf(file, "  %-14s%s\n", "analysed", method);
     for (int k = 0; k < spectra->count; k++)
-        put_spectrum(file, &spectra->spectra[k], spectra->quantities[k]);
+        put_spectrum(file, &spectra->spectra[k], saltus_quantity_name(system, spectra->quantities[k]).text);
 }
 
 /* JSON */
@@ -138,10 +136,8 @@ static void put_line_json(FILE *file, const saltus_spectral_line *line, bool fir
     fputc('}', file);
 }
 
-static void put_spectrum_json(FILE *file, const saltus_spectrum *s, saltus_quantity quantity) {
-    char name[16];
+static void put_spectrum_json(FILE *file, const saltus_spectrum *s, const char *name) {
     bool first = true;
-    saltus_quantity_name(quantity, name);
     fprintf(file, "{\"quantity\": \"%s\", \"kind\": \"%s\"", name, spectrum_word(s->kind));
     saltus_json_fields(file, ", ", &saltus_spectrum_fields[0], NULL, s);
     if (s->kind != SALTUS_SPECTRUM_CONSTANT) {
@@ -171,7 +167,8 @@ void saltus_write_spectra_json(FILE *file, const saltus_scene *scene, const salt
     saltus_json_key(file, "spectra");
     for (int k = 0; k < spectra->count; k++) {
         fputs(k ? ", " : "[", file);
-        put_spectrum_json(file, &spectra->spectra[k], spectra->quantities[k]);
+        put_spectrum_json(file, &spectra->spectra[k],
+                          saltus_quantity_name(system, spectra->quantities[k]).text);
     }
     fputc(']', file);
     saltus_json_parameters(file, saltus_system_spec(system));

@@ -84,11 +84,8 @@ static saltus_status put_columns(const saltus_sweep_file *file, const saltus_clo
     else
         status = saltus_system_new(&file->spec, &system, message);
     if (system) {
-        const int count[] = {saltus_system_dof(system), saltus_system_dof(system),
-                             saltus_system_extra(system)};
-        for (int part = 0; part < 3; part++)
-            for (int i = 1; i <= count[part]; i++)
-                fprintf(out, ",%c%d", "qvz"[part], i);
+        for (int i = 0; i < saltus_system_dimension(system); i++)
+            fprintf(out, ",%s", saltus_system_state_name(system, i).text);
         saltus_system_free(system);
     }
     fputc('\n', out);

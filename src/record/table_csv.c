@@ -27,6 +27,7 @@ typedef struct rows {
     size_t stride;
     long long count;
     unsigned char *records;
+    saltus_system *system; /* whose rows they are */
 } rows;
 
 /* The same fields, but in a row of their own. */
@@ -46,14 +47,12 @@ static void pack_fields(const saltus_field_table *kind, rows *to) {
 }
 
 static saltus_status read_rows(const saltus_h5_reader *r, int which, const saltus_spec *spec, rows *to) {
-    saltus_system *system = NULL;
-    saltus_status status = saltus_system_new(spec, &system, r->message);
+    saltus_status status = saltus_system_new(spec, &to->system, r->message);
     if (status != SALTUS_OK)
         return status;
-    to->counts[SALTUS_COUNT_DIMENSION] = saltus_system_dimension(system);
+    to->counts[SALTUS_COUNT_DIMENSION] = saltus_system_dimension(to->system);
     to->counts[SALTUS_COUNT_STOPS] = spec->stop_count;
     saltus_model_parameters(spec->model, &to->counts[SALTUS_COUNT_PARAMETERS]);
-    saltus_system_free(system);
     pack_fields(tables[which].fields, to);
     saltus_h5_shape shape = {.rank = 0};
     status = saltus_h5_find_rows(r, tables[which].group, &to->kind, to->counts, 1000000000, false, &shape);
@@ -67,13 +66,17 @@ static saltus_status read_rows(const saltus_h5_reader *r, int which, const saltu
 }
 
 /* The name of an entry: the member's, with the numbers of the row and of the column where there are several;
- * parameters have their own. */
-static void put_name(FILE *file, const saltus_field *f, const int *counts, int i, const saltus_spec *spec) {
+ * parameters have their own, and entries of a state those of the model's text. */
+static void put_name(FILE *file, const saltus_field *f, const int *counts, int i,
+                     const saltus_system *system) {
+    const saltus_spec *spec = saltus_system_spec(system);
     int length[2], parameters;
     const saltus_parameter *p = saltus_model_parameters(spec->model, &parameters);
     saltus_field_shape(f, counts, length);
     if (f->length == -1 - SALTUS_COUNT_PARAMETERS)
         fputs(p[i].name, file);
+    else if (f->length == -1 - SALTUS_COUNT_DIMENSION && saltus_model_text(spec->model))
+        fputs(saltus_system_state_name(system, i).text, file);
     else if (length[1])
         fprintf(file, "%s%d_%d", f->name, i / length[1] + 1, i % length[1] + 1);
     else if (length[0] && f->type != SALTUS_TEXT)
@@ -90,7 +93,7 @@ static void put_text(FILE *file, const char *text) {
 }
 
 /* A line of names (`record` NULL) or of values. */
-static void put_line(FILE *file, const rows *t, const unsigned char *record, const saltus_spec *spec) {
+static void put_line(FILE *file, const rows *t, const unsigned char *record) {
     char text[SALTUS_FIELD_TEXT_MAX];
     const char *comma = "";
     for (int k = 0; k < t->kind.count; k++) {
@@ -103,7 +106,7 @@ static void put_line(FILE *file, const rows *t, const unsigned char *record, con
         for (int i = 0; i < entries; i++, entry.offset += saltus_field_bytes(&entry), comma = ",") {
             fputs(comma, file);
             if (!record)
-                put_name(file, &t->fields[k], t->counts, i, spec);
+                put_name(file, &t->fields[k], t->counts, i, t->system);
             else if (entry.type == SALTUS_TEXT)
                 put_text(file, (const char *)record + entry.offset);
             else
@@ -142,12 +145,13 @@ saltus_status saltus_file_csv(const char *path, const char *name, const char *to
     if (status == SALTUS_OK) {
         fprintf(output.file, "# Saltus " SALTUS_VERSION " %s, %s\n# scene: %s\n", head.kind,
                 tables[which].name, head.scene);
-        put_line(output.file, &t, NULL, &head.spec);
+        put_line(output.file, &t, NULL);
         for (long long k = 0; k < t.count && !ferror(output.file); k++)
-            put_line(output.file, &t, t.records + (size_t)k * t.stride, &head.spec);
+            put_line(output.file, &t, t.records + (size_t)k * t.stride);
         status = saltus_output_close(&output, SALTUS_OK, message);
     }
     free(t.records);
+    saltus_system_free(t.system);
     saltus_h5_head_clear(&head);
     saltus_h5_reader_close(&r);
     return status;

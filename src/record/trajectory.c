@@ -7,6 +7,9 @@
 #include "record/rows.h"
 #include "saltus/record.h"
 
+#include <math.h>
+#include <stdlib.h>
+
 /* A record with what explains it. */
 typedef struct source {
     const saltus_trajectory *record;
@@ -26,11 +29,17 @@ static void put_header(const source *s, FILE *file) {
             saltus_integrator_used(system, o->integrator), o->order);
     fprintf(file, "# time_over_T: time from the start of the recording in forcing periods T = %s\n",
             saltus_number(saltus_system_period(system), a));
-    fputs("# displacement, velocity: observed coordinate and its rate (contact coordinate of the first stop; "
-          "without "
-          "a stop the pipe's midpoint or mass 1)\n"
-          "# q1.., v1..: displacements of the modes or masses and their rates; z1..: further states\n"
-          "# stop, side, event: an impact, stick or release, on the row just before it; the row just after "
+    if (saltus_system_observed_name(system))
+        fprintf(file,
+                "# displacement, velocity: %s and its rate\n# then the state and what is observed, by the "
+                "names of the scene\n",
+                saltus_system_observed_name(system));
+    else
+        fputs("# displacement, velocity: observed coordinate and its rate (contact coordinate of the first "
+              "stop; without a stop the pipe's midpoint or mass 1)\n"
+              "# q1.., v1..: displacements of the modes or masses and their rates; z1..: further states\n",
+              file);
+    fputs("# stop, side, event: an impact, stick or release, on the row just before it; the row just after "
           "an impact or "
           "a stick follows with the same time\n",
           file);
@@ -38,19 +47,21 @@ static void put_header(const source *s, FILE *file) {
 
 static void put_columns(const saltus_system *system, FILE *file) {
     fputs("time_over_T,displacement,velocity", file);
-    for (int i = 1; i <= saltus_system_dof(system); i++)
-        fprintf(file, ",q%d", i);
-    for (int i = 1; i <= saltus_system_dof(system); i++)
-        fprintf(file, ",v%d", i);
-    for (int i = 1; i <= saltus_system_extra(system); i++)
-        fprintf(file, ",z%d", i);
+    for (int i = 0; i < saltus_system_dimension(system); i++)
+        fprintf(file, ",%s", saltus_system_state_name(system, i).text);
+    for (int k = 0; k < saltus_system_observable_count(system); k++)
+        fprintf(file, ",%s", saltus_system_observable_name(system, k));
     fputs(",stop,side,event\n", file);
 }
 
 /* Comment lines and one row per sample; failures are left in the file's error flag. */
-static void write_csv(const source *s, FILE *file) {
+static saltus_status write_csv(const source *s, FILE *file) {
     const saltus_trajectory *r = s->record;
+    const int observables = saltus_system_observable_count(s->system);
+    double *seen = calloc((size_t)observables + 1, sizeof *seen);
     long long event = 0;
+    if (!seen)
+        return SALTUS_NO_MEMORY;
     put_header(s, file);
     put_columns(s->system, file);
     for (long long row = 0; row < r->samples && !ferror(file); row++) {
@@ -60,6 +71,13 @@ static void write_csv(const source *s, FILE *file) {
             fputc(',', file);
             saltus_put_number(file, i < 2 ? observed[i] : r->states[row * r->dimension + i - 2]);
         }
+        if (observables > 0)
+            saltus_system_observe(s->system, r->states + row * r->dimension,
+                                  r->time[row] - floor(r->time[row]), seen);
+        for (int k = 0; k < observables; k++) {
+            fputc(',', file);
+            saltus_put_number(file, seen[k]);
+        }
         if (event < r->event_count && r->event_rows[event] == row) {
             saltus_face face = saltus_system_face(s->system, r->events[event].face);
             fprintf(file, ",%d,%s,%s\n", face.stop + 1, saltus_side_word(face.side),
@@ -68,6 +86,8 @@ static void write_csv(const source *s, FILE *file) {
         } else
             fputs(",,,\n", file);
     }
+    free(seen);
+    return SALTUS_OK;
 }
 
 static void put_rows(saltus_h5 *w, const char *name, const char *description, const saltus_rows *rows) {
@@ -133,6 +153,8 @@ saltus_status saltus_write_trajectory(const saltus_trajectory *record, const sal
     saltus_status status = saltus_output_open(&output, path, message);
     if (status != SALTUS_OK)
         return status;
-    write_csv(&s, output.file);
+    status = write_csv(&s, output.file);
+    if (status != SALTUS_OK)
+        saltus_fail(message, status, "no memory for the observed quantities");
     return saltus_output_close(&output, status, message);
 }

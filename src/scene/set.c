@@ -144,26 +144,59 @@ static saltus_status set_stop(saltus_scene *scene, int key, int number, const se
     return status;
 }
 
-static saltus_status set_initial(saltus_scene *scene, int list, int number, const setting *s,
-                                 saltus_message *message) {
+static saltus_status set_initial(saltus_scene *scene, int entry, const setting *s, saltus_message *message) {
     double value;
     int dof = 0, dimension = dimension_of(&scene->spec, &dof);
     const char *complaint = saltus_read_number(s->value, &value);
     if (complaint)
         return refuse_value(s, complaint, message);
-    int room[initial_lists] = {dof, dof, dimension - 2 * dof}, first[initial_lists] = {0, dof, 2 * dof};
-    if (number > room[list])
-        return saltus_fail_at(message, SALTUS_BAD_INPUT, (saltus_fault){.key = s->key},
-                              "%s: the initial state has %d entr%s %s", s->key, room[list],
-                              room[list] == 1 ? "y" : "ies", saltus_initial_keys[list]);
     /* What is not set is the system's own, which is not known before all is set. */
     if (scene->initial_count == 0)
         memset(scene->initial, 0, sizeof scene->initial);
     for (int i = 0; i < dimension && scene->initial_count == 0; i++)
         scene->initial[i] = NAN;
     scene->initial_count = dimension;
-    scene->initial[first[list] + number - 1] = value;
+    scene->initial[entry] = value;
     return SALTUS_OK;
+}
+
+/* q7 of a system that has fewer: how many there are. */
+static saltus_status refuse_entry(const saltus_scene *scene, int list, const setting *s,
+                                  saltus_message *message) {
+    int dof = 0, dimension = dimension_of(&scene->spec, &dof);
+    double value;
+    const char *complaint = saltus_read_number(s->value, &value);
+    if (complaint)
+        return refuse_value(s, complaint, message);
+    int room = list == initial_z ? dimension - 2 * dof : dof;
+    return saltus_fail_at(message, SALTUS_BAD_INPUT, (saltus_fault){.key = s->key},
+                          "%s: the initial state has %d entr%s %s", s->key, room, room == 1 ? "y" : "ies",
+                          saltus_initial_keys[list]);
+}
+
+/* All that can be set: parameters, what stops have, and of a text the names of its state. */
+static saltus_status refuse_key(const saltus_scene *scene, const setting *s, saltus_message *message) {
+    const saltus_model *model = scene->spec.model;
+    const char *keys[SALTUS_PARAMETERS_MAX + stop_keys + SALTUS_STATE_MAX];
+    saltus_state_name names[SALTUS_STATE_MAX];
+    const saltus_source none = {.message = message};
+    saltus_system *system = NULL;
+    int count = model->parameter_count;
+    for (int k = 0; k < count; k++)
+        keys[k] = model->parameters[k].name;
+    count += saltus_model_stop_keys(model, keys + count);
+    if (model->text) /* where a stop acts is not set from outside */
+        for (int k = 0; k < count; k++)
+            if (strcmp(keys[k], model->stop_key) == 0)
+                keys[k] = keys[--count];
+    if (model->text)
+        saltus_system_new(&scene->spec, &system, NULL);
+    for (int i = 0; system && i < saltus_system_dimension(system); i++) {
+        names[i] = saltus_system_state_name(system, i);
+        keys[count++] = names[i].text;
+    }
+    saltus_system_free(system);
+    return saltus_unknown_key(&none, 0, s->key, keys, count);
 }
 
 static saltus_status apply(saltus_scene *scene, const setting *s, saltus_message *message) {
@@ -174,16 +207,15 @@ static saltus_status apply(saltus_scene *scene, const setting *s, saltus_message
     for (int k = 0; k < stop_keys; k++)
         if (saltus_key_numbered(s->key, saltus_stop_keys[k], &number))
             return set_stop(scene, k, number, s, message);
+    saltus_spec free_spec = scene->spec; /* the state's length does not depend on stops */
+    free_spec.stop_count = 0;
+    int entry = saltus_spec_state_index(&free_spec, s->key);
+    if (entry >= 0)
+        return set_initial(scene, entry, s, message);
     for (int k = 0; k < initial_lists; k++)
         if (saltus_key_numbered(s->key, saltus_initial_keys[k], &number) && number > 0)
-            return set_initial(scene, k, number, s, message);
-    const char *keys[SALTUS_PARAMETERS_MAX + stop_keys];
-    int count = model->parameter_count;
-    for (int k = 0; k < count; k++)
-        keys[k] = model->parameters[k].name;
-    count += saltus_model_stop_keys(model, keys + count);
-    const saltus_source none = {.message = message};
-    return saltus_unknown_key(&none, 0, s->key, keys, count);
+            return refuse_entry(scene, k, s, message);
+    return refuse_key(scene, s, message);
 }
 
 saltus_status saltus_scene_set(saltus_scene *scene, const char *assignment, saltus_message *message) {

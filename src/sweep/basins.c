@@ -26,8 +26,8 @@ saltus_status saltus_basins_new(const saltus_sweep *sweep, saltus_basins **basin
         if (saltus_spec_direction(&sweep->scene.spec, sweep->axes[k].key, &direction, NULL, NULL) ==
             SALTUS_OK)
             return saltus_fail(message, SALTUS_BAD_INPUT,
-                               "%s: a plane of initial states is made of entries q1, v1, z1, ...",
-                               sweep->axes[k].key);
+                               "%s: a plane of initial states is made of entries of the state, such as %s",
+                               sweep->axes[k].key, saltus_system_state_name(sweep->system, 0).text);
     }
     if (sweep->options.seeds != 1)
         return saltus_fail(message, SALTUS_BAD_INPUT,

@@ -17,10 +17,12 @@ const char *saltus_pass_word(saltus_pass pass) {
     return saltus_word_of(saltus_pass_words, 1 << pass);
 }
 
-/* Whether a key is an entry of the initial state: q, v or z with a number. */
-static bool is_start_key(const char *key) {
-    return strchr("qvz", key[0]) && key[1] >= '1' && key[1] <= '9' &&
-           strspn(key + 1, "0123456789") == strlen(key + 1);
+/* Whether a key is an entry of the initial state: x or x' of a text, or q, v or z with any number. */
+static bool is_start_key(const saltus_spec *spec, const char *key) {
+    int number = 0;
+    for (int k = 0; k < 3 && number == 0 && saltus_model_parameter_index(spec->model, key) < 0; k++)
+        saltus_key_numbered(key, (const char[]){"qvz"[k], '\0'}, &number);
+    return number > 0 || saltus_spec_state_index(spec, key) >= 0;
 }
 
 static saltus_status set_value(saltus_scene *scene, const saltus_axis *axis, int k, saltus_message *message) {
@@ -34,7 +36,7 @@ static saltus_status check_axis(saltus_sweep *sweep, int axis, saltus_message *m
     const saltus_axis *a = &sweep->axes[axis];
     saltus_direction direction;
     saltus_status status = SALTUS_OK;
-    if (is_start_key(a->key))
+    if (is_start_key(&sweep->scene.spec, a->key))
         sweep->moves_start = true;
     else
         status = saltus_spec_direction(&sweep->scene.spec, a->key, &direction, NULL, message);

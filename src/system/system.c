@@ -394,6 +394,8 @@ static int state_index(const saltus_spec *spec, int dof, int dimension, const ch
     const saltus_state_name wanted = with_prime(name);
     const int first[] = {0, dof, 2 * dof, dimension};
     int number;
+    if (saltus_model_parameter_index(spec->model, name) >= 0)
+        return -1;
     for (int i = 0; i < dimension; i++)
         if (strcmp(state_name(spec, dof, i).text, wanted.text) == 0)
             return i;
@@ -417,6 +419,27 @@ int saltus_spec_state_index(const saltus_spec *spec, const char *name) {
     return spec->model->shape(spec, &dof, &extra, NULL) == SALTUS_OK
                ? state_index(spec, dof, 2 * dof + extra, name)
                : -1;
+}
+
+const char *saltus_system_observed_name(const saltus_system *system) {
+    return system->observed;
+}
+
+const char *saltus_system_observable_name(const saltus_system *system, int k) {
+    const saltus_model *model = system->spec.model;
+    return model->observable ? model->observable(model, k) : NULL;
+}
+
+int saltus_system_observable_count(const saltus_system *system) {
+    int count = 0;
+    while (saltus_system_observable_name(system, count))
+        count++;
+    return count;
+}
+
+void saltus_system_observe(const saltus_system *system, const double *state, double phase, double *values) {
+    if (system->spec.model->observe)
+        system->spec.model->observe(system, state, phase, values);
 }
 
 char *saltus_system_right_side(const saltus_system *system, int entry) {

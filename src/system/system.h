@@ -52,6 +52,7 @@ struct saltus_system {
     double *stop_impulse[SALTUS_STOPS_MAX]; /* M^-1 n / (n M^-1 n): normal . impulse = 1 */
     double *inverse_mass;                   /* dof x dof */
     double *observer;
+    const char *observed; /* what it is called; NULL: what the model's notation says. The model's */
     double *scale;
     double *damping, *stiffness; /* q'' + damping q' + stiffness q: the part exact in the stiff integrator */
     saltus_coefficients coefficients;
@@ -136,6 +137,10 @@ struct saltus_model {
      * names are those of all built-in models. After `shape`. */
     saltus_state_name (*state_name)(const saltus_spec *spec, int dof, int entry);
     char *(*right_side)(const saltus_system *system, int entry);
+    /* The k-th observed quantity's name, NULL beyond the last one, and the values of all. NULL: there are
+     * none. */
+    const char *(*observable)(const saltus_model *model, int k);
+    void (*observe)(const saltus_system *system, const double *state, double phase, double *values);
     /* What in the equations has no value at a state, or none close by: "sqrt(p) at p = -0.1". False: all is
      * well. NULL: nothing can go wrong. */
     bool (*fault)(const saltus_system *system, const double *state, double phase, saltus_message *what);

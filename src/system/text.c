@@ -203,12 +203,22 @@ static bool is_odd(const saltus_system *system, const saltus_equations_graph *g,
     return true;
 }
 
+/* What the text says of a stop: 0 where it acts, 1 its clearance, 2 its restitution. */
+static const char *coordinate(const saltus_model *model, int stop, int which) {
+    const saltus_parsed_text *t = &of_model(model)->text;
+    const saltus_parsed_list *const lists[] = {&t->coordinates, &t->clearances, &t->restitutions};
+    return stop < lists[which]->count ? lists[which]->items[stop].text : NULL;
+}
+
 /* The row of the observed displacement: the first observed quantity where it is linear in the displacements,
  * else the first stop's coordinate, else the first displacement. */
 static void find_observer(saltus_system *system, const saltus_equations_graph *g, double *values) {
     const int n = system->dof;
     for (int i = 0; i < n; i++)
         system->observer[i] = system->spec.stop_count ? system->stop_normal[0][i] : i == 0;
+    system->observed = system->spec.stop_count ? coordinate(system->spec.model, 0, 0)
+                       : n                     ? g->names[0]
+                                               : NULL;
     if (!g->observe_count)
         return;
     double state[SALTUS_STATE_MAX] = {0}, row[SALTUS_MODES_MAX], rest;
@@ -228,6 +238,8 @@ static void find_observer(saltus_system *system, const saltus_equations_graph *g
         expected += row[i] * state[i];
     if (rest == 0 && fabs(values[g->observe[0]] - expected) <= 1e-12 * fabs(expected))
         memcpy(system->observer, row, (size_t)n * sizeof *row);
+    if (memcmp(system->observer, row, (size_t)n * sizeof *row) == 0)
+        system->observed = of_model(system->spec.model)->text.observe.items[0].name;
 }
 
 static void build(saltus_system *system) {
@@ -339,6 +351,21 @@ static char *right_side(const saltus_system *system, int entry) {
     return node_text(system, graph_of(&system->spec)->field[entry]);
 }
 
+static const char *observable(const saltus_model *model, int k) {
+    const saltus_parsed_list *list = &of_model(model)->text.observe;
+    return k < list->count ? list->items[k].name : NULL;
+}
+
+static void observe(const saltus_system *system, const double *state, double phase, double *values) {
+    const saltus_equations_graph *g = graph_of(&system->spec);
+    double *all = values_of(g);
+    if (all)
+        evaluate(g, &system->spec, state, phase, all);
+    for (int k = 0; k < g->observe_count; k++)
+        values[k] = all ? all[g->observe[k]] : NAN;
+    free(all);
+}
+
 static bool fault(const saltus_system *system, const double *state, double phase, saltus_message *what) {
     const saltus_equations_graph *g = graph_of(&system->spec);
     const int count = system->dof + system->extra;
@@ -366,13 +393,6 @@ static double deflection(const saltus_system *system, const double *state, doubl
     int left = (int)fmin(floor(place), system->dof - 1);
     double a = left == 0 ? 0 : state[left - 1], b = state[left];
     return a + (b - a) * (place - left);
-}
-
-/* What the text says of a stop: 0 where it acts, 1 its clearance, 2 its restitution. */
-static const char *coordinate(const saltus_model *model, int stop, int which) {
-    const saltus_parsed_text *t = &of_model(model)->text;
-    const saltus_parsed_list *const lists[] = {&t->coordinates, &t->clearances, &t->restitutions};
-    return stop < lists[which]->count ? lists[which]->items[stop].text : NULL;
 }
 
 /* A copy of a text in memory of its own; NULL stays NULL. */
@@ -750,6 +770,8 @@ saltus_status saltus_text_model_new(const saltus_text *text, const saltus_model 
                               .deflection = deflection,
                               .state_name = state_name,
                               .right_side = right_side,
+                              .observable = observable,
+                              .observe = observe,
                               .fault = fault};
     /* Every name is looked up once, with the defaults. */
     int dof, extra;

@@ -3,9 +3,9 @@
 #ifndef SALTUS_SYSTEM_TEXT_BUILD_H
 #define SALTUS_SYSTEM_TEXT_BUILD_H
 
+#include "saltus/system.h"
 #include "system/expression.h"
 #include "system/tape.h"
-#include "saltus/system.h"
 #include "system/text.h"
 
 /* An equation, parsed. Its left side is `base`, `base[number]`, or `base[index]` for all members of a family.
