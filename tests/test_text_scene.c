@@ -52,7 +52,27 @@ static void errors_tell_the_line(void **unused) {
         {"  parameters: {k: 1, omega: 2}\n  motion:\n    x: -x + cos(omega*t)\n  forcing: omega\n",
          "my.yaml:2: k: no equation has this parameter"},
         {"  parameters: {omega: 2}\n  motion:\n    x: -x + cos(0.5*omega*t)\n  forcing: omega\n",
-         "my.yaml:4: motion: time must enter with the period of the forcing"},
+         "my.yaml:4: x: time must enter with the period of the forcing"},
+        {"  parameters: {omega: 2, phi: 0}\n  forcing: omega\n  motion:\n    y: -y\n    x: cos((omega + "
+         "phi)*t)\n",
+         "my.yaml:6: x: time must enter with the period of the forcing"},
+        {"  parameters: {kappa: 1}\n  motion:\n    x: -kapa*x\n",
+         "my.yaml:4: x: column 2: kapa: nothing has this name; did you mean kappa?"},
+        {"  let: {drag: x'}\n  motion:\n    x: -x - darg\n", "column 6: darg: nothing has this name; did you "
+                                                             "mean drag?"},
+        {"  motion:\n    x: 2*sine(x)\n",
+         "my.yaml:3: x: column 3: there is no function of this name; did you mean sin?"},
+        {"  motion:\n    x: 1/(2*x - x - x)\n",
+         "my.yaml:3: x: column 2: a division by what is zero everywhere"},
+        {"  motion:\n    x: x/(1 - 1)\n", "my.yaml:3: x: column 2: a division by zero"},
+        {"  motion:\n    x: atan2(x)\n", "my.yaml:3: x: column 1: atan2 takes 2 arguments, not 1"},
+        {"  let: {y: min(1, 2)}\n  motion:\n    x: -x*y\n",
+         "my.yaml:2: 2): is no name; an expression with a comma needs quotation marks inside { }: {y: "
+         "\"min(1, 2)\"}"},
+        {"  motion: {x: -x}\nstop: {coordinate: max(x, 0), d: 1}\n", "my.yaml:3: 0): is no name"},
+        {"  motion:\n    x: *x\n", "put an expression that begins with * in quotation marks"},
+        {"  motion:\n    x: - x\n", "begins with '- '"},
+        {"  motion:\n    x: &a*x\n", "no value begins with &; put it in quotation marks"},
         {"  motion: {x: 1}\n  when: []\n", "my.yaml:3: when: is not possible yet"},
         {"  motion: {x: 1}\n  sates: {y: 1}\n", "my.yaml:3: \"sates\": unknown key; did you mean states?"},
         {"  parameters: {}\n", "motion is missing"},
@@ -72,6 +92,15 @@ static void errors_tell_the_line(void **unused) {
         snprintf(text, sizeof text, "model:\n%s", known[k].model);
         refused(text, known[k].words);
     }
+    refused("model: duffing\nc: 3\nkk: 4\n", "my.yaml:1: model = \"duffing\": is a scene, not a model");
+    refused("model: spring\nc: 3\nkk: 4\n", "my.yaml:1: model = \"spring\": unknown; the models are pipe");
+    /* A divisor that the defaults make zero, and one that is zero here and there, are none of these. */
+    saltus_scene scene;
+    saltus_message message = {.text = ""};
+    static const char good[] = "model:\n  parameters: {a: 0, n: 1}\n  motion:\n    x: a/(1 + a) - x/(n - "
+                               "1 + x) + 1/(x - x')\n";
+    check_ok(saltus_scene_parse(good, strlen(good), "my.yaml", &scene, &message), &message);
+    saltus_scene_clear(&scene);
 }
 
 /* Clearance and restitution may be expressions of parameters: their columns follow, and --set of the
@@ -225,12 +254,46 @@ static void names_are_those_of_the_text(void **state) {
     saltus_scene_clear(&scene);
 }
 
+/* A motion that leaves where its equations have a value ends there, in every command, with what has none and
+ * when: p falls to zero at a time known in closed form, while the rest of the state hardly notices. */
+static void faults_end_a_motion(void **state) {
+    fixture *f = *state;
+    FILE *file = fopen(path_in(f, "empty.yaml"), "w");
+    assert_non_null(file);
+    fputs("model:\n  parameters: {F: 1, omega: 1.1, drain: 0.5}\n  motion: {x: \"-x - 0.1*x' + "
+          "F*cos(omega*t) - 1e-3*sqrt(p)\"}\n  states: {p: -drain}\n  forcing: omega\n"
+          "stop: {coordinate: x, d: 0.3, r: 0.8}\ninitial: {x: 0, x': 0, p: 30}\n",
+          file);
+    fclose(file);
+    static const char *const lines[] = {"simulate empty.yaml --periods 20 -o never.csv",
+                                        "classify empty.yaml",
+                                        "orbit empty.yaml --periods 1",
+                                        "continue empty.yaml --in omega=1:1.2 -o never.h5",
+                                        "lyapunov empty.yaml",
+                                        "simulate empty.yaml --set p=-1 --periods 2 -o never.csv"};
+    const double ends = 30 / 0.5 * 1.1 / (2 * acos(-1.0));
+    for (size_t k = 0; k < sizeof lines / sizeof lines[0]; k++) {
+        double when = -1;
+        assert_int_equal(run(f, lines[k]), 1);
+        char *text = said(f, "err");
+        if (sscanf(text, "saltus: the motion ends at %lf periods: sqrt(p) has no value where p = -", &when) !=
+            1)
+            fail_msg("%s: %s", lines[k], text);
+        check_near(when, k == 5 ? 0 : ends, 1e-12 * ends);
+        free(text);
+    }
+    char *text = told(f, "sweep empty.yaml --over omega=1:1.2:9 -o sweep.csv");
+    assert_non_null(strstr(text, "failed                      9  100.00 %"));
+    free(text);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(errors_tell_the_line),
         cmocka_unit_test(stops_and_starts_follow_parameters),
         cmocka_unit_test(a_relief_valve),
         cmocka_unit_test_setup_teardown(names_are_those_of_the_text, open_fixture, close_fixture),
+        cmocka_unit_test_setup_teardown(faults_end_a_motion, open_fixture, close_fixture),
         cmocka_unit_test_setup_teardown(files_tell_the_model, open_fixture, close_fixture),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -127,9 +127,59 @@ void saltus_flow_aim(saltus_flow *flow, int lane, saltus_time until, unsigned wa
 /* A lane cannot go on from where it is: what in the equations has no value there is told, too. */
 static saltus_status fail_here(saltus_flow *flow, int lane, saltus_message *why) {
     const saltus_lane *self = &flow->lane[lane];
+    saltus_message what = {.text = ""};
     saltus_lane_gather(flow, lane, 0, flow->state);
-    saltus_system_explain(self->system, flow->state, self->now.phase, why);
+    if (why && saltus_system_fault(self->system, flow->state, self->now.phase, &what)) {
+        const saltus_message first = *why;
+        saltus_fail(why, SALTUS_STALLED, "%s: %s", first.text, what.text);
+    }
     return SALTUS_STALLED;
+}
+
+/* The state of a lane at a time within its step, from the step's series; at its begin also where these have
+ * no value. */
+static void state_since(const saltus_flow *flow, int lane, double since, double *state) {
+    const saltus_work *w = &flow->work;
+    saltus_flow_dense(flow, lane, since, state);
+    for (int i = 0; i < flow->dof && since == 0; i++) {
+        state[i] = w->jet.q[saltus_work_place(w, 0, 0, i, lane)];
+        state[flow->dof + i] = w->jet.v[saltus_work_place(w, 0, 0, i, lane)];
+    }
+    for (int i = 0; i < flow->extra && since == 0; i++)
+        state[2 * flow->dof + i] = w->jet.e[saltus_work_extra_place(w, 0, 0, i, lane)];
+}
+
+/* Whether the equations have a value at a time within the step, from its begin. */
+static bool defined_since(saltus_flow *flow, int lane, double since) {
+    const saltus_lane *self = &flow->lane[lane];
+    double size = 0;
+    state_since(flow, lane, since, flow->trial);
+    for (int i = 0; i < flow->dimension; i++)
+        size += fabs(flow->trial[i]);
+    return isfinite(size) &&
+           saltus_system_defined(self->system, flow->trial, self->now.phase + since / self->system->period);
+}
+
+/* The step leads to where the equations have no value: find when it left where they have one, and say what
+ * has none. */
+static saltus_status fail_undefined(saltus_flow *flow, int lane, double step) {
+    enum { halvings = 60 };
+    saltus_lane *self = &flow->lane[lane];
+    double inside = 0, outside = defined_since(flow, lane, 0) ? step : 0;
+    for (int k = 0; k < halvings && inside < outside; k++) {
+        double middle = 0.5 * (inside + outside);
+        *(defined_since(flow, lane, middle) ? &inside : &outside) = middle;
+    }
+    const double ends[] = {outside, inside}, begin = saltus_time_periods(self->now);
+    saltus_message what = {.text = "the equations have no value"};
+    bool found = false;
+    for (int k = 0; k < 2 && !found; k++) {
+        state_since(flow, lane, ends[k], flow->trial);
+        found = saltus_system_fault(self->system, flow->trial,
+                                    self->now.phase + ends[k] / self->system->period, &what);
+    }
+    return saltus_fail(&self->why, SALTUS_STALLED, "the motion ends at %.15g periods: %s",
+                       begin + outside / self->system->period, what.text);
 }
 
 /* Jets of all lanes, and where each lane's step ends: at its own length, the target or the first event. */
@@ -270,6 +320,8 @@ static saltus_status conclude(saltus_flow *flow, int lane) {
     const bool event = self->pending.kind != SALTUS_STEP, quiet = self->step.calm && !event;
     const bool contact_event = self->pending.kind == SALTUS_IMPACT || self->pending.kind == SALTUS_RELEASE;
     double gap = 0;
+    if (self->system->guarded && !defined_since(flow, lane, step))
+        return fail_undefined(flow, lane, step);
     bool sound =
         quiet || saltus_events_carry(flow, lane, step, contact_event ? self->pending.face : -1, &gap);
     pass_time(flow, lane, contact_event);

@@ -170,8 +170,8 @@ static bool make_room_for_corner(sampler *self) {
  * before it given; and of every first-order state, whose rate gains. */
 static saltus_status take_corner(sampler *self, unsigned contacts, saltus_message *message) {
     saltus_time now = saltus_flow_time(self->flow, 0);
-    double before[SALTUS_STATE_MAX], after[SALTUS_STATE_MAX], field[SALTUS_STATE_MAX],
-        gain[2][SALTUS_STATE_MAX], rate[SALTUS_STATE_MAX];
+    double before[SALTUS_STATE_MAX], after[SALTUS_STATE_MAX],
+        field[SALTUS_STATE_MAX] = {0}, gain[2][SALTUS_STATE_MAX], rate[SALTUS_STATE_MAX];
     saltus_flow_state_at(self->flow, 0, now, before);
     saltus_flow_state(self->flow, 0, after);
     saltus_status status = saltus_flow_place(self->probe, 0, now, before, contacts, message);

@@ -173,6 +173,12 @@ static saltus_status fail_model(const saltus_source *source, const saltus_node *
                                   "model: missing; the models are %s, or a mapping with equations",
                                   names.text);
     saltus_quoted quoted = saltus_quote(node->text);
+    for (int k = 0; k < saltus_builtin_count; k++)
+        if (strcmp(saltus_builtins[k].name, node->text) == 0)
+            return saltus_node_fail(source, node,
+                                    "model = %s: is a scene, not a model; saltus scenes %s > mine.yaml makes "
+                                    "one to change",
+                                    quoted.text, node->text);
     return saltus_node_fail(source, node,
                             "model = %s: unknown; the models are %s, or a mapping with equations",
                             quoted.text, names.text);
@@ -330,6 +336,9 @@ saltus_status saltus_scene_read(const saltus_source *source, const saltus_node *
         return saltus_source_fail(source, root->line, SALTUS_BAD_INPUT,
                                   "must be a mapping of keys to values that begins with model: pipe, say");
     saltus_status status = find_model(source, root, &model);
+    const saltus_node *name = saltus_node_member(root, "model");
+    if (status == SALTUS_OK && !model && name && name->kind == SALTUS_NODE_SCALAR && name->text[0])
+        status = fail_model(source, root);
     if (status == SALTUS_OK)
         status = read_scene(source, root, others, model, &made);
     if (status == SALTUS_OK)

@@ -6,6 +6,7 @@
 #ifndef SALTUS_SCENE_PRIVATE_H
 #define SALTUS_SCENE_PRIVATE_H
 
+#include "base/word.h"
 #include "saltus/scene.h"
 #include "scene/document.h"
 
@@ -50,8 +51,6 @@ typedef struct saltus_words {
 } saltus_words;
 saltus_words saltus_words_of(const char *const *words, int count);
 void saltus_words_add(saltus_words *words, const char *word);
-/* The word nearest to `word` among `count`, or NULL when none is near enough to be meant. */
-const char *saltus_nearest_word(const char *word, const char *const *words, int count);
 
 /* Complain about a key that is none of `keys`: name the nearest one, or all. */
 saltus_status saltus_unknown_key(const saltus_source *source, int line, const char *key,

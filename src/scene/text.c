@@ -173,6 +173,25 @@ static saltus_status read_equations(reading *r, const saltus_node *node, saltus_
     return SALTUS_OK;
 }
 
+/* Inside { } a comma ends a value, also between parentheses: {x: min(a, b)} has a key "b)". */
+static saltus_status check_commas(const saltus_source *source, const saltus_node *node) {
+    saltus_status status = SALTUS_OK;
+    const saltus_node *before = NULL;
+    for (const saltus_node *m = node->first; m && status == SALTUS_OK; before = m, m = m->next) {
+        int open = 0;
+        for (const char *c = m->key ? m->key : ""; *c && open >= 0; c++)
+            open += (*c == '(') - (*c == ')');
+        if (open < 0 && before && before->kind == SALTUS_NODE_SCALAR)
+            status = saltus_node_fail(source, m,
+                                      "%.40s: is no name; an expression with a comma needs quotation marks "
+                                      "inside { }: {%.40s: \"%.80s, %.40s\"}",
+                                      m->key, before->key, before->text, m->key);
+        else
+            status = check_commas(source, m);
+    }
+    return status;
+}
+
 /* A value as JSON: numbers as they are, everything else in quotation marks. */
 static void put_json(FILE *out, const saltus_node *node) {
     const char *ends = node->kind == SALTUS_NODE_LIST ? "[]" : "{}", *comma = "";
@@ -322,6 +341,7 @@ saltus_status saltus_scene_read_text(const saltus_source *source, const saltus_n
     saltus_message reason = {.text = ""};
     saltus_status status = SALTUS_OK;
     r.text.parameters = r.parameters;
+    status = check_commas(source, root);
     for (const saltus_node *key = node->first; key && status == SALTUS_OK; key = key->next)
         status = read_key(&r, key);
     if (status == SALTUS_OK && r.text.motion.count + r.text.states.count == 0)

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "system/expression.h"
 
+#include "base/word.h"
+
 #include <locale.h>
 #include <math.h>
 #include <stdio.h>
@@ -159,6 +161,19 @@ static int parse_arguments(parser *self, int term, char closing) {
     }
 }
 
+/* A name before a parenthesis that no function has. */
+static int refuse_function(parser *self, int begin, int length) {
+    const char *names[SALTUS_FUNCTION_COUNT];
+    char name[32], complaint[160];
+    for (int k = 0; k < SALTUS_FUNCTION_COUNT; k++)
+        names[k] = functions[k].name;
+    snprintf(name, sizeof name, "%.*s", length, self->made->text + begin);
+    const char *meant = saltus_nearest_word(name, names, SALTUS_FUNCTION_COUNT);
+    snprintf(complaint, sizeof complaint, "there is no function of this name; %s%s%s",
+             meant ? "did you mean " : "a product needs a *", meant ? meant : "", meant ? "?" : "");
+    return refuse(self, begin, complaint);
+}
+
 static int parse_call(parser *self, int begin, int length) {
     char complaint[128];
     int k = 0;
@@ -167,7 +182,7 @@ static int parse_call(parser *self, int begin, int length) {
              memcmp(functions[k].name, self->made->text + begin, (size_t)length) == 0))
         k++;
     if (k == SALTUS_FUNCTION_COUNT)
-        return refuse(self, begin, "there is no function of this name; a product needs a *");
+        return refuse_function(self, begin, length);
     int term = add_term(self, (saltus_expression_term){.kind = SALTUS_SYNTAX_CALL,
                                                        .function = (saltus_function)k,
                                                        .begin = begin,

@@ -446,13 +446,13 @@ char *saltus_system_right_side(const saltus_system *system, int entry) {
     return system->spec.model->right_side ? system->spec.model->right_side(system, entry) : NULL;
 }
 
-void saltus_system_explain(const saltus_system *system, const double *state, double phase,
-                           saltus_message *message) {
-    saltus_message what = {.text = ""};
-    if (!message || !system->spec.model->fault || !system->spec.model->fault(system, state, phase, &what))
-        return;
-    size_t used = strlen(message->text);
-    snprintf(message->text + used, sizeof message->text - used, ": %s", what.text);
+bool saltus_system_defined(const saltus_system *system, const double *state, double phase) {
+    return !system->guarded || system->spec.model->defined(system, state, phase);
+}
+
+bool saltus_system_fault(const saltus_system *system, const double *state, double phase,
+                         saltus_message *what) {
+    return system->spec.model->fault && system->spec.model->fault(system, state, phase, what);
 }
 
 double saltus_system_shape(const saltus_system *system, const double *state, double xi) {

@@ -43,6 +43,7 @@ struct saltus_system {
     double omega, period;
     bool forced;
     bool mirror, mirror_shift;
+    bool guarded; /* states may leave where the equations have a value: sqrt, log, asin, acos, powers */
     bool stiff;
     double rate;  /* bound on the modulus of the linear part's eigenvalues */
     double decay; /* bound on its decay rates */
@@ -141,14 +142,18 @@ struct saltus_model {
      * none. */
     const char *(*observable)(const saltus_model *model, int k);
     void (*observe)(const saltus_system *system, const double *state, double phase, double *values);
-    /* What in the equations has no value at a state, or none close by: "sqrt(p) at p = -0.1". False: all is
-     * well. NULL: nothing can go wrong. */
+    /* Whether the equations have a value at a state: asked where `guarded` says that some may have none. */
+    bool (*defined)(const saltus_system *system, const double *state, double phase);
+    /* What in the equations has no value at a state, or none close by: "sqrt(p) has no value where p = -1".
+     * False: all is well. NULL: nothing can go wrong. */
     bool (*fault)(const saltus_system *system, const double *state, double phase, saltus_message *what);
 };
 
-/* Add to a failure at a state what in the equations has no value there, if anything has none. */
-void saltus_system_explain(const saltus_system *system, const double *state, double phase,
-                           saltus_message *message);
+/* Whether the equations have a value at a state. */
+bool saltus_system_defined(const saltus_system *system, const double *state, double phase);
+/* What in them has none there or close by, as a sentence; false: nothing. */
+bool saltus_system_fault(const saltus_system *system, const double *state, double phase,
+                         saltus_message *what);
 
 extern const saltus_model saltus_pipe;
 extern const saltus_model saltus_oscillator;

@@ -249,6 +249,7 @@ static void build(saltus_system *system) {
     double reference[SALTUS_STATE_MAX] = {0}, *values = system->numbers;
     system->tape = tape;
     system->forced = g->forced;
+    system->guarded = g->guarded;
     system->coefficients.scalar[0] = system->omega;
     system->coefficients.terms =
         (g->forced ? SALTUS_TERM_FORCED : 0) | (system->extra ? SALTUS_TERM_EXTRA : 0);
@@ -364,6 +365,19 @@ static void observe(const saltus_system *system, const double *state, double pha
     for (int k = 0; k < g->observe_count; k++)
         values[k] = all ? all[g->observe[k]] : NAN;
     free(all);
+}
+
+static bool defined(const saltus_system *system, const double *state, double phase) {
+    const saltus_equations_graph *g = graph_of(&system->spec);
+    const saltus_graph part = {.nodes = g->graph.nodes, .count = g->field_end};
+    double *values = malloc((size_t)g->field_end * sizeof *values + 1);
+    bool good = values != NULL;
+    if (values)
+        saltus_graph_evaluate(&part, system->spec.parameters, state, phase * system->period, phase, values);
+    for (int i = 0; i < system->dof + system->extra && good; i++)
+        good = isfinite(values[g->field[i]]);
+    free(values);
+    return good;
 }
 
 static bool fault(const saltus_system *system, const double *state, double phase, saltus_message *what) {
@@ -653,33 +667,50 @@ static saltus_status check_used(const text_model *m, saltus_message *message) {
     return SALTUS_OK;
 }
 
-/* The field a period later is the same: otherwise t goes on where the forcing begins anew. */
+/* The equation that an acceleration or a rate comes from. */
+static const saltus_parsed *equation_of(const text_model *m, const saltus_equations_graph *g, int i) {
+    const saltus_parsed_list *list = i < g->dof ? &m->text.motion : &m->text.states;
+    for (int k = 0; k < list->count; k++)
+        if (strncmp(g->names[i], list->items[k].base, strlen(list->items[k].base)) == 0)
+            return &list->items[k];
+    return &list->items[0];
+}
+
+/* The field a period later is the same: otherwise t goes on where the forcing begins anew. Looked at where no
+ * rule picks out, also with parameters other than zero in the place of those that are by default. */
 static saltus_status check_periodic(const text_model *m, const saltus_spec *spec, saltus_message *message) {
     const saltus_equations_graph *g = graph_of(spec);
     if (spec->model->forcing < 0 || !g->forced)
         return SALTUS_OK;
     const double period = 2 * M_PI / spec->parameters[spec->model->forcing];
     double *now = values_of(g), *later = values_of(g), state[SALTUS_STATE_MAX];
-    const saltus_parsed *worst = NULL;
-    for (int k = 0; k < 3 && now && later && !worst; k++) {
-        const double phase = 0.17 + 0.29 * k;
+    double parameters[SALTUS_PARAMETERS_MAX];
+    int worst = -1;
+    for (int k = 0; k < 6 && now && later && worst < 0; k++) {
+        const double phase = fmod(0.17 + 0.618034 * k, 1);
         for (int i = 0; i < SALTUS_STATE_MAX; i++)
             state[i] = 0.3 + 0.2 * sin(1.3 * i + k);
-        saltus_graph_evaluate(&g->graph, spec->parameters, state, phase * period, phase, now);
-        saltus_graph_evaluate(&g->graph, spec->parameters, state, (phase + 1) * period, phase, later);
-        for (int i = 0; i < g->dof + g->extra && !worst; i++)
+        for (int p = 0; p < m->text.parameter_count; p++) {
+            const saltus_parameter *own = &m->text.parameters[p];
+            parameters[p] = spec->parameters[p];
+            if (k % 2 && !own->integer && parameters[p] == 0)
+                parameters[p] = own->max > 0.7236 ? 0.7236 : own->max > 0 ? own->max : own->min;
+        }
+        saltus_graph_evaluate(&g->graph, parameters, state, phase * period, phase, now);
+        saltus_graph_evaluate(&g->graph, parameters, state, (phase + 1) * period, phase, later);
+        for (int i = 0; i < g->dof + g->extra && worst < 0; i++)
             if (fabs(later[g->field[i]] - now[g->field[i]]) > 1e-9 * (1 + fabs(now[g->field[i]])))
-                worst =
-                    i < g->dof || !m->text.states.count ? &m->text.motion.items[0] : &m->text.states.items[0];
+                worst = i;
     }
     bool known = now && later;
     free(now);
     free(later);
     if (!known)
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the equations");
-    if (!worst)
+    if (worst < 0)
         return SALTUS_OK;
-    const saltus_equation place = {"motion", NULL, worst->line};
+    const saltus_parsed *own = equation_of(m, g, worst);
+    const saltus_equation place = {own->name, NULL, own->line};
     return place_failure(
         m->text.origin, &place,
         "time must enter with the period of the forcing, as in cos(omega*t): t begins anew every period",
@@ -772,6 +803,7 @@ saltus_status saltus_text_model_new(const saltus_text *text, const saltus_model 
                               .right_side = right_side,
                               .observable = observable,
                               .observe = observe,
+                              .defined = defined,
                               .fault = fault};
     /* Every name is looked up once, with the defaults. */
     int dof, extra;

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "system/text_build.h"
 
+#include "base/word.h"
+
 #include "system/system.h"
 
 #include <math.h>
@@ -34,6 +36,11 @@ typedef struct builder {
     struct {
         int *node, room; /* of an abbreviation's member; -1: not known yet */
     } * known;
+    struct division {
+        int divisor, begin; /* node, and where the operator stands */
+        const saltus_parsed *equation;
+    } * division; /* by what is no number */
+    int divisions;
     const saltus_parsed *equation; /* the one being read, for messages */
     saltus_status status;
     saltus_message *message;
@@ -255,6 +262,34 @@ static int state_of(builder *b, const saltus_expression_term *term, const char *
     return -1;
 }
 
+/* A name that nothing has, with the one that was meant, as far as that can be told. */
+static int refuse_name(builder *b, const saltus_expression_term *term, const char *name) {
+    const saltus_parsed_text *t = b->text;
+    const int room =
+        t->parameter_count + t->constant_count + t->let.count + b->displacement_count + b->state_count;
+    const char **words = calloc((size_t)room + 1, sizeof *words);
+    char word[SALTUS_NAME_MAX];
+    int count = 0;
+    if (no_memory(b, words))
+        return 0;
+    for (int k = 0; k < t->parameter_count; k++)
+        words[count++] = t->parameters[k].name;
+    for (int k = 0; k < t->constant_count; k++)
+        words[count++] = t->constants[k].name;
+    for (int k = 0; k < t->let.count; k++)
+        words[count++] = t->let.items[k].base;
+    for (int k = 0; k < b->displacement_count; k++)
+        words[count++] = b->displacements[k].name;
+    for (int k = 0; k < b->state_count; k++)
+        words[count++] = b->states[k].name;
+    snprintf(word, sizeof word, "%.*s", term->length, name);
+    const char *meant = saltus_nearest_word(word, words, count);
+    refuse(b, term, "%.*s: nothing has this name%s%s%s", term->length, name, meant ? "; did you mean " : "",
+           meant ? meant : "", meant ? "?" : "");
+    free(words);
+    return 0;
+}
+
 static int name_of(builder *b, const saltus_expression_term *term) {
     const char *name = b->equation->right.text + term->begin;
     for (int k = b->locals - 1; k >= b->own; k--)
@@ -273,9 +308,7 @@ static int name_of(builder *b, const saltus_expression_term *term) {
             node = constant_of(b, term, &b->text->constants[k]);
     if (node < 0)
         node = let_of(b, term, name);
-    if (node < 0)
-        return refuse(b, term, "%.*s: nothing has this name", term->length, name);
-    return node;
+    return node < 0 ? refuse_name(b, term, name) : node;
 }
 
 /* The value of a comparison of two constants; -1 where it is none. */
@@ -390,6 +423,50 @@ static int call_of(builder *b, const saltus_expression_term *term) {
     return node;
 }
 
+/* Keep a division for check_divisions; one by a number is checked at once. */
+static bool note_division(builder *b, int divisor, int begin) {
+    struct division *longer;
+    if (b->status != SALTUS_OK || b->graph->nodes[divisor].operation == SALTUS_OP_CONSTANT)
+        return b->status == SALTUS_OK;
+    if ((b->divisions & (b->divisions - 1)) == 0) { /* twice the room at each power of two */
+        longer = realloc(b->division, 2 * ((size_t)b->divisions + 1) * sizeof *longer);
+        if (no_memory(b, longer))
+            return false;
+        b->division = longer;
+    }
+    b->division[b->divisions++] = (struct division){divisor, begin, b->equation};
+    return true;
+}
+
+/* No divisor is zero wherever one looks. Parameters, too, have other values than their defaults. */
+static void check_divisions(builder *b) {
+    enum { points = 3 };
+    double *values = malloc((size_t)b->graph->count * sizeof *values), state[SALTUS_STATE_MAX];
+    double *parameters = calloc((size_t)b->text->parameter_count + 1, sizeof *parameters);
+    bool *zero = calloc((size_t)b->divisions + 1, sizeof *zero);
+    if (no_memory(b, values) || no_memory(b, parameters) || no_memory(b, zero))
+        goto out;
+    for (int point = 0; point < points; point++) {
+        for (int i = 0; i < SALTUS_STATE_MAX; i++)
+            state[i] = 0.7 + 0.3 * sin(1.9 * i + 2.3 * point);
+        for (int k = 0; k < b->text->parameter_count; k++)
+            parameters[k] = b->parameters[k] * (1 + 0.1 * sin(1.1 * k + point)) + 0.05 * cos(k + 1.7 * point);
+        saltus_graph_evaluate(b->graph, parameters, state, 0.31 + 0.2 * point, 0.05 + 0.11 * point, values);
+        for (int k = 0; k < b->divisions; k++)
+            zero[k] = (zero[k] || point == 0) && fabs(values[b->division[k].divisor]) < 1e-14;
+    }
+    for (int k = 0; k < b->divisions && b->status == SALTUS_OK; k++)
+        if (zero[k]) {
+            b->equation = b->division[k].equation;
+            refuse(b, &(saltus_expression_term){.begin = b->division[k].begin},
+                   "a division by what is zero everywhere");
+        }
+out:
+    free(values);
+    free(parameters);
+    free(zero);
+}
+
 /* The node of a term of the equation being read. After a complaint b->equation is the one complained of,
  * which may be another: an equation's terms are taken before any of them is looked at. */
 static int node_of(builder *b, int term) {
@@ -417,6 +494,8 @@ static int node_of(builder *b, int term) {
     if (t->kind == SALTUS_SYNTAX_DIVIDE && b->status == SALTUS_OK &&
         b->graph->nodes[right].operation == SALTUS_OP_CONSTANT && b->graph->nodes[right].value == 0)
         return refuse(b, t, "a division by zero");
+    if (t->kind == SALTUS_SYNTAX_DIVIDE && !note_division(b, right, t->begin))
+        return 0;
     return b->status == SALTUS_OK ? saltus_graph_apply(b->graph, operations[t->kind], left, right) : 0;
 }
 
@@ -657,6 +736,31 @@ static void add_trace(builder *b, const int *field) {
     free(derivatives);
 }
 
+/* Which parts of the field have no value at some states. Poles are none of these: steps shrink before
+ * them. */
+static void find_guards(builder *b) {
+    saltus_equations_graph *made = b->made;
+    const saltus_graph *g = b->graph;
+    bool *needed = calloc((size_t)g->count, sizeof *needed);
+    if (no_memory(b, needed))
+        return;
+    saltus_graph_mark(g, made->field, made->dof + made->extra, needed);
+    for (int k = 0; k < g->count; k++) {
+        const saltus_graph_node *n = &g->nodes[k];
+        if (!needed[k])
+            continue;
+        made->field_end = k + 1;
+        bool partial = n->operation == SALTUS_OP_SQRT || n->operation == SALTUS_OP_LOG ||
+                       n->operation == SALTUS_OP_ASIN || n->operation == SALTUS_OP_ACOS;
+        if (n->operation == SALTUS_OP_POWER) {
+            const saltus_graph_node *exponent = &g->nodes[n->operand[1]];
+            partial = exponent->operation != SALTUS_OP_CONSTANT || exponent->value != floor(exponent->value);
+        }
+        made->guarded |= partial && n->depends & ~(unsigned)SALTUS_OF_PARAMETERS;
+    }
+    free(needed);
+}
+
 /* Derivatives of all numbers with respect to each parameter; what depends on states has its own on the tape.
  */
 static void add_derivatives(builder *b) {
@@ -728,8 +832,12 @@ static void build(builder *b) {
         read_by_state(b, &text->scale, made->scale);
     if (b->status == SALTUS_OK)
         read_by_state(b, &text->initial, made->initial);
+    if (b->status == SALTUS_OK)
+        check_divisions(b);
     for (int i = 0; i < all && b->status == SALTUS_OK; i++)
         made->forced |= (b->graph->nodes[field[i]].depends & SALTUS_OF_TIME) != 0;
+    if (b->status == SALTUS_OK)
+        find_guards(b);
     if (b->status == SALTUS_OK) {
         add_trace(b, field);
         made->tape = saltus_tape_new(b->graph, field, all, 2 * n + made->extra);
@@ -753,6 +861,7 @@ saltus_status saltus_equations_graph_new(const saltus_parsed_text *text, const d
     for (int k = 0; b.known && k < text->let.count; k++)
         free(b.known[k].node);
     free(b.known);
+    free(b.division);
     free(b.displacements);
     free(b.states);
     if (b.status != SALTUS_OK) {
@@ -799,6 +908,7 @@ saltus_status saltus_constant_value(const char *text, double *value, saltus_mess
         if (b.status == SALTUS_OK && !isfinite(*value))
             refuse(&b, NULL, "must be a finite number");
     }
+    free(b.division);
     saltus_graph_close(&graph);
     saltus_expression_clear(&equation.right);
     free(b.made);

@@ -49,7 +49,9 @@ typedef struct saltus_equations_graph {
     int *observe, observe_count;
     int *scale, *initial; /* of each state (dimension); -1: the text says nothing */
     int trace;
-    bool forced; /* depends on time */
+    bool forced;   /* depends on time */
+    bool guarded;  /* has no value at some states, in parts that are not divisions */
+    int field_end; /* nodes from here on are of no use to the field */
     int parameter_count;
     int **derivatives; /* [parameter][node]: of nodes that numbers are made of; NULL for whole parameters */
     int derivative_count;
