@@ -88,7 +88,7 @@ static void put_state_names(FILE *file, const saltus_system *system) {
     saltus_json_key(file, "state_names");
     for (int i = 0; i < saltus_system_dimension(system); i++) {
         fputs(i ? ", " : "[", file);
-        put_string(file, saltus_system_state_name(system, i).text);
+        saltus_put_string(file, saltus_system_state_name(system, i).text);
     }
     fputc(']', file);
 }
