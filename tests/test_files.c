@@ -614,20 +614,20 @@ static void each_key_of_a_scene_file_is_named_when_it_is_wrong(void **state) {
     }
 }
 
-/* Keys of 15 letters are taken as keys, and those of 16 are refused with all that was written; so it is with
+/* Keys of 31 letters are taken as keys, and those of 32 are refused with all that was written; so it is with
  * folders of 1023 and 1024 letters. */
 static void words_of_the_command_line_have_their_limits(void **state) {
     static const struct {
         const char *begin, *end, *first, *named;
         int most, code;
     } words[] = {
-        {"plot x.h5 -o x.svg --range ", "=0:1", "x.h5", "=0:1: must have the form key=low:high", 15, 2},
-        {"plot x.h5 -o x.svg --label ", "=0,d=1,n", "x.h5", "=0,d=1,n: must have the form", 15, 2},
-        {"plot x.h5 -o x.svg --label d=1,", "=0,n", "x.h5", "=0,n: must have the form", 15, 2},
+        {"plot x.h5 -o x.svg --range ", "=0:1", "x.h5", "=0:1: must have the form key=low:high", 31, 2},
+        {"plot x.h5 -o x.svg --label ", "=0,d=1,n", "x.h5", "=0,d=1,n: must have the form", 31, 2},
+        {"plot x.h5 -o x.svg --label d=1,", "=0,n", "x.h5", "=0,n: must have the form", 31, 2},
         {"continue impact-oscillator -o x.h5 --in ", "=0:1", ": neither a parameter of the model oscillator",
-         "=0:1: must have the form key=low:high", 15, 2},
+         "=0:1: must have the form key=low:high", 31, 2},
         {"sweep impact-oscillator -o x.h5 --over ", "=0:1:3", ": neither a parameter",
-         "=0:1:3: no key stands before", 15, 2},
+         "=0:1:3: no key stands before", 31, 2},
         {"paper -o ", "", "File name too long", "the name is too long", 1023, 1},
     };
     const fixture *f = *state;

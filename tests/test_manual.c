@@ -132,6 +132,50 @@ static void pages_tell_what_the_help_tells(void **state) {
     }
 }
 
+/* The page of the language: what it gives as files, and the commands behind them, work as typed, and man
+ * shows the same lines. */
+static void worked_examples_of_the_language_work(void **unused) {
+    (void)unused;
+    fixture *own;
+    open_fixture((void **)&own);
+    char *help = told(own, "help text"), *page = told(own, "help text --man"), *rest = help;
+    FILE *file = NULL;
+    int files = 0, commands_run = 0, pictures = 0;
+    for (char *line = strtok_r(rest, "\n", &rest); line; line = strtok_r(NULL, "\n", &rest)) {
+        char *end = strchr(line, ':');
+        bool named = line[0] != ' ' && end && end[1] == '\0' && strstr(line, ".yaml:"),
+             typed = strncmp(line, "    saltus ", 11) == 0;
+        if (file && (typed || strncmp(line, "    ", 4) != 0)) {
+            fclose(file);
+            file = NULL;
+        }
+        if (named) {
+            *end = '\0';
+            file = fopen(path_in(own, line), "w");
+            assert_non_null(file);
+            files++;
+        } else if (typed) {
+            assert_true(page_has(page, line + 4));
+            free(told(own, line + 11));
+            commands_run++;
+            pictures += strstr(line, ".png") != NULL;
+        } else if (file) {
+            assert_true(page_has(page, line + 4));
+            fprintf(file, "%s\n", line + 4);
+        }
+    }
+    assert_null(file);
+    assert_int_equal(files, 3);
+    assert_int_equal(pictures, 3);
+    assert_true(commands_run >= 9);
+    char *other = told(own, "help");
+    assert_non_null(strstr(other, "\n  saltus help text "));
+    free(other);
+    free(help);
+    free(page);
+    close_fixture((void **)&own);
+}
+
 /* The pages of all commands and of the program, and the completion, are written as they are told. */
 static void all_pages_are_written(void **state) {
     fixture *f = *state;
@@ -149,6 +193,11 @@ static void all_pages_are_written(void **state) {
         free(page);
         free(written);
     }
+    char *page = told(f, "help text --man"), *topic = said(f, "pages/saltus-text.5");
+    assert_string_equal(topic, page);
+    free(topic);
+    free(page);
+    unlink(path_in(f, "pages/saltus-text.5"));
     char *completion = told(f, "help --completion"), *written = said(f, "pages/saltus.bash");
     assert_string_equal(written, completion);
     unlink(path_in(f, "pages/saltus.bash"));
@@ -182,6 +231,7 @@ static void bash_completes(void **state) {
         {"saltus continue pipe --locus P", " PD ", " LP "},
         {"saltus continue pipe --direction \"\"", " up down both ", " --in "},
         {"saltus help ba", " basins ", " classify "},
+        {"saltus help te", " text ", " classify "},
         {"saltus plot --sw", " --swap ", " --seeds "},
     };
     fixture *f = *state;
@@ -205,6 +255,7 @@ int main(void) {
         cmocka_unit_test(examples_work_as_typed),
         cmocka_unit_test(help_is_told_by_name_too),
         cmocka_unit_test(pages_tell_what_the_help_tells),
+        cmocka_unit_test(worked_examples_of_the_language_work),
         cmocka_unit_test(all_pages_are_written),
         cmocka_unit_test(bash_completes),
     };

@@ -1023,8 +1023,8 @@ static void long_texts_are_not_cut(void **state) {
     } words[] = {{"sweep", "keep", "lyapunov,lyapunov,lyapunov,lyapunov,lyapunov,lyapunov,strobosco,x"},
                  {"sweep", "keep", "turning,turning,turning,turning,turning,impacts,turning,turning,x"},
                  {"sweep", "passes", "reset,down,reset,down,reset,down,reset,down,reset,up,reset,down,x"},
-                 {"sweep", "key1", "omegaomegaomegaomega"},
-                 {"sweep", "key2", "ddddddddddddddddd"},
+                 {"sweep", "key1", "omegaomegaomegaomegaomegaomegaomega"},
+                 {"sweep", "key2", "ddddddddddddddddddddddddddddddddd"},
                  {"sweep", "spacing1", "logarithmically spaced"},
                  {"sweep", "spacing2", "list of numbers of any size"},
                  {"sweep", "integrator", "automaticautomatic"}};

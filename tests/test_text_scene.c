@@ -35,6 +35,8 @@ static void errors_tell_the_line(void **unused) {
         {"  parameters: {k: 1}\n  motion:\n    x: -k*x\n    k: 1\n",
          "my.yaml:5: k: is a parameter already (line 2)"},
         {"  motion:\n    t: 1\n", "my.yaml:3: t: this name is reserved"},
+        {"  parameters: {damping_of_this_one_and_only_one: 1}\n  motion: {x: -x}\n",
+         "my.yaml:2: damping_of_this_one_and_only_one: a name must have 1 to 31 characters"},
         {"  motion:\n    d2: 1\n", "my.yaml:3: d2: this name is reserved"},
         {"  motion:\n    x: -x\n  forcing: omega\n", "my.yaml:4: forcing: omega is not a parameter"},
         {"  motion:\n    x: -x + cos(t)\n", "my.yaml:3: x: column 10: t: the system has no forcing"},
@@ -111,7 +113,7 @@ static void stops_and_starts_follow_parameters(void **unused) {
                                "  parameters: {c: 0.1, gap: 0.3, loss: 0.2, F: 1, omega: 1.1}\n"
                                "  motion: {x: \"-c*x' - x + F*cos(omega*t)\"}\n"
                                "  forcing: omega\n"
-                               "stop: {coordinate: 2*x, d: 2*gap, r: 1 - loss}\n"
+                               "stop: {coordinate: 2*x, d: 2*gap, r: 1 - loss, sides: both}\n"
                                "initial: {x: gap/3, x': -loss}\n";
     saltus_scene scene;
     saltus_message message = {.text = ""};
@@ -287,6 +289,89 @@ static void faults_end_a_motion(void **state) {
     free(text);
 }
 
+static void put_text(fixture *f, const char *name, const char *text) {
+    FILE *file = fopen(path_in(f, name), "w");
+    assert_non_null(file);
+    fputs(text, file);
+    fclose(file);
+}
+
+/* Equations in a file of their own serve scenes beside it, and what is wrong is told with the file it stands
+ * in. Results need that file no more. */
+static void models_stand_in_files(void **state) {
+    fixture *f = *state;
+    put_text(f, "law.yaml",
+             "parameters: {c: 0.2, F: 0.3, omega: 2*pi/5}\n"
+             "motion: {x: \"-c*x' + x - x^3 + F*cos(omega*t)\"}\nforcing: omega\n");
+    put_text(f, "one.yaml",
+             "model: law.yaml\nF: 1/4\nstop: {coordinate: x, d: 13/10, r: 4/5}\ninitial: {x: pi/100}\n");
+    char here[400], line[600];
+    snprintf(here, sizeof here, "%s", path_in(f, "one.yaml"));
+    saltus_scene scene;
+    saltus_message message = {.text = ""};
+    double start[2];
+    check_ok(saltus_scene_load(here, &scene, &message), &message);
+    saltus_system *system = build(&scene.spec);
+    assert_true(saltus_spec_get(&scene.spec, "F") == 0.25 && saltus_spec_get(&scene.spec, "d") == 1.3);
+    check_near(saltus_system_period(system), 5, 1e-14);
+    check_ok(saltus_scene_state(&scene, system, start, &message), &message);
+    check_near(start[0], acos(-1.0) / 100, 1e-16);
+    saltus_system_free(system);
+    saltus_scene_clear(&scene);
+    /* A whole scene may serve, too; only its equations are taken. */
+    put_text(f, "two.yaml", "model: one-whole.yaml\n");
+    put_text(f, "one-whole.yaml", "model:\n  motion: {x: -x}\nstop: {coordinate: x, d: 1}\n");
+    check_ok(saltus_scene_load(path_in(f, "two.yaml"), &scene, &message), &message);
+    assert_int_equal(scene.spec.stop_count, 0);
+    saltus_scene_clear(&scene);
+    free(told(f, "continue one.yaml --in F=0.24:0.27 -o branch.h5"));
+    snprintf(line, sizeof line, "%s", path_in(f, "law.yaml"));
+    remove(line);
+    free(told(f, "plot branch.h5 -o branch.png"));
+    assert_int_equal(run(f, "orbit one-whole.yaml --from branch.h5:3"), 2);
+    char *text = said(f, "err");
+    assert_non_null(strstr(text, "branch.h5:3: is an orbit of other equations than the scene's"));
+    free(text);
+    static const struct {
+        const char *model, *scene, *words;
+    } wrong[] = {
+        {NULL, "model: law.yaml\n", "wrong.yaml:1: model: "},
+        {"motion: {x: -y}\n", "model: law.yaml\n", "law.yaml:1: x: column 2: y: nothing has this name"},
+        {"motion: {x: -x}\n", "model: law.yaml\nstop: {coordinate: y, d: 1}\n",
+         "wrong.yaml:2: coordinate: column 1: y: nothing has this name"},
+        {"motion: {x: -x}\n", "model: law.yaml\n\ninitial: {x: y}\n",
+         "wrong.yaml:3: x: column 1: y: nothing"},
+        {"motion: {x: -x}\n", "model: law.yaml\nk: 1\n", "wrong.yaml:2: \"k\": not a key of the model text"},
+        {"[1, 2]\n", "model: law.yaml\n", "law.yaml: holds no equations"},
+        {"model: pipe\n", "model: law.yaml\n", "law.yaml: holds no equations"},
+    };
+    for (size_t k = 0; k < sizeof wrong / sizeof wrong[0]; k++) {
+        if (wrong[k].model)
+            put_text(f, "law.yaml", wrong[k].model);
+        put_text(f, "wrong.yaml", wrong[k].scene);
+        if (saltus_scene_load(path_in(f, "wrong.yaml"), &scene, &message) == SALTUS_OK)
+            fail_msg("not refused: %s", wrong[k].scene);
+        if (!strstr(message.text, wrong[k].words))
+            fail_msg("\"%s\" does not say \"%s\"", message.text, wrong[k].words);
+    }
+}
+
+/* Names as long as they may be go everywhere that short ones go. */
+static void long_names_are_keys(void **state) {
+    fixture *f = *state;
+    put_text(f, "long.yaml",
+             "model:\n  parameters: {damping_of_the_one_and_only_one: 0.3, omega: 1.1}\n"
+             "  motion: {displacement_of_a_long_name: \"-displacement_of_a_long_name - "
+             "damping_of_the_one_and_only_one*displacement_of_a_long_name' + "
+             "cos(omega*t)\"}\n  forcing: omega\n");
+    free(told(f, "continue long.yaml --in damping_of_the_one_and_only_one=0.2:0.4 -o branch.h5"));
+    free(told(f, "orbit long.yaml --from branch.h5:2 --json"));
+    free(told(f, "plot branch.h5 -o branch.png"));
+    free(told(f, "sweep long.yaml --over damping_of_the_one_and_only_one=0.2:0.4:2 --over "
+                 "displacement_of_a_long_name_dot=-0.125:0.125:2 -o sweep.h5"));
+    free(told(f, "export sweep.h5 -o sweep.csv"));
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(errors_tell_the_line),
@@ -294,6 +379,8 @@ int main(void) {
         cmocka_unit_test(a_relief_valve),
         cmocka_unit_test_setup_teardown(names_are_those_of_the_text, open_fixture, close_fixture),
         cmocka_unit_test_setup_teardown(faults_end_a_motion, open_fixture, close_fixture),
+        cmocka_unit_test_setup_teardown(models_stand_in_files, open_fixture, close_fixture),
+        cmocka_unit_test_setup_teardown(long_names_are_keys, open_fixture, close_fixture),
         cmocka_unit_test_setup_teardown(files_tell_the_model, open_fixture, close_fixture),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -149,6 +149,6 @@ const cli_command cmd_check = {
     .needs_scene = true,
     .options = options,
     .examples = examples,
-    .see = "scenes",
+    .see = "text scenes",
     .run = check_scene,
 };

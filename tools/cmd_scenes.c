@@ -48,9 +48,11 @@ const cli_command cmd_scenes = {
         "(displacements, or amplitudes of modes) and v (their rates); --set q1=0.2 v1=0 changes single "
         "entries, and q1, v1, ... are axes of --over. Without initial: the system starts from a small "
         "displacement. Random initial states are drawn by --seeds k, differently for each --seed s: k of "
-        "them by saltus classify, the scene's own and k - 1 others at each point by saltus sweep.",
+        "them by saltus classify, the scene's own and k - 1 others at each point by saltus sweep.\nEquations "
+        "of one's own stand under model: instead of a name; saltus help text tells "
+        "how.",
     .options = no_options,
     .examples = scenes_examples,
-    .see = "check classify",
+    .see = "text check classify",
     .run = list_scenes,
 };

@@ -10,6 +10,15 @@ const cli_command *const manual_commands[] = {&cmd_classify, &cmd_diagnose, &cmd
                                               &cmd_basins,   &cmd_plot,     &cmd_export,   &cmd_paper,
                                               &cmd_scenes,   &cmd_check,    NULL};
 
+const manual_topic *const manual_topics[] = {&topic_text, NULL};
+
+const manual_topic *manual_find_topic(const char *name) {
+    int k = 0;
+    while (manual_topics[k] && strcmp(manual_topics[k]->name, name) != 0)
+        k++;
+    return manual_topics[k];
+}
+
 static const char scenes_and_exits[] =
     "SCENE is a YAML file, the name of a built-in scene (saltus scenes), or - for standard input.\n"
     "Exit status: 0 done, 1 not completed or interrupted (stderr says why), 2 bad input.";
@@ -18,6 +27,9 @@ void manual_list(FILE *file) {
     fprintf(file, "saltus %s: non-smooth dynamics of structures that hit rigid stops\n\n", SALTUS_VERSION);
     for (int k = 0; manual_commands[k]; k++)
         fprintf(file, "  saltus %-9s %s\n", manual_commands[k]->name, manual_commands[k]->usage);
+    fputc('\n', file);
+    for (int k = 0; manual_topics[k]; k++)
+        fprintf(file, "  saltus help %-4s %s\n", manual_topics[k]->name, manual_topics[k]->summary);
     fprintf(file, "\n%s\nsaltus help COMMAND tells more.\n", scenes_and_exits);
 }
 
@@ -88,8 +100,35 @@ void manual_help(const cli_command *command, FILE *file) {
     fprintf(file, "\nsee also: saltus help %s\n", command->see);
 }
 
-/* Text for man: hyphens that are typed, no line that is a request. */
-static void put_roff(const char *text, FILE *file) {
+/* Lines as they are, each behind some blanks. */
+static void put_lines(const char *text, FILE *file) {
+    for (size_t length; *text; text += length + 1) {
+        length = strcspn(text, "\n");
+        fprintf(file, "    %.*s\n", (int)length, text);
+    }
+}
+
+void manual_topic_help(const manual_topic *topic, FILE *file) {
+    fprintf(file, "saltus help %s: %s\n", topic->name, topic->summary);
+    for (const manual_part *p = topic->parts; p->kind != MANUAL_END; p++) {
+        bool goes_on = p->kind == MANUAL_COMMAND && p[-1].kind == MANUAL_COMMAND;
+        bool explains = p->kind == MANUAL_WORDS && p[-(p > topic->parts)].kind == MANUAL_TERM;
+        if (!goes_on && !explains && p->kind != MANUAL_LINES)
+            fputc('\n', file);
+        if (p->kind == MANUAL_WORDS)
+            put_wrapped(p->text, file);
+        else if (p->kind == MANUAL_LINES)
+            put_lines(p->text, file);
+        else
+            fprintf(file, "%s%s%s\n", p->kind == MANUAL_COMMAND ? "    saltus " : "", p->text,
+                    p->kind == MANUAL_FILE || p->kind == MANUAL_TERM ? ":" : "");
+    }
+    fprintf(file, "\nsee also: saltus help %s\n", topic->see);
+}
+
+/* Text for man: hyphens that are typed, no line that is a request but the one `between` lines; NULL: lines
+ * stay as they are. */
+static void put_roff(const char *text, const char *between, FILE *file) {
     bool begins = true;
     for (const char *c = text; *c; begins = *c++ == '\n')
         if (*c == '\\')
@@ -99,8 +138,8 @@ static void put_roff(const char *text, FILE *file) {
         else {
             if (begins && (*c == '.' || *c == '\''))
                 fputs("\\&", file);
-            if (*c == '\n')
-                fputs("\n.PP", file);
+            if (*c == '\n' && between)
+                fprintf(file, "\n%s", between);
             fputc(*c, file);
         }
 }
@@ -111,18 +150,18 @@ static void put_options(const cli_command *command, FILE *file) {
     fputs(".SH OPTIONS\n", file);
     for (int k = 0; cli_entry_at(command, k, &entry); k++) {
         fputs(".TP\n\\fB", file);
-        put_roff(entry.flag, file);
+        put_roff(entry.flag, ".PP", file);
         fputs("\\fR", file);
         if (entry.argument) {
             fputs(" \\fI", file);
-            put_roff(entry.argument, file);
+            put_roff(entry.argument, ".PP", file);
             fputs("\\fR", file);
         }
         fputc('\n', file);
-        put_roff(meaning_of(&entry, text), file);
+        put_roff(meaning_of(&entry, text), ".PP", file);
         if (*default_of(&entry, text)) {
             fputs(" (default ", file);
-            put_roff(text, file);
+            put_roff(text, ".PP", file);
             fputc(')', file);
         }
         fputc('\n', file);
@@ -133,19 +172,30 @@ static void put_examples(const cli_example *examples, FILE *file) {
     fputs(".SH EXAMPLES\n", file);
     for (; examples->line; examples++) {
         fputs(".TP\n\\fBsaltus ", file);
-        put_roff(examples->line, file);
+        put_roff(examples->line, ".PP", file);
         fputs("\\fR\n", file);
-        put_roff(examples->what, file);
+        put_roff(examples->what, ".PP", file);
         fputc('\n', file);
     }
+}
+
+static void put_see(const char *see, FILE *file) {
+    fputs(".SH SEE ALSO\n.BR saltus (1)", file);
+    for (const char *at = see; *at;) {
+        size_t length = strcspn(at, " ");
+        fprintf(file, ",\n.BR saltus\\-%.*s (%c)", (int)length, at,
+                strncmp(at, "text", length) == 0 ? '5' : '1');
+        at += length + (at[length] == ' ');
+    }
+    fputc('\n', file);
 }
 
 static void put_command_page(const cli_command *command, FILE *file) {
     fprintf(file, ".SH NAME\nsaltus\\-%s \\- %s\n.SH SYNOPSIS\n\\fBsaltus %s\\fR ", command->name,
             command->summary, command->name);
-    put_roff(command->usage, file);
+    put_roff(command->usage, ".PP", file);
     fputs("\n.SH DESCRIPTION\n", file);
-    put_roff(command->help, file);
+    put_roff(command->help, ".PP", file);
     fputc('\n', file);
     put_options(command, file);
     put_examples(command->examples, file);
@@ -154,13 +204,7 @@ static void put_command_page(const cli_command *command, FILE *file) {
         put_roff(command->notes, file);
         fputc('\n', file);
     }
-    fputs(".SH SEE ALSO\n.BR saltus (1)", file);
-    for (const char *at = command->see; *at;) {
-        size_t length = strcspn(at, " ");
-        fprintf(file, ",\n.BR saltus\\-%.*s (1)", (int)length, at);
-        at += length + (at[length] == ' ');
-    }
-    fputc('\n', file);
+    put_see(command->see, file);
 }
 
 static void put_program_page(FILE *file) {
@@ -172,18 +216,53 @@ static void put_program_page(FILE *file) {
     for (int k = 0; manual_commands[k]; k++)
         fprintf(file, ".TP\n.BR saltus\\-%s (1)\n%s\n", manual_commands[k]->name,
                 manual_commands[k]->summary);
+    for (int k = 0; manual_topics[k]; k++)
+        fprintf(file, ".TP\n.BR saltus\\-%s (5)\n%s\n", manual_topics[k]->name, manual_topics[k]->summary);
     fputs(".SH NOTES\n", file);
-    put_roff(scenes_and_exits, file);
+    put_roff(scenes_and_exits, ".PP", file);
     fputs("\n.SH EXAMPLES\n.TP\n\\fBsaltus classify impact\\-oscillator\\fR\nwhat the scene settles on\n"
           ".TP\n\\fBsaltus scenes impact\\-oscillator > mine.yaml\\fR\na scene to change\n",
           file);
 }
 
-void manual_page(const cli_command *command, FILE *file) {
+static void put_title(const char *name, const char *section, FILE *file) {
     fputs(".TH SALTUS", file);
-    for (const char *c = command ? command->name : ""; *c; c++)
-        fprintf(file, "%s%c", c == command->name ? "\\-" : "", *c - 'a' + 'A');
-    fprintf(file, " 1 \"\" \"Saltus %s\" \"User commands\"\n", SALTUS_VERSION);
+    for (const char *c = name; *c; c++)
+        fprintf(file, "%s%c", c == name ? "\\-" : "", *c - 'a' + 'A');
+    fprintf(file, " %s\n", section);
+}
+
+void manual_topic_page(const manual_topic *topic, FILE *file) {
+    put_title(topic->name, "5 \"\" \"Saltus " SALTUS_VERSION "\" \"File formats\"", file);
+    fprintf(file, ".SH NAME\nsaltus\\-%s \\- %s\n.SH DESCRIPTION\n", topic->name, topic->summary);
+    for (const manual_part *p = topic->parts; p->kind != MANUAL_END; p++) {
+        bool code = p->kind == MANUAL_LINES || p->kind == MANUAL_COMMAND;
+        bool before = p > topic->parts && p->kind == MANUAL_COMMAND && p[-1].kind == MANUAL_COMMAND;
+        fputs(p->kind == MANUAL_HEAD   ? ".SH "
+              : p->kind == MANUAL_TERM ? ".TP\n\\fB"
+              : p->kind == MANUAL_FILE ? ".PP\n"
+              : code && !before        ? ".PP\n.nf\n.RS\n"
+              : p->kind == MANUAL_WORDS && p > topic->parts && p[-1].kind != MANUAL_TERM &&
+                      p[-1].kind != MANUAL_HEAD
+                  ? ".PP\n"
+                  : "",
+              file);
+        if (p->kind == MANUAL_COMMAND)
+            fputs("saltus ", file);
+        put_roff(p->text, p->kind == MANUAL_LINES ? NULL : ".PP", file);
+        fputs(p->kind == MANUAL_TERM    ? "\\fR\n"
+              : p->kind == MANUAL_FILE  ? ":\n"
+              : p->kind == MANUAL_LINES ? ".RE\n.fi\n"
+                                        : "\n",
+              file);
+        if (p->kind == MANUAL_COMMAND && p[1].kind != MANUAL_COMMAND)
+            fputs(".RE\n.fi\n", file);
+    }
+    put_see(topic->see, file);
+}
+
+void manual_page(const cli_command *command, FILE *file) {
+    put_title(command ? command->name : "", "1 \"\" \"Saltus " SALTUS_VERSION "\" \"User commands\"", file);
     if (command)
         put_command_page(command, file);
     else
@@ -223,7 +302,9 @@ void manual_completion(FILE *file) {
         put_completion_of(manual_commands[k], file);
     fputs("    help) words='", file);
     for (int k = 0; manual_commands[k]; k++)
-        fprintf(file, "%s%s", manual_commands[k]->name, manual_commands[k + 1] ? " " : "");
+        fprintf(file, "%s ", manual_commands[k]->name);
+    for (int k = 0; manual_topics[k]; k++)
+        fprintf(file, "%s%s", manual_topics[k]->name, manual_topics[k + 1] ? " " : "");
     fputs("' ;;\n    esac fi\n    if [ \"$COMP_CWORD\" -eq 2 ]; then case ${COMP_WORDS[1]} in\n    scenes",
           file);
     for (int k = 0; manual_commands[k]; k++)
@@ -239,15 +320,23 @@ void manual_completion(FILE *file) {
           file);
 }
 
-/* One of the files; `command` NULL with a name: the completion. */
-static bool write_file(const char *folder, const char *name, const cli_command *command, bool page) {
+/* What one of the files holds. */
+typedef struct page {
+    const cli_command *command;
+    const manual_topic *topic;
+    bool completion; /* none of them: the page of the program */
+} page;
+
+static bool write_file(const char *folder, const char *name, page what) {
     char path[4096];
-    snprintf(path, sizeof path, "%s/%s%s%s", folder, name, command ? command->name : "", page ? ".1" : "");
+    snprintf(path, sizeof path, "%s/%s", folder, name);
     FILE *file = fopen(path, "w");
-    if (file && page)
-        manual_page(command, file);
-    else if (file)
+    if (file && what.completion)
         manual_completion(file);
+    else if (file && what.topic)
+        manual_topic_page(what.topic, file);
+    else if (file)
+        manual_page(what.command, file);
     bool good = file && !ferror(file);
     if ((file && fclose(file) != 0) || !good) {
         fprintf(stderr, "saltus: %s: cannot be written: %s\n", path, strerror(errno));
@@ -257,8 +346,16 @@ static bool write_file(const char *folder, const char *name, const cli_command *
 }
 
 int manual_write(const char *folder) {
-    bool good = write_file(folder, "saltus", NULL, true) && write_file(folder, "saltus.bash", NULL, false);
-    for (int k = 0; manual_commands[k] && good; k++)
-        good = write_file(folder, "saltus-", manual_commands[k], true);
+    char name[64];
+    bool good = write_file(folder, "saltus.1", (page){.completion = false}) &&
+                write_file(folder, "saltus.bash", (page){.completion = true});
+    for (int k = 0; manual_commands[k] && good; k++) {
+        snprintf(name, sizeof name, "saltus-%s.1", manual_commands[k]->name);
+        good = write_file(folder, name, (page){.command = manual_commands[k]});
+    }
+    for (int k = 0; manual_topics[k] && good; k++) {
+        snprintf(name, sizeof name, "saltus-%s.5", manual_topics[k]->name);
+        good = write_file(folder, name, (page){.topic = manual_topics[k]});
+    }
     return good ? CLI_DONE : CLI_FAILED;
 }

@@ -29,8 +29,11 @@ static int help(int count, char **arguments) {
         return CLI_BAD_INPUT;
     }
     const cli_command *command = NULL;
+    const manual_topic *topic = count > as_page ? manual_find_topic(first) : NULL;
     if (strcmp(first, "--completion") == 0)
         manual_completion(stdout);
+    else if (topic)
+        (as_page ? manual_topic_page : manual_topic_help)(topic, stdout);
     else if (count > as_page && !(command = find_command(first)))
         return CLI_BAD_INPUT;
     else if (as_page)

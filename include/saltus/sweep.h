@@ -14,7 +14,7 @@
 
 SALTUS_API_BEGIN
 
-enum { SALTUS_AXES_MAX = 2, SALTUS_AXIS_KEY_MAX = 16 };
+enum { SALTUS_AXES_MAX = 2, SALTUS_AXIS_KEY_MAX = 32 };
 
 typedef enum saltus_spacing { SALTUS_LINEAR, SALTUS_LOGARITHMIC, SALTUS_LIST } saltus_spacing;
 

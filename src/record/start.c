@@ -307,7 +307,7 @@ static saltus_status row_spec(const source *s, const saltus_sweep_file *file, lo
     *moves_start = false;
     for (int k = 0; k < file->axis_count; k++) {
         const saltus_axis *axis = &file->axes[k];
-        char setting[64];
+        char setting[80];
         saltus_message reason = {.text = ""};
         snprintf(setting, sizeof setting, "%s=%.17g", axis->key,
                  saltus_axis_value(axis, (int)(index % axis->count)));
@@ -423,6 +423,10 @@ static int degrees_of_freedom(const saltus_spec *spec) {
 saltus_status saltus_start_apply(const saltus_start *start, const char *name, saltus_scene *scene,
                                  saltus_message *message) {
     const char *model = saltus_model_name(scene->spec.model);
+    const bool texts = saltus_model_text(start->spec.model) && saltus_model_text(scene->spec.model);
+    if (texts && !saltus_model_same(start->spec.model, scene->spec.model))
+        return saltus_fail(message, SALTUS_BAD_INPUT,
+                           "%.200s: is an orbit of other equations than the scene's", name);
     if (!saltus_model_same(start->spec.model, scene->spec.model))
         return saltus_fail(message, SALTUS_BAD_INPUT,
                            "%.200s: is an orbit of the model %s, the scene's is %s", name,

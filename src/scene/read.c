@@ -157,7 +157,9 @@ static saltus_status find_model(const saltus_source *source, const saltus_node *
     const saltus_node *node = saltus_node_member(root, "model");
     *model = NULL;
     if (node && node->kind == SALTUS_NODE_MAPPING)
-        return saltus_scene_read_text(source, root, model);
+        return saltus_scene_read_text(source, root, source, node, model);
+    if (node && node->kind == SALTUS_NODE_SCALAR && strpbrk(node->text, "/."))
+        return saltus_scene_read_model_file(source, root, model);
     if (node && node->kind == SALTUS_NODE_SCALAR)
         *model = saltus_model_find(node->text);
     return SALTUS_OK;

@@ -76,9 +76,37 @@ static saltus_status fail_to_open(const char *source, int error, saltus_message 
                        "%s: neither a file nor a built-in scene; built-in scenes: %s", name.text, words.text);
 }
 
-saltus_status saltus_scene_load(const char *source, saltus_scene *scene, saltus_message *message) {
-    const saltus_source place = {.origin = source, .message = message};
+saltus_status saltus_read_file(const char *path, char **text, size_t *length, saltus_message *message) {
+    const saltus_source place = {.origin = path, .message = message};
     struct stat info;
+    *text = NULL;
+    if (stat(path, &info) != 0)
+        return fail_to_open(path, errno, message);
+    if (S_ISDIR(info.st_mode))
+        return fail_to_open(path, EISDIR, message);
+    FILE *file = fopen(path, "rb");
+    if (!file)
+        return fail_to_open(path, errno, message);
+    /* One byte more than allowed tells a file that is too large, also where its size is not known beforehand.
+     */
+    *text = malloc(largest_file + 1);
+    *length = *text ? fread(*text, 1, largest_file + 1, file) : 0;
+    saltus_status status = SALTUS_OK;
+    if (!*text)
+        status = saltus_source_fail(&place, 0, SALTUS_NO_MEMORY, "no memory for reading the scene");
+    else if (ferror(file))
+        status = saltus_source_fail(&place, 0, SALTUS_IO, "cannot be read (%s)", strerror(errno));
+    else if (*length > largest_file)
+        status = saltus_source_fail(&place, 0, SALTUS_BAD_INPUT, "too large for a scene (more than 1 MiB)");
+    fclose(file);
+    if (status != SALTUS_OK) {
+        free(*text);
+        *text = NULL;
+    }
+    return status;
+}
+
+saltus_status saltus_scene_load(const char *source, saltus_scene *scene, saltus_message *message) {
     if (!source || !source[0])
         return saltus_fail(message, SALTUS_BAD_INPUT,
                            "no scene given: name a scene file or a built-in scene");
@@ -86,26 +114,12 @@ saltus_status saltus_scene_load(const char *source, saltus_scene *scene, saltus_
         if (strcmp(saltus_builtins[k].name, source) == 0)
             return saltus_scene_parse(saltus_builtins[k].text, saltus_builtins[k].length, source, scene,
                                       message);
-    if (stat(source, &info) != 0)
-        return fail_to_open(source, errno, message);
-    if (S_ISDIR(info.st_mode))
-        return fail_to_open(source, EISDIR, message);
-    FILE *file = fopen(source, "rb");
-    if (!file)
-        return fail_to_open(source, errno, message);
-    /* One byte more than allowed tells a file that is too large, also where its size is not known beforehand.
-     */
-    char *text = malloc(largest_file + 1);
-    saltus_status status;
-    size_t length = text ? fread(text, 1, largest_file + 1, file) : 0;
-    if (!text)
-        status = saltus_source_fail(&place, 0, SALTUS_NO_MEMORY, "no memory for reading the scene");
-    else if (ferror(file))
-        status = saltus_source_fail(&place, 0, SALTUS_IO, "cannot be read (%s)", strerror(errno));
-    else
+    char *text = NULL;
+    size_t length = 0;
+    saltus_status status = saltus_read_file(source, &text, &length, message);
+    if (status == SALTUS_OK)
         status = saltus_scene_parse(text, length, source, scene, message);
     free(text);
-    fclose(file);
     return status;
 }
 

@@ -24,10 +24,19 @@ extern const char *const saltus_initial_keys[initial_lists];
 saltus_status saltus_scene_read(const saltus_source *source, const saltus_node *root, bool others,
                                 saltus_scene *scene);
 
-/* The model that the mapping `model` of a scene describes, with the stops' coordinates; to be released.
- * Errors: SALTUS_BAD_INPUT, SALTUS_NO_MEMORY. */
+/* The model that a mapping of equations, which may stand in another text (`place`), describes for a scene,
+ * with the stops' coordinates; to be released. Errors: SALTUS_BAD_INPUT, SALTUS_NO_MEMORY. */
 saltus_status saltus_scene_read_text(const saltus_source *source, const saltus_node *root,
+                                     const saltus_source *place, const saltus_node *equations,
                                      const saltus_model **model);
+/* The same where the scene's `model` is the path of a file, relative to the scene's own. Errors: SALTUS_IO
+ * too. */
+saltus_status saltus_scene_read_model_file(const saltus_source *source, const saltus_node *root,
+                                           const saltus_model **model);
+
+/* The contents of a file that is no larger than a scene may be, to be freed. Errors: SALTUS_IO,
+ * SALTUS_BAD_INPUT (too large), SALTUS_NO_MEMORY. */
+saltus_status saltus_read_file(const char *path, char **text, size_t *length, saltus_message *message);
 
 enum { SALTUS_MODEL_TEXT_MAX = 60000 }; /* bytes of a model in a file */
 /* The model that saltus_model_text describes. Errors as above. */

@@ -331,22 +331,27 @@ static void close_reading(reading *r) {
 }
 
 saltus_status saltus_scene_read_text(const saltus_source *source, const saltus_node *root,
+                                     const saltus_source *place, const saltus_node *node,
                                      const saltus_model **model) {
-    const saltus_node *node = saltus_node_member(root, "model"),
-                      *initial = saltus_node_member(root, "initial"),
+    const saltus_node *initial = saltus_node_member(root, "initial"),
                       *contacts = saltus_node_member(node, "contacts");
     char *json = NULL;
     size_t length = 0;
-    reading r = {.source = source, .text = {.origin = source->origin ? source->origin : "scene"}};
+    reading r = {.source = place,
+                 .text = {.origin = place->origin ? place->origin : "scene",
+                          .scene = source->origin ? source->origin : "scene"}};
     saltus_message reason = {.text = ""};
     saltus_status status = SALTUS_OK;
     r.text.parameters = r.parameters;
-    status = check_commas(source, root);
+    status = check_commas(place, node);
+    if (status == SALTUS_OK)
+        status = check_commas(source, root);
     for (const saltus_node *key = node->first; key && status == SALTUS_OK; key = key->next)
         status = read_key(&r, key);
     if (status == SALTUS_OK && r.text.motion.count + r.text.states.count == 0)
-        status = saltus_node_fail(source, node,
+        status = saltus_node_fail(place, node,
                                   "model: motion is missing; it holds the equations, such as x: -x - 0.1*x'");
+    r.source = source;
     if (!initial)
         initial = saltus_node_member(node, "start");
     if (status == SALTUS_OK && initial)
@@ -374,6 +379,47 @@ saltus_status saltus_scene_read_text(const saltus_source *source, const saltus_n
     return status;
 }
 
+/* The path as seen from the folder of the scene. */
+static char *path_beside(const char *origin, const char *path) {
+    const char *slash = path[0] == '/' || !origin ? NULL : strrchr(origin, '/');
+    size_t folder = slash ? (size_t)(slash - origin) + 1 : 0;
+    char *whole = malloc(folder + strlen(path) + 1);
+    if (whole)
+        sprintf(whole, "%.*s%s", (int)folder, folder ? origin : "", path);
+    return whole;
+}
+
+/* Equations stand in a file of their own under `model:`, as in a scene, or alone. */
+saltus_status saltus_scene_read_model_file(const saltus_source *source, const saltus_node *root,
+                                           const saltus_model **model) {
+    const saltus_node *name = saltus_node_member(root, "model");
+    saltus_source place = {.language = "YAML", .message = source->message};
+    saltus_document document = {.root = NULL};
+    char *text = NULL, *path = path_beside(source->origin, name->text);
+    saltus_message reason = {.text = ""};
+    if (!path)
+        return saltus_source_fail(source, 0, SALTUS_NO_MEMORY, "no memory for the model");
+    saltus_status status = saltus_read_file(path, &text, &place.length, &reason);
+    if (status != SALTUS_OK)
+        status = saltus_source_fail(source, name->key_line, status, "model: %s", reason.text);
+    place.text = text;
+    place.origin = path;
+    if (status == SALTUS_OK)
+        status = saltus_document_read(&place, &document);
+    const saltus_node *equations = saltus_node_member(document.root, "model");
+    if (!equations)
+        equations = document.root;
+    if (status == SALTUS_OK && (!equations || equations->kind != SALTUS_NODE_MAPPING))
+        status = saltus_source_fail(&place, 0, SALTUS_BAD_INPUT,
+                                    "holds no equations; they stand below model: as in a scene, or alone");
+    if (status == SALTUS_OK)
+        status = saltus_scene_read_text(source, root, &place, equations, model);
+    saltus_document_close(&document);
+    free(text);
+    free(path);
+    return status;
+}
+
 saltus_status saltus_model_of_text(const char *text, const saltus_model **model, saltus_message *message) {
     char *whole = malloc(strlen(text) + 16);
     saltus_document document;
@@ -387,7 +433,7 @@ saltus_status saltus_model_of_text(const char *text, const saltus_model **model,
     if (status == SALTUS_OK) {
         const saltus_node *node = saltus_node_member(document.root, "model");
         status = node && node->kind == SALTUS_NODE_MAPPING
-                     ? saltus_scene_read_text(&source, document.root, model)
+                     ? saltus_scene_read_text(&source, document.root, &source, node, model)
                      : saltus_fail(message, SALTUS_BAD_INPUT, "the model is no mapping");
         saltus_document_close(&document);
     }

@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { setting_size = 64 };
+enum { setting_size = 80 };
 static const long long rows_max = 1000000000LL;
 
 const char *saltus_pass_word(saltus_pass pass) {

@@ -457,6 +457,7 @@ static saltus_status parse_equation(const char *origin, const saltus_equation *e
     bool whole = true;
     p->name = copied(e->name, &whole);
     p->text = copied(e->text, &whole);
+    p->origin = origin;
     p->line = e->line;
     p->right.root = -1;
     if (!whole)
@@ -503,6 +504,7 @@ static saltus_status copy_numbers(text_model *m, const saltus_text *text, saltus
     to->parameters = calloc((size_t)text->parameter_count + 1, sizeof *to->parameters);
     to->constants = calloc((size_t)text->constant_count + 1, sizeof *to->constants);
     to->origin = copied(text->origin, &whole);
+    to->scene = copied(text->scene ? text->scene : text->origin, &whole);
     to->forcing = copied(text->forcing.text, &whole);
     m->source = copied(text->source ? text->source : "", &whole);
     whole = whole && to->parameters && to->constants && m->parameter_line;
@@ -549,6 +551,7 @@ static void free_model(text_model *m) {
     free(t->parameters);
     free(t->constants);
     free(t->origin);
+    free(t->scene);
     free(t->forcing);
     free(m->source);
     free(m->parameter_line);
@@ -625,7 +628,9 @@ static saltus_status check_names(const text_model *m, saltus_message *message) {
     for (int k = 0; k < count && status == SALTUS_OK; k++) {
         const saltus_equation place = {all[k].name, NULL, all[k].line};
         char sentence[200];
-        if (!is_name(all[k].name))
+        if (strlen(all[k].name) >= SALTUS_NAME_MAX)
+            status = place_failure(t->origin, &place, "a name must have 1 to 31 characters", message);
+        else if (!is_name(all[k].name))
             status = place_failure(t->origin, &place,
                                    "a name is made of letters, digits and _, a letter first", message);
         else if (is_reserved(all[k].name))
@@ -737,13 +742,16 @@ static saltus_status fill_model(text_model *m, const saltus_text *text, saltus_m
     const struct {
         const saltus_equations *from;
         saltus_parsed_list *to;
-    } lists[] = {{&text->families, &t->families}, {&text->let, &t->let},        {&text->motion, &t->motion},
-                 {&text->mass, &t->mass},         {&text->states, &t->states},  {&text->observe, &t->observe},
-                 {&text->scale, &t->scale},       {&text->initial, &t->initial}};
+    } lists[] = {{&text->families, &t->families}, {&text->let, &t->let},       {&text->motion, &t->motion},
+                 {&text->mass, &t->mass},         {&text->states, &t->states}, {&text->observe, &t->observe},
+                 {&text->scale, &t->scale}};
     saltus_status status = copy_numbers(m, text, message);
     for (size_t k = 0; k < sizeof lists / sizeof lists[0] && status == SALTUS_OK; k++)
         status = parse_list(t->origin, lists[k].from->items, lists[k].from->count,
                             sizeof *lists[k].from->items, lists[k].to, message);
+    if (status == SALTUS_OK)
+        status = parse_list(t->scene, text->initial.items, text->initial.count, sizeof *text->initial.items,
+                            &t->initial, message);
     saltus_parsed_list *const stops[] = {&t->coordinates, &t->clearances, &t->restitutions};
     const saltus_equation *firsts[] = {NULL, NULL, NULL};
     if (text->stop_count) {
@@ -752,7 +760,7 @@ static saltus_status fill_model(text_model *m, const saltus_text *text, saltus_m
         firsts[2] = &text->stops[0].r;
     }
     for (int k = 0; k < 3 && status == SALTUS_OK; k++)
-        status = parse_list(t->origin, firsts[k], text->stop_count, sizeof *text->stops, stops[k], message);
+        status = parse_list(t->scene, firsts[k], text->stop_count, sizeof *text->stops, stops[k], message);
     if (status == SALTUS_OK)
         status = check_names(m, message);
     return status == SALTUS_OK ? find_forcing(m, text, message) : status;

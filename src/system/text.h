@@ -45,6 +45,7 @@ typedef struct saltus_text_stop {
  * of a family; of masses "x1" or, for an entry of a matrix, "x1,x2". */
 typedef struct saltus_text {
     const char *origin; /* the file, for messages */
+    const char *scene;  /* the one that stops and initial stand in; NULL: the same */
     const char *source; /* what the model is known by in files: see saltus_model_text */
     const saltus_text_parameter *parameters;
     int parameter_count;

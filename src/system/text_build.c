@@ -58,7 +58,8 @@ static int refuse(builder *b, const saltus_expression_term *term, const char *fo
     char place[32] = "";
     if (term)
         snprintf(place, sizeof place, "column %d: ", term->begin + 1);
-    b->status = saltus_fail(b->message, SALTUS_BAD_INPUT, "%s:%d: %s: %s%s", b->text->origin,
+    b->status = saltus_fail(b->message, SALTUS_BAD_INPUT, "%s:%d: %s: %s%s",
+                            b->equation && b->equation->origin ? b->equation->origin : b->text->origin,
                             b->equation ? b->equation->line : 0, b->equation ? b->equation->name : "model",
                             place, sentence);
     return 0;
@@ -904,9 +905,10 @@ saltus_status saltus_constant_value(const char *text, double *value, saltus_mess
     b.made = calloc(1, sizeof *b.made);
     if (!no_memory(&b, b.made) && !no_memory(&b, saltus_graph_open(&graph) ? b.made : NULL)) {
         int node = node_of(&b, equation.right.root);
-        *value = graph.nodes[node].value;
-        if (b.status == SALTUS_OK && !isfinite(*value))
+        if (b.status == SALTUS_OK && !isfinite(graph.nodes[node].value))
             refuse(&b, NULL, "must be a finite number");
+        if (b.status == SALTUS_OK)
+            *value = graph.nodes[node].value;
     }
     free(b.division);
     saltus_graph_close(&graph);

@@ -11,7 +11,8 @@
 /* An equation, parsed. Its left side is `base`, `base[number]`, or `base[index]` for all members of a family.
  */
 typedef struct saltus_parsed {
-    char *name, *text; /* as written */
+    char *name, *text;  /* as written */
+    const char *origin; /* the file it stands in; the text's */
     int line;
     char base[SALTUS_NAME_MAX], index[SALTUS_NAME_MAX];
     int number; /* 0: none */
@@ -25,7 +26,7 @@ typedef struct saltus_parsed_list {
 
 /* A text, copied and parsed. */
 typedef struct saltus_parsed_text {
-    char *origin, *forcing;
+    char *origin, *scene, *forcing; /* scene: where stops and initial stand */
     saltus_parameter *parameters;
     int parameter_count;
     saltus_text_constant *constants;
