@@ -270,8 +270,9 @@ static void an_interrupted_curve_of_the_pipe_goes_on(void **unused) {
         saltus_branch_options options =
             locus_options(tori ? SALTUS_POINT_NS : SALTUS_POINT_GR, key, low, high);
         options.orbit.segments = tori ? 3 : 0;
-        options.points = 400;
-        assert_true(branch_check_resumed(&r.spec, r.periods, r.states[0], &options, 110) > 0);
+        options.step_max = 0.04;
+        options.direction = -1;
+        assert_true(branch_check_resumed(&r.spec, r.periods, r.states[0], &options, 8) > 1);
     }
     free(r.text);
 }
@@ -424,23 +425,50 @@ static void two_masses(void **unused) {
     saltus_system_free(system);
 }
 
+/* A curve of flips of the pipe and what meets it, which several tests look at. */
+typedef struct pipe_flips_network {
+    reference reference;
+    saltus_branch_options options;
+    branch_record record;
+} pipe_flips_network;
+
+static int make_network(void **state) {
+    static const char *const key[2] = {"omega", "d"};
+    static const double low[2] = {38, 0.034}, high[2] = {46, 0.036};
+    static pipe_flips_network made;
+    made.reference = read_reference("fig7d");
+    made.options = locus_options(SALTUS_POINT_PD, key, low, high);
+    made.options.switches = 1;
+    made.options.step_max = 0.04;
+    made.record =
+        branch_run(&made.reference.spec, made.reference.periods, made.reference.states[0], &made.options);
+    *state = &made;
+    return 0;
+}
+
+static int drop_network(void **state) {
+    pipe_flips_network *made = *state;
+    branch_forget(&made->record);
+    free(made->reference.text);
+    return 0;
+}
+
 /* Where a curve of flips ends at grazing the curve of grazing has its own corner, found by other equations.
  */
-static void curves_meet_at_corners(void **unused) {
-    (void)unused;
-    static const char *const key[2] = {"omega", "d"}, *const turned[2] = {"d", "omega"};
-    static const double low[2] = {38, 0.034}, high[2] = {46, 0.036};
+static void curves_meet_at_corners(void **state) {
+    const pipe_flips_network *network = *state;
+    static const char *const turned[2] = {"d", "omega"};
     static const double from[2] = {0.034, 38}, to[2] = {0.0365, 46};
-    reference r = read_reference("fig7d");
-    saltus_branch_options options = locus_options(SALTUS_POINT_PD, key, low, high);
+    const reference *r = &network->reference;
     saltus_branch_options other = locus_options(SALTUS_POINT_GR, turned, from, to);
-    branch_record flips = branch_run(&r.spec, r.periods, r.states[0], &options);
-    branch_record grazing = branch_run(&r.spec, r.periods, r.states[0], &other);
+    branch_record flips = network->record;
+    other.step_max = 0.04;
+    branch_record grazing = branch_run(&r->spec, r->periods, r->states[0], &other);
     int met = 0;
     for (int k = 0; k < flips.count; k++) {
         const double *at = flips.point[k].value;
         double nearest = INFINITY;
-        if (flips.point[k].kind != SALTUS_POINT_GR_PD)
+        if (flips.point[k].kind != SALTUS_POINT_GR_PD || flips.point[k].locus != SALTUS_POINT_PD)
             continue;
         for (int j = 0; j < grazing.count; j++)
             if (grazing.point[j].kind == SALTUS_POINT_GR_PD)
@@ -450,9 +478,7 @@ static void curves_meet_at_corners(void **unused) {
         met++;
     }
     assert_int_equal(met, 2);
-    branch_forget(&flips);
     branch_forget(&grazing);
-    free(r.text);
 }
 
 /* How often to switch branches until this one. */
@@ -555,28 +581,24 @@ static void check_same_ends(const branch_record *one, const branch_record *other
 
 /* Of the pipe: the flips' curve has a double multiplier -1 twice, where tori begin, and meets grazing twice.
  * The curve of grazing is the one that is found on its own. */
-static void corners_start_the_curves_that_meet_there(void **unused) {
-    (void)unused;
-    static const char *const key[2] = {"omega", "d"};
-    static const double low[2] = {38, 0.034}, high[2] = {46, 0.036};
-    reference r = read_reference("fig7d");
-    saltus_branch_options options = locus_options(SALTUS_POINT_PD, key, low, high);
-    options.switches = 1;
-    branch_record record = branch_run(&r.spec, r.periods, r.states[0], &options);
+static void corners_start_the_curves_that_meet_there(void **state) {
+    const pipe_flips_network *network = *state;
+    const reference *r = &network->reference;
+    const branch_record *record = &network->record;
     int count[SALTUS_POINT_KINDS] = {0};
-    check_network(&record, &options);
-    for (int k = 0; k < record.count; k++)
-        count[record.point[k].locus] += record.point[k].step == 0;
+    check_network(record, &network->options);
+    for (int k = 0; k < record->count; k++)
+        count[record->point[k].locus] += record->point[k].step == 0;
     assert_true(count[SALTUS_POINT_PD] == 2 && count[SALTUS_POINT_GR] == 2 && count[SALTUS_POINT_NS] == 4);
-    for (int k = 0; k < record.count; k += 5)
-        if (record.point[k].kind == SALTUS_POINT_NS)
-            check_anew(&record.point[k], SALTUS_POINT_NS);
-    saltus_branch_options alone = locus_options(SALTUS_POINT_GR, key, low, high);
-    branch_record grazing = branch_run(&r.spec, r.periods, r.states[0], &alone);
-    check_same_ends(&grazing, &record, SALTUS_POINT_GR, 2);
+    for (int k = 0; k < record->count; k += 3)
+        if (record->point[k].kind == SALTUS_POINT_NS)
+            check_anew(&record->point[k], SALTUS_POINT_NS);
+    saltus_branch_options alone = network->options;
+    alone.locus = SALTUS_POINT_GR;
+    alone.switches = 0;
+    branch_record grazing = branch_run(&r->spec, r->periods, r->states[0], &alone);
+    check_same_ends(&grazing, record, SALTUS_POINT_GR, 2);
     branch_forget(&grazing);
-    branch_forget(&record);
-    free(r.text);
 }
 
 /* An oscillator whose folds, flips and grazings meet. */
@@ -849,36 +871,34 @@ static void folds_have_cusps(void **unused) {
 
 /* On a curve of flips, where a second multiplier reaches -1; on one of tori, where the angle is a third or a
  * quarter of the circle, until it is a half. */
-static void resonances(void **unused) {
-    (void)unused;
+static void resonances(void **state) {
+    const pipe_flips_network *network = *state;
     static const char *const key[2] = {"omega", "d"};
-    static const double low[2] = {38, 0.034}, high[2] = {46, 0.036}, from[2] = {38.5, 0.0345},
-                        to[2] = {42.2, 0.0361};
+    static const double from[2] = {38.5, 0.0345}, to[2] = {42.2, 0.0361};
     const double pi = acos(-1);
-    reference r = read_reference("fig7d");
+    const reference *r = &network->reference;
     int found[SALTUS_POINT_KINDS] = {0};
+    saltus_branch_options options = locus_options(SALTUS_POINT_NS, key, from, to);
+    branch_record own = branch_run(&r->spec, r->periods, r->states[0], &options);
     for (int tori = 0; tori < 2; tori++) {
-        saltus_branch_options options = tori ? locus_options(SALTUS_POINT_NS, key, from, to)
-                                             : locus_options(SALTUS_POINT_PD, key, low, high);
-        branch_record record = branch_run(&r.spec, r.periods, r.states[0], &options);
-        for (int k = 0; k < record.count; k++) {
-            const saltus_branch_point *p = &record.point[k];
+        const branch_record *record = tori ? &own : &network->record;
+        for (int k = 0; k < record->count; k++) {
+            const saltus_branch_point *p = &record->point[k];
             const saltus_multiplier *mu = p->multipliers;
             double angle = p->kind == SALTUS_POINT_R2   ? pi
                            : p->kind == SALTUS_POINT_R3 ? 2 * pi / 3
                            : p->kind == SALTUS_POINT_R4 ? pi / 2
                                                         : NAN;
-            if (isnan(angle))
+            if (isnan(angle) || (!tori && p->locus != SALTUS_POINT_PD))
                 continue;
             found[p->kind]++;
             /* A double multiplier answers to its place like a square root. */
             check_near(fabs(atan2(mu[0].im, mu[0].re)), angle, p->kind == SALTUS_POINT_R2 ? 1e-3 : 1e-8);
             check_near(mu[0].log_modulus + mu[1].log_modulus, 0, 1e-7);
         }
-        branch_forget(&record);
     }
+    branch_forget(&own);
     assert_true(found[SALTUS_POINT_R2] == 3 && found[SALTUS_POINT_R3] == 1 && found[SALTUS_POINT_R4] == 1);
-    free(r.text);
 }
 
 static void check_pipe_curve(saltus_point_kind kind, const double *low, const double *high, int least) {
@@ -947,5 +967,5 @@ int main(void) {
         cmocka_unit_test(pipe_tori),
         cmocka_unit_test(tori_end_at_resonance),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests(tests, make_network, drop_network);
 }
