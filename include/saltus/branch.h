@@ -75,9 +75,10 @@ typedef struct saltus_branch_point {
     double residual; /* scaled, at the last evaluation; a Newton step from there ends in rounding */
     int iterations;  /* Newton steps */
     double log_volume, sum_rule; /* as in saltus_orbit */
-    double accuracy;             /* special points: bound on the error of value[0] from the last bracket */
-    double grazing_time;  /* GR: of the touch, in periods from phase 0, in [0, periods); of several the worst;
-                             NAN elsewhere, and where no more is known than that the label changes */
+    double accuracy;     /* special points: bound on the error of value[0], from the last bracket, from what a
+                            flow of     ten times the tolerance finds, and from rounding */
+    double grazing_time; /* GR: of the touch, in periods from phase 0, in [0, periods); of several the worst;
+                            NAN elsewhere, and where no more is known than that the label changes */
     double contact_force; /* in contact all the time ("held"): the smallest force of its contacts over the
                              orbit, as saltus_flow_forces has them (pipe: per modal mass, (n.f)/(n.n); masses:
                              in the units of F); zero where a contact lets go; NAN elsewhere */

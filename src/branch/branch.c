@@ -16,6 +16,7 @@
 #include "orbit/returns.h"
 #include "orbit/sequence.h"
 
+#include <float.h>
 #include <limits.h>
 #include <math.h>
 #include <stdio.h>
@@ -274,8 +275,11 @@ static saltus_status give(saltus_branch *b, const saltus_solution *s, notice wha
     point->parent = t->parent;
     point->step = t->regular;
     point->arclength = t->arclength + what.ahead;
-    point->accuracy = what.accuracy;
     point->value[0] = what.value != 0 ? what.value : s->value;
+    point->accuracy = what.accuracy + DBL_EPSILON * fabs(point->value[0]);
+    /* Only the event-driven flow tells these, to its tolerance. */
+    if (what.kind == SALTUS_POINT_CH || what.kind == SALTUS_POINT_ST)
+        point->accuracy += b->orbits.options.flow.rtol * b->orbits.family.unit[0];
     snprintf(point->label_after, sizeof point->label_after, "%s", what.after ? what.after : "");
     snprintf(point->reason, sizeof point->reason, "%s%s", what.reason ? what.reason : "",
              what.addition ? what.addition : "");
@@ -572,6 +576,7 @@ static saltus_status graze(saltus_branch *b, double accuracy, saltus_message *me
                    .change = true,
                    .grazing = &at->worst};
     bool joins = saltus_solution_half_distance(o, at, false) < 1e-4;
+    what.accuracy += saltus_special_doubt(o, SALTUS_TEST_BREACH, at);
     saltus_status status = saltus_change_graze(o, at, &beyond, b->spare, b->trial, &change, message);
     if (status != SALTUS_OK)
         return status;

@@ -120,8 +120,8 @@ static bool zero_elsewhere(saltus_orbits *o, const saltus_sequence *sequence, co
                            double *parameter, double *accuracy) {
     enum { samples = 6, passes = 2 };
     static const double place[samples] = {-3, -2, -1, 1, 2, 3};
-    const double apart = 1e-5;
-    double value[samples], test[samples], exponent = 0, start = *parameter + place[0] * apart, *u;
+    const double between = 1e-5;
+    double value[samples], test[samples], exponent = 0, start = *parameter + place[0] * between, *u;
     size_t m = (size_t)(o->n + sequence->count + 2);
     double *work = calloc(2 * m, sizeof *work);
     saltus_shooting *shooting = NULL;
@@ -133,7 +133,7 @@ static bool zero_elsewhere(saltus_orbits *o, const saltus_sequence *sequence, co
     for (int pass = 0; pass < passes && status == SALTUS_OK; pass++) {
         for (int k = 0; k < samples && status == SALTUS_OK; k++) {
             saltus_scaled found;
-            value[k] = centre + place[k] * apart;
+            value[k] = centre + place[k] * between;
             if (!determinant_at(shooting, value[k], flip, u, work, work + m, &found))
                 status = SALTUS_NO_CONVERGENCE;
             exponent = k == 0 ? found.exponent : exponent;
@@ -142,7 +142,7 @@ static bool zero_elsewhere(saltus_orbits *o, const saltus_sequence *sequence, co
         if (status == SALTUS_OK) {
             centre = saltus_curve_interpolate(test, value, samples);
             double spread = fabs(centre - saltus_curve_interpolate(test + 1, value + 1, samples - 2));
-            *accuracy = o->family.unit[0] * fmax(spread, saltus_rounding_at(apart));
+            *accuracy = o->family.unit[0] * fmax(spread, saltus_rounding_at(between));
         }
     }
     saltus_shooting_free(shooting);
@@ -204,6 +204,78 @@ static bool joins_image(saltus_orbits *o, const saltus_solution *from, const sal
     return true;
 }
 
+/* Arclength between points that tell how a test changes at its zero. */
+static const double apart = 1e-6;
+
+/* A test and the parameter so far ahead of `at`. */
+static bool test_beside(saltus_orbits *o, saltus_test test, const saltus_solution *at, double ahead,
+                        saltus_solution *scratch, double *parameter, double *value) {
+    saltus_message ignored;
+    saltus_status status = saltus_solution_visit(o, at, ahead, scratch, &ignored);
+    if (status == SALTUS_OK && test == SALTUS_TEST_PAIR)
+        status = saltus_solution_survey(o, scratch, &ignored);
+    *parameter = scratch->parameter[0];
+    *value = status == SALTUS_OK ? saltus_test_value(test, 0, scratch, at) : NAN;
+    return saltus_orbits_noted(o, status) == SALTUS_OK && isfinite(*value);
+}
+
+/* The parameter where a test is zero by a line through three points around the one so far ahead of `at`, and
+ * what points that should be the same scatter by there. */
+static bool zero_around(saltus_orbits *o, saltus_test test, const saltus_solution *at, double middle,
+                        saltus_solution *scratch, double *parameter, double *scatter) {
+    enum { close_points = 4 };
+    const double close = 1e-3 * apart;
+    double place[3], value[3], mean = 0;
+    for (int k = 0; k < 3; k++) {
+        if (!test_beside(o, test, at, middle + (k - 1) * apart, scratch, &place[k], &value[k]))
+            return false;
+        mean += value[k] / 3;
+    }
+    double rise = value[2] - value[0], slope = rise != 0 ? (place[2] - place[0]) / rise : 0;
+    *parameter = place[1] - slope * mean;
+    *scatter = middle == 0 ? fabs(slope * value[1]) : 0;
+    for (int k = 0; k < close_points; k++) {
+        double ahead = (k < 2 ? k - 2 : k - 1) * close, here, there;
+        if (!test_beside(o, test, at, middle + ahead, scratch, &here, &there))
+            return false;
+        double share = ahead / (2 * apart);
+        *scatter = fmax(*scatter, fabs(here - place[1] - share * (place[2] - place[0])) +
+                                      fabs(slope * (there - value[1] - share * rise)));
+    }
+    return isfinite(*parameter);
+}
+
+double saltus_special_doubt(saltus_orbits *o, saltus_test test, const saltus_solution *at) {
+    enum { cautious = 4 }; /* two flows, or few points, differ by less than their errors now and then */
+    saltus_orbits other = {.family = o->family, .origin = o->origin, .options = o->options};
+    saltus_solution there = {.value = 0}, scratch = {.value = 0};
+    double here, beyond, scatter[2], doubt = INFINITY, *rtol = &other.options.flow.rtol;
+    saltus_message ignored;
+    *rtol = *rtol < 1e-4 ? 10 * *rtol : *rtol / 10;
+    saltus_status status = saltus_orbits_open(&other, &ignored);
+    if (status == SALTUS_OK)
+        status =
+            saltus_solution_place(&other, &at->sequence, at->parameter, at->state, false, &there, &ignored);
+    if (status == SALTUS_OK && there.at.unknowns == at->at.unknowns) {
+        size_t size = (size_t)at->at.unknowns * sizeof *at->at.u;
+        memcpy(there.at.u, at->at.u, size);
+        memcpy(there.at.tangent, at->at.tangent, size);
+        there.flip = at->flip;
+        /* On one side where a domain ends. */
+        for (int side = 0; side < 3 && isinf(doubt); side++) {
+            double middle = (side == 2 ? -1 : side) * apart;
+            if (zero_around(o, test, at, middle, &scratch, &here, &scatter[0]) &&
+                zero_around(&other, test, &there, middle, &scratch, &beyond, &scatter[1]))
+                doubt = cautious * o->family.unit[0] * (fabs(beyond - here) + fmax(scatter[0], scatter[1]));
+        }
+    }
+    saltus_orbits_noted(o, other.starved ? SALTUS_NO_MEMORY : status);
+    saltus_solution_clear(&there);
+    saltus_solution_clear(&scratch);
+    saltus_orbits_close(&other);
+    return doubt;
+}
+
 saltus_status saltus_special_visit(saltus_orbits *o, const saltus_solution *from, double reach,
                                    saltus_special *special, saltus_solution *at, bool *is_one,
                                    saltus_message *message) {
@@ -221,7 +293,9 @@ saltus_status saltus_special_visit(saltus_orbits *o, const saltus_solution *from
         return status;
     special->value = at->value;
     *is_one = special->kind != SALTUS_POINT_NS || saltus_pair_on_circle(o, &at->survey);
-    if ((special->kind == SALTUS_POINT_LP || special->kind == SALTUS_POINT_BP) && !joins_half(o, at, special))
-        joins_image(o, from, at, special);
+    bool is_fold = special->kind == SALTUS_POINT_LP || special->kind == SALTUS_POINT_BP;
+    bool joins = is_fold && (joins_half(o, at, special) || joins_image(o, from, at, special));
+    if (*is_one && !joins && !crossing.found && special->test != SALTUS_TEST_VALUE)
+        special->accuracy += saltus_special_doubt(o, special->test, at);
     return status;
 }

@@ -30,6 +30,11 @@ saltus_status saltus_special_visit(saltus_orbits *orbits, const saltus_solution 
                                    saltus_special *special, saltus_solution *at, bool *is_one,
                                    saltus_message *message);
 
+/* How far the parameter of a special point may be off, beside the width of the bracket that it was found in:
+ * by rounding, and by what a flow of another tolerance makes of curve and test there. `at`: of the shooting's
+ * sequence, near the zero of the test. INFINITY where that flow finds no such point. */
+double saltus_special_doubt(saltus_orbits *orbits, saltus_test test, const saltus_solution *at);
+
 /* Where a branch begins. */
 typedef struct saltus_branch_start {
     saltus_sequence sequence;

@@ -64,13 +64,41 @@ static bool crossing(const step *s, int side, real tau, real h, const real *x, c
     return true;
 }
 
+/* No step goes over a border of the times that are passed over. */
+static real up_to_border(const passage *p, const step *s, real tau, real h) {
+    for (int way = -1; way <= 1 && p->around > 0; way += 2) {
+        real left = (p->touch + way * p->around) * s->model->period - tau;
+        if (left > real_pow(10, -12) && left < h)
+            h = left;
+    }
+    return h;
+}
+
+static bool passed_over(const passage *p, const step *s, real tau, real h) {
+    return p->around > 0 && real_abs((tau + h / 2) / s->model->period - p->touch) < p->around;
+}
+
+/* The highest gap of a face between two times, if there is one in between. */
+static void look_for_height(passage *p, const step *s, int side, real tau, real h, const real *x,
+                            const real *end) {
+    const model *m = s->model;
+    trial t = {.s = s, .x = x, .tau = tau, .side = side};
+    if (!(side * model_contact(m, x + m->modes) > 0 && side * model_contact(m, end + m->modes) < 0))
+        return;
+    look(&t, zero(&t, 0, h, true));
+    p->height = real_max(p->height, t.gap);
+}
+
 /* The first contact within h: its side, or 0. */
-static int contact(const step *s, real tau, real h, const real *x, const real *end, real *at) {
+static int contact(passage *p, const step *s, real tau, real h, const real *x, const real *end, real *at) {
     int side = 0;
     for (int face = 1; face >= -1; face -= 2) {
         real when;
-        if ((face > 0 ? s->model->stop.upper : s->model->stop.lower) &&
-            crossing(s, face, tau, h, x, end, &when) && (side == 0 || when < *at)) {
+        if (!(face > 0 ? s->model->stop.upper : s->model->stop.lower))
+            continue;
+        if (passed_over(p, s, tau, h))
+            look_for_height(p, s, face, tau, h, x, end);
+        else if (crossing(s, face, tau, h, x, end, &when) && (side == 0 || when < *at)) {
             side = face;
             *at = when;
         }
@@ -104,14 +132,15 @@ static const char *reach(passage *p, const step *s, real *tau, real end, real *h
         if (++p->steps > steps_most)
             return "too many steps: chatter?";
         *h = real_min(*h, s->model->period / steps_a_period);
-        real taken = real_min(*h, end - *tau), error = step_take(s, *tau, taken, p->vectors, p->x, next);
+        real taken = up_to_border(p, s, *tau, real_min(*h, end - *tau)),
+             error = step_take(s, *tau, taken, p->vectors, p->x, next);
         if (!(error <= 1)) {
             p->refused++;
             *h = step_next(s, taken, error);
             continue;
         }
         real at = taken;
-        int side = contact(s, *tau, taken, p->x, next, &at);
+        int side = contact(p, s, *tau, taken, p->x, next, &at);
         if (side)
             step_take(s, *tau, at, p->vectors, p->x, next);
         memcpy(p->x, next, size);
@@ -128,7 +157,8 @@ static const char *reach(passage *p, const step *s, real *tau, real end, real *h
 
 const char *passage_run(passage *p, step *s, int periods, bool tangents, const real *start) {
     const int n = 2 * s->model->modes;
-    *p = (passage){.vectors = tangents ? n + 1 : 1};
+    *p = (passage){
+        .vectors = tangents ? n + 1 : 1, .touch = p->touch, .around = p->around, .height = -HUGE_VAL};
     memcpy(p->x, start, n * sizeof *start);
     for (int j = 0; tangents && j < n; j++)
         p->x[n * (1 + j) + j] = 1;

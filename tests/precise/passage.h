@@ -23,6 +23,8 @@ typedef struct passage {
     real section[passage_periods][model_dimension]; /* at tau = 0, T, 2 T, ... */
     impact impacts[passage_impacts];
     int impact_count;
+    /* A touch that is passed over: contacts within `around` of `touch`, in periods; the highest gap there. */
+    real touch, around, height;
     long steps, refused;
 } passage;
 

@@ -93,7 +93,7 @@ int main(int count, char **words) {
         return 2;
     }
     char *text = read_text(s.path);
-    passage *p = malloc(sizeof *p);
+    passage *p = calloc(1, sizeof *p);
     const char *trouble = text && p ? refine(&s, text, p) : "the start cannot be read";
     if (trouble)
         fprintf(stderr, "precise_orbit: %s\n", trouble);

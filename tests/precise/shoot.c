@@ -6,8 +6,8 @@
 
 enum { iterations_most = 12 };
 
-/* Gauss with the largest pivot of each column: a x = b, both destroyed, x in b. */
-static bool solve(int n, real a[model_dimension][model_dimension], real *b) {
+bool shoot_solve(int n, real *matrix, real *b) {
+    real(*a)[n] = (real(*)[n])matrix;
     for (int k = 0; k < n; k++) {
         int pivot = k;
         for (int i = k + 1; i < n; i++)
@@ -48,13 +48,13 @@ real shoot_distance(const model *m, const real *difference) {
 /* (M - 1) correction = start - end */
 static bool correct(const model *m, const real *matrix, real *state, const real *gap) {
     const int n = 2 * m->modes;
-    real a[model_dimension][model_dimension], correction[model_dimension];
+    real a[model_dimension * model_dimension], correction[model_dimension];
     for (int i = 0; i < n; i++) {
         correction[i] = -gap[i];
         for (int j = 0; j < n; j++)
-            a[i][j] = matrix[i * n + j] - (i == j);
+            a[i * n + j] = matrix[i * n + j] - (i == j);
     }
-    bool solved = solve(n, a, correction);
+    bool solved = shoot_solve(n, a, correction);
     for (int i = 0; i < n; i++)
         state[i] += correction[i];
     return solved;

@@ -11,6 +11,9 @@
  * accurate. On failure: a phrase that says why. */
 const char *shoot(step *s, int periods, real *state, passage *p, real *matrix, bool known, real *residual);
 
+/* Gauss with the largest pivot of each column: a x = b, both destroyed, x in b; a is n x n, row-major. */
+bool shoot_solve(int n, real *a, real *b);
+
 /* The largest component of a difference of states; velocities are divided by omega. */
 real shoot_distance(const model *m, const real *difference);
 
