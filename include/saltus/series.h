@@ -63,9 +63,10 @@ saltus_status saltus_series_chaos_test(const double *series, long long count,
 /* A correlation dimension and what it rests on. */
 typedef struct saltus_series_dimension {
     double dimension;
-    double error;       /* of both kinds together */
+    double error;       /* of all kinds together */
     double sampling;    /* standard error that comes of the finite number of points */
     double variation;   /* largest deviation of an octave's slope from that over the whole range */
+    double drift;       /* how far a slope over these radii may be from that over ever smaller ones */
     double radius[2];   /* range of weighted distances over which the slope was taken */
     bool decade;        /* that range spans a decade; a shorter one is a hint rather than a dimension */
     long long pairs;    /* compared */
@@ -81,9 +82,10 @@ typedef struct saltus_series_dimension {
  * radii is a decade or more in which the slope is best known and C is at most 1/20; a shorter one where no
  * decade has a slope known to a tenth. Where a decade of smaller radii has a slope of its own, that one
  * counts: noise above the resolution is structure too. The sampling error comes of a jackknife over 16 blocks
- * in time, because pairs that share a point, and points that follow each other, are not independent. What
- * approaches a power law slower than any power is not in the error: sets whose density is singular, such as
- * that of the logistic map at r = 4, come out a tenth too small. Points that recur within the resolution,
+ * in time, because pairs that share a point, and points that follow each other, are not independent. Sets
+ * whose density is singular, such as that of the logistic map at r = 4, approach a power law slower than any
+ * power, C(r) as r log r: their slope comes out a tenth too small. As that cannot be told from the points the
+ * error is never smaller. Points that recur within the resolution,
  * once or more on average, have dimension 0 without error. Errors: SALTUS_BAD_INPUT (fewer than
  * SALTUS_SERIES_LEAST points, values or weights that are not finite, options), SALTUS_NO_CONVERGENCE (too few
  * pairs at small distances for any range of radii), SALTUS_NO_MEMORY. */

@@ -270,7 +270,13 @@ static saltus_status judge(const saltus_series_cloud *cloud, const saltus_series
             message, SALTUS_NO_CONVERGENCE,
             "no range of radii for the dimension: too few of %lld pairs are at small distances", t->compared);
     dimension->dimension = r.slope;
-    dimension->error = error_of(&r);
+    /* Where C(r) goes as r^D log(size / r), as that of a singular density does, its slope is less than D by
+     * 1 / log(size / r), and half of that with a constant beside the logarithm. No few decades exclude it. */
+    int widest = edges - 1;
+    while (t->count[widest - 1] >= t->count[edges - 1])
+        widest--;
+    dimension->drift = 0.5 / (t->radius[widest] - 0.5 * (t->radius[r.first] + t->radius[r.last]));
+    dimension->error = fmax(error_of(&r), dimension->drift);
     dimension->sampling = r.sampling;
     dimension->variation = r.variation;
     dimension->radius[0] = exp(t->radius[r.first]) * cloud->unit;

@@ -66,8 +66,8 @@ static bool crossing(const step *s, int side, real tau, real h, const real *x, c
 
 /* No step goes over a border of the times that are passed over. */
 static real up_to_border(const passage *p, const step *s, real tau, real h) {
-    for (int way = -1; way <= 1 && p->around > 0; way += 2) {
-        real left = (p->touch + way * p->around) * s->model->period - tau;
+    for (int k = 0; k < 4 && p->around > 0; k++) {
+        real left = (p->touch[k / 2] + (k % 2 ? p->around : -p->around)) * s->model->period - tau;
         if (left > real_pow(10, -12) && left < h)
             h = left;
     }
@@ -75,7 +75,9 @@ static real up_to_border(const passage *p, const step *s, real tau, real h) {
 }
 
 static bool passed_over(const passage *p, const step *s, real tau, real h) {
-    return p->around > 0 && real_abs((tau + h / 2) / s->model->period - p->touch) < p->around;
+    real middle = (tau + h / 2) / s->model->period;
+    return p->around > 0 &&
+           (real_abs(middle - p->touch[0]) < p->around || real_abs(middle - p->touch[1]) < p->around);
 }
 
 /* The highest gap of a face between two times, if there is one in between. */
@@ -157,8 +159,10 @@ static const char *reach(passage *p, const step *s, real *tau, real end, real *h
 
 const char *passage_run(passage *p, step *s, int periods, bool tangents, const real *start) {
     const int n = 2 * s->model->modes;
-    *p = (passage){
-        .vectors = tangents ? n + 1 : 1, .touch = p->touch, .around = p->around, .height = -HUGE_VAL};
+    *p = (passage){.vectors = tangents ? n + 1 : 1,
+                   .touch = {p->touch[0], p->touch[1]},
+                   .around = p->around,
+                   .height = -HUGE_VAL};
     memcpy(p->x, start, n * sizeof *start);
     for (int j = 0; tangents && j < n; j++)
         p->x[n * (1 + j) + j] = 1;

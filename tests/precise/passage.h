@@ -23,8 +23,9 @@ typedef struct passage {
     real section[passage_periods][model_dimension]; /* at tau = 0, T, 2 T, ... */
     impact impacts[passage_impacts];
     int impact_count;
-    /* A touch that is passed over: contacts within `around` of `touch`, in periods; the highest gap there. */
-    real touch, around, height;
+    /* Touches that are passed over, of an orbit and, where it is its own mirror image, half of it later:
+     * contacts within `around` of them, in periods; the highest gap there. */
+    real touch[2], around, height;
     long steps, refused;
 } passage;
 

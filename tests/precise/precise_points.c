@@ -128,7 +128,8 @@ static bool check(const char *line, const char *key) {
         if (!number_after(strstr(line, "\"grazing\"") ? strstr(line, "\"grazing\"") : "",
                           "\"time_over_T\": ", &touch))
             trouble = "no touch";
-        q.p.touch = (real)touch;
+        q.p.touch[0] = (real)touch;
+        q.p.touch[1] = (real)(touch < 0.5 * q.periods ? touch + 0.5 * q.periods : touch - 0.5 * q.periods);
         q.p.around = real_pow(10, -5);
     }
     if (!trouble && !step_open(&q.stepper, &q.m, real_columns, real_pow(10, -28), 2 * q.m.modes + 1))
