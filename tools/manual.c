@@ -201,7 +201,7 @@ static void put_command_page(const cli_command *command, FILE *file) {
     put_examples(command->examples, file);
     if (command->notes) {
         fputs(".SH NOTES\n", file);
-        put_roff(command->notes, file);
+        put_roff(command->notes, ".PP", file);
         fputc('\n', file);
     }
     put_see(command->see, file);

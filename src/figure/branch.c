@@ -83,6 +83,8 @@ static bool write_script(saltus_plot_page *page, saltus_page *paper) {
     int rows;
     if (paper->free_height)
         paper->height += saltus_plot_legend_height(page, paper->width, &rows);
+    put_caption(page, paper);
+    saltus_page_fit_caption(paper);
     saltus_page_begin(paper);
     put_caption(page, paper);
     page->page = paper;

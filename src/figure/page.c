@@ -8,6 +8,7 @@
 #include <errno.h>
 #include <math.h>
 #include <string.h>
+#include <unistd.h>
 
 /* A page whose size is asked for has type of eight points, of which the usual letter has 52/3 units. */
 static const double mm_per_unit = 8 * 25.4 / 72 / (13 * 96 / 72.0), usual_width = 1600, usual_height = 1200;
@@ -188,11 +189,13 @@ void saltus_page_heading(saltus_page *page, const saltus_line *own) {
     page->top = page->height - 6;
     if (page->look.no_heading)
         return;
-    page->top = page->height - 39.6;
-    page->top =
-        put_lines(page, page->look.title ? asked.text : own->text, "{/=20:Bold ", "}", 96, "", page->top, 42);
-    saltus_page_label(page, "Saltus " SALTUS_VERSION, page->width - 24, 14.4,
-                      "right tc rgb '#909090' font ',9' front");
+    const char *text = page->look.title ? asked.text : own->text;
+    page->top = page->width < 1000
+                    ? put_lines(page, text, "{/=16:Bold ", "}", 118, "", page->height - 26, 34)
+                    : put_lines(page, text, "{/=20:Bold ", "}", 96, "", page->height - 39.6, 42);
+    if (page->width >= 1000)
+        saltus_page_label(page, "Saltus " SALTUS_VERSION, page->width - 24, 14.4,
+                          "right tc rgb '#909090' font ',9' front");
 }
 
 void saltus_page_words(saltus_page *page, const saltus_line *line, const char *colour) {
@@ -202,17 +205,27 @@ void saltus_page_words(saltus_page *page, const saltus_line *line, const char *c
         page->top = put_lines(page, line->text, "", "", 151, style, page->top, 30.6);
 }
 
+void saltus_page_fit_caption(saltus_page *page) {
+    if (page->free_height && page->width < 1000)
+        page->height += page->height - page->top;
+    fflush(page->file);
+    rewind(page->file);
+    /* Should it fail, what is put later stands over it: a script is longer than its caption. */
+    if (ftruncate(fileno(page->file), 0) != 0)
+        rewind(page->file);
+}
+
 /* Panels */
 
 saltus_frame saltus_page_rest(const saltus_page *page, double below) {
     bool narrow = page->width < 1000;
-    return (saltus_frame){narrow ? 112 : 144, page->width - (narrow ? 24 : 43.2), narrow ? 74 : 93.6,
+    return (saltus_frame){narrow ? 124 : 144, page->width - (narrow ? 24 : 43.2), narrow ? 74 : 93.6,
                           page->top - below};
 }
 
 saltus_frame saltus_page_cell(const saltus_page *page, int cell, int span, int columns, int rows) {
     bool narrow = page->width < 1000;
-    const double left = narrow ? 112 : 128, right = narrow ? 24 : 43.2, beside = columns > 2 ? 140.8 : 156,
+    const double left = narrow ? 124 : 128, right = narrow ? 24 : 43.2, beside = columns > 2 ? 140.8 : 156,
                  below = narrow ? 125 : 153.6, bottom = narrow ? 76 : 100, above = 60;
     int column = cell % columns, row = rows - 1 - cell / columns;
     double width = (page->width - left - right - (columns - 1) * beside) / columns,
@@ -251,8 +264,8 @@ void saltus_page_entry(const saltus_page *page, double x, double y, uint32_t col
 void saltus_page_axis(const saltus_page *page, char axis, const char *name, saltus_range range) {
     fprintf(page->file, "set %clabel '%s'%s\nset %crange [%.12g:%.12g]\n", axis, name,
             axis == 'y' ? " offset -0.6,0" : "", axis, range.low, range.high);
-    if (axis == 'x' && page->width < 1000) /* long numbers need room beside each other */
-        fprintf(page->file, "set xtics %.9g\n", saltus_page_tic_step(range, 5));
+    if (page->width < 1000) /* long numbers need room beside each other, short ones less of it */
+        fprintf(page->file, "set %ctics %.9g\n", axis, saltus_page_tic_step(range, 5));
 }
 
 double saltus_page_tic_step(saltus_range range, double tics) {

@@ -48,6 +48,10 @@ saltus_status saltus_page_close(saltus_page *page, saltus_status status, saltus_
 void saltus_page_heading(saltus_page *page, const saltus_line *own);
 void saltus_page_words(saltus_page *page, const saltus_line *line, const char *colour);
 
+/* Before the page begins: take back a caption that was put on trial, and where the height is free and the
+ * page narrow, so that a caption has many lines, give the page room for it. */
+void saltus_page_fit_caption(saltus_page *page);
+
 /* What is left of the page for a panel that stays that far below the caption. */
 saltus_frame saltus_page_rest(const saltus_page *page, double below);
 /* The frame of a panel in a grid of so many columns and rows, from a cell (from the upper left, row by row)

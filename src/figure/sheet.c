@@ -327,11 +327,11 @@ static void put_script(saltus_sheet *sheet, saltus_page *page) {
     int count = choose_panels(sheet, chosen), columns = choose_columns(page, count);
     if (page->free_height)
         page->height = choose_rows(count, columns) * (page->width / columns * 0.62 + 110) + 60 +
-                       (page->look.no_heading ? 0
-                        : page->width < 1000  ? 460
-                                              : 240);
+                       (page->look.no_heading || page->width < 1000 ? 0 : 240);
     sheet->page = page;
     sheet->file = page->file;
+    saltus_sheet_caption(sheet, page);
+    saltus_page_fit_caption(page);
     saltus_page_begin(page);
     saltus_sheet_data(sheet);
     fputs("set multiplot\n", page->file);

@@ -314,6 +314,8 @@ static void put_script(const saltus_spectra_source *source, saltus_page *page) {
         }
     if (page->free_height && count)
         page->height = page->width * (page->width >= 1000 ? 0.75 : 1.3 * count);
+    put_caption(source, page);
+    saltus_page_fit_caption(page);
     saltus_page_begin(page);
     for (int k = 0; k < count; k++) {
         put_low_data(&rows[k]);

@@ -390,7 +390,7 @@ static void put_plot(const saltus_sweep_page *page, const saltus_raster *rasters
 
 static void set_sides(saltus_sweep_page *page) {
     bool narrow = page->paper.width < 1000;
-    page->frame.left = narrow ? 112 : 150;
+    page->frame.left = narrow ? 124 : 150;
     page->frame.right = page->paper.width - (narrow ? 34 : 50);
 }
 
@@ -445,6 +445,8 @@ saltus_status saltus_sweep_put_diagram(saltus_sweep_page *page, saltus_message *
         return status;
     bool dense = points_shown(page) > drawn_singly;
     bool sound = choose_height(page);
+    saltus_sweep_caption(page);
+    saltus_page_fit_caption(&page->paper);
     saltus_page_begin(&page->paper);
     put_faces(page);
     if (!dense)

@@ -308,13 +308,15 @@ saltus_status saltus_sweep_put_map(saltus_sweep_page *page, saltus_message *mess
     }
     if (paper->free_height)
         paper->height += 32 * map.legend_rows;
+    saltus_sweep_caption(page);
+    saltus_page_fit_caption(paper);
     saltus_page_begin(paper);
     if (sound && basins)
         saltus_map_put_orbits(&map);
     fputs("set multiplot\n", page->file);
     saltus_sweep_caption(page);
     page->frame = saltus_page_rest(paper, map.kind ? 26.4 : 38.4);
-    page->frame.left = narrow ? 112 : 150;
+    page->frame.left = narrow ? 124 : 150;
     page->frame.right = narrow     ? paper->width - (map.kind ? 24 : 130)
                         : map.kind ? paper->width - 410
                                    : paper->width - 180;

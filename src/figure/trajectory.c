@@ -46,9 +46,19 @@ static void put_data(const record *r, FILE *file) {
     fputs("EOD\n", file);
 }
 
+static void put_caption(const record *r, const saltus_system *system, saltus_page *page) {
+    saltus_line head = {.length = 0}, title = {.length = 0}, parameters = {.length = 0};
+    saltus_line_plain(&head, r->head.scene);
+    saltus_line_add(&head, ":  trajectory over %.6g {/:Italic T}", r->time[r->rows - 1] - r->time[0]);
+    saltus_line_plain(&title, r->head.title);
+    saltus_line_parameters(&parameters, system, (const char *const[2]){NULL, NULL});
+    saltus_page_heading(page, &head);
+    saltus_page_words(page, &title, "#606060");
+    saltus_page_words(page, &parameters, "#202020");
+}
+
 static void put_page(const record *r, const saltus_system *system, saltus_page *page) {
     enum { few = 50 }; /* periods whose curve and dots are still told apart, drawn in full strength */
-    saltus_line head = {.length = 0}, title = {.length = 0}, parameters = {.length = 0};
     saltus_range time = {r->time[0], r->time[r->rows - 1]}, x = {INFINITY, -INFINITY}, v = x;
     const double *scale = saltus_system_scale(system);
     char displacement[160], velocity[160], elapsed[64];
@@ -65,17 +75,13 @@ static void put_page(const record *r, const saltus_system *system, saltus_page *
     saltus_observed_name(system, false, displacement, sizeof displacement);
     saltus_observed_name(system, true, velocity, sizeof velocity);
     snprintf(elapsed, sizeof elapsed, "time {/:Italic %s}/{/:Italic T}", saltus_notation_of(system)->time);
-    saltus_line_plain(&head, r->head.scene);
-    saltus_line_add(&head, ":  trajectory over %.6g {/:Italic T}", r->time[r->rows - 1] - r->time[0]);
-    saltus_line_plain(&title, r->head.title);
-    saltus_line_parameters(&parameters, system, (const char *const[2]){NULL, NULL});
 
+    put_caption(r, system, page);
+    saltus_page_fit_caption(page);
     saltus_page_begin(page);
     put_data(r, page->file);
     fputs("set multiplot\n", page->file);
-    saltus_page_heading(page, &head);
-    saltus_page_words(page, &title, "#606060");
-    saltus_page_words(page, &parameters, "#202020");
+    put_caption(r, system, page);
     saltus_page_number(page, "Orbit", time.high - time.low <= few);
     saltus_page_number(page, "Impacts", 0);
     saltus_page_number(page, "Settled", time.high - time.low <= few);
