@@ -156,7 +156,8 @@ static void worked_examples_of_the_language_work(void **unused) {
             files++;
         } else if (typed) {
             assert_true(page_has(page, line + 4));
-            free(told(own, line + 11));
+            if (run(own, line + 11) != 0)
+                fail_msg("%s: %s", line + 4, said(own, "err"));
             commands_run++;
             pictures += strstr(line, ".png") != NULL;
         } else if (file) {
