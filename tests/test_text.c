@@ -105,7 +105,8 @@ static saltus_spec in_text(const saltus_spec *spec, const saltus_model *model) {
     return text;
 }
 
-enum { dimension_max = 24, columns_max = 24 };
+enum { dimension_max = 24, columns_max = 24, state_max = 80 };
+static const double pi = 3.14159265358979323846;
 
 /* Both ways through the same events: states, tangent vectors and a parameter column at the end agree. */
 static void compare(const saltus_spec *spec, const saltus_model *model, const double *start, double end,
@@ -197,6 +198,124 @@ static void the_pipe(void **unused) {
     saltus_model_release(model);
 }
 
+/* Trajectories of a text side by side give the bits of trajectories alone, tangent vectors included. */
+static void lanes_of(const saltus_spec *spec, int periods) {
+    enum { lanes = 16 };
+    saltus_system *system = build(spec);
+    const saltus_system *all[lanes];
+    const int n = saltus_system_dimension(system), width = saltus_flow_width(system);
+    const double *scale = saltus_system_scale(system);
+    static double start[lanes][state_max], state[2][state_max], columns[2][2 * state_max];
+    saltus_flow_options options = saltus_flow_defaults();
+    saltus_message message = {.text = ""};
+    saltus_event event;
+    saltus_flow *flow, *alone;
+    options.columns = 2;
+    options.integrator = SALTUS_TAYLOR;
+    assert_true(n <= state_max && width > 1 && width <= lanes);
+    for (int l = 0; l < width; l++) {
+        all[l] = system;
+        for (int i = 0; i < n; i++)
+            start[l][i] = 0.2 * scale[i] * sin(1.0 + 0.7 * l + 2.3 * i);
+    }
+    check_ok(saltus_flow_new(all, width, &options, &flow, &message), &message);
+    for (int l = 0; l < width; l++) {
+        check_ok(saltus_flow_start(flow, l, (saltus_time){0, 0.1}, start[l], &message), &message);
+        saltus_flow_aim(flow, l, (saltus_time){periods, 0.01 * l}, 0);
+    }
+    for (int left = width, lane; left > 0; left--)
+        check_ok(saltus_flow_run(flow, &lane, &event, &message), &message);
+    for (int l = 0; l < width; l++) {
+        check_ok(saltus_flow_new(all, 1, &options, &alone, &message), &message);
+        check_ok(saltus_flow_start(alone, 0, (saltus_time){0, 0.1}, start[l], &message), &message);
+        check_ok(saltus_flow_advance(alone, (saltus_time){periods, 0.01 * l}, 0, &event, &message), &message);
+        for (int way = 0; way < 2; way++) {
+            saltus_flow_state(way ? flow : alone, way ? l : 0, state[way]);
+            saltus_flow_tangents(way ? flow : alone, way ? l : 0, columns[way]);
+        }
+        assert_memory_equal(state[0], state[1], (size_t)n * sizeof(double));
+        assert_memory_equal(columns[0], columns[1], 2 * (size_t)n * sizeof(double));
+        saltus_flow_free(alone);
+    }
+    saltus_flow_free(flow);
+    saltus_system_free(system);
+}
+
+/* Products of rows and of elements that stand apart, quotients, functions, a choice, a chain. */
+static const char *const many_kinds[] = {
+    "-x[i] - 0.1*x[i]' - x[i]*sum(j, 1, N, j*x[j]^2) + if(F > 0.5, sqrt(-1 - x[i]^2), F*cos(omega*t))",
+    "-x[i]/(1 + x[i]^2) - sin(x[i]) + sum(j, 1, N, if(j > i, x[j]*x[i]'/j, 0)) + F*exp(sin(omega*t))",
+    "if(i > 1, x[i-1], 0) - 2*x[i] + if(i < N, x[i+1], 0) - 0.02*x[i]'*(1 + sin(omega*t))^2 + F*0",
+};
+
+static const saltus_model *family_text(const char *motion, double forcing) {
+    static const saltus_equation families[] = {{"x", "N", 1}};
+    const saltus_equation equations[] = {{"x[i]", motion, 2}};
+    const saltus_text_parameter parameters[] = {
+        {.name = "N", .fallback = 3, .min = 1, .max = 40, .integer = true},
+        {.name = "F", .fallback = forcing, .min = 0, .max = 1},
+        {.name = "omega", .fallback = 1, .min = 0, .max = 9}};
+    saltus_text text = {.origin = "test",
+                        .parameters = parameters,
+                        .parameter_count = 3,
+                        .families = LIST(families),
+                        .motion = LIST(equations),
+                        .forcing = {"forcing", "omega", 7}};
+    saltus_message message = {.text = ""};
+    const saltus_model *model = NULL;
+    check_ok(saltus_text_model_new(&text, &model, &message), &message);
+    return model;
+}
+
+static void text_in_lanes(void **unused) {
+    (void)unused;
+    const saltus_model *pipe = pipe_text();
+    saltus_spec spec = pipe_spec(5, 42);
+    add_stop(&spec, 0.012, 0.9, SALTUS_UPPER);
+    saltus_spec text = in_text(&spec, pipe);
+    lanes_of(&text, 6);
+    saltus_model_release(pipe);
+    for (size_t k = 0; k < sizeof many_kinds / sizeof many_kinds[0]; k++)
+        for (int members = 1; members <= 21; members += 4) {
+            const saltus_model *model = family_text(many_kinds[k], 0.2);
+            spec = saltus_spec_defaults(model);
+            set_parameter(&spec, "N", members);
+            lanes_of(&spec, 1);
+            saltus_model_release(model);
+        }
+}
+
+/* A chain of equal masses between walls swings in its modes, sin(pi j i / (N + 1)), each with the frequency
+ * 2 sin(pi j / (2 (N + 1))). */
+static void chain_modes(void **unused) {
+    (void)unused;
+    const saltus_model *model =
+        family_text("if(i > 1, x[i-1], 0) - 2*x[i] + if(i < N, x[i+1], 0) + F*cos(omega*t)", 0);
+    for (int masses = 7; masses <= 40; masses += 11) {
+        saltus_spec spec = saltus_spec_defaults(model);
+        set_parameter(&spec, "N", masses);
+        saltus_system *system = build(&spec);
+        saltus_flow_options options = saltus_flow_defaults();
+        const double part = pi / (masses + 1);
+        double state[state_max] = {0};
+        options.rtol = 1e-14;
+        options.integrator = SALTUS_TAYLOR;
+        for (int i = 0; i < masses; i++)
+            state[i] = sin(part * (i + 1)) + 0.5 * sin(3 * part * (i + 1));
+        saltus_flow *flow = open_flow(system, &options, 0, state);
+        advance(flow, 2, 0);
+        saltus_flow_state(flow, 0, state);
+        for (int i = 0; i < masses; i++)
+            check_near(state[i],
+                       sin(part * (i + 1)) * cos(2 * sin(part / 2) * 4 * pi) +
+                           0.5 * sin(3 * part * (i + 1)) * cos(2 * sin(3 * part / 2) * 4 * pi),
+                       1e-11);
+        saltus_flow_free(flow);
+        saltus_system_free(system);
+    }
+    saltus_model_release(model);
+}
+
 /* One text, two fields: a whole parameter chooses the exponent. Such systems share no flow. */
 static void whole_parameters(void **unused) {
     (void)unused;
@@ -236,9 +355,8 @@ static void whole_parameters(void **unused) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_oscillator),
-        cmocka_unit_test(the_pipe),
-        cmocka_unit_test(whole_parameters),
+        cmocka_unit_test(the_oscillator), cmocka_unit_test(the_pipe),         cmocka_unit_test(text_in_lanes),
+        cmocka_unit_test(chain_modes),    cmocka_unit_test(whole_parameters),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

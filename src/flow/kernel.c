@@ -71,8 +71,8 @@ static void reserve(saltus_work *w) {
     const size_t all = (size_t)w->columns + 1, row = (size_t)w->row, stops = (size_t)w->stops;
     const size_t contacts = (size_t)w->hold.count, directions = (size_t)w->directions;
     const saltus_tape *tape = w->loaded.tape;
-    const size_t slots = tape ? (size_t)tape->slot_count : 0,
-                 registers = tape ? (size_t)tape->register_count : 0;
+    const size_t weights = tape ? (size_t)tape->weights[SALTUS_WIDE] : 0,
+                 elements = tape ? (size_t)tape->elements[SALTUS_WIDE] : 0;
     w->lane = (void *)saltus_arena_doubles(a, sizeof *w->lane / sizeof(double));
     w->state = reserve_rows(a, w, all);
     w->jet = reserve_rows(a, w, orders * all);
@@ -86,14 +86,14 @@ static void reserve(saltus_work *w) {
     w->model.drive_size = model_drives * span;
     w->model.drive = saltus_arena_doubles(a, w->model.drive_size);
     w->model.ahead = saltus_arena_doubles(a, model_rows_ahead * all * row);
-    w->model.series = saltus_arena_doubles(a, (model_series_count + registers) * orders * all * LANES);
-    w->loaded.slots = saltus_arena_doubles(a, slots * LANES);
+    w->model.series = saltus_arena_doubles(a, (model_series_count + elements) * orders * all * LANES);
+    w->loaded.weights = saltus_arena_doubles(a, weights * LANES);
     w->hold.push = saltus_arena_doubles(a, contacts * row);
     w->hold.pull = saltus_arena_doubles(a, contacts * row);
     w->hold.force = saltus_arena_doubles(a, contacts * orders * LANES);
     w->vary.scalar = saltus_arena_doubles(a, directions * SALTUS_SCALARS_MAX * LANES);
     w->vary.rows = saltus_arena_doubles(a, directions * SALTUS_ROWS_MAX * row);
-    w->vary.slots = saltus_arena_doubles(a, directions * slots * LANES);
+    w->vary.weights = saltus_arena_doubles(a, directions * weights * LANES);
     w->vary.drive = saltus_arena_doubles(a, directions * model_vary_drives * span);
     w->vary.push = saltus_arena_doubles(a, directions * contacts * row);
     w->vary.pull = saltus_arena_doubles(a, directions * contacts * row);
@@ -120,6 +120,15 @@ static void load_row(const saltus_work *w, double *row, int lane, const double *
         row[i * LANES + lane] = values[i];
 }
 
+/* The numbers of a system from text where its rows want them. */
+static void load_weights(const saltus_work *w, double *weights, int lane, const double *slots) {
+    const saltus_tape *tape = w->loaded.tape;
+    for (int k = 0; tape && k < tape->weights[SALTUS_WIDE]; k++) {
+        const int slot = tape->weight_slot[SALTUS_WIDE][k];
+        weights[k * LANES + lane] = slot < 0 ? 0 : slots[slot];
+    }
+}
+
 static void load(saltus_work *w, int lane, const saltus_system *system) {
     const saltus_coefficients *c = &system->coefficients;
     saltus_loaded *to = &w->loaded;
@@ -129,8 +138,7 @@ static void load(saltus_work *w, int lane, const saltus_system *system) {
         to->scalar[s * LANES + lane] = c->scalar[s];
     for (int r = 0; r < c->rows; r++)
         load_row(w, to->rows + r * w->row, lane, c->row[r]);
-    for (int s = 0; s < c->slots; s++)
-        to->slots[s * LANES + lane] = c->slot[s];
+    load_weights(w, to->weights, lane, c->slot);
     for (int m = 0; m < c->couplings; m++)
         for (int i = 0; i < n; i++)
             for (int j = 1 - i % 2; j < n; j += 2)
@@ -162,8 +170,9 @@ static void vary(saltus_work *w, int lane, int direction, const saltus_variation
         w->vary.scalar[(direction * SALTUS_SCALARS_MAX + s) * LANES + lane] = c->scalar[s];
     for (int r = 0; r < c->rows; r++)
         load_row(w, w->vary.rows + (direction * SALTUS_ROWS_MAX + r) * w->row, lane, c->row[r]);
-    for (int s = 0; s < c->slots; s++)
-        w->vary.slots[(direction * c->slots + s) * LANES + lane] = c->slot[s];
+    if (w->loaded.tape)
+        load_weights(w, w->vary.weights + direction * w->loaded.tape->weights[SALTUS_WIDE] * LANES, lane,
+                     c->slot);
     w->loaded.terms |= c->terms;
     w->vary.tilts |= variation->tilts;
     w->vary.orders = w->loaded.forcing_orders + 1;

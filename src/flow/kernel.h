@@ -66,7 +66,7 @@ typedef struct saltus_loaded {
     double *coupling[SALTUS_COUPLINGS_MAX];
     double *table;           /* model's constants per order: [table][order][lane] */
     const saltus_tape *tape; /* of systems from text, otherwise NULL; that of the first lane stands for all */
-    double *slots;           /* its numbers: [slot][lane] */
+    double *weights;         /* its numbers: [weight][lane] */
 } saltus_loaded;
 
 /* The model's intermediate series. */
@@ -88,15 +88,15 @@ typedef struct saltus_holding {
 /* For parameter columns: how what a kernel loads changes along each direction (system.h, saltus_variation).
  */
 typedef struct saltus_varied {
-    int orders;     /* orders of the forcing's derivatives that matter */
-    bool tilts;     /* the projections at contacts change */
-    double *scalar; /* [direction][scalar][lane] */
-    double *rows;   /* [direction][coefficient row][row] */
-    double *slots;  /* [direction][slot][lane] */
-    double *drive;  /* model's series: [direction][series][order][lane] */
-    double *push;   /* [direction][contact][row] */
-    double *pull;   /* [direction][contact][row] */
-    double *force;  /* at the order being expanded: [direction][contact][lane] */
+    int orders;      /* orders of the forcing's derivatives that matter */
+    bool tilts;      /* the projections at contacts change */
+    double *scalar;  /* [direction][scalar][lane] */
+    double *rows;    /* [direction][coefficient row][row] */
+    double *weights; /* [direction][weight][lane] */
+    double *drive;   /* model's series: [direction][series][order][lane] */
+    double *push;    /* [direction][contact][row] */
+    double *pull;    /* [direction][contact][row] */
+    double *force;   /* at the order being expanded: [direction][contact][lane] */
 } saltus_varied;
 
 /* All that one kernel instance works on. */

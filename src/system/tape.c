@@ -16,8 +16,10 @@ typedef struct maker {
     saltus_graph *graph;
     saltus_tape *tape;
     int *place, *slot_of, *uses;
+    int dof;
     int placed; /* nodes that `place`, `slot_of` and `uses` have room for */
     list steps, terms, slots, depends, linear;
+    list sums, parts; /* that have been factored out (shared_sum, part) */
     bool failed;
 } maker;
 
@@ -182,11 +184,169 @@ static void merge(maker *m, list *sum) {
     sum->count = kept;
 }
 
+/* One term of a sum that has been factored out: a constant, a factor made of parameters, a node. */
+typedef struct part {
+    double constant;
+    int factor, node;
+} part;
+
+/* Such a sum: where its terms stand, and its node. */
+typedef struct shared_sum {
+    int first, count, node;
+} shared_sum;
+
+/* The constant in a number, and what else it is made of. */
+static double take_constant(saltus_graph *g, int node, int *rest) {
+    const saltus_graph_node n = g->nodes[node];
+    int a, b;
+    if (n.operation == SALTUS_OP_CONSTANT) {
+        *rest = saltus_graph_constant(g, 1);
+        return n.value;
+    }
+    *rest = node;
+    if (n.operation != SALTUS_OP_MULTIPLY && n.operation != SALTUS_OP_DIVIDE)
+        return 1;
+    double first = take_constant(g, n.operand[0], &a), second = take_constant(g, n.operand[1], &b);
+    *rest = saltus_graph_apply(g, n.operation, a, b);
+    return n.operation == SALTUS_OP_MULTIPLY ? first * second : first / second;
+}
+
+static int by_node(const void *a, const void *b) {
+    return ((const summand *)a)->node - ((const summand *)b)->node;
+}
+
+/* Whether a sum is one that there is, but for the rounding of its constants. */
+static bool equal_parts(const part *a, const part *b, int count) {
+    bool same = true;
+    for (int k = 0; k < count && same; k++)
+        same = a[k].node == b[k].node && a[k].factor == b[k].factor &&
+               fabs(a[k].constant - b[k].constant) <= 1e-15 * fabs(a[k].constant);
+    return same;
+}
+
+/* A constant times a sum whose first constant is 1: equations of a family then share the sum. */
+static summand share_sum(maker *m, list *terms) {
+    saltus_graph *g = m->graph;
+    summand *s = terms->items;
+    const int count = terms->count, first = m->parts.count;
+    double scale = 1;
+    int node = 0;
+    qsort(s, (size_t)count, sizeof *s, by_node);
+    for (int k = 0; k < count; k++) {
+        part *own = grow(m, &m->parts, sizeof *own);
+        if (!own)
+            return (summand){0, 0};
+        own->node = s[k].node;
+        own->constant = take_constant(g, s[k].factor, &own->factor);
+        if (k == 0 && own->constant != 0)
+            scale = own->constant;
+        own->constant /= scale;
+    }
+    const part *parts = m->parts.items;
+    for (int k = 0; k < m->sums.count; k++) {
+        const shared_sum *other = (shared_sum *)m->sums.items + k;
+        if (other->count == count && equal_parts(parts + first, parts + other->first, count)) {
+            m->parts.count = first;
+            return (summand){saltus_graph_constant(g, scale), other->node};
+        }
+    }
+    for (int k = 0; k < count; k++) {
+        int factor =
+            saltus_graph_apply(g, SALTUS_OP_MULTIPLY, saltus_graph_constant(g, parts[first + k].constant),
+                               parts[first + k].factor);
+        node = saltus_graph_apply(g, SALTUS_OP_ADD, node,
+                                  saltus_graph_apply(g, SALTUS_OP_MULTIPLY, factor, s[k].node));
+    }
+    shared_sum *entry = grow(m, &m->sums, sizeof *entry);
+    if (entry)
+        *entry = (shared_sum){first, count, node};
+    return (summand){saltus_graph_constant(g, scale), node};
+}
+
+/* A term's other operand where it is a product with x that nothing else uses; -1: it is none. */
+static int cofactor(const maker *m, int node, int x) {
+    if (node < 0 || node_at(m, node)->operation != SALTUS_OP_MULTIPLY || m->uses[node] > 1 ||
+        m->place[node] >= 0)
+        return -1;
+    const int a = node_at(m, node)->operand[0], b = node_at(m, node)->operand[1];
+    return a == x ? b : b == x ? a : -1;
+}
+
+/* x y_1 + x y_2 + ... -> x (y_1 + y_2 + ...): one product in place of several. What is a number in the sum
+ * stays a number times x. */
+static void factor_out(maker *m, list *sum, int x) {
+    saltus_graph *g = m->graph;
+    list inner = {.items = NULL}, rest = {.items = NULL};
+    for (int k = 0; k < sum->count && !m->failed; k++) {
+        const summand s = ((summand *)sum->items)[k];
+        const int other = cofactor(m, s.node, x);
+        if (other >= 0)
+            collect(m, s.factor, other, &inner, false);
+        else {
+            summand *entry = grow(m, &rest, sizeof *entry);
+            if (entry)
+                *entry = s;
+        }
+    }
+    merge(m, &inner);
+    int kept = 0;
+    for (int k = 0; k < inner.count && !m->failed; k++) {
+        const summand s = ((summand *)inner.items)[k];
+        if (s.node >= 0)
+            ((summand *)inner.items)[kept++] = s;
+        else {
+            summand *entry = grow(m, &rest, sizeof *entry);
+            if (entry)
+                *entry = (summand){s.factor, x};
+        }
+    }
+    inner.count = kept;
+    summand *entry = m->failed ? NULL : grow(m, &rest, sizeof *entry);
+    if (entry) {
+        summand shared = share_sum(m, &inner);
+        shared.node = saltus_graph_apply(g, SALTUS_OP_MULTIPLY, x, shared.node);
+        *entry = shared;
+    }
+    free(inner.items);
+    free(sum->items);
+    *sum = rest;
+    if (follow_graph(m))
+        merge(m, sum);
+}
+
+/* Sums of more terms stay as they are: every operand is looked for in all of them. */
+enum { factored_max = 256 };
+
+/* Common operands of a sum's products, those of most products first. */
+static void factor_sum(maker *m, list *sum) {
+    for (int best = 2, x = -1; best > 1 && sum->count <= factored_max && follow_graph(m); x = -1) {
+        best = 1;
+        for (int k = 0; k < sum->count; k++) {
+            const int node = ((summand *)sum->items)[k].node;
+            for (int side = 0; side < 2 && node >= 0; side++) {
+                const int own = node_at(m, node)->operand[side];
+                int count = 0;
+                if (own < 0 || cofactor(m, node, own) < 0)
+                    break;
+                for (int j = 0; j < sum->count; j++)
+                    count += cofactor(m, ((summand *)sum->items)[j].node, own) >= 0;
+                if (count > best) {
+                    best = count;
+                    x = own;
+                }
+            }
+        }
+        if (x >= 0)
+            factor_out(m, sum, x);
+    }
+}
+
 /* A sum as a step of its own. */
 static int combine(maker *m, int node) {
     list sum = {.items = NULL};
     collect(m, saltus_graph_constant(m->graph, 1), node, &sum, true);
     merge(m, &sum);
+    factor_sum(m, &sum);
     /* The registers first: their steps come before this one. */
     for (int k = 0; k < sum.count && !m->failed; k++)
         if (((summand *)sum.items)[k].node >= 0)
@@ -316,6 +476,13 @@ static int add_leaf(maker *m, int node) {
     return place;
 }
 
+/* Whether a node is the velocity of another one, a displacement. */
+static bool is_rate_of(const maker *m, int velocity, int node) {
+    const saltus_graph_node *v = node_at(m, velocity), *q = node_at(m, node);
+    return v->operation == SALTUS_OP_STATE && q->operation == SALTUS_OP_STATE && q->index < m->dof &&
+           v->index == q->index + m->dof;
+}
+
 static int add_node(maker *m, int node) {
     const saltus_graph_node n = *node_at(m, node);
     saltus_tape_step step = {.out = -1, .depends = n.depends, .a2 = -1, .b2 = -1};
@@ -334,9 +501,15 @@ static int add_node(maker *m, int node) {
         return add_choice(m, node);
     step.a = register_of(m, n.operand[0]);
     step.b = register_of(m, n.operand[1]);
+    if (n.operation == SALTUS_OP_MULTIPLY && is_rate_of(m, n.operand[0], n.operand[1])) {
+        step.b = step.a;
+        step.a = register_of(m, n.operand[1]);
+    }
     step.code = n.operation == SALTUS_OP_DIVIDE ? SALTUS_TAPE_DIVIDE
                 : step.a == step.b              ? SALTUS_TAPE_SQUARE
-                                                : SALTUS_TAPE_MULTIPLY;
+                : is_rate_of(m, n.operand[1], n.operand[0]) || is_rate_of(m, n.operand[0], n.operand[1])
+                    ? SALTUS_TAPE_RATE
+                    : SALTUS_TAPE_MULTIPLY;
     return m->failed ? 0 : add_step(m, step);
 }
 
@@ -368,8 +541,20 @@ static void count_uses(maker *m, const int *roots, int root_count) {
     free(needed);
 }
 
-saltus_tape *saltus_tape_new(saltus_graph *graph, const int *roots, int root_count, int dimension) {
-    maker m = {.graph = graph, .tape = calloc(1, sizeof *m.tape)};
+/* The square of a displacement comes with its product with the velocity, where both are there. */
+static void relate_squares(saltus_tape *tape) {
+    for (int k = 0; k < tape->step_count; k++) {
+        saltus_tape_step *square = &tape->steps[k];
+        for (int j = 0; j < tape->step_count && square->code == SALTUS_TAPE_SQUARE; j++)
+            if (tape->steps[j].code == SALTUS_TAPE_RATE && tape->steps[j].a == square->a) {
+                square->code = SALTUS_TAPE_INTEGRAL;
+                square->b = tape->steps[j].out;
+            }
+    }
+}
+
+saltus_tape *saltus_tape_new(saltus_graph *graph, const int *roots, int root_count, int dof, int dimension) {
+    maker m = {.graph = graph, .tape = calloc(1, sizeof *m.tape), .dof = dof};
     if (!m.tape)
         return NULL;
     saltus_tape *tape = m.tape;
@@ -394,9 +579,15 @@ saltus_tape *saltus_tape_new(saltus_graph *graph, const int *roots, int root_cou
     tape->slot_count = m.slots.count;
     tape->register_count = m.depends.count;
     free(m.linear.items);
+    free(m.sums.items);
+    free(m.parts.items);
     free(m.place);
     free(m.slot_of);
     free(m.uses);
+    if (!m.failed) {
+        relate_squares(tape);
+        m.failed = !saltus_tape_arrange(tape, dof);
+    }
     if (!m.failed)
         return tape;
     saltus_tape_free(tape);
@@ -412,6 +603,11 @@ void saltus_tape_free(saltus_tape *tape) {
     free(tape->outputs);
     free(tape->slot_node);
     free(tape->depends);
+    free(tape->rows);
+    free(tape->row_terms);
+    free(tape->weight_slot[0]);
+    free(tape->weight_slot[1]);
+    free(tape->output_at);
     free(tape);
 }
 

@@ -7,7 +7,7 @@
 
 #define MODEL_NAME "tape"
 
-enum { model_rows_common = 0, model_rows_plain = 0 };
+enum { model_rows_common = 0, model_rows_plain = 2 };
 KERNEL_INLINE unsigned model_common_terms(int rows) {
     (void)rows;
     return 0;
@@ -20,9 +20,6 @@ enum {
     model_vary_drives = 0,
     model_rows_ahead = 0
 };
-
-#define SLOT(n) (NUMBERS(f.loaded.slots) + (n))
-#define VARY_SLOT(d, n) (NUMBERS(f.vary.slots) + (d)*f.loaded.tape->slot_count + (n))
 
 static void model_load(saltus_work *w, int lane, const saltus_system *system) {
     (void)w;
@@ -47,66 +44,296 @@ KERNEL_INLINE int direction_of(frame f, int c) {
     return f.directions - 1 - (f.columns - c);
 }
 
-KERNEL_INLINE void set_series(frame f, int place, int c, lane_t first, lane_t second) {
-    lane_t *series = SERIES(place, 0, c);
-    series[0] = first;
-    series[1] = second;
-    for (int k = 2; k < f.orders; k++)
-        series[k] = lane_constant(0);
-}
+/* Elements that a pack of a row holds. */
+enum { ELEMENTS = SALTUS_WIDE ? 1 : SALTUS_PACK, SHARES_MAX = SALTUS_PACK_REGISTERS >= 32 ? 5 : 2 };
+typedef double loose_pack __attribute__((vector_size(8 * SALTUS_PACK), may_alias, aligned(8)));
 
-/* Time and phase, which are linear; along omega at fixed phase of the step's begin, `elapsed` before this:
- * the phase moves by elapsed / (2 pi), and time is the phase times T = 2 pi / omega. */
-KERNEL_INLINE void model_start(frame f, int c) {
+/* What runs a tape: the coefficients of all elements, [order][column][element], and the weights. */
+typedef struct player {
+    const saltus_tape *tape;
+    lane_t *base;
+    const lane_t *weights, *rates; /* the latter for parameter columns */
+    long column, order;            /* from one to the next */
+    int columns, directions;
+} player;
+
+KERNEL_INLINE player make_player(frame f) {
     const saltus_tape *tape = f.loaded.tape;
-    const int direction = direction_of(f, c);
-    const lane_t omega = *SCALAR(0), turn = lane_constant(6.28318530717958647693), none = lane_constant(0);
-    const lane_t period = turn / omega, time = *f.phase * period;
-    if (c > 0 && direction < 0)
-        return;
-    lane_t start = time, rate = omega + none, turned = *f.phase;
-    if (c > 0) {
-        rate = *VARY_SCALAR(direction, 0);
-        start = rate * (*f.elapsed - time) / omega;
-        turned = rate * *f.elapsed / turn;
+    const long elements = tape->elements[SALTUS_WIDE];
+    return (player){.tape = tape,
+                    .base = NUMBERS(f.model.series),
+                    .weights = NUMBERS(f.loaded.weights),
+                    .rates = NUMBERS(f.vary.weights),
+                    .column = elements,
+                    .order = elements * (1 + f.columns),
+                    .columns = f.columns,
+                    .directions = f.directions};
+}
+
+/* An operand's coefficient 0 in a column. */
+KERNEL_INLINE lane_t *series_of(const player *m, const saltus_tape_operand *x, int c) {
+    return m->base + x->place[SALTUS_WIDE] + c * m->column;
+}
+
+/* What a column changes: states, and along a direction in parameter space all. */
+KERNEL_INLINE unsigned changes_of(const player *m, int c) {
+    return c > m->columns - m->directions ? ~0u : (unsigned)SALTUS_OF_STATES;
+}
+
+KERNEL_INLINE saltus_pack load_pack(const lane_t *x, bool spread, int p) {
+    if (spread)
+        return lane_spread(*x);
+    return (saltus_pack) * (const loose_pack *)(const void *)(x + p * ELEMENTS);
+}
+
+/* Beyond the last element of a row all stays zero. */
+KERNEL_INLINE void store_pack(lane_t *x, int p, int count, saltus_pack value) {
+#if !SALTUS_WIDE
+    static const unsigned long long all[2 * SALTUS_PACK_MAX] = {~0ULL, ~0ULL, ~0ULL, ~0ULL,
+                                                                ~0ULL, ~0ULL, ~0ULL, ~0ULL};
+    typedef unsigned long long loose_word
+        __attribute__((vector_size(8 * SALTUS_PACK), may_alias, aligned(8)));
+    const int left = count - p * ELEMENTS;
+    const saltus_pack_word mask =
+        (saltus_pack_word) *
+        (const loose_word *)(const void *)(all + (left < ELEMENTS ? SALTUS_PACK_MAX - left
+                                                                  : SALTUS_PACK_MAX - ELEMENTS));
+    value = (saltus_pack)((saltus_pack_word)value & mask);
+#else
+    (void)count;
+#endif
+    *(loose_pack *)(void *)(x + p * ELEMENTS) = (loose_pack)value;
+}
+
+/* Add sums of a_i b_{k-i} over i = first .. last for some packs, in two chains. Where both ends belong to it,
+ * they come last: they are the newest. */
+KERNEL_INLINE void convolve(const lane_t *a, bool spread_a, const lane_t *b, bool spread_b, long order, int k,
+                            int first, int last, int p, const int count, saltus_pack *sum) {
+    a += spread_a ? 0 : p * ELEMENTS;
+    b += spread_b ? 0 : p * ELEMENTS;
+    saltus_pack other[SHARES_MAX];
+    const bool newest = first == 0 && last == k && k > 0;
+    const lane_t *x = a + (first + newest) * order, *y = b + (k - first - newest) * order;
+    int left = last - first + 1 - 2 * newest;
+    for (int j = 0; j < count; j++)
+        other[j] = (saltus_pack){0};
+    for (; left > 1; left -= 2, x += 2 * order, y -= 2 * order)
+        for (int j = 0; j < count; j++) {
+            sum[j] = saltus_pack_fma(load_pack(x, spread_a, j), load_pack(y, spread_b, j), sum[j]);
+            other[j] = saltus_pack_fma(load_pack(x + order, spread_a, j), load_pack(y - order, spread_b, j),
+                                       other[j]);
+        }
+    for (int j = 0; j < count; j++) {
+        if (left > 0)
+            sum[j] = saltus_pack_fma(load_pack(x, spread_a, j), load_pack(y, spread_b, j), sum[j]);
+        sum[j] += other[j];
+        if (newest) {
+            sum[j] =
+                saltus_pack_fma(load_pack(a + k * order, spread_a, j), load_pack(b, spread_b, j), sum[j]);
+            sum[j] =
+                saltus_pack_fma(load_pack(a, spread_a, j), load_pack(b + k * order, spread_b, j), sum[j]);
+        }
     }
-    if (tape->time >= 0)
-        set_series(f, tape->time, c, start, lane_constant(c == 0));
-    if (tape->phase >= 0)
-        set_series(f, tape->phase, c, turned, rate / turn);
 }
 
-/* Sum of a_i b_{k-i} for i = first .. last, in four chains. */
-KERNEL_INLINE lane_t convolve(const lane_t *a, const lane_t *b, int k, int first, int last) {
-    lane_t sum[4] = {lane_constant(0), lane_constant(0), lane_constant(0), lane_constant(0)};
-    int i = first;
-    b += k;
-    for (; i + 3 <= last; i += 4)
-        for (int j = 0; j < 4; j++)
-            sum[j] = lane_fma(a[i + j], b[-i - j], sum[j]);
-    for (int j = 0; i <= last; i++, j++)
-        sum[j] = lane_fma(a[i], b[-i], sum[j]);
-    return (sum[0] + sum[1]) + (sum[2] + sum[3]);
+/* The inner terms a_i b_{k-i}, 0 < i < k, of a product's coefficient k and of the next one, whose inner terms
+ * are known by then: one pass over the older coefficients serves both. */
+KERNEL_INLINE void convolve_two(const lane_t *a, bool spread, const lane_t *b, long order, int k,
+                                const int count, saltus_pack *now, saltus_pack *next) {
+    const lane_t *x = a + order, *y = b + k * order;
+    saltus_pack later[SHARES_MAX];
+    for (int j = 0; j < count; j++)
+        later[j] = load_pack(y, false, j);
+    for (int i = 1; i < k; i++, x += order) {
+        y -= order;
+        for (int j = 0; j < count; j++) {
+            const saltus_pack one = load_pack(x, spread, j);
+            next[j] = saltus_pack_fma(one, later[j], next[j]);
+            later[j] = load_pack(y, false, j);
+            now[j] = saltus_pack_fma(one, later[j], now[j]);
+        }
+    }
+    for (int j = 0; j < count && k > 0; j++)
+        next[j] = saltus_pack_fma(load_pack(x, spread, j), later[j], next[j]);
 }
 
-/* The same with i a_i in place of a_i. */
-KERNEL_INLINE lane_t convolve_rate(const lane_t *a, const lane_t *b, int k, int last) {
+/* The same for half of a square: a_i a_{n-i}, 0 < i < n / 2, and half of the middle one. */
+KERNEL_INLINE void square_two(const lane_t *a, long order, int n, const int count, saltus_pack *now,
+                              saltus_pack *next) {
+    const lane_t *x = a + order, *y = a + n * order;
+    saltus_pack later[SHARES_MAX];
+    for (int j = 0; j < count; j++)
+        later[j] = load_pack(y, false, j);
+    for (int i = 1; i <= (n - 1) / 2; i++, x += order) {
+        y -= order;
+        for (int j = 0; j < count; j++) {
+            const saltus_pack one = load_pack(x, false, j);
+            next[j] = saltus_pack_fma(one, later[j], next[j]);
+            later[j] = load_pack(y, false, j);
+            now[j] = saltus_pack_fma(one, later[j], now[j]);
+        }
+    }
+    for (int j = 0; j < count && n > 0; j++) {
+        const saltus_pack middle = load_pack(x, false, j);
+        if (n % 2 == 0) {
+            next[j] = saltus_pack_fma(middle, later[j], next[j]);
+            now[j] = saltus_pack_fma(0.5 * middle, middle, now[j]);
+        } else
+            next[j] = saltus_pack_fma(0.5 * middle, middle, next[j]);
+    }
+}
+
+/* Coefficient k of a product. At an even order the inner terms of the next one are laid aside where that
+ * coefficient will stand. The newest terms come last. */
+KERNEL_INLINE void product_packs(const lane_t *a, bool spread, const lane_t *b, lane_t *out, long order,
+                                 int k, int p, int elements, const int count) {
+    saltus_pack now[SHARES_MAX] = {{0}}, next[SHARES_MAX] = {{0}};
+    a += spread ? 0 : p * ELEMENTS;
+    b += p * ELEMENTS;
+    out += k * order;
+    if (k % 2)
+        for (int j = 0; j < count; j++)
+            now[j] = load_pack(out, false, p + j);
+    else {
+        convolve_two(a, spread, b, order, k, count, now, next);
+        for (int j = 0; j < count; j++)
+            store_pack(out + order, p + j, elements, next[j]);
+    }
+    for (int j = 0; j < count; j++) {
+        if (k > 0)
+            now[j] = saltus_pack_fma(load_pack(a + k * order, spread, j), load_pack(b, false, j), now[j]);
+        store_pack(out, p + j, elements,
+                   saltus_pack_fma(load_pack(a, spread, j), load_pack(b + k * order, false, j), now[j]));
+    }
+}
+
+/* A statement for all packs of a row, some of them at a time. */
+#define FOR_SHARES(row, statement)                                                                           \
+    do {                                                                                                     \
+        const int packs = (int)((unsigned)((row)->count + ELEMENTS - 1) / ELEMENTS);                         \
+        int p = 0;                                                                                           \
+        for (; p + SHARES_MAX <= packs; p += SHARES_MAX) {                                                   \
+            const int share = SHARES_MAX;                                                                    \
+            statement;                                                                                       \
+        }                                                                                                    \
+        for (; p + 2 <= packs; p += 2) {                                                                     \
+            const int share = 2;                                                                             \
+            statement;                                                                                       \
+        }                                                                                                    \
+        if (p < packs) {                                                                                     \
+            const int share = 1;                                                                             \
+            statement;                                                                                       \
+        }                                                                                                    \
+    } while (0)
+
+KERNEL_INLINE void multiply_packs(const player *m, const saltus_tape_row *s, bool spread, int k, int p,
+                                  const int share) {
+    product_packs(series_of(m, &s->a, 0), spread, series_of(m, &s->b, 0), series_of(m, &s->out, 0), m->order,
+                  k, p, s->count, share);
+}
+
+/* A square's coefficient k, or with `rate` half of (k + 1) times its coefficient k + 1. */
+KERNEL_INLINE void square_packs(const player *m, const saltus_tape_row *s, bool rate, int k, int p,
+                                const int share) {
+    saltus_pack now[SHARES_MAX] = {{0}}, next[SHARES_MAX] = {{0}};
+    lane_t *out = series_of(m, &s->out, 0) + k * m->order;
+    const lane_t *a = series_of(m, &s->a, 0) + p * ELEMENTS;
+    const int n = k + rate;
+    if (k % 2)
+        for (int j = 0; j < share; j++)
+            now[j] = load_pack(out, false, p + j);
+    else {
+        square_two(a, m->order, n, share, now, next);
+        for (int j = 0; j < share; j++)
+            store_pack(out + m->order, p + j, s->count, next[j]);
+    }
+    for (int j = 0; j < share; j++) {
+        const saltus_pack ends = load_pack(a, false, j) * (n ? 1.0 : 0.5);
+        now[j] = saltus_pack_fma(ends, load_pack(a + n * m->order, false, j), now[j]);
+        store_pack(out, p + j, s->count, now[j] * (rate ? n : 2.0));
+    }
+}
+
+/* Weights of a term, from one term to the next. */
+KERNEL_INLINE long weight_span(const saltus_tape_row *s) {
+    return SALTUS_WIDE ? s->count : (s->count + SALTUS_PACK_MAX - 1) & -SALTUS_PACK_MAX;
+}
+
+/* Sums of weights times elements, a column's or the trajectory's. Terms stand in order: the number alone,
+ * spread elements, pieces of rows; those on which nothing depends that changes have no series. */
+KERNEL_INLINE void combine_packs(const player *m, const saltus_tape_row *s, const lane_t *weights,
+                                 const lane_t *at, bool constant, unsigned changes, int p, const int count,
+                                 saltus_pack *sum) {
+    const saltus_tape_row_term *term = m->tape->row_terms + s->first;
+    const lane_t *weight = weights + s->weight[SALTUS_WIDE] + p * ELEMENTS;
+    const long span = weight_span(s);
+    saltus_pack other[SHARES_MAX] = {{0}};
+    int t = 0;
+    for (; t < s->numbers; t++, weight += span)
+        for (int j = 0; j < count && constant; j++)
+            sum[j] += load_pack(weight, false, j);
+    for (; t < s->spread_terms; t++, weight += span) {
+        if (changes != ~0u && !(term[t].depends & changes))
+            continue;
+        const saltus_pack one = lane_spread(at[term[t].place[SALTUS_WIDE]]);
+        for (int j = 0; j < count; j++) {
+            const saltus_pack before = sum[j];
+            sum[j] = saltus_pack_fma(load_pack(weight, false, j), one, other[j]);
+            other[j] = before;
+        }
+    }
+    for (; t < s->terms; t++, weight += span) {
+        const lane_t *x = at + term[t].place[SALTUS_WIDE] + p * ELEMENTS;
+        if (changes != ~0u && !(term[t].depends & changes))
+            continue;
+        for (int j = 0; j < count; j++) {
+            const saltus_pack before = sum[j];
+            sum[j] = saltus_pack_fma(load_pack(weight, false, j), load_pack(x, false, j), other[j]);
+            other[j] = before;
+        }
+    }
+    for (int j = 0; j < count; j++)
+        sum[j] += other[j];
+}
+
+/* The sum over all elements of what would be a row of combinations, in a fixed tree. */
+KERNEL_INLINE void total_packs(const player *m, const saltus_tape_row *s, const lane_t *weights,
+                               const lane_t *at, bool constant, unsigned changes, saltus_pack *sum) {
+    saltus_pack all[ROW_PACKS_MAX];
+    const int packs = (int)((unsigned)(s->count + ELEMENTS - 1) / ELEMENTS);
+    for (int p = 0; p < packs; p++) {
+        all[p] = (saltus_pack){0};
+        combine_packs(m, s, weights, at, constant, changes, p, 1, &all[p]);
+    }
+    *sum += row_sum(all, s->count, packs);
+}
+
+KERNEL_INLINE void play_total(const player *m, const saltus_tape_row *s, int k) {
+    saltus_pack sum = {0};
+    total_packs(m, s, m->weights, m->base + k * m->order, k == 0, ~0u, &sum);
+    store_pack(series_of(m, &s->out, 0) + k * m->order, 0, 1, sum);
+}
+
+KERNEL_INLINE void play_combination(const player *m, const saltus_tape_row *s, int k, int p,
+                                    const int share) {
+    saltus_pack sum[SHARES_MAX] = {{0}};
+    lane_t *out = series_of(m, &s->out, 0) + k * m->order;
+    combine_packs(m, s, m->weights, m->base + k * m->order, k == 0, ~0u, p, share, sum);
+    for (int j = 0; j < share; j++)
+        store_pack(out, p + j, s->count, sum[j]);
+}
+
+/* Sum of i a_i b_{k-i}, i = 1 .. last, for one element. */
+KERNEL_INLINE lane_t convolve_rate(const lane_t *a, const lane_t *b, long order, int k, int last) {
     lane_t sum[2] = {lane_constant(0), lane_constant(0)};
     for (int i = 1; i <= last; i++)
-        sum[i % 2] = lane_fma(a[i] * (double)i, b[k - i], sum[i % 2]);
+        sum[i % 2] = lane_fma(a[i * order] * (double)i, b[(k - i) * order], sum[i % 2]);
     return sum[0] + sum[1];
 }
 
-/* Half of the terms of a square, doubled. */
-KERNEL_INLINE lane_t convolve_square(const lane_t *a, int k) {
-    lane_t sum = convolve(a, a, k, 0, (k - 1) / 2 - (k == 0));
-    sum = sum + sum;
-    if (k % 2 == 0)
-        sum = lane_fma(a[k / 2], a[k / 2], sum);
-    return sum;
-}
+KERNEL_INLINE void turn(lane_t phase, lane_t *sine, lane_t *cosine);
 
-static lane_t function_value(const saltus_tape_step *s, lane_t a, lane_t b) {
+static lane_t function_value(const saltus_tape_row *s, lane_t a, lane_t b) {
     double *first = (double *)&a;
     const double *second = (const double *)&b;
     for (int l = 0; l < LANES; l++)
@@ -114,103 +341,354 @@ static lane_t function_value(const saltus_tape_step *s, lane_t a, lane_t b) {
     return a;
 }
 
-/* Coefficient k of a step's series, for the trajectory. */
-KERNEL_INLINE lane_t step_value(frame f, const saltus_tape_step *s, int k) {
-    const saltus_tape_term *term = f.loaded.tape->terms + s->first;
-    const lane_t *a = SERIES(s->a, 0, 0), *b = SERIES(s->b, 0, 0), *out = SERIES(s->out, 0, 0);
-    lane_t sum = lane_constant(0);
-    switch (s->code) {
-    case SALTUS_TAPE_COMBINE:
-        for (int j = 0; j < s->count; j++)
-            if (term[j].from >= 0)
-                sum = lane_fma(*SLOT(term[j].slot), *SERIES(term[j].from, k, 0), sum);
-            else if (k == 0)
-                sum += *SLOT(term[j].slot);
-        return sum;
-    case SALTUS_TAPE_MULTIPLY:
-        return convolve(a, b, k, 0, k);
-    case SALTUS_TAPE_SQUARE:
-        return convolve_square(a, k);
-    case SALTUS_TAPE_DIVIDE:
-        return (a[k] - convolve(out, b, k, 0, k - 1)) / b[0];
-    case SALTUS_TAPE_CHOOSE:
-        return lane_if_less(lane_constant(0), *SLOT(s->first), a[k], b[k]);
-    case SALTUS_TAPE_FUNCTION:
-        break;
+KERNEL_INLINE void play_function(const player *m, const saltus_tape_row *s, int k) {
+    const lane_t *a = series_of(m, &s->a, 0), *b = series_of(m, &s->b, 0);
+    lane_t *out = series_of(m, &s->out, 0) + k * m->order;
+    if (k == 0) {
+        *out = function_value(s, *a, s->paired ? *series_of(m, &s->a2, 0) : *a);
+        return;
     }
-    if (k == 0)
-        return function_value(s, a[0], s->a2 < 0 ? a[0] : *SERIES(s->a2, 0, 0));
-    sum = convolve_rate(a, b, k, s->linear ? 1 : k);
-    if (s->a2 >= 0)
-        sum += convolve_rate(SERIES(s->a2, 0, 0), SERIES(s->b2, 0, 0), k, k);
-    return sum * (s->sign / k);
+    lane_t sum = convolve_rate(a, b, m->order, k, s->linear ? 1 : k);
+    if (s->paired)
+        sum += convolve_rate(series_of(m, &s->a2, 0), series_of(m, &s->b2, 0), m->order, k, k);
+    *out = sum * (s->sign / k);
 }
 
-/* Coefficient k of a step's series along a tangent vector. Registers that do not depend on what the column
- * changes have no series there. */
-KERNEL_INLINE lane_t step_tangent(frame f, const saltus_tape_step *s, int k, int c, unsigned changes) {
-    const saltus_tape *tape = f.loaded.tape;
-    const saltus_tape_term *term = tape->terms + s->first;
-    const int direction = direction_of(f, c);
-    const lane_t *a = SERIES(s->a, 0, 0), *b = SERIES(s->b, 0, 0), *out = SERIES(s->out, 0, 0);
-    const lane_t *da = SERIES(s->a, 0, c), *db = SERIES(s->b, 0, c);
-    const bool first = s->code != SALTUS_TAPE_COMBINE && (tape->depends[s->a] & changes);
-    const bool second = s->code != SALTUS_TAPE_COMBINE && (tape->depends[s->b] & changes);
-    lane_t sum = lane_constant(0);
+/* Sine and cosine of a_0 + a_1 t, coefficients first .. last - 1. */
+KERNEL_INLINE void play_sine(const player *m, const saltus_tape_row *s, int first, int last) {
+    const lane_t *a = series_of(m, &s->a, 0);
+    lane_t *sine = series_of(m, &s->out, 0), *cosine = series_of(m, &s->b, 0);
+    if (first == 0)
+        turn(*a * 0.15915494309189533577, sine, cosine);
+    const int start = first > 0 ? first : 1;
+    const lane_t rate = a[m->order];
+    lane_t one = sine[(start - 1) * m->order], other = cosine[(start - 1) * m->order];
+    for (int k = start; k < last; k++) {
+        const lane_t part = rate * (1.0 / k), before = one;
+        sine[k * m->order] = one = part * other;
+        cosine[k * m->order] = other = -part * before;
+    }
+}
+
+KERNEL_INLINE void play_divide(const player *m, const saltus_tape_row *s, int k) {
+    const lane_t *a = series_of(m, &s->a, 0) + k * m->order, *b = series_of(m, &s->b, 0);
+    lane_t *out = series_of(m, &s->out, 0);
+    for (int p = 0; p * ELEMENTS < s->count; p++) {
+        saltus_pack sum[1] = {{0}};
+        if (k > 0)
+            convolve(out, false, b, s->b.spread, m->order, k, 0, k - 1, p, 1, sum);
+        store_pack(out + k * m->order, p, s->count,
+                   (load_pack(a, s->a.spread, p) - sum[0]) / load_pack(b, s->b.spread, p));
+    }
+}
+
+KERNEL_INLINE void play_integral(const player *m, const saltus_tape_row *s, int k) {
+    const lane_t *before = series_of(m, &s->b, 0) + (k - 1) * m->order;
+    lane_t *out = series_of(m, &s->out, 0) + k * m->order;
+    for (int p = 0; p * ELEMENTS < s->count; p++) {
+        const saltus_pack start = load_pack(series_of(m, &s->a, 0), false, p);
+        store_pack(out, p, s->count, k ? load_pack(before, false, p) * (2.0 / k) : start * start);
+    }
+}
+
+KERNEL_INLINE void play_choice(const player *m, const saltus_tape_row *s, int k) {
+    const long here = k * m->order;
+    series_of(m, &s->out, 0)[here] = lane_if_less(lane_constant(0), m->weights[s->weight[SALTUS_WIDE]],
+                                                  series_of(m, &s->a, 0)[here], series_of(m, &s->b, 0)[here]);
+}
+
+KERNEL_INLINE void play_gathering(const player *m, const saltus_tape_row *s, int k) {
+    for (int e = 0; e < s->count; e++)
+        series_of(m, &s->out, 0)[k * m->order + e] =
+            series_of(m, &m->tape->row_terms[s->first + e], 0)[k * m->order];
+}
+
+/* Coefficients first .. last - 1 of a row, for the trajectory. */
+KERNEL_INLINE void play_row(const player *m, const saltus_tape_row *s, int first, int last) {
+#define FOR_ORDERS(statement)                                                                                \
+    for (int k = first; k < last; k++) {                                                                     \
+        statement;                                                                                           \
+    }                                                                                                        \
+    break
     switch (s->code) {
     case SALTUS_TAPE_COMBINE:
-        for (int j = 0; j < s->count; j++) {
-            if (term[j].from >= 0 && (tape->depends[term[j].from] & changes))
-                sum = lane_fma(*SLOT(term[j].slot), *SERIES(term[j].from, k, c), sum);
-            if (direction >= 0 && term[j].from >= 0)
-                sum = lane_fma(*VARY_SLOT(direction, term[j].slot), *SERIES(term[j].from, k, 0), sum);
-            else if (direction >= 0 && k == 0)
-                sum += *VARY_SLOT(direction, term[j].slot);
+        last = s->linear && last > 2 ? 2 : last;
+        FOR_ORDERS(FOR_SHARES(s, play_combination(m, s, k, p, share)));
+    case SALTUS_TAPE_MULTIPLY:
+        if (s->a.spread) {
+            FOR_ORDERS(FOR_SHARES(s, multiply_packs(m, s, true, k, p, share)));
         }
-        return sum;
-    case SALTUS_TAPE_MULTIPLY:
-        if (first)
-            sum = convolve(da, b, k, 0, k);
-        if (second)
-            sum += convolve(db, a, k, 0, k);
-        return sum;
+        FOR_ORDERS(FOR_SHARES(s, multiply_packs(m, s, false, k, p, share)));
+    case SALTUS_TAPE_RATE:
+        FOR_ORDERS(FOR_SHARES(s, square_packs(m, s, true, k, p, share)));
     case SALTUS_TAPE_SQUARE:
-        return 2.0 * convolve(da, a, k, 0, k);
+        FOR_ORDERS(FOR_SHARES(s, square_packs(m, s, false, k, p, share)));
+    case SALTUS_TAPE_INTEGRAL:
+        FOR_ORDERS(play_integral(m, s, k));
     case SALTUS_TAPE_DIVIDE:
-        if (first)
-            sum = da[k];
-        if (second)
-            sum -= convolve(out, db, k, 0, k);
-        return (sum - convolve(SERIES(s->out, 0, c), b, k, 0, k - 1)) / b[0];
+        FOR_ORDERS(play_divide(m, s, k));
     case SALTUS_TAPE_CHOOSE:
-        return lane_if_less(lane_constant(0), *SLOT(s->first), first ? da[k] : sum, second ? db[k] : sum);
+        FOR_ORDERS(play_choice(m, s, k));
     case SALTUS_TAPE_FUNCTION:
+        FOR_ORDERS(play_function(m, s, k));
+    case SALTUS_TAPE_SINE:
+        play_sine(m, s, first, last);
         break;
+    case SALTUS_TAPE_TOTAL:
+        FOR_ORDERS(play_total(m, s, k));
+    case SALTUS_TAPE_GATHER:
+        FOR_ORDERS(play_gathering(m, s, k));
     }
-    if (first)
-        sum = convolve(da, b, k, 0, k);
-    if (s->a2 >= 0 && (tape->depends[s->a2] & changes))
-        sum += convolve(SERIES(s->a2, 0, c), SERIES(s->b2, 0, 0), k, 0, k);
-    return sum * s->sign;
+#undef FOR_ORDERS
 }
 
-/* Coefficients k of displacements, velocities and extra states into their registers. */
-KERNEL_INLINE void place_states(frame f, int k, int c) {
-    const int *place = f.loaded.tape->state_register;
-    const saltus_pack *q = JET(f.q, k, c), *v = JET(f.v, k, c);
+KERNEL_INLINE void vary_combination(const player *m, const saltus_tape_row *s, int k, int c, int p,
+                                    const int share) {
+    const int direction = c - 1 - (m->columns - m->directions);
+    const lane_t *here = m->base + k * m->order;
+    saltus_pack sum[SHARES_MAX] = {{0}};
+    combine_packs(m, s, m->weights, here + c * m->column, false, changes_of(m, c), p, share, sum);
+    if (direction >= 0)
+        combine_packs(m, s, m->rates + (long)direction * m->tape->weights[SALTUS_WIDE], here, k == 0, ~0u, p,
+                      share, sum);
+    for (int j = 0; j < share; j++)
+        store_pack(series_of(m, &s->out, c) + k * m->order, p + j, s->count, sum[j]);
+}
+
+KERNEL_INLINE void vary_total(const player *m, const saltus_tape_row *s, int k, int c) {
+    const int direction = c - 1 - (m->columns - m->directions);
+    const lane_t *here = m->base + k * m->order;
+    saltus_pack sum = {0};
+    total_packs(m, s, m->weights, here + c * m->column, false, changes_of(m, c), &sum);
+    if (direction >= 0)
+        total_packs(m, s, m->rates + (long)direction * m->tape->weights[SALTUS_WIDE], here, k == 0, ~0u,
+                    &sum);
+    store_pack(series_of(m, &s->out, c) + k * m->order, 0, 1, sum);
+}
+
+/* da b + db a. */
+KERNEL_INLINE void vary_product(const player *m, const saltus_tape_row *s, bool spread, int k, int c, int p,
+                                const int share) {
+    const unsigned changes = changes_of(m, c);
+    const lane_t *a = series_of(m, &s->a, 0), *b = series_of(m, &s->b, 0);
+    lane_t *out = series_of(m, &s->out, c);
+    saltus_pack sum[SHARES_MAX] = {{0}};
+    if (!(s->b.depends & changes))
+        product_packs(series_of(m, &s->a, c), spread, b, out, m->order, k, p, s->count, share);
+    else if (!(s->a.depends & changes))
+        product_packs(a, spread, series_of(m, &s->b, c), out, m->order, k, p, s->count, share);
+    else {
+        convolve(series_of(m, &s->a, c), spread, b, false, m->order, k, 0, k, p, share, sum);
+        convolve(a, spread, series_of(m, &s->b, c), false, m->order, k, 0, k, p, share, sum);
+        for (int j = 0; j < share; j++)
+            store_pack(out + k * m->order, p + j, s->count, sum[j]);
+    }
+}
+
+/* a da, twice or with `rate` k + 1 times, as square_packs. */
+KERNEL_INLINE void vary_square(const player *m, const saltus_tape_row *s, bool rate, int k, int c, int p,
+                               const int share) {
+    saltus_pack now[SHARES_MAX] = {{0}}, next[SHARES_MAX] = {{0}};
+    lane_t *out = series_of(m, &s->out, c) + k * m->order;
+    const lane_t *a = series_of(m, &s->a, 0) + p * ELEMENTS, *own = series_of(m, &s->a, c) + p * ELEMENTS;
+    const int n = k + rate;
+    if (k % 2)
+        for (int j = 0; j < share; j++)
+            now[j] = load_pack(out, false, p + j);
+    else {
+        convolve_two(a, false, own, m->order, n, share, now, next);
+        for (int j = 0; j < share; j++)
+            store_pack(out + m->order, p + j, s->count, next[j]);
+    }
+    for (int j = 0; j < share; j++) {
+        if (n > 0)
+            now[j] = saltus_pack_fma(load_pack(a + n * m->order, false, j), load_pack(own, false, j), now[j]);
+        now[j] = saltus_pack_fma(load_pack(a, false, j), load_pack(own + n * m->order, false, j), now[j]);
+        store_pack(out, p + j, s->count, now[j] * (rate ? n : 2.0));
+    }
+}
+
+KERNEL_INLINE void vary_divide(const player *m, const saltus_tape_row *s, int k, int c) {
+    const unsigned changes = changes_of(m, c);
+    const lane_t *b = series_of(m, &s->b, 0);
+    lane_t *out = series_of(m, &s->out, c);
+    for (int p = 0; p * ELEMENTS < s->count; p++) {
+        saltus_pack sum = {0}, part[1] = {{0}};
+        if (s->a.depends & changes)
+            sum = load_pack(series_of(m, &s->a, c) + k * m->order, s->a.spread, p);
+        if (s->b.depends & changes)
+            convolve(series_of(m, &s->out, 0), false, series_of(m, &s->b, c), s->b.spread, m->order, k, 0, k,
+                     p, 1, part);
+        if (k > 0)
+            convolve(out, false, b, s->b.spread, m->order, k, 0, k - 1, p, 1, part);
+        store_pack(out + k * m->order, p, s->count, (sum - part[0]) / load_pack(b, s->b.spread, p));
+    }
+}
+
+/* Sum of a_i b_{k-i}, for one element. */
+KERNEL_INLINE lane_t convolve_one(const lane_t *a, const lane_t *b, long order, int k) {
+    lane_t sum[2] = {lane_constant(0), lane_constant(0)};
+    for (int i = 0; i <= k; i++)
+        sum[i % 2] = lane_fma(a[i * order], b[(k - i) * order], sum[i % 2]);
+    return sum[0] + sum[1];
+}
+
+KERNEL_INLINE void vary_function(const player *m, const saltus_tape_row *s, int k, int c) {
+    const unsigned changes = changes_of(m, c);
+    lane_t sum = lane_constant(0);
+    if (s->a.depends & changes)
+        sum = convolve_one(series_of(m, &s->a, c), series_of(m, &s->b, 0), m->order, k);
+    if (s->paired && (s->a2.depends & changes))
+        sum += convolve_one(series_of(m, &s->a2, c), series_of(m, &s->b2, 0), m->order, k);
+    series_of(m, &s->out, c)[k * m->order] = sum * s->sign;
+}
+
+KERNEL_INLINE void vary_integral(const player *m, const saltus_tape_row *s, int k, int c) {
+    const lane_t *a = series_of(m, &s->a, 0), *own = series_of(m, &s->a, c),
+                 *before = series_of(m, &s->b, c) + (k - 1) * m->order;
+    for (int p = 0; p * ELEMENTS < s->count; p++)
+        store_pack(series_of(m, &s->out, c) + k * m->order, p, s->count,
+                   k ? load_pack(before, false, p) * (2.0 / k)
+                     : 2.0 * load_pack(a, false, p) * load_pack(own, false, p));
+}
+
+KERNEL_INLINE void vary_choice(const player *m, const saltus_tape_row *s, int k, int c) {
+    const unsigned changes = changes_of(m, c);
+    const long here = k * m->order;
+    const lane_t none = lane_constant(0);
+    series_of(m, &s->out, c)[here] =
+        lane_if_less(none, m->weights[s->weight[SALTUS_WIDE]],
+                     s->a.depends & changes ? series_of(m, &s->a, c)[here] : none,
+                     s->b.depends & changes ? series_of(m, &s->b, c)[here] : none);
+}
+
+KERNEL_INLINE void vary_sine(const player *m, const saltus_tape_row *s, int k, int c) {
+    const lane_t *a = series_of(m, &s->a, c);
+    series_of(m, &s->out, c)[k * m->order] = convolve_one(a, series_of(m, &s->b, 0), m->order, k);
+    series_of(m, &s->b, c)[k * m->order] = -convolve_one(a, series_of(m, &s->out, 0), m->order, k);
+}
+
+KERNEL_INLINE void vary_gathering(const player *m, const saltus_tape_row *s, int k, int c) {
+    for (int e = 0; e < s->count; e++) {
+        const saltus_tape_operand *from = &m->tape->row_terms[s->first + e];
+        series_of(m, &s->out, c)[k * m->order + e] =
+            from->depends & changes_of(m, c) ? series_of(m, from, c)[k * m->order] : lane_constant(0);
+    }
+}
+
+/* Coefficient k of a row along tangent vectors, from column `first` on. Rows that do not depend on what a
+ * column changes have no series there. */
+KERNEL_INLINE void vary_row(const player *m, const saltus_tape_row *s, int k, int first) {
+#define FOR_COLUMNS(statement)                                                                               \
+    for (int c = first; c <= m->columns; c++) {                                                              \
+        statement;                                                                                           \
+    }                                                                                                        \
+    break
+    switch (s->code) {
+    case SALTUS_TAPE_COMBINE:
+        FOR_COLUMNS(FOR_SHARES(s, vary_combination(m, s, k, c, p, share)));
+    case SALTUS_TAPE_MULTIPLY:
+        if (s->a.spread) {
+            FOR_COLUMNS(FOR_SHARES(s, vary_product(m, s, true, k, c, p, share)));
+        }
+        FOR_COLUMNS(FOR_SHARES(s, vary_product(m, s, false, k, c, p, share)));
+    case SALTUS_TAPE_RATE:
+        FOR_COLUMNS(FOR_SHARES(s, vary_square(m, s, true, k, c, p, share)));
+    case SALTUS_TAPE_SQUARE:
+        FOR_COLUMNS(FOR_SHARES(s, vary_square(m, s, false, k, c, p, share)));
+    case SALTUS_TAPE_INTEGRAL:
+        FOR_COLUMNS(vary_integral(m, s, k, c));
+    case SALTUS_TAPE_DIVIDE:
+        FOR_COLUMNS(vary_divide(m, s, k, c));
+    case SALTUS_TAPE_CHOOSE:
+        FOR_COLUMNS(vary_choice(m, s, k, c));
+    case SALTUS_TAPE_FUNCTION:
+        FOR_COLUMNS(vary_function(m, s, k, c));
+    case SALTUS_TAPE_SINE:
+        FOR_COLUMNS(vary_sine(m, s, k, c));
+    case SALTUS_TAPE_TOTAL:
+        FOR_COLUMNS(vary_total(m, s, k, c));
+    case SALTUS_TAPE_GATHER:
+        FOR_COLUMNS(vary_gathering(m, s, k, c));
+    }
+#undef FOR_COLUMNS
+}
+
+/* Rows that depend on no state change along directions in parameter space only. */
+static __attribute__((noinline)) void vary_rows(const player by_value, int k) {
+    const player m = by_value;
+    const int steady = m.tape->steady_rows;
+    for (int j = m.directions ? 0 : steady; j < m.tape->row_count; j++)
+        vary_row(&m, m.tape->rows + j, k, j < steady ? m.columns - m.directions + 1 : 1);
+}
+
+/* Rows first .. last - 1, order by order from `from` on, or each of them for all orders at once. The player
+ * is taken by value: a store through a pack may alias what is behind a pointer. */
+static __attribute__((noinline)) void play_rows(const player by_value, int row, int last, int from, int to) {
+    const player m = by_value;
+    for (; row < last; row++)
+        play_row(&m, m.tape->rows + row, from, to);
+}
+
+/* What depends on time alone, for all orders. */
+static void play_steady(const player *m, int order) {
+    const saltus_tape *tape = m->tape;
+    if (!tape->steady_by_order)
+        play_rows(*m, 0, tape->steady_rows, 0, order);
+    for (int k = 0; tape->steady_by_order && k < order; k++)
+        play_rows(*m, 0, tape->steady_rows, k, k + 1);
+}
+
+/* Beyond order 1 nothing is ever written. */
+KERNEL_INLINE void set_linear(const player *m, const saltus_tape_operand *x, int c, lane_t first,
+                              lane_t second) {
+    series_of(m, x, c)[0] = first;
+    series_of(m, x, c)[m->order] = second;
+}
+
+/* Time and phase, which are linear; along omega at fixed phase of the step's begin, `elapsed` before this:
+ * the phase moves by elapsed / (2 pi), and time is the phase times T = 2 pi / omega. */
+KERNEL_INLINE void model_start(frame f, int c) {
+    const player m = make_player(f);
+    const int direction = direction_of(f, c);
+    const lane_t omega = *SCALAR(0), full = lane_constant(6.28318530717958647693), none = lane_constant(0);
+    const lane_t period = full / omega, time = *f.phase * period;
+    if (c > 0 && direction < 0)
+        return;
+    lane_t start = time, rate = omega + none, turned = *f.phase;
+    if (c > 0) {
+        rate = *VARY_SCALAR(direction, 0);
+        start = rate * (*f.elapsed - time) / omega;
+        turned = rate * *f.elapsed / full;
+    }
+    if (m.tape->time >= 0)
+        set_linear(&m, &m.tape->time_at, c, start, lane_constant(c == 0));
+    if (m.tape->phase >= 0)
+        set_linear(&m, &m.tape->phase_at, c, turned, rate / full);
+    if (c == 0)
+        play_steady(&m, (int)f.orders - 2);
+}
+
+/* Coefficients k of displacements, velocities and extra states, and coefficient k + 1 of the displacements,
+ * which is known already. */
+KERNEL_INLINE void place_states(frame f, const player *m, int k, int c) {
+    const saltus_tape_operand *state = m->tape->state;
+    const saltus_pack *q = JET(f.q, k, c), *v = JET(f.v, k, c), *later = JET(f.q, k + 1, c);
     const lane_t *e = EXTRA(k, c);
-    for (int i = 0; i < f.dof; i++) {
-        if (place[i] >= 0)
-            *SERIES(place[i], k, c) = row_element(q, i);
-        if (place[f.dof + i] >= 0)
-            *SERIES(place[f.dof + i], k, c) = row_element(v, i);
+    lane_t *to_q = series_of(m, &state[0], c) + k * m->order,
+           *to_v = series_of(m, &state[1], c) + k * m->order,
+           *to_e = series_of(m, &state[2], c) + k * m->order;
+    for (int p = 0; p < f.packs; p++) {
+        if (k == 0)
+            *(loose_pack *)(void *)(to_q + p * ELEMENTS) = (loose_pack)q[p];
+        *(loose_pack *)(void *)(to_q + m->order + p * ELEMENTS) = (loose_pack)later[p];
+        *(loose_pack *)(void *)(to_v + p * ELEMENTS) = (loose_pack)v[p];
     }
     for (int i = 0; i < f.extra; i++)
-        if (place[2 * f.dof + i] >= 0)
-            *SERIES(place[2 * f.dof + i], k, c) = e[i];
+        to_e[i] = e[i];
 }
 
-/* Parameter columns are tangent vectors that change the slots, too. */
+/* Parameter columns are tangent vectors that change the weights, too. */
 KERNEL_INLINE void model_source(frame f, int k, int c, int d, double inverse, saltus_pack *next) {
     (void)f;
     (void)k;
@@ -220,26 +698,29 @@ KERNEL_INLINE void model_source(frame f, int k, int c, int d, double inverse, sa
     (void)next;
 }
 
-/* Coefficient k + 1 of q' and of the extra states, for the trajectory (c = 0) or a tangent vector. */
+/* Coefficient k + 1 of q' and of the extra states, for the trajectory (c = 0) or a tangent vector. The states
+ * of all columns are known up to order k when the trajectory's turn comes: their rows are played with it. */
 KERNEL_INLINE void model_order(frame f, int k, int c, double inverse, saltus_pack *next) {
-    const saltus_tape *tape = f.loaded.tape;
-    const unsigned changes = direction_of(f, c) >= 0 ? ~0u : (unsigned)SALTUS_OF_STATES;
-    place_states(f, k, c);
-    for (int j = 0; j < tape->step_count; j++) {
-        const saltus_tape_step *s = tape->steps + j;
-        if (c == 0)
-            *SERIES(s->out, k, 0) = step_value(f, s, k);
-        else if (s->depends & changes)
-            *SERIES(s->out, k, c) = step_tangent(f, s, k, c, changes);
+    const player m = make_player(f);
+    const saltus_tape *tape = m.tape;
+    const unsigned changes = changes_of(&m, c);
+    if (c == 0) {
+        for (int column = 0; column <= f.columns; column++)
+            place_states(f, &m, k, column);
+        play_rows(m, tape->steady_rows, tape->row_count, k, k + 1);
+        if (f.columns)
+            vary_rows(m, k);
     }
     for (int p = 0; p < f.packs; p++)
         next[p] = (saltus_pack){0};
-    for (int i = 0; i < f.dof + f.extra; i++) {
-        const int out = tape->outputs[i];
-        const bool moves = c == 0 || (tape->depends[out] & changes);
+    if (tape->output_row && (c == 0 || (tape->output_at[0].depends & changes)))
+        for (int p = 0; p < f.packs; p++)
+            next[p] = load_pack(series_of(&m, &tape->output_at[0], c) + k * m.order, false, p) * inverse;
+    for (int i = tape->output_row ? f.dof : 0; i < f.dof + f.extra; i++) {
+        const saltus_tape_operand *out = &tape->output_at[i];
         lane_t value = lane_constant(0);
-        if (moves)
-            value = *SERIES(out, k, c) * inverse;
+        if (c == 0 || (out->depends & changes))
+            value = *(series_of(&m, out, c) + k * m.order) * inverse;
         if (i < f.dof)
             set_row_element(next, i, value);
         else

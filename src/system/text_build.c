@@ -841,7 +841,7 @@ static void build(builder *b) {
         find_guards(b);
     if (b->status == SALTUS_OK) {
         add_trace(b, field);
-        made->tape = saltus_tape_new(b->graph, field, all, 2 * n + made->extra);
+        made->tape = saltus_tape_new(b->graph, field, all, n, 2 * n + made->extra);
         if (!made->tape && b->graph->full)
             refuse(b, NULL, "the equations have too many terms");
         no_memory(b, made->tape);

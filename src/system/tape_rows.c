@@ -1,0 +1,565 @@
+/* A tape's steps arranged in rows. Steps of one kind that come at the same depth and take their operands from
+ * the same rows become one step on neighbouring elements: a family of equations then costs as many steps as
+ * one equation, and a trajectory alone has its elements side by side in packs.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "system/tape.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { total_max = 64 }; /* elements that are added up side by side */
+enum { pack_max = 8 };   /* elements of the widest pack: rows of one trajectory are filled up to these */
+
+/* A list that grows. */
+typedef struct list {
+    void *items;
+    int count, room;
+} list;
+
+/* Where a register stands. */
+typedef struct home {
+    int row, element; /* -1: none yet */
+    int level;
+    unsigned long long kind; /* of the step that makes it: steps of equal kinds share a row */
+} home;
+
+typedef struct arranger {
+    saltus_tape *tape;
+    home *homes;                /* of each register */
+    int *first;                 /* place of each row, of both widths: [row][2] */
+    int *members, member_count; /* steps of the row being made */
+    int rows;
+    bool *delicate; /* registers that need not be finite: they share no row */
+    bool *accelerates;
+    bool choices;
+    bool *used;         /* registers that a step takes */
+    int *stamps, stamp; /* of columns and diagonals that have been met */
+    int reach;          /* more than any row has elements */
+    list steps, terms, weights[2];
+    bool failed;
+} arranger;
+
+static void *grow(arranger *m, list *l, size_t size) {
+    if (l->count == l->room) {
+        int room = 2 * l->room + 32;
+        void *items = realloc(l->items, (size_t)room * size);
+        if (!items) {
+            m->failed = true;
+            return NULL;
+        }
+        l->items = items;
+        l->room = room;
+    }
+    return (char *)l->items + (size_t)l->count++ * size;
+}
+
+static int padded(int count) {
+    return (count + pack_max - 1) / pack_max * pack_max;
+}
+
+/* A new row of so many elements. */
+static int add_row(arranger *m, int count) {
+    const int row = m->rows++;
+    m->first[2 * row] = m->tape->elements[0];
+    m->first[2 * row + 1] = m->tape->elements[1];
+    m->tape->elements[0] += padded(count);
+    m->tape->elements[1] += count;
+    return row;
+}
+
+static void settle(arranger *m, int place, int row, int element, int level) {
+    m->homes[place].row = row;
+    m->homes[place].element = element;
+    m->homes[place].level = level;
+}
+
+static saltus_tape_operand operand_at(const arranger *m, int row, int element, bool spread,
+                                      unsigned depends) {
+    return (saltus_tape_operand){
+        {m->first[2 * row] + element, m->first[2 * row + 1] + element}, spread, depends};
+}
+
+static saltus_tape_operand operand_of(const arranger *m, int place, bool spread) {
+    const home *h = &m->homes[place];
+    return operand_at(m, h->row, h->element, spread, m->tape->depends[place]);
+}
+
+/* The registers that a step needs of the same order, with those of a combination. */
+static int needs(const saltus_tape *tape, const saltus_tape_step *s, int k) {
+    if (s->code == SALTUS_TAPE_COMBINE)
+        return k < s->count ? tape->terms[s->first + k].from : -2;
+    bool one = s->code == SALTUS_TAPE_SQUARE || s->code == SALTUS_TAPE_FUNCTION;
+    return k == 0 ? s->a : k == 1 && !one ? s->b : k == 1 && s->a2 >= 0 ? s->a2 : -2;
+}
+
+/* A combination that nothing but the tape's results takes. */
+static bool is_last(const arranger *m, const saltus_tape_step *s) {
+    return s->code == SALTUS_TAPE_COMBINE && !m->used[s->out];
+}
+
+static int level_of(const arranger *m, const saltus_tape_step *s) {
+    int level = s->code == SALTUS_TAPE_INTEGRAL; /* after the rate, which may stand later among the steps */
+    for (int k = 0, place; (place = needs(m->tape, s, k)) != -2; k++)
+        if (place >= 0 && m->homes[place].level > level)
+            level = m->homes[place].level;
+    return level + 1;
+}
+
+static unsigned long long mix(unsigned long long x) {
+    x = (x ^ x >> 31) * 0x9e3779b97f4a7c15ULL;
+    return (x ^ x >> 29) * 0xbf58476d1ce4e5b9ULL + 1;
+}
+
+/* What steps of one row have in common; 0: shares none. Of a combination the set of rows it takes from, in
+ * which the order does not matter; the accelerations are one row whatever they take. Equal sums of different
+ * steps would cost time, nothing else. */
+static unsigned long long kind_of(const arranger *m, const saltus_tape_step *s) {
+    const saltus_tape *tape = m->tape;
+    bool alone = s->code == SALTUS_TAPE_FUNCTION || s->code == SALTUS_TAPE_CHOOSE || m->delicate[s->out];
+    unsigned long long rows = 0;
+    for (int k = 0, place; (place = needs(tape, s, k)) != -2 && !alone; k++) {
+        bool before = is_last(m, s);
+        alone = place >= 0 && m->delicate[place];
+        for (int j = 0; j < k && !before; j++) {
+            int other = needs(tape, s, j);
+            before = place < 0 ? other < 0 : other >= 0 && m->homes[other].row == m->homes[place].row;
+        }
+        if (!before)
+            rows += mix(place < 0 ? 1 : (unsigned long long)m->homes[place].row + 2);
+    }
+    return alone ? 0
+                 : mix(rows + mix((unsigned long long)s->code * 64 + s->depends * 4 + s->linear * 2u +
+                                  m->accelerates[s->out])) |
+                       1;
+}
+
+/* In a product the operand of the earlier row comes first, so that q * u and u * q are of one kind. */
+static void order_operands(const arranger *m, saltus_tape_step *s) {
+    const home *a = &m->homes[s->a], *b = &m->homes[s->b];
+    if (s->code == SALTUS_TAPE_MULTIPLY &&
+        (b->row < a->row || (b->row == a->row && b->element < a->element))) {
+        int other = s->a;
+        s->a = s->b;
+        s->b = other;
+    }
+}
+
+static void add_step(arranger *m, saltus_tape_row row) {
+    saltus_tape_row *entry = grow(m, &m->steps, sizeof *entry);
+    if (entry)
+        *entry = row;
+}
+
+static const saltus_tape_step *member(const arranger *m, int e) {
+    return &m->tape->steps[m->members[e]];
+}
+
+/* An operand of all members: one element, a piece of a row, or a gathering made for it. */
+static saltus_tape_operand collect_operand(arranger *m, bool second, int level) {
+    const int count = m->member_count, place = second ? member(m, 0)->b : member(m, 0)->a;
+    const home *start = &m->homes[place];
+    bool same = count > 1, piece = true;
+    unsigned depends = 0;
+    for (int e = 0; e < count; e++) {
+        const int other = second ? member(m, e)->b : member(m, e)->a;
+        same = same && other == place;
+        piece = piece && m->homes[other].row == start->row && m->homes[other].element == start->element + e;
+        depends |= m->tape->depends[other];
+    }
+    if (same || piece)
+        return operand_of(m, place, same);
+    const int row = add_row(m, count);
+    saltus_tape_row gather = {.code = SALTUS_TAPE_GATHER,
+                              .count = count,
+                              .level = level,
+                              .out = operand_at(m, row, 0, false, depends),
+                              .first = m->terms.count};
+    for (int e = 0; e < count; e++) {
+        saltus_tape_row_term *term = grow(m, &m->terms, sizeof *term);
+        if (term)
+            *term = operand_of(m, second ? member(m, e)->b : member(m, e)->a, true);
+    }
+    add_step(m, gather);
+    return gather.out;
+}
+
+/* One number in the matrix of a row of combinations. */
+typedef struct incidence {
+    int element, row, from, slot; /* row -1: no series, the number alone */
+    int level;
+    unsigned depends;
+    bool taken;
+} incidence;
+
+static int earlier(const void *a, const void *b) {
+    const incidence *x = a, *y = b;
+    int order[] = {x->level - y->level, x->row - y->row, x->from - y->from, x->element - y->element};
+    for (int k = 0; k < 4; k++)
+        if (order[k])
+            return order[k];
+    return 0;
+}
+
+/* How many loads of one element a processor does while it waits for a load that overlaps two recent stores.
+ */
+enum { overlap = 6 };
+
+/* Whether the entries of a row's block of the matrix lie on so few diagonals that these cost less than
+ * columns. Where branches that are not taken may hold anything, no diagonal reaches over the ends of its row.
+ */
+static bool on_diagonals(arranger *m, const incidence *list, int count, int members) {
+    int columns = 0, diagonals = 0;
+    bool aligned = true;
+    m->stamp++;
+    for (int k = 0; k < count; k++) {
+        int *column = &m->stamps[list[k].from],
+            *diagonal = &m->stamps[2 * m->reach + list[k].from - list[k].element];
+        columns += *column != m->stamp;
+        diagonals += *diagonal != m->stamp;
+        *column = *diagonal = m->stamp;
+        aligned = aligned && list[k].from == list[k].element;
+    }
+    return members > 1 && columns > 1 && (aligned || (diagonals + overlap < columns && !m->choices));
+}
+
+/* Terms that have the entries of one block of the matrix: its columns or its diagonals. */
+static void add_terms(arranger *m, incidence *block, int count, int members, bool diagonal, int *slots,
+                      int *terms) {
+    for (int k = 0; k < count; k++) {
+        if (block[k].taken)
+            continue;
+        const int shift = block[k].from - block[k].element;
+        saltus_tape_row_term *term = grow(m, &m->terms, sizeof *term);
+        if (!term)
+            return;
+        saltus_tape_row_term made = {.place = {-1, -1}, .spread = !diagonal};
+        if (block->row >= 0)
+            made = operand_at(m, block->row, diagonal ? shift : block[k].from, !diagonal, 0);
+        for (int e = 0; e < members; e++)
+            slots[e] = -1;
+        for (int j = k; j < count; j++)
+            if (!block[j].taken && slots[block[j].element] < 0 &&
+                (diagonal ? block[j].from - block[j].element == shift : block[j].from == block[k].from)) {
+                block[j].taken = true;
+                slots[block[j].element] = block[j].slot;
+                made.depends |= block[j].depends;
+            }
+        *term = made;
+        for (int width = 0; width < 2; width++)
+            for (int e = 0; e < (width ? members : padded(members)); e++) {
+                int *slot = grow(m, &m->weights[width], sizeof *slot);
+                if (slot)
+                    *slot = e < members ? slots[e] : -1;
+            }
+        ++*terms;
+    }
+}
+
+/* How many elements side by side a single combination adds up; 1: it has too few terms for that. */
+static int total_elements(const arranger *m) {
+    const saltus_tape_step *s = member(m, 0);
+    int elements = 1;
+    for (int j = 0; j < s->count && m->member_count == 1 && s->count >= 4; j++) {
+        const int from = m->tape->terms[s->first + j].from;
+        if (from >= 0 && m->homes[from].element >= elements)
+            elements = m->homes[from].element + 1;
+    }
+    return m->choices || elements > total_max ? 1 : elements;
+}
+
+static void add_combinations(arranger *m, saltus_tape_row *row) {
+    const saltus_tape *tape = m->tape;
+    int count = 0, k = 0;
+    for (int e = 0; e < m->member_count; e++)
+        count += member(m, e)->count;
+    incidence *list = calloc((size_t)count + 1, sizeof *list);
+    if (total_elements(m) > 1) {
+        row->code = SALTUS_TAPE_TOTAL;
+        row->count = total_elements(m);
+    }
+    int *slots = calloc((size_t)row->count, sizeof *slots);
+    if (!list || !slots) {
+        m->failed = true;
+        goto out;
+    }
+    for (int e = 0; e < m->member_count; e++)
+        for (int j = 0; j < member(m, e)->count; j++) {
+            const saltus_tape_term *term = &tape->terms[member(m, e)->first + j];
+            const home *h = term->from < 0 ? NULL : &m->homes[term->from];
+            list[k++] = (incidence){.element = row->code == SALTUS_TAPE_TOTAL && h ? h->element : e,
+                                    .row = h ? h->row : -1,
+                                    .from = h ? h->element : 0,
+                                    .slot = term->slot,
+                                    .depends = h ? tape->depends[term->from] : 0,
+                                    .level = h ? h->level : -1};
+        }
+    qsort(list, (size_t)count, sizeof *list, earlier);
+    row->first = m->terms.count;
+    row->weight[0] = m->weights[0].count;
+    row->weight[1] = m->weights[1].count;
+    for (int pass = 0; pass < 2; pass++) {
+        for (int from = 0, to; from < count && !m->failed; from = to) {
+            for (to = from; to < count && list[to].row == list[from].row; to++)
+                ;
+            const bool diagonal = list[from].row >= 0 && on_diagonals(m, list + from, to - from, row->count);
+            if (diagonal == (pass == 1))
+                add_terms(m, list + from, to - from, row->count, diagonal, slots, &row->terms);
+            if (list[from].row < 0 && pass == 0)
+                row->numbers = row->terms;
+        }
+        row->spread_terms = pass == 0 ? row->terms : row->spread_terms;
+    }
+out:
+    free(list);
+    free(slots);
+}
+
+/* The row of the steps that have been collected. */
+static void add_members(arranger *m, int level) {
+    const saltus_tape_step *s = member(m, 0);
+    saltus_tape_row row = {.code = s->code,
+                           .function = s->function,
+                           .count = m->member_count,
+                           .level = level,
+                           .sign = s->sign,
+                           .linear = s->linear};
+    if (s->code == SALTUS_TAPE_COMBINE)
+        add_combinations(m, &row);
+    else if (s->code == SALTUS_TAPE_CHOOSE) {
+        for (int width = 0; width < 2; width++) {
+            row.weight[width] = m->weights[width].count;
+            for (int e = 0; e < (width ? 1 : pack_max); e++) {
+                int *slot = grow(m, &m->weights[width], sizeof *slot);
+                if (slot)
+                    *slot = e == 0 ? s->first : -1;
+            }
+        }
+    }
+    if (m->failed)
+        return;
+    if (s->code != SALTUS_TAPE_COMBINE && s->code != SALTUS_TAPE_FUNCTION) {
+        row.a = collect_operand(m, false, level);
+        row.b = s->code == SALTUS_TAPE_SQUARE ? row.a : collect_operand(m, true, level);
+    } else if (s->code == SALTUS_TAPE_FUNCTION)
+        row.a = operand_of(m, s->a, true);
+    /* The spread operand of a product comes first. */
+    if (s->code == SALTUS_TAPE_MULTIPLY && row.b.spread && !row.a.spread) {
+        saltus_tape_operand other = row.a;
+        row.a = row.b;
+        row.b = other;
+    }
+    const int place = add_row(m, m->member_count);
+    for (int e = 0; e < m->member_count; e++)
+        settle(m, member(m, e)->out, place, e, level);
+    row.out = operand_at(m, place, 0, false, s->depends);
+    add_step(m, row);
+}
+
+/* Functions take derivatives that may come later: their operands when all have places. Sine and cosine of
+ * what is linear in time are made together, by recurrences of their own. */
+static void finish_functions(arranger *m) {
+    saltus_tape *tape = m->tape;
+    saltus_tape_row *rows = m->steps.items;
+    int kept = 0;
+    for (int k = 0; k < m->steps.count; k++) {
+        saltus_tape_row row = rows[k];
+        if (row.code == SALTUS_TAPE_FUNCTION) {
+            const saltus_tape_step *s = tape->steps;
+            while (s->code != SALTUS_TAPE_FUNCTION ||
+                   operand_of(m, s->out, false).place[1] != row.out.place[1])
+                s++;
+            row.b = operand_of(m, s->b, true);
+            row.paired = s->a2 >= 0;
+            if (row.paired) {
+                row.a2 = operand_of(m, s->a2, true);
+                row.b2 = operand_of(m, s->b2, true);
+            }
+            if (row.linear && row.function == SALTUS_OP_COS)
+                continue;
+            if (row.linear && row.function == SALTUS_OP_SIN)
+                row.code = SALTUS_TAPE_SINE;
+            else if (!(row.out.depends & SALTUS_OF_STATES))
+                tape->steady_by_order = true;
+        }
+        rows[kept++] = row;
+    }
+    m->steps.count = kept;
+}
+
+static void mark_used(arranger *m) {
+    const saltus_tape *tape = m->tape;
+    for (int k = 0; k < tape->step_count; k++) {
+        const saltus_tape_step *s = &tape->steps[k];
+        for (int j = 0, place; (place = needs(tape, s, j)) != -2; j++)
+            if (place >= 0)
+                m->used[place] = true;
+        if (s->code == SALTUS_TAPE_FUNCTION)
+            m->used[s->b] = true;
+        if (s->code == SALTUS_TAPE_FUNCTION && s->a2 >= 0)
+            m->used[s->b2] = true;
+    }
+}
+
+/* What depends on no state first, then by depth. */
+static int row_order(const void *a, const void *b) {
+    const saltus_tape_row *x = a, *y = b;
+    int moves_x = (x->out.depends & SALTUS_OF_STATES) != 0,
+        moves_y = (y->out.depends & SALTUS_OF_STATES) != 0;
+    if (moves_x != moves_y)
+        return moves_x - moves_y;
+    if (x->level != y->level)
+        return x->level - y->level;
+    /* Gatherings were placed before what takes them. */
+    int late_x = x->code != SALTUS_TAPE_GATHER, late_y = y->code != SALTUS_TAPE_GATHER;
+    return late_x != late_y ? late_x - late_y : x->out.place[1] - y->out.place[1];
+}
+
+/* Registers that hold what need not be finite: in a branch that is not taken. Without choices nothing of the
+ * kind goes on unseen. */
+static void mark_delicate(arranger *m) {
+    const saltus_tape *tape = m->tape;
+    for (int k = 0; k < tape->step_count; k++)
+        m->choices = m->choices || tape->steps[k].code == SALTUS_TAPE_CHOOSE;
+    /* Functions may stand before what their series are made of: as often as anything changes. */
+    for (bool changed = m->choices; changed;) {
+        changed = false;
+        for (int k = 0; k < tape->step_count; k++) {
+            const saltus_tape_step *s = &tape->steps[k];
+            bool own = s->code == SALTUS_TAPE_DIVIDE ||
+                       (s->code == SALTUS_TAPE_FUNCTION && s->function != SALTUS_OP_SIN &&
+                        s->function != SALTUS_OP_COS);
+            for (int j = 0, place; (place = needs(tape, s, j)) != -2; j++)
+                own = own || (place >= 0 && m->delicate[place]);
+            if (s->code == SALTUS_TAPE_CHOOSE || !own || m->delicate[s->out])
+                continue;
+            m->delicate[s->out] = changed = true;
+        }
+    }
+}
+
+/* All steps of a depth, kind by kind. */
+static void arrange_level(arranger *m, int level, bool *done) {
+    saltus_tape *tape = m->tape;
+    for (int k = 0; k < tape->step_count; k++)
+        if (!done[k] && m->homes[tape->steps[k].out].level == level) {
+            order_operands(m, &tape->steps[k]);
+            m->homes[tape->steps[k].out].kind = kind_of(m, &tape->steps[k]);
+        }
+    for (int k = 0; k < tape->step_count && !m->failed; k++) {
+        if (done[k] || m->homes[tape->steps[k].out].level != level)
+            continue;
+        const unsigned long long kind = m->homes[tape->steps[k].out].kind;
+        m->member_count = 0;
+        for (int j = k; j < tape->step_count; j++) {
+            const home *h = &m->homes[tape->steps[j].out];
+            if (j == k || (kind && !done[j] && h->level == level && h->kind == kind)) {
+                m->members[m->member_count++] = j;
+                done[j] = true;
+            }
+        }
+        add_members(m, level);
+    }
+}
+
+/* Rows of the states, of time and of the phase. */
+static void place_leaves(arranger *m, int dof) {
+    saltus_tape *tape = m->tape;
+    const int counts[] = {dof, dof, tape->state_count - 2 * dof};
+    for (int part = 0, state = 0; part < 3; part++) {
+        const int row = add_row(m, counts[part]);
+        tape->state[part] = operand_at(m, row, 0, false, SALTUS_OF_STATES);
+        for (int i = 0; i < counts[part]; i++, state++)
+            if (tape->state_register[state] >= 0)
+                settle(m, tape->state_register[state], row, i, 0);
+    }
+    for (int k = 0; k < 2; k++) {
+        const int place = k ? tape->phase : tape->time;
+        saltus_tape_operand *at = k ? &tape->phase_at : &tape->time_at;
+        *at = (saltus_tape_operand){.place = {-1, -1}};
+        if (place >= 0) {
+            settle(m, place, add_row(m, 1), 0, 0);
+            *at = operand_of(m, place, true);
+        }
+    }
+}
+
+static void find_outputs(arranger *m, int dof) {
+    saltus_tape *tape = m->tape;
+    tape->output_row = true;
+    for (int i = 0; i < tape->output_count; i++)
+        tape->output_at[i] = operand_of(m, tape->outputs[i], false);
+    for (int i = 0; i < dof; i++) {
+        const home *h = &m->homes[tape->outputs[i]];
+        tape->output_row = tape->output_row && h->element == i && h->row == m->homes[tape->outputs[0]].row;
+    }
+    for (int k = 0; k < tape->register_count && dof; k++)
+        if (m->homes[k].row == m->homes[tape->outputs[0]].row && m->homes[k].element >= dof)
+            tape->output_row = false;
+}
+
+bool saltus_tape_arrange(saltus_tape *tape, int dof) {
+    const size_t registers = (size_t)tape->register_count + 1, steps = (size_t)tape->step_count + 1;
+    const int reach = tape->register_count + tape->state_count + 1;
+    arranger m = {.tape = tape,
+                  .reach = reach,
+                  .homes = calloc(registers, sizeof *m.homes),
+                  /* leaves, a row and two gatherings for every step */
+                  .first = calloc(2 * (3 * steps + 8), sizeof *m.first),
+                  .members = calloc(steps, sizeof *m.members),
+                  .delicate = calloc(registers, sizeof *m.delicate),
+                  .accelerates = calloc(registers, sizeof *m.accelerates),
+                  .used = calloc(registers, sizeof *m.used),
+                  .stamps = calloc(3 * (size_t)reach, sizeof *m.stamps)};
+    bool *done = calloc(steps, sizeof *done);
+    int levels = 0;
+    tape->output_at = calloc((size_t)tape->output_count + 1, sizeof *tape->output_at);
+    m.failed = !m.homes || !m.first || !m.members || !m.delicate || !m.accelerates || !m.used || !m.stamps ||
+               !done || !tape->output_at;
+    if (!m.failed) {
+        /* Terms on a diagonal reach over the ends of their rows, with weight zero. */
+        tape->elements[0] = padded(reach) + pack_max;
+        for (int i = 0; i < dof; i++)
+            m.accelerates[tape->outputs[i]] = true;
+        for (int k = 0; k < tape->register_count; k++)
+            m.homes[k].row = -1;
+        place_leaves(&m, dof);
+        mark_delicate(&m);
+        mark_used(&m);
+        for (int k = 0; k < tape->step_count; k++) {
+            home *h = &m.homes[tape->steps[k].out];
+            h->level = level_of(&m, &tape->steps[k]);
+            levels = h->level > levels ? h->level : levels;
+        }
+        for (int k = 0; k < tape->step_count; k++)
+            if (is_last(&m, &tape->steps[k]))
+                m.homes[tape->steps[k].out].level = levels;
+    }
+    for (int level = 1; level <= levels && !m.failed; level++)
+        arrange_level(&m, level, done);
+    if (!m.failed) {
+        finish_functions(&m);
+        if (m.steps.count)
+            qsort(m.steps.items, (size_t)m.steps.count, sizeof(saltus_tape_row), row_order);
+        find_outputs(&m, dof);
+        tape->elements[0] += padded(reach) + pack_max;
+    }
+    tape->rows = m.steps.items;
+    tape->row_count = m.steps.count;
+    while (tape->steady_rows < tape->row_count &&
+           !(tape->rows[tape->steady_rows].out.depends & SALTUS_OF_STATES))
+        tape->steady_rows++;
+    tape->row_terms = m.terms.items;
+    for (int width = 0; width < 2; width++) {
+        tape->weight_slot[width] = m.weights[width].items;
+        tape->weights[width] = m.weights[width].count;
+    }
+    free(m.homes);
+    free(m.first);
+    free(m.members);
+    free(m.delicate);
+    free(m.accelerates);
+    free(m.used);
+    free(m.stamps);
+    free(done);
+    return !m.failed;
+}

@@ -1,0 +1,161 @@
+/* saltus_text_bench: what equations from text cost beside the same equations in a hand-made kernel.
+ *
+ * The pipe with five modes and the oscillator with two masses, both ways: alone, with a tangent vector for
+ * every state, side by side in lanes, with and without a stop. Time is the CPU's, the best of repeated runs
+ * over many periods of the forcing. The error is that of the state after a few periods against a run at the
+ * tightest tolerance of the hand-made kernel, relative to the typical size of each entry.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "saltus/saltus.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+enum { repeats = 5, lanes_max = 16, dimension_max = 16, periods_checked = 3 };
+
+typedef struct problem {
+    const char *name;
+    long long periods; /* of one timed run */
+    const char *built_in, *text;
+} problem;
+
+static const problem problems[] = {
+    {"pipe", 300, "model: pipe\nN: 5\nstop: {xi: 0.5, d: 0.035, r: 0.9}\n",
+     "model:\n"
+     "  parameters: {N: {default: 5, min: 1, max: 16, integer: true}, alpha: 0.005, beta: 0.64, kappa: "
+     "5000,\n"
+     "    u0: 4.5, sigma: 0.2, omega: 42, place: 0.5}\n"
+     "  families: {q: N}\n"
+     "  let:\n"
+     "    u: u0*(1 + sigma*sin(omega*t))\n"
+     "    du: u0*sigma*omega*cos(omega*t)\n"
+     "    l[i]: i*pi\n"
+     "    S: sum(j, 1, N, l[j]^2*q[j]^2)/2\n"
+     "    dS: sum(j, 1, N, l[j]^2*q[j]*q[j]')\n"
+     "    pushed[i]: sum(j, 1, N, if(mod(i + j, 2) == 1, 4*i*j/(i^2 - j^2)*q[j]', 0))\n"
+     "    bent[i]: sum(j, 1, N, if(mod(i + j, 2) == 1, -8*i*j^3/(i^2 - j^2)^2*q[j], 0)) - l[i]^2/2*q[i]\n"
+     "  motion:\n"
+     "    q[i]: -alpha*l[i]^4*q[i]' - 2*sqrt(beta)*u*pushed[i] - (l[i]^4 - u^2*l[i]^2)*q[i]\n"
+     "      - sqrt(beta)*du*bent[i] - kappa*l[i]^2*q[i]*(S + alpha*dS)\n"
+     "  forcing: omega\n"
+     "stop: {coordinate: \"sum(i, 1, N, sin(i*pi*place)*q[i])\", d: 0.035, r: 0.9}\n"},
+    {"oscillator", 3000,
+     "model: oscillator\nN: 2\nc: 0.1\nk2: 1\nc2: 0.1\nF: 1\nomega: 1.2\nkz: 0.5\ntz: 1\n"
+     "stop: {weight: [1], d: 0.8, r: 0.9}\n",
+     "model:\n"
+     "  parameters: {c: 0.1, k: 1, k2: 1, c2: 0.1, F: 1, omega: 1.2, kz: 0.5, tz: 1}\n"
+     "  motion:\n"
+     "    x1: -c*x1' - k*x1 - c2*(x1' - x2') - k2*(x1 - x2) - z + F*cos(omega*t)\n"
+     "    x2: -c2*(x2' - x1') - k2*(x2 - x1)\n"
+     "  states: {z: kz*x1' - z/tz}\n"
+     "  forcing: omega\n"
+     "stop: {coordinate: x1, d: 0.8, r: 0.9}\n"},
+};
+
+static double cpu_seconds(void) {
+    struct timespec now;
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+static void must(saltus_status status, const saltus_message *message) {
+    if (status == SALTUS_OK)
+        return;
+    fprintf(stderr, "saltus_text_bench: %s\n", message->text);
+    exit(1);
+}
+
+static saltus_system *build(const char *text, const char *name, bool stops) {
+    saltus_scene scene = {.title = ""};
+    saltus_system *system = NULL;
+    saltus_message message = {.text = ""};
+    must(saltus_scene_parse(text, strlen(text), name, &scene, &message), &message);
+    if (!stops)
+        scene.spec.stop_count = 0;
+    must(saltus_system_new(&scene.spec, &system, &message), &message);
+    saltus_scene_clear(&scene);
+    return system;
+}
+
+/* Equal starts in both descriptions; lanes differ a little, so that they do not step alike. */
+static void start_state(const saltus_system *system, int lane, double *state) {
+    const int n = saltus_system_dimension(system);
+    const bool pipe = n >= 10;
+    for (int i = 0; i < n; i++)
+        state[i] = 0;
+    state[0] = (pipe ? 0.006 : 0.1) + 1e-4 * lane;
+    state[1] = pipe ? 0.002 : -0.05;
+    state[pipe ? 5 : 2] = pipe ? 0.12 : 0.3;
+}
+
+/* Nanoseconds a period and lane; `state`: of the first lane at the end. */
+static double run(const saltus_system *system, int lanes, int columns, double rtol, long long periods,
+                  double *state) {
+    saltus_flow_options options = saltus_flow_defaults();
+    const saltus_system *all[lanes_max];
+    saltus_message message = {.text = ""};
+    saltus_flow *flow = NULL;
+    double best = INFINITY, start[dimension_max];
+    options.rtol = rtol;
+    options.integrator = SALTUS_TAYLOR;
+    options.columns = columns;
+    for (int l = 0; l < lanes; l++)
+        all[l] = system;
+    must(saltus_flow_new(all, lanes, &options, &flow, &message), &message);
+    for (int repeat = 0; repeat < repeats; repeat++) {
+        for (int l = 0; l < lanes; l++) {
+            start_state(system, l, start);
+            must(saltus_flow_start(flow, l, (saltus_time){0, 0.2}, start, &message), &message);
+            saltus_flow_aim(flow, l, (saltus_time){periods, 0}, 0);
+        }
+        double begin = cpu_seconds();
+        for (int left = lanes; left > 0; left--) {
+            saltus_event event;
+            int lane;
+            must(saltus_flow_run(flow, &lane, &event, &message), &message);
+        }
+        best = fmin(best, cpu_seconds() - begin);
+    }
+    saltus_flow_state(flow, 0, state);
+    saltus_flow_free(flow);
+    return 1e9 * best / ((double)periods * lanes);
+}
+
+static double error_of(const saltus_system *system, const double *state, const double *exact) {
+    const double *scale = saltus_system_scale(system);
+    double largest = 0;
+    for (int i = 0; i < saltus_system_dimension(system); i++)
+        largest = fmax(largest, fabs(state[i] - exact[i]) / scale[i]);
+    return largest;
+}
+
+static void compare(const problem *p, bool stops) {
+    saltus_system *own[] = {build(p->built_in, p->name, stops), build(p->text, p->name, stops)};
+    const int all = saltus_flow_width(own[0]), n = saltus_system_dimension(own[0]);
+    const int lanes[] = {1, 1, all}, columns[] = {0, n, 0};
+    double exact[dimension_max], state[dimension_max], error[2], cost[2];
+    run(own[0], 1, 0, 1e-15, periods_checked, exact);
+    for (int k = 0; k < 3; k++) {
+        for (int way = 0; way < 2; way++) {
+            run(own[way], lanes[k], columns[k], 1e-10, periods_checked, state);
+            error[way] = error_of(own[0], state, exact);
+            cost[way] = run(own[way], lanes[k], columns[k], 1e-10, p->periods, state);
+        }
+        printf("| %s%s | %d | %d | %.0f | %.0f | %.2f | %.1e | %.1e |\n", p->name, stops ? ", stop" : "",
+               lanes[k], columns[k], cost[0], cost[1], cost[1] / cost[0], error[0], error[1]);
+    }
+    saltus_system_free(own[0]);
+    saltus_system_free(own[1]);
+}
+
+int main(void) {
+    printf("| system | lanes | tangent vectors | ns a period and lane, hand-made | text | ratio | error, "
+           "hand-made | text |\n"
+           "|---|---|---|---|---|---|---|---|\n");
+    for (size_t k = 0; k < sizeof problems / sizeof problems[0]; k++)
+        for (int stops = 0; stops < 2; stops++)
+            compare(&problems[k], stops);
+    return 0;
+}
