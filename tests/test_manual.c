@@ -170,7 +170,7 @@ static void worked_examples_of_the_language_work(void **unused) {
     assert_int_equal(pictures, 3);
     assert_true(commands_run >= 9);
     char *other = told(own, "help");
-    assert_non_null(strstr(other, "\n  saltus help text "));
+    assert_non_null(strstr(other, "\nsaltus help text: systems written as equations.\n"));
     free(other);
     free(help);
     free(page);

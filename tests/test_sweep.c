@@ -76,7 +76,7 @@ static void bad_axes_are_refused(void **unused) {
                                         "omega=1:2:3:log:4",
                                         "omega=a:2:3",
                                         "omega=1:b:3",
-                                        "averyveryverylongkey=1:2:3",
+                                        "averyveryveryveryveryveryverylongkey=1:2:3",
                                         "omega=1:2:-3",
                                         "omega=1:2:"};
     for (size_t k = 0; k < sizeof texts / sizeof texts[0]; k++) {

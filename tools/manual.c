@@ -27,10 +27,9 @@ void manual_list(FILE *file) {
     fprintf(file, "saltus %s: non-smooth dynamics of structures that hit rigid stops\n\n", SALTUS_VERSION);
     for (int k = 0; manual_commands[k]; k++)
         fprintf(file, "  saltus %-9s %s\n", manual_commands[k]->name, manual_commands[k]->usage);
-    fputc('\n', file);
-    for (int k = 0; manual_topics[k]; k++)
-        fprintf(file, "  saltus help %-4s %s\n", manual_topics[k]->name, manual_topics[k]->summary);
     fprintf(file, "\n%s\nsaltus help COMMAND tells more.\n", scenes_and_exits);
+    for (int k = 0; manual_topics[k]; k++)
+        fprintf(file, "saltus help %s: %s.\n", manual_topics[k]->name, manual_topics[k]->summary);
 }
 
 /* The default of an option, as the command line takes it; empty where there is none to tell. */

@@ -67,7 +67,9 @@ static const manual_part parts[] = {
     {MANUAL_HEAD, "THE REST OF THE SCENE"},
     {MANUAL_TERM, "stop, stops"},
     {MANUAL_WORDS,
-     "coordinate: a sum of displacements with constant factors, such as y - x. d is the clearance (upper "
+     "coordinate: a sum of displacements with constant factors, such as y - x, and a constant, which shifts "
+     "the "
+     "stop. d is the clearance (upper "
      "forbids "
      "coordinate > d, lower coordinate < -d), r the restitution; each is a number, which --set d= or r= "
      "changes, "

@@ -72,7 +72,8 @@ double saltus_column_normal(const saltus_flow *flow, int lane, int face, int col
 double saltus_column_gap(const saltus_flow *flow, int lane, int face, int column) {
     const saltus_lane *self = &flow->lane[lane];
     const saltus_parameter_column *own = parameter_of(flow, column);
-    double moved = own ? own->variation.d[self->system->faces[face].stop] : 0;
+    const saltus_face f = self->system->faces[face];
+    double moved = own ? own->variation.d[f.stop] - f.side * own->variation.offset[f.stop] : 0;
     return saltus_column_normal(flow, lane, face, column, flow->state,
                                 flow->tangents + column * flow->dimension) -
            moved;

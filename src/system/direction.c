@@ -166,6 +166,7 @@ void saltus_variation_fill(saltus_variation *variation, const saltus_system *sys
     for (int s = 0; s < spec->stop_count; s++) {
         variation->d[s] = direction->d[s];
         variation->r[s] = direction->r[s];
+        variation->offset[s] = 0;
         memset(variation->normal[s], 0, row);
         if (direction->xi[s] != 0 && spec->model->tilt)
             spec->model->tilt(system->dof, &spec->stops[s], variation->normal[s]);

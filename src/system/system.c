@@ -145,7 +145,8 @@ static void build_contacts(saltus_system *system) {
             impulse[i] /= compliance;
         for (int side = 1; side >= -1; side -= 2)
             if (stop->sides & (side > 0 ? SALTUS_UPPER : SALTUS_LOWER))
-                system->faces[system->face_count++] = (saltus_face){s, side, stop->d, stop->r};
+                system->faces[system->face_count++] =
+                    (saltus_face){s, side, stop->d - side * system->offset[s], stop->r};
     }
 }
 

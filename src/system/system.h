@@ -49,7 +49,9 @@ struct saltus_system {
     double decay; /* bound on its decay rates */
     int face_count;
     saltus_face faces[SALTUS_FACES_MAX];
-    double *stop_normal[SALTUS_STOPS_MAX];  /* n */
+    double *stop_normal[SALTUS_STOPS_MAX]; /* n */
+    double
+        offset[SALTUS_STOPS_MAX]; /* the constant part of a coordinate n.q + offset: it is in the faces' d */
     double *stop_impulse[SALTUS_STOPS_MAX]; /* M^-1 n / (n M^-1 n): normal . impulse = 1 */
     double *inverse_mass;                   /* dof x dof */
     double *observer;
@@ -78,6 +80,7 @@ typedef struct saltus_variation {
     saltus_coefficients coefficients; /* scalars and rows; `terms`: those that the derivative needs on */
     double omega;
     double d[SALTUS_STOPS_MAX], r[SALTUS_STOPS_MAX];
+    double offset[SALTUS_STOPS_MAX];
     bool tilts;                        /* normals or impulses change: projections at contacts with them */
     double *normal[SALTUS_STOPS_MAX];  /* of n */
     double *impulse[SALTUS_STOPS_MAX]; /* of M^-1 n / (n M^-1 n) */

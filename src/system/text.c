@@ -117,7 +117,10 @@ static void reserve(saltus_system *system) {
 static double typical_length(const saltus_system *system, const saltus_equations_graph *g) {
     double length = 0;
     for (int s = 0; s < system->spec.stop_count; s++) {
-        double d = fabs(system->spec.stops[s].d);
+        const saltus_stop *stop = &system->spec.stops[s];
+        const double offset =
+            s < of_model(system->spec.model)->text.coordinates.count ? system->numbers[g->offset[s]] : 0;
+        double d = fabs(stop->sides == SALTUS_LOWER ? stop->d + offset : stop->d - offset);
         if (d > 0 && (length == 0 || d < length))
             length = d;
     }
@@ -271,6 +274,9 @@ static void build(saltus_system *system) {
     system->mirror = is_odd(system, g, g->forced, values);
     find_observer(system, g, values);
     evaluate(g, &system->spec, NULL, 0, values);
+    for (int s = 0; s < system->spec.stop_count && s < of_model(system->spec.model)->text.coordinates.count;
+         s++)
+        system->offset[s] = values[g->offset[s]];
     for (int s = 0; s < tape->slot_count; s++)
         system->coefficients.slot[s] = values[tape->slot_node[s]];
 }
@@ -299,6 +305,7 @@ static void vary(const saltus_system *system, const saltus_direction *direction,
     for (int s = 0; s < system->spec.stop_count; s++) {
         variation->d[s] += varied(g, system, direction, g->clearance[s]);
         variation->r[s] += varied(g, system, direction, g->restitution[s]);
+        variation->offset[s] += varied(g, system, direction, g->offset[s]);
         for (int i = 0; i < n; i++)
             variation->normal[s][i] += varied(g, system, direction, g->normal[s * n + i]);
     }

@@ -41,6 +41,7 @@ typedef struct builder {
         const saltus_parsed *equation;
     } * division; /* by what is no number */
     int divisions;
+    bool at_rest;                  /* displacements, velocities and states are read as zero */
     const saltus_parsed *equation; /* the one being read, for messages */
     saltus_status status;
     saltus_message *message;
@@ -187,6 +188,8 @@ static const saltus_parsed *equation_for(const saltus_parsed_list *list, const c
 /* The node of an abbreviation's member, read once. */
 static int abbreviation(builder *b, const saltus_parsed *equation, int number) {
     const int k = (int)(equation - b->text->let.items);
+    if (b->at_rest)
+        return right_side(b, equation, number);
     if (number >= b->known[k].room) {
         int room = 2 * number + 8, *nodes = realloc(b->known[k].node, (size_t)room * sizeof *nodes);
         if (no_memory(b, nodes))
@@ -227,6 +230,8 @@ static int leaf_of(builder *b, const saltus_expression_term *term, const char *n
     bool time = is_named("t", name, term->length), phase = is_named("phase", name, term->length);
     if (is_named("pi", name, term->length))
         return saltus_graph_constant(b->graph, 3.14159265358979323846);
+    if (is_named("speed", name, term->length))
+        return refuse(b, term, "a restitution that depends on the closing speed is not possible yet");
     if (!time && !phase)
         return -1;
     if (!b->text->forcing)
@@ -254,6 +259,8 @@ static int state_of(builder *b, const saltus_expression_term *term, const char *
             return refuse(b, term, "%s is a first-order state and has no velocity", q->name);
         int member = number ? q->first + number - 1 : member_of(b, term, q);
         if (b->status != SALTUS_OK)
+            return 0;
+        if (b->at_rest)
             return 0;
         return saltus_graph_leaf(b->graph, SALTUS_OP_STATE,
                                  member + (kind         ? 2 * b->made->dof
@@ -659,6 +666,8 @@ static void read_stop(builder *b, int s) {
     const int n = made->dof;
     int coordinate = right_side(b, &text->coordinates.items[s], 0), rest = coordinate;
     b->equation = &text->coordinates.items[s];
+    if (b->status == SALTUS_OK && b->graph->nodes[coordinate].depends & SALTUS_OF_TIME)
+        refuse(b, NULL, "a coordinate that moves in time is not possible yet");
     for (int i = 0; i < n && b->status == SALTUS_OK; i++) {
         int leaf = saltus_graph_leaf(b->graph, SALTUS_OP_STATE, i), count = b->graph->count;
         int *room = calloc((size_t)count, sizeof *room);
@@ -672,21 +681,28 @@ static void read_stop(builder *b, int s) {
         rest = saltus_graph_apply(b->graph, SALTUS_OP_SUBTRACT, rest,
                                   saltus_graph_apply(b->graph, SALTUS_OP_MULTIPLY, normal, leaf));
     }
-    /* With the displacements' parts gone nothing may be left. */
+    if (b->status != SALTUS_OK)
+        return;
+    b->at_rest = true;
+    made->offset[s] = right_side(b, &text->coordinates.items[s], 0);
+    b->at_rest = false;
+    b->equation = &text->coordinates.items[s];
+    /* With the displacements' parts gone the constant one is left. */
     double *values = malloc((size_t)b->graph->count * sizeof *values), state[SALTUS_STATE_MAX];
     if (no_memory(b, values))
         return;
     for (int i = 0; i < SALTUS_STATE_MAX; i++)
         state[i] = 0.3 + 0.1 * sin(1.0 + i);
     saltus_graph_evaluate(b->graph, b->parameters, state, 0.3, 0.2, values);
-    double size = 0, left = values[rest];
+    double size = fabs(values[made->offset[s]]), left = values[rest] - values[made->offset[s]];
     for (int i = 0; i < n; i++)
         size += fabs(values[made->normal[s * n + i]]);
     free(values);
     if (b->status == SALTUS_OK && !(fabs(left) <= 1e-12 * size))
-        refuse(b, NULL,
-               "must be a sum of displacements times numbers; what moves in time or is constant is not "
-               "possible yet");
+        refuse(
+            b, NULL,
+            "must be a sum of displacements times numbers, and a number; another dependence is not possible "
+            "yet");
     made->clearance[s] = text->clearances.items[s].text ? right_side(b, &text->clearances.items[s], 0) : -1;
     made->restitution[s] =
         text->restitutions.items[s].text ? right_side(b, &text->restitutions.items[s], 0) : -1;
@@ -809,6 +825,7 @@ static void build(builder *b) {
     made->names = reserve(b, (size_t)all, sizeof *made->names);
     made->inverse_mass = reserve(b, (size_t)n * (size_t)n, sizeof(int));
     made->normal = reserve(b, stops * (size_t)n, sizeof(int));
+    made->offset = reserve(b, stops, sizeof(int));
     made->clearance = reserve(b, stops, sizeof(int));
     made->restitution = reserve(b, stops, sizeof(int));
     made->observe = reserve(b, (size_t)text->observe.count, sizeof(int));
@@ -883,6 +900,7 @@ void saltus_equations_graph_free(saltus_equations_graph *g) {
     free(g->field);
     free(g->inverse_mass);
     free(g->normal);
+    free(g->offset);
     free(g->clearance);
     free(g->restitution);
     free(g->observe);

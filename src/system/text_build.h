@@ -46,6 +46,7 @@ typedef struct saltus_equations_graph {
     int *field;                     /* accelerations, then rates */
     int *inverse_mass;              /* dof x dof */
     int *normal;                    /* [stop][dof] */
+    int *offset;                    /* of each stop: the constant part of its coordinate */
     int *clearance, *restitution;   /* of each stop; -1: a number does */
     int *observe, observe_count;
     int *scale, *initial; /* of each state (dimension); -1: the text says nothing */
