@@ -2,6 +2,7 @@
  * exact impact maps iterated here, identities; and whether the stated errors are honest.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "allocations.h"
+#include "branch_check.h"
 #include "reference.h"
 
 #include "saltus/average.h"
@@ -915,19 +916,97 @@ static void failing_allocations(void **unused) {
     saltus_system_free(system);
 }
 
+/* Near a resonance with the forcing tangent vectors turn too slowly to be seen turning: the stated error
+ * knows all the same. The exponent is half the damping. */
+static void errors_near_resonance(void **unused) {
+    (void)unused;
+    const double damping = 0.1, turning = sqrt(1 - damping * damping / 4);
+    for (int order = 1; order <= 3; order++)
+        for (int power = -6; power <= -2; power++) {
+            saltus_spec spec = oscillator_spec(damping, 1, 0.5, 2 * turning / order * (1 + pow(10, power)));
+            saltus_system *system = build(&spec);
+            saltus_lyapunov_options options = saltus_lyapunov_defaults();
+            const double state[2] = {0.1, 0};
+            saltus_lyapunov l = run_from(system, state, &options);
+            check_near(l.exponents[0], -damping / 2, 3 * l.standard_errors[0]);
+            assert_true(l.standard_errors[0] < 0.02 * damping / 2);
+            saltus_lyapunov_clear(&l);
+            saltus_system_free(system);
+        }
+}
+
+/* Next to a fold, where motions approach their orbit as slowly as tangent vectors shrink and the flow's
+ * errors move it far, exponents are those of the multipliers, within the stated errors. */
+static void errors_next_to_a_fold(void **unused) {
+    (void)unused;
+    static const double away[] = {1e-8, 1e-6, 1e-4};
+    saltus_spec spec = oscillator_spec(0.1, 1, 1, 1.3);
+    saltus_branch_options along = branch_along("omega", 0.5, 2);
+    saltus_orbit_options shooting = saltus_orbit_defaults();
+    saltus_lyapunov_options options = saltus_lyapunov_defaults();
+    saltus_message message = {.text = ""};
+    int checked = 0;
+    add_stop(&spec, 0.8, 0.9, SALTUS_UPPER);
+    add_stop(&spec, 1.2, 0.5, SALTUS_LOWER);
+    double state[2] = {0, 0};
+    saltus_system *system = build(&spec);
+    check_ok(saltus_motion_settle(system, &options.flow, 500, state, &message), &message);
+    saltus_system_free(system);
+    branch_record record = branch_run(&spec, 1, state, &along);
+    for (int k = 1; k + 1 < record.count && checked < 6; k++) {
+        const saltus_branch_point *fold = &record.point[k], *stable = fold[-1].stable ? fold - 1 : fold + 1;
+        if (fold->kind != SALTUS_POINT_LP || !stable->stable || stable->kind != SALTUS_POINT_REGULAR)
+            continue;
+        for (size_t i = 0; i < sizeof away / sizeof *away; i++) {
+            double omega =
+                fold->value[0] + copysign(away[i] * fold->value[0], stable->value[0] - fold->value[0]);
+            saltus_orbit orbit;
+            set_parameter(&spec, "omega", omega);
+            system = build(&spec);
+            check_ok(saltus_orbit_find(system, stable->periods, stable->state, &shooting, &orbit, &message),
+                     &message);
+            double exponent =
+                orbit.multipliers[0].log_modulus / (orbit.periods * saltus_system_period(system));
+            if (exponent < 0) {
+                saltus_lyapunov l = run_from(system, orbit.state, &options);
+                check_near(l.exponents[0], exponent, 3 * l.standard_errors[0]);
+                assert_true(l.standard_errors[0] < 0.1 * -exponent);
+                saltus_lyapunov_clear(&l);
+                checked++;
+            }
+            saltus_orbit_clear(&orbit);
+            saltus_system_free(system);
+        }
+    }
+    assert_true(checked >= 3);
+    branch_forget(&record);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(reference_orbits),    cmocka_unit_test(scenes_and_shooting),
-        cmocka_unit_test(one_impact_orbits),   cmocka_unit_test(bouncing_ball_orbits),
-        cmocka_unit_test(exact_impact_maps),   cmocka_unit_test(linear_oscillators),
-        cmocka_unit_test(pipe_at_rest),        cmocka_unit_test(chaos_in_many_ways),
-        cmocka_unit_test(whole_spectrum),      cmocka_unit_test(errors_are_calibrated),
-        cmocka_unit_test(lost_directions),     cmocka_unit_test(impact_without_rebound),
-        cmocka_unit_test(any_interval),        cmocka_unit_test(same_numbers_again),
-        cmocka_unit_test(unfinished_runs),     cmocka_unit_test(growth_without_bound),
-        cmocka_unit_test(slow_decay),          cmocka_unit_test(bad_options),
-        cmocka_unit_test(bad_states),          cmocka_unit_test(least_periods),
+        cmocka_unit_test(reference_orbits),
+        cmocka_unit_test(scenes_and_shooting),
+        cmocka_unit_test(one_impact_orbits),
+        cmocka_unit_test(bouncing_ball_orbits),
+        cmocka_unit_test(exact_impact_maps),
+        cmocka_unit_test(linear_oscillators),
+        cmocka_unit_test(pipe_at_rest),
+        cmocka_unit_test(chaos_in_many_ways),
+        cmocka_unit_test(whole_spectrum),
+        cmocka_unit_test(errors_are_calibrated),
+        cmocka_unit_test(lost_directions),
+        cmocka_unit_test(impact_without_rebound),
+        cmocka_unit_test(any_interval),
+        cmocka_unit_test(same_numbers_again),
+        cmocka_unit_test(unfinished_runs),
+        cmocka_unit_test(growth_without_bound),
+        cmocka_unit_test(slow_decay),
+        cmocka_unit_test(bad_options),
+        cmocka_unit_test(bad_states),
+        cmocka_unit_test(least_periods),
         cmocka_unit_test(failing_allocations),
+        cmocka_unit_test(errors_near_resonance),
+        cmocka_unit_test(errors_next_to_a_fold),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -261,19 +261,22 @@ saltus_estimate saltus_ensemble_exponent(const saltus_ensemble *e, int column, b
     for (int m = 0; m < e->members; m++)
         each[m] = saltus_ensemble_member(e, m, column, weighted);
     saltus_estimate joint = saltus_estimates_join(each, e->members);
-    if (!weighted || e->members == 1)
+    if (e->members == 1)
         return joint;
-    /* The members' directions are random and independent: errors that their own runs do not show, show in the
-     * scatter of the members. */
+    /* The members' directions are random and independent: errors that their own runs do not show, as near a
+     * resonance where directions turn too slowly to be seen turning, show in the scatter of the members. It
+     * is as lopsided as the directions where it is far beyond what they know of, and then does not average
+     * out. */
+    static const double far_beyond = 3;
     double square = 0;
     for (int m = 0; m < e->members; m++)
         square += (each[m].mean - joint.mean) * (each[m].mean - joint.mean);
-    joint.standard_error = fmax(joint.standard_error, sqrt(square / (e->members - 1) / e->members));
+    double scatter = sqrt(square / (e->members - 1)), averaged = scatter / sqrt(e->members);
+    if (averaged > far_beyond * joint.standard_error)
+        joint.standard_error = scatter;
+    else if (weighted)
+        joint.standard_error = fmax(joint.standard_error, averaged);
     return joint;
-}
-
-saltus_estimate saltus_ensemble_largest(const saltus_ensemble *e) {
-    return saltus_ensemble_exponent(e, 0, saltus_ensemble_regular(e));
 }
 
 void saltus_ensemble_record(const saltus_ensemble *e, saltus_estimate now, saltus_lyapunov_progress *history,
@@ -296,6 +299,26 @@ saltus_estimate saltus_ensemble_part(const saltus_ensemble *e, double from, doub
     for (int m = 0; m < e->members; m++)
         each[m] = per_time(e, m, saltus_average_part(&e->member[m].averages[0], from, to));
     return saltus_estimates_join(each, e->members);
+}
+
+/* What is added to the error of a negative exponent next to a fold, where distances shrink as slowly as
+ * tangent vectors do. What is left of the approach dies at that rate, so that the halves of the run tell how
+ * much it is of the whole; and the flow's errors move the orbit far, and its exponent with it. Neither is
+ * more than the exponent itself, which is all there is to say of one that is zero. */
+static double near_fold(const saltus_ensemble *e, double exponent) {
+    double period = saltus_system_period(e->system), length = (double)saltus_ensemble_periods(e) / e->members;
+    double share = -expm1(0.5 * exponent * period * length);
+    double apart = fabs(saltus_ensemble_part(e, 0, 0.5).mean - saltus_ensemble_part(e, 0.5, 1).mean);
+    double approach = 0.5 * apart * (2 - share) / share;
+    double moved = 3 * fmax(e->options->flow.rtol, 1e-15) / -expm1(exponent * period) / period;
+    return fmin(hypot(approach, moved), -exponent);
+}
+
+saltus_estimate saltus_ensemble_largest(const saltus_ensemble *e) {
+    saltus_estimate largest = saltus_ensemble_exponent(e, 0, saltus_ensemble_regular(e));
+    if (largest.mean < 0 && isfinite(largest.mean) && isfinite(largest.standard_error))
+        largest.standard_error = hypot(largest.standard_error, near_fold(e, largest.mean));
+    return largest;
 }
 
 bool saltus_ensemble_agrees(const saltus_ensemble *e, double tolerance) {

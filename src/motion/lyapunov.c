@@ -169,7 +169,8 @@ static void tell_exponents(const saltus_ensemble *e, saltus_lyapunov *l) {
     bool regular = saltus_ensemble_regular(e), all = all_lost(e);
     l->lost = saltus_ensemble_lost(e);
     for (int c = 0; c < e->columns; c++) {
-        saltus_estimate estimate = saltus_ensemble_exponent(e, c, regular);
+        saltus_estimate estimate =
+            c == 0 ? saltus_ensemble_largest(e) : saltus_ensemble_exponent(e, c, regular);
         bool lost = c >= e->n - l->lost;
         l->exponents[c] = lost ? -INFINITY : estimate.mean;
         l->standard_errors[c] = lost ? 0 : estimate.standard_error;
