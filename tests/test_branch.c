@@ -714,8 +714,8 @@ static void check_leaves(const saltus_branch_point *point, const char *key, doub
     saltus_system_free(system);
 }
 
-/* The flow sees an impact almost without speed, or a maximum that almost touches. The state's rounding shows
- * in a speed as its root. */
+/* The flow sees an impact almost without speed, or a maximum that almost touches, as sharply as the orbit is
+ * known. The state's rounding shows in a speed as its root. */
 static void check_grazes(const saltus_branch_point *point) {
     saltus_system *system = build(&point->spec);
     saltus_flow_options options = saltus_flow_defaults();
@@ -737,7 +737,8 @@ static void check_grazes(const saltus_branch_point *point) {
             touch[1] = saltus_time_periods(event.time);
         }
     }
-    if (!(slowest < 3e-7 * speed_scale || nearest < 1e-14))
+    check_near(point->residual, 0, 1e-12);
+    if (!(slowest < 3e-7 * speed_scale || nearest < 1e-14 + point->residual))
         fail_msg("GR at %.12g: slowest impact %.3g, nearest maximum %.3g", point->value[0],
                  slowest / speed_scale, nearest);
     double apart[2] = {fabs(remainder(touch[0] - point->grazing_time, point->periods)),

@@ -106,6 +106,13 @@ static double bracket(saltus_orbits *o, const saltus_solution *from, double ahea
     if (saltus_solution_visit(o, from, low, at, &ignored) != SALTUS_OK ||
         saltus_solution_survey(o, at, &ignored) != SALTUS_OK)
         return NAN;
+    /* On the edge the survey, which goes around with tangent vectors, may see other contacts than the walk.
+     */
+    if (low != 0 && like && !same_contacts(like, &at->survey)) {
+        at->survey.impacts = like->impacts;
+        at->survey.sticking_intervals = like->sticking_intervals;
+        memcpy(at->survey.label, like->label, sizeof like->label);
+    }
     return fabs(high - low);
 }
 
@@ -186,13 +193,14 @@ static bool leads_away(saltus_orbits *o, const saltus_solution *here, double dis
     return true;
 }
 
-/* The branch of `here` is followed back to where it ends, as `end`: whether that is at the change at `at`,
- * but for so much of the parameter. */
+/* The branch of `here` is followed back to where it ends, or its contacts change in the part of the sequence
+ * that is left to the flow, as `end`: whether that is at the change at `at`, but for so much of the
+ * parameter. */
 static bool begins_at(saltus_orbits *o, const saltus_solution *at, const saltus_solution *here,
                       double distance, double apart, saltus_solution *end, double *accuracy) {
     double slope_here = fabs(saltus_solution_heading(here));
     double back = 2 * distance / fmax(slope_here, 1e-3);
-    double width = bracket(o, here, -back, NULL, end);
+    double width = bracket(o, here, -back, &here->survey, end);
     *accuracy = width * slope(o, end);
     return width < back && end->at.ahead > -0.99 * back && fabs(end->parameter[0] - at->parameter[0]) < apart;
 }
@@ -237,7 +245,8 @@ saltus_status saltus_change_leap(saltus_orbits *o, const saltus_solution *from, 
                                  saltus_solution *at, saltus_solution *here, saltus_solution *scratch,
                                  saltus_change *change, saltus_message *message) {
     static const double reach[] = {1e-6, 1e-5, 1e-4, 1e-3, 3e-3, 1e-2};
-    double width = bracket(o, from, ahead, NULL, at), heading = saltus_solution_heading(at);
+    double width = bracket(o, from, ahead, from->survey.walked ? &from->survey : NULL, at);
+    double heading = saltus_solution_heading(at);
     *change = (saltus_change){.kind = SALTUS_POINT_EP, .reason = why, .accuracy = NAN};
     if (isnan(width))
         return SALTUS_OK;
