@@ -807,6 +807,30 @@ static void times_are_numbers(void **unused) {
     saltus_system_free(system);
 }
 
+/* A period of more steps than allowed is given up as soon as these show it; one of fewer is not. */
+static void steps_are_limited(void **unused) {
+    (void)unused;
+    saltus_spec spec = pipe_spec(2, 10);
+    saltus_system *system = build(&spec);
+    saltus_flow_options options = saltus_flow_defaults();
+    saltus_message message = {.text = ""};
+    saltus_event event;
+    const double state[4] = {1e-3};
+    saltus_flow *flow = open_flow(system, &options, 0, state);
+    check_ok(saltus_flow_advance(flow, (saltus_time){1, 0}, 0, &event, &message), &message);
+    double steps = (double)saltus_flow_information(flow, 0).steps;
+    for (int fewer = 0; fewer < 3; fewer++) {
+        saltus_flow_limit_steps(flow, fewer == 0 ? 2 * steps : fewer == 1 ? 0.5 * steps : 0);
+        check_ok(saltus_flow_start(flow, 0, (saltus_time){0, 0}, state, &message), &message);
+        saltus_status status = saltus_flow_advance(flow, (saltus_time){1, 0}, 0, &event, &message);
+        assert_int_equal(status, fewer == 1 ? SALTUS_STALLED : SALTUS_OK);
+        if (fewer == 1)
+            assert_true((double)saltus_flow_information(flow, 0).steps < 0.5 * steps + 2);
+    }
+    saltus_flow_free(flow);
+    saltus_system_free(system);
+}
+
 /* Pressed against a stop that takes nothing away, at a speed at which the bounces no longer move the clock:
  * the flow does not go on for ever, it tells time, gap and speed, and stays there. */
 static void bounces_without_end_are_told(void **unused) {
@@ -893,6 +917,7 @@ int main(void) {
         cmocka_unit_test(a_started_lane_begins_anew),
         cmocka_unit_test(an_impact_at_the_start_acts_on_tangents),
         cmocka_unit_test(times_are_numbers),
+        cmocka_unit_test(steps_are_limited),
         cmocka_unit_test(bounces_without_end_are_told),
         cmocka_unit_test(errors_follow_the_tolerance),
     };

@@ -707,6 +707,35 @@ static void starts_are_kept(void **state) {
     saltus_starts_clear(&starts);
 }
 
+/* Event times that are not within the orbit are no orbit's: they are refused before the flow is led there,
+ * which to so late a time would take for ever. */
+static void times_beyond_the_orbit(void **unused) {
+    (void)unused;
+    const double aside[] = {-1e12, -1e-3, 1e-3, 1e12};
+    closed_oscillator o = closed_example_of(closed_one_period);
+    closed_orbit orbit;
+    family f;
+    o.omega = 1.1L;
+    assert_true(closed_orbit_at(&o, 1, &orbit));
+    open_family(&f, &o, "omega", 1);
+    double state[2], parameter = 0;
+    saltus_message message = {.text = ""};
+    saltus_solution at = {.value = 0};
+    saltus_sequence sequence = sequence_of(&f.orbits, &orbit, 0.5, state);
+    check_ok(saltus_solution_place(&f.orbits, &sequence, &parameter, state, true, &at, &message), &message);
+    double *time = &at.at.u[2], own = *time;
+    for (int k = 0; k < 4; k++) {
+        *time = sequence.base + (aside[k] > 0 ? sequence.periods : 0) + aside[k];
+        assert_int_equal(saltus_equations_evaluate(f.orbits.equations, at.at.u, &message),
+                         SALTUS_NO_CONVERGENCE);
+        assert_non_null(strstr(message.text, "order"));
+    }
+    *time = own;
+    check_ok(saltus_equations_evaluate(f.orbits.equations, at.at.u, &message), &message);
+    saltus_solution_clear(&at);
+    saltus_orbits_close(&f.orbits);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(solutions_are_the_closed_orbits),
@@ -723,6 +752,7 @@ int main(void) {
         cmocka_unit_test(changes_are_leapt_over),
         cmocka_unit_test(lack_of_memory_is_remembered),
         cmocka_unit_test(starts_are_kept),
+        cmocka_unit_test(times_beyond_the_orbit),
     };
     gsl_set_error_handler_off();
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -25,7 +25,7 @@ typedef struct saltus_equilibrium {
     int dimension;
     double *state;                          /* dimension; velocities are exact zeros */
     unsigned contacts;                      /* faces that hold, as bits; 0: free */
-    double contact_force[SALTUS_FACES_MAX]; /* per modal mass, (n.f)/(n.n), as the flow's */
+    double contact_force[SALTUS_FACES_MAX]; /* as saltus_flow_forces has them */
     double gap[SALTUS_FACES_MAX];           /* negative inside, 0 where a contact holds */
     /* By decreasing real part. A held contact takes two directions away, its displacement and its velocity:
      * there are dimension - 2 contacts of them, those of the motion that keeps in contact. */

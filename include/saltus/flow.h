@@ -121,6 +121,9 @@ saltus_status saltus_flow_start(saltus_flow *flow, int lane, saltus_time time, c
  * times counted in periods: with omega among the parameters the period changes too. It starts at zero, and
  * passes impacts, sticking and release with the derivatives of the impact law and of the stop's place. */
 void saltus_flow_set_directions(saltus_flow *flow, const saltus_direction *directions);
+/* A run through a period that would take more steps of the integrator than this, as the first of them show,
+ * ends with SALTUS_STALLED; 0: the usual 1e8. */
+void saltus_flow_limit_steps(saltus_flow *flow, double per_period);
 /* Give a lane another system of the same model and shape (the same stops, other values). The lane must be
  * started or placed again. */
 saltus_status saltus_flow_retune(saltus_flow *flow, int lane, const saltus_system *system,
@@ -136,8 +139,9 @@ void saltus_flow_field(saltus_flow *flow, int lane, double *derivative);
 /* How the time of the last impact, stick or turning event answers to each tangent vector: d time / d column
  * (length columns). With it a tangent vector becomes one of the event's section. */
 void saltus_flow_delays(const saltus_flow *flow, int lane, double *delays);
-/* Contact force per modal mass, (n.f)/(n.n), of each face (length SALTUS_FACES_MAX); zero where nothing
- * holds. */
+/* Contact force n.a/(n.M^-1 n), with a the free acceleration, of each face (length SALTUS_FACES_MAX); zero
+ * where nothing holds. Of the pipe, whose modal masses are 1, it is counted per modal mass, (n.f)/(n.n); with
+ * masses it is the force. */
 void saltus_flow_forces(saltus_flow *flow, int lane, double *forces);
 /* Faces now in lasting contact, as bits. */
 unsigned saltus_flow_contacts(const saltus_flow *flow, int lane);

@@ -110,7 +110,7 @@ typedef struct saltus_motion {
     bool sticks;
     double log_volume, sum_rule; /* see saltus_orbit */
     saltus_mirror mirror;
-    double contact_force[SALTUS_FACES_MAX]; /* held: force per modal mass at section phase 0 */
+    double contact_force[SALTUS_FACES_MAX]; /* held: at section phase 0, as saltus_flow_forces has them */
     double largest, smallest; /* of the observed displacement over the orbit, or over 400 periods of a motion
                                  without one; of its last state where the search was stopped early */
     long long transient;      /* periods simulated before the verdict */

@@ -31,9 +31,8 @@
 #include <string.h>
 
 enum { idle_events_max = 100000, impacts_per_period_max = 1000000 };
-/* A period that would take more steps than this is not followed to its end, as the first of them show. */
-static const double steps_per_period_max = 1e8;
-enum { first_steps = 100000 };
+/* So many steps show how many a period takes. */
+static const double first_steps = 100000;
 
 /* Faces the state touches, sorted by what it does there: hit, leave, rest. Impacts at the start are applied.
  */
@@ -209,13 +208,13 @@ static saltus_status expand_lanes(saltus_flow *flow, saltus_message *message) {
         if (!self->target.aimed)
             continue;
         const double planned = w->lane->advance[l];
-        if (self->cycle_steps >= first_steps &&
-            self->cycle_steps > steps_per_period_max * (self->now.phase - self->cycle_from)) {
+        if (self->cycle_steps >= fmin(first_steps, flow->period_steps_max) &&
+            self->cycle_steps > flow->period_steps_max * (self->now.phase - self->cycle_from)) {
             saltus_fail(
                 &self->why, SALTUS_STALLED,
                 "a forcing period, T = %.6g, would take more than %.0e steps (%d of them, %.3g long, go over "
                 "%.3g T): omega is too small, or a load too great",
-                self->system->period, steps_per_period_max, self->cycle_steps, planned,
+                self->system->period, flow->period_steps_max, self->cycle_steps, planned,
                 self->now.phase - self->cycle_from);
             self->failure = fail_here(flow, l, &self->why);
             w->lane->advance[l] = w->lane->passing[l] = 0;

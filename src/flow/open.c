@@ -19,6 +19,9 @@ saltus_flow_options saltus_flow_defaults(void) {
     return options;
 }
 
+/* A period of more steps than this is not followed to its end. */
+static const double steps_usual = 1e8;
+
 /* Near the fastest by measurement on reference orbits alone and on sweeps side by side: about six orders for
  * five digits. At tight tolerances what a higher order costs buys a margin in accuracy. */
 static int automatic_order(double rtol) {
@@ -158,7 +161,8 @@ saltus_status saltus_flow_new(const saltus_system *const *systems, int lanes,
                           .dof = first->dof,
                           .extra = first->extra,
                           .lane = lane,
-                          .probe = probe};
+                          .probe = probe,
+                          .period_steps_max = steps_usual};
     if (stiff)
         made->options.order = SALTUS_RADAU_DEGREE;
     else if (options->order == 0)
@@ -207,6 +211,10 @@ void saltus_flow_set_directions(saltus_flow *flow, const saltus_direction *direc
         flow->parameter[d].direction = directions[d];
     if (flow->options.directions)
         reload(flow, 0);
+}
+
+void saltus_flow_limit_steps(saltus_flow *flow, double per_period) {
+    flow->period_steps_max = per_period > 0 ? per_period : steps_usual;
 }
 
 saltus_status saltus_flow_retune(saltus_flow *flow, int lane, const saltus_system *system,

@@ -53,7 +53,7 @@ void saltus_flow_tangent_field(saltus_flow *flow, int lane, double *derivatives)
     }
 }
 
-/* The probe's force row is n.f; per modal mass means divided by n M^-1 n of the face. */
+/* The probe's force row is n.f with accelerations f; the force is that divided by n M^-1 n of the face. */
 void saltus_flow_forces(saltus_flow *flow, int lane, double *forces) {
     const saltus_lane *self = &flow->lane[lane];
     memset(forces, 0, SALTUS_FACES_MAX * sizeof *forces);

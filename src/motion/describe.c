@@ -34,7 +34,7 @@ static saltus_status find_mirror(const saltus_system *system, saltus_flow *flow,
     return status;
 }
 
-/* Force per modal mass of the contacts that hold at the motion's state. */
+/* Forces of the contacts that hold at the motion's state. */
 static saltus_status measure_forces(const saltus_system *system, const saltus_classify_options *options,
                                     saltus_motion *motion, saltus_message *message) {
     saltus_flow *flow = NULL;

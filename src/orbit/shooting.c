@@ -103,6 +103,8 @@ saltus_status saltus_shooting_shape(saltus_shooting *p, const saltus_sequence *s
     int marks = sequence->count, cuts = sequence->cuts, faces = saltus_system_face_count(p->system);
     close_shape(p);
     p->equations.size = INFINITY;
+    p->steps = 0;
+    saltus_flow_limit_steps(p->flow, 0);
     if (sequence->periods < 1)
         return saltus_fail(message, SALTUS_BAD_INPUT, "periods = %d: must be at least 1", sequence->periods);
     p->sequence = *sequence;

@@ -22,6 +22,7 @@ struct saltus_shooting {
     double *scale;                                           /* count */
     double *plain;                                           /* the unknowns unscaled */
     double *answer, *next; /* n x unknowns: how the state at hand answers to the unknowns */
+    double steps;          /* of the integrator in a period, as usual here; 0: not known */
     saltus_breach *breaches;
     int breach_count, breach_room;
 };

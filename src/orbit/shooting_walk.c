@@ -240,6 +240,25 @@ static saltus_status tune(saltus_shooting *p, const double *parameters, saltus_m
     return SALTUS_OK;
 }
 
+/* No mark may come after the orbit's end, and none before its begin. Newton's method tries times of millions
+ * of periods: the flow must not be led there first. */
+static bool lies_within(const saltus_shooting *p, const double *times) {
+    const saltus_sequence *s = &p->sequence;
+    for (int k = 0; k < s->count; k++)
+        if (!(times[k] >= s->base && times[k] <= s->base + s->periods))
+            return false;
+    return true;
+}
+
+/* Newton's method tries states so far out that a period takes a million times as long there: such a trial is
+ * given up where it takes many times the steps of the orbits before. */
+static void learn_steps(saltus_shooting *p, long long steps) {
+    const double many = 100, least = 2e4;
+    double own = (double)steps / p->sequence.periods;
+    p->steps = p->steps > 0 ? fmin(own, 2 * p->steps) : own;
+    saltus_flow_limit_steps(p->flow, fmax(least, many * p->steps));
+}
+
 saltus_status saltus_shooting_along(saltus_shooting *p, int segments, const double *u,
                                     saltus_message *message) {
     const saltus_sequence *s = &p->sequence;
@@ -247,10 +266,13 @@ saltus_status saltus_shooting_along(saltus_shooting *p, int segments, const doub
         p->plain[j] = u[j] * p->scale[j];
     walk w = {.p = p, .u = p->plain, .driven = s->driven};
     unsigned contacts = s->contacts;
+    long long steps = 0;
     int k = 0;
     for (int f = 0; f < SALTUS_FACES_MAX; f++)
         w.held_since[f] = s->base;
     p->breach_count = 0;
+    if (!lies_within(p, p->plain + s->cuts * p->n))
+        return saltus_fail(message, SALTUS_NO_CONVERGENCE, "prescribed events change their order");
     saltus_status status = tune(p, u + p->count, message);
     for (int cut = 0; cut < segments && status == SALTUS_OK; cut++) {
         double until = cut + 1 < s->cuts ? s->cut[cut + 1] : s->base + s->periods;
@@ -262,7 +284,10 @@ saltus_status saltus_shooting_along(saltus_shooting *p, int segments, const doub
         if (status == SALTUS_OK)
             match(&w, cut);
         contacts = saltus_flow_contacts(p->flow, 0);
+        steps += saltus_flow_information(p->flow, 0).steps;
     }
+    if (status == SALTUS_OK && segments == s->cuts)
+        learn_steps(p, steps);
     return status;
 }
 
