@@ -201,7 +201,7 @@ static void captions_tell_how_the_sweep_was_made(void **state) {
                         : k == 2 ? ", carried down;"
                                  : ", each from 3 initial states;");
         figure_says(&f, k == 1 ? "recorded: 45 periods after 123"
-                               : "recorded: one orbit, or 45 periods where undecided after 123");
+                               : "recorded: one orbit, or 45 periods where no period is found after 123");
         figure_caption(&f, text, sizeof text);
         assert_null(strstr(text, "{/:Italic ω} ="));
         assert_true((strstr(text, "(interrupted: 50 % done)") != NULL) == (k == 2));

@@ -9,7 +9,7 @@
 /* What a point of a figure of basins is that belongs to no attractor; these kinds follow those of the
  * attractors. */
 typedef enum plain_kind {
-    plain_undecided,
+    plain_irregular,
     plain_failed,
     plain_beyond,
     plain_pending,
@@ -173,7 +173,7 @@ bool saltus_map_basins(saltus_map *map) {
             snprintf(map->kinds[k].figures, sizeof map->kinds[k].figures, "|{/:Italic μ}| = %.3g",
                      sweep->attractor_multiplier[k]);
     }
-    name_kind(&map->kinds[n + plain_undecided], "undecided", 0xc6c6c6);
+    name_kind(&map->kinds[n + plain_irregular], "irregular", 0xc6c6c6);
     name_kind(&map->kinds[n + plain_failed], "failed", 0xff2d78);
     name_kind(&map->kinds[n + plain_beyond], "beyond a stop", 0xffffff);
     map->kinds[n + plain_beyond].paint = saltus_class_paint(SALTUS_BEYOND, 0, 0);
@@ -185,7 +185,7 @@ bool saltus_map_basins(saltus_map *map) {
                        : verdict == SALTUS_BEYOND  ? n + (int)plain_beyond
                        : verdict == SALTUS_FAILED  ? n + (int)plain_failed
                        : verdict == SALTUS_PENDING ? n + (int)plain_pending
-                                                   : n + (int)plain_undecided;
+                                                   : n + (int)plain_irregular;
     }
     shade_basins(map);
     add_shares(map);

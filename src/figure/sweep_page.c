@@ -119,7 +119,7 @@ static void add_method(const saltus_sweep_page *page, saltus_line *line) {
     if (sweep->basins)
         saltus_line_add(line, ";  at most %lld periods until settled", o->transient);
     else if (o->adaptive)
-        saltus_line_add(line, ";  recorded: one orbit, or %lld period%s where undecided after %lld",
+        saltus_line_add(line, ";  recorded: one orbit, or %lld period%s where no period is found after %lld",
                         o->record, o->record == 1 ? "" : "s", o->transient);
     else
         saltus_line_add(line, ";  recorded: %lld period%s after %lld", o->record, o->record == 1 ? "" : "s",
