@@ -111,6 +111,31 @@ static int add_step(maker *m, saltus_tape_step step) {
 
 static int register_of(maker *m, int node);
 
+/* A whole number between -8 and 8, and which one; 0: none. */
+static int small_power(const maker *m, int node) {
+    double value = node_at(m, node)->value;
+    return node_at(m, node)->operation == SALTUS_OP_CONSTANT && fabs(value) <= 8 && value == floor(value)
+               ? (int)value
+               : 0;
+}
+
+/* A power by products where the exponent is a small whole number, otherwise by exp and log. */
+static int rewrite_power(maker *m, int a, int b) {
+    saltus_graph *g = m->graph;
+    int power = small_power(m, b), result = a;
+    if (!power)
+        return saltus_graph_apply(
+            g, SALTUS_OP_EXP,
+            saltus_graph_apply(g, SALTUS_OP_MULTIPLY, b, saltus_graph_apply(g, SALTUS_OP_LOG, a, -1)), -1);
+    /* Squares first: x^6 = (x x^2)^2. */
+    for (int bit = 1 << (int)log2(abs(power)) >> 1; bit > 0; bit >>= 1) {
+        result = saltus_graph_apply(g, SALTUS_OP_MULTIPLY, result, result);
+        if (abs(power) & bit)
+            result = saltus_graph_apply(g, SALTUS_OP_MULTIPLY, a, result);
+    }
+    return power > 0 ? result : saltus_graph_apply(g, SALTUS_OP_DIVIDE, saltus_graph_constant(g, 1), result);
+}
+
 /* A node as a factor times a node that is no such product itself. */
 static summand split(maker *m, int node) {
     saltus_graph *g = m->graph;
@@ -126,6 +151,13 @@ static summand split(maker *m, int node) {
         } else if (n.operation == SALTUS_OP_DIVIDE && is_number(m, n.operand[1])) {
             s.factor = saltus_graph_apply(g, SALTUS_OP_DIVIDE, s.factor, n.operand[1]);
             s.node = n.operand[0];
+        } else if (n.operation == SALTUS_OP_POWER && small_power(m, n.operand[1]) > 1) {
+            /* (c x)^2 = c^2 x^2; the product is used as often as the power. */
+            const int power = s.node;
+            s.node = rewrite_power(m, n.operand[0], n.operand[1]);
+            if (!follow_graph(m))
+                return s;
+            m->uses[s.node] = m->uses[s.node] > m->uses[power] ? m->uses[s.node] : m->uses[power];
         } else if (n.operation == SALTUS_OP_MULTIPLY) {
             /* (c x) (d y) = (c d) (x y) */
             summand a = split(m, n.operand[0]), b = split(m, n.operand[1]);
@@ -263,12 +295,22 @@ static summand share_sum(maker *m, list *terms) {
     return (summand){saltus_graph_constant(g, scale), node};
 }
 
-/* A term's other operand where it is a product with x that nothing else uses; -1: it is none. */
+/* Whether a node is the velocity of another one, a displacement. */
+static bool is_rate_of(const maker *m, int velocity, int node) {
+    const saltus_graph_node *v = node_at(m, velocity), *q = node_at(m, node);
+    return v->operation == SALTUS_OP_STATE && q->operation == SALTUS_OP_STATE && q->index < m->dof &&
+           v->index == q->index + m->dof;
+}
+
+/* A term's other operand where it is a product with x that nothing else uses; -1: it is none. Squares, and
+ * displacements times their velocities, cost half a product and stay. */
 static int cofactor(const maker *m, int node, int x) {
     if (node < 0 || node_at(m, node)->operation != SALTUS_OP_MULTIPLY || m->uses[node] > 1 ||
         m->place[node] >= 0)
         return -1;
     const int a = node_at(m, node)->operand[0], b = node_at(m, node)->operand[1];
+    if (a == b || is_rate_of(m, a, b) || is_rate_of(m, b, a))
+        return -1;
     return a == x ? b : b == x ? a : -1;
 }
 
@@ -368,31 +410,6 @@ static int combine(maker *m, int node) {
     return m->failed ? 0 : add_step(m, step);
 }
 
-/* A whole number between -8 and 8, and which one; 0: none. */
-static int small_power(const maker *m, int node) {
-    double value = node_at(m, node)->value;
-    return node_at(m, node)->operation == SALTUS_OP_CONSTANT && fabs(value) <= 8 && value == floor(value)
-               ? (int)value
-               : 0;
-}
-
-/* A power by products where the exponent is a small whole number, otherwise by exp and log. */
-static int rewrite_power(maker *m, int a, int b) {
-    saltus_graph *g = m->graph;
-    int power = small_power(m, b), result = a;
-    if (!power)
-        return saltus_graph_apply(
-            g, SALTUS_OP_EXP,
-            saltus_graph_apply(g, SALTUS_OP_MULTIPLY, b, saltus_graph_apply(g, SALTUS_OP_LOG, a, -1)), -1);
-    /* Squares first: x^6 = (x x^2)^2. */
-    for (int bit = 1 << (int)log2(abs(power)) >> 1; bit > 0; bit >>= 1) {
-        result = saltus_graph_apply(g, SALTUS_OP_MULTIPLY, result, result);
-        if (abs(power) & bit)
-            result = saltus_graph_apply(g, SALTUS_OP_MULTIPLY, a, result);
-    }
-    return power > 0 ? result : saltus_graph_apply(g, SALTUS_OP_DIVIDE, saltus_graph_constant(g, 1), result);
-}
-
 /* Functions without a rule of their own, by others: tan a = sin a / cos a, tanh a = 1 - 2 / (exp(2 a) + 1).
  */
 static int rewrite(maker *m, int node) {
@@ -474,13 +491,6 @@ static int add_leaf(maker *m, int node) {
     else
         *(n.operation == SALTUS_OP_TIME ? &m->tape->time : &m->tape->phase) = place;
     return place;
-}
-
-/* Whether a node is the velocity of another one, a displacement. */
-static bool is_rate_of(const maker *m, int velocity, int node) {
-    const saltus_graph_node *v = node_at(m, velocity), *q = node_at(m, node);
-    return v->operation == SALTUS_OP_STATE && q->operation == SALTUS_OP_STATE && q->index < m->dof &&
-           v->index == q->index + m->dof;
 }
 
 static int add_node(maker *m, int node) {
