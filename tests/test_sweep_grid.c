@@ -73,9 +73,15 @@ static void axes_are_read_up_to_their_limits(void **unused) {
     static const struct {
         const char *text;
         bool good;
-    } cases[] = {{"d=0:1:2", true},          {"d=0:1:10000000", true},    {"d=0:1:10000001", false},
-                 {"d=0:1:1", false},         {"abcdefghijklmno=1", true}, {"abcdefghijklmnop=1", false},
-                 {"d=1e-300:1:3:log", true}, {"d=0:1:3:log", false},      {"d=1:0:3:log", false}};
+    } cases[] = {{"d=0:1:2", true},
+                 {"d=0:1:10000000", true},
+                 {"d=0:1:10000001", false},
+                 {"d=0:1:1", false},
+                 {"abcdefghijklmnopqrstuvwxyzabcde=1", true},
+                 {"abcdefghijklmnopqrstuvwxyzabcdef=1", false},
+                 {"d=1e-300:1:3:log", true},
+                 {"d=0:1:3:log", false},
+                 {"d=1:0:3:log", false}};
     for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
         saltus_message message = {.text = ""};
         saltus_axis axis;

@@ -6,7 +6,8 @@
 #include "motion/options.h"
 
 static const cli_option of = CLI_LIST_OPTION(
-    "--of", of, "what", "displacement, velocity, q3 or v2; at most two (default the first two)");
+    "--of", of, "what",
+    "displacement, velocity, q3, v2 or a name of the state; at most two (default the first two)");
 static const cli_table tables[] = {CLI_TABLE(saltus_spectrum_table, spectrum, NULL),
                                    CLI_TABLE(saltus_classify_table, classify, "--measure --lifetime"),
                                    {NULL, 0, NULL}};

@@ -95,7 +95,7 @@ static const manual_part parts[] = {
      "A Duffing oscillator that hits a stop. The minus of -c*x' needs no quotation marks, as no blank "
      "follows "
      "it. The first command shows the equation, the second finds what the motion is, the others draw where x "
-     "turns, for 200 amplitudes of the force."},
+     "turns, for 100 amplitudes of the force."},
     {MANUAL_FILE, "duffing.yaml"},
     {MANUAL_LINES, "title: Duffing oscillator with a stop\n"
                    "model:\n"
@@ -110,7 +110,7 @@ static const manual_part parts[] = {
                    "stop: {coordinate: x, d: 1.3, r: 0.8}\n"},
     {MANUAL_COMMAND, "check duffing.yaml --derivatives"},
     {MANUAL_COMMAND, "classify duffing.yaml --set F=0.25"},
-    {MANUAL_COMMAND, "sweep duffing.yaml --over F=0.2:0.5:200 --what turning -o duffing.h5"},
+    {MANUAL_COMMAND, "sweep duffing.yaml --over F=0.2:0.5:100 --what turning -o duffing.h5"},
     {MANUAL_COMMAND, "plot duffing.h5 -o duffing.png"},
     {MANUAL_WORDS,
      "An impact damper: a ball in a box on a spring. Two displacements with masses, a gap with two sides, of "

@@ -33,8 +33,8 @@ saltus_status saltus_scene_parse(const char *text, size_t length, const char *or
 void saltus_scene_clear(saltus_scene *scene);
 /* Apply one `key=value`: a parameter of the model, or d, r, xi, sides, weight of the stop(s). With several
  * stops `d=` sets all of them and `d1=`, `d2=`, ... the first, second, ... one. `q1=`, `v1=`, ... set entries
- * of the initial state; in a scene that gives none the others stay those of the system's default state. The
- * scene is unchanged on error. */
+ * of the initial state, and so do the names of a text (saltus_system_state_name); in a scene that gives none
+ * the others stay those of the system's default state. The scene is unchanged on error. */
 saltus_status saltus_scene_set(saltus_scene *scene, const char *assignment, saltus_message *message);
 /* Where a scene's trajectory starts, at section phase 0, in the system that was built from its `spec`: the
  * scene's initial state, what it leaves open being that of saltus_system_default_state. `state` has length

@@ -20,7 +20,8 @@ typedef enum saltus_spacing { SALTUS_LINEAR, SALTUS_LOGARITHMIC, SALTUS_LIST } s
 
 /* The values that one key takes, in the order in which `carry` follows them. */
 typedef struct saltus_axis {
-    char key[SALTUS_AXIS_KEY_MAX]; /* as in --set: a parameter, d, r, xi (d1, ...), or q1, v1, z1, ... */
+    char key[SALTUS_AXIS_KEY_MAX]; /* as in --set: a parameter, d, r, xi (d1, ...), or an entry of the initial
+                                      state */
     saltus_spacing spacing;
     int count;          /* >= 1 */
     double low, high;   /* first and last value; of a list its first and last entry */

@@ -77,7 +77,8 @@ const saltus_notation *saltus_model_notation(const saltus_model *model);
 typedef enum saltus_sides { SALTUS_UPPER = 1, SALTUS_LOWER = 2, SALTUS_BOTH = 3 } saltus_sides;
 
 /* A rigid stop. The contact coordinate g is a linear function of the displacements: eta(xi) of a pipe,
- * weight[0] x1 + weight[1] x2 of an oscillator. An upper stop forbids g > d, a lower one g < -d. */
+ * weight[0] x1 + weight[1] x2 of an oscillator; of a text also a constant part, which is taken off the faces'
+ * clearances. An upper stop forbids g > d, a lower one g < -d. */
 typedef struct saltus_stop {
     double xi;        /* position along the pipe, 0 < xi < 1 (pipe only) */
     double weight[2]; /* the coordinate that the stop limits (oscillator only) */

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "base/word.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 /* How many letters must be changed, added or dropped to get from one word to the other; large for long words.
@@ -41,4 +42,14 @@ const char *saltus_nearest_word(const char *word, const char *const *words, int 
         }
     }
     return nearest;
+}
+
+bool saltus_key_numbered(const char *key, const char *name, int *number) {
+    size_t length = strlen(name);
+    const char *digits = key + length;
+    if (strncmp(key, name, length) != 0 || *digits == '0' || strlen(digits) > 3 ||
+        strspn(digits, "0123456789") != strlen(digits))
+        return false;
+    *number = atoi(digits);
+    return true;
 }

@@ -36,16 +36,27 @@ void saltus_line_number(saltus_line *l, const char *format, double value) {
     saltus_line_add(l, "%s%s", value < 0 ? "−" : "", text);
 }
 
+/* Whether what is behind a letter is its index, k2, F02, kz, and not the rest of a word, gap. */
+static bool is_index(const char *rest) {
+    return strspn(rest, "0123456789") == strlen(rest) || (strlen(rest) == 1 && rest[0] != '_');
+}
+
 void saltus_line_symbol(saltus_line *l, const char *name) {
     static const char *const greek[][2] = {{"alpha", "α"}, {"beta", "β"},  {"kappa", "κ"},
                                            {"sigma", "σ"}, {"omega", "ω"}, {"xi", "ξ"}};
     for (size_t k = 0; k < sizeof greek / sizeof greek[0]; k++) {
         size_t length = strlen(greek[k][0]);
-        if (strncmp(name, greek[k][0], length) != 0)
+        if (strncmp(name, greek[k][0], length) != 0 || !is_index(name + length))
             continue;
         saltus_line_add(l, "{/:Italic %s}", greek[k][1]);
         if (name[length])
             saltus_line_add(l, "_{%s}", name + length);
+        return;
+    }
+    if (!is_index(name + 1)) {
+        saltus_line_add(l, "{/:Italic ");
+        saltus_line_plain(l, name);
+        saltus_line_add(l, "}");
         return;
     }
     saltus_line_add(l, "{/:Italic %c}", name[0]);

@@ -51,13 +51,14 @@ static void put_eigenvalues(FILE *file, const saltus_equilibrium *e) {
 
 void saltus_write_equilibrium_text(FILE *file, const saltus_scene *scene, const saltus_system *system,
                                    const saltus_equilibrium *e) {
+    bool modal = saltus_notation_of(system)->structure == SALTUS_STRUCTURE_LINE;
     fprintf(file, "%s: %s, %s\n", scene->name, label_of(e), e->stable ? "stable" : "unstable");
     saltus_put_scene(file, scene, system);
     for (int f = 0; f < saltus_system_face_count(system); f++) {
         saltus_face face = saltus_system_face(system, f);
         fprintf(file, "  %-14sstop %d %s: ", f ? "" : "contacts", face.stop + 1, saltus_side_word(face.side));
         if (e->contacts >> f & 1)
-            fprintf(file, "held, force %.6g per modal mass\n", e->contact_force[f]);
+            fprintf(file, "held, force %.6g%s\n", e->contact_force[f], modal ? " per modal mass" : "");
         else
             fprintf(file, "free, gap %.6g\n", e->gap[f]);
     }

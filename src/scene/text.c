@@ -9,6 +9,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 /* Lists that a text is made of while it is read. */
 typedef struct reading {
@@ -399,7 +400,13 @@ saltus_status saltus_scene_read_model_file(const saltus_source *source, const sa
     saltus_message reason = {.text = ""};
     if (!path)
         return saltus_source_fail(source, 0, SALTUS_NO_MEMORY, "no memory for the model");
-    saltus_status status = saltus_read_file(path, &text, &place.length, &reason);
+    struct stat info;
+    saltus_status status = SALTUS_OK;
+    /* What waits for somebody to write is no file of equations. */
+    if (stat(path, &info) == 0 && !S_ISREG(info.st_mode) && !S_ISDIR(info.st_mode))
+        status = saltus_fail(&reason, SALTUS_IO, "%s: is no regular file", path);
+    else
+        status = saltus_read_file(path, &text, &place.length, &reason);
     if (status != SALTUS_OK)
         status = saltus_source_fail(source, name->key_line, status, "model: %s", reason.text);
     place.text = text;

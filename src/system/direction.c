@@ -10,16 +10,6 @@ static double stop_value(const saltus_stop *stop, int number) {
     return number == SALTUS_STOP_XI ? stop->xi : number == SALTUS_STOP_D ? stop->d : stop->r;
 }
 
-bool saltus_key_numbered(const char *key, const char *name, int *number) {
-    size_t length = strlen(name);
-    const char *digits = key + length;
-    if (strncmp(key, name, length) != 0 || *digits == '0' || strlen(digits) > 3 ||
-        strspn(digits, "0123456789") != strlen(digits))
-        return false;
-    *number = atoi(digits);
-    return true;
-}
-
 saltus_status saltus_spec_differentiable(const saltus_spec *spec, const saltus_direction *direction,
                                          saltus_message *message) {
     for (int k = 0; k < spec->model->parameter_count; k++) {

@@ -341,20 +341,31 @@ void saltus_graph_differentiate(saltus_graph *graph, int leaf, int count, unsign
     }
 }
 
+/* The value of a node whose operands have theirs. */
+static double value_of(const saltus_graph_node *node, const double *parameters, const double *state,
+                       double time, double phase, const double *values) {
+    double operand[4] = {0};
+    for (int j = 0; j < saltus_operation_operands(node->operation); j++)
+        operand[j] = values[node->operand[j]];
+    return node->operation == SALTUS_OP_CONSTANT    ? node->value
+           : node->operation == SALTUS_OP_PARAMETER ? parameters[node->index]
+           : node->operation == SALTUS_OP_STATE     ? state[node->index]
+           : node->operation == SALTUS_OP_TIME      ? time
+           : node->operation == SALTUS_OP_PHASE     ? phase
+                                                    : saltus_operation_value(node->operation, operand);
+}
+
 void saltus_graph_evaluate(const saltus_graph *graph, const double *parameters, const double *state,
                            double time, double phase, double *values) {
-    for (int k = 0; k < graph->count; k++) {
-        const saltus_graph_node *node = &graph->nodes[k];
-        double operand[4] = {0};
-        for (int j = 0; j < saltus_operation_operands(node->operation); j++)
-            operand[j] = values[node->operand[j]];
-        values[k] = node->operation == SALTUS_OP_CONSTANT    ? node->value
-                    : node->operation == SALTUS_OP_PARAMETER ? parameters[node->index]
-                    : node->operation == SALTUS_OP_STATE     ? state[node->index]
-                    : node->operation == SALTUS_OP_TIME      ? time
-                    : node->operation == SALTUS_OP_PHASE     ? phase
-                                                         : saltus_operation_value(node->operation, operand);
-    }
+    for (int k = 0; k < graph->count; k++)
+        values[k] = value_of(&graph->nodes[k], parameters, state, time, phase, values);
+}
+
+void saltus_graph_evaluate_some(const saltus_graph *graph, const int *nodes, int count,
+                                const double *parameters, const double *state, double time, double phase,
+                                double *values) {
+    for (int k = 0; k < count; k++)
+        values[nodes[k]] = value_of(&graph->nodes[nodes[k]], parameters, state, time, phase, values);
 }
 
 void saltus_graph_mark(const saltus_graph *graph, const int *roots, int root_count, bool *needed) {

@@ -89,6 +89,10 @@ int saltus_graph_outer_derivative(saltus_graph *graph, int node);
 /* Values of all nodes; leaves are taken from the arrays. */
 void saltus_graph_evaluate(const saltus_graph *graph, const double *parameters, const double *state,
                            double time, double phase, double *values);
+/* The same of some nodes, in their order: those that they are made of must be among them. */
+void saltus_graph_evaluate_some(const saltus_graph *graph, const int *nodes, int count,
+                                const double *parameters, const double *state, double time, double phase,
+                                double *values);
 /* Mark what the given nodes are made of, themselves included (count entries of `needed`, set to false
  * before). */
 void saltus_graph_mark(const saltus_graph *graph, const int *roots, int root_count, bool *needed);

@@ -4,6 +4,7 @@
 #define SALTUS_SYSTEM_PRIVATE_H
 
 #include "base/memory.h"
+#include "base/word.h"
 #include "saltus/system.h"
 #include "system/tape.h"
 
@@ -70,9 +71,6 @@ int saltus_system_gap_sign(const saltus_system *system, int face, const double *
 
 /* The numbers of a stop, in the order of saltus_stop_parameters. */
 enum { SALTUS_STOP_XI, SALTUS_STOP_D, SALTUS_STOP_R, SALTUS_STOP_NUMBERS };
-
-/* Whether `key` is `name`, or `name` with a number from 1 behind it, which goes to *number (0: none). */
-bool saltus_key_numbered(const char *key, const char *name, int *number);
 
 /* How a system changes along a direction in parameter space: the derivative of all that a flow takes from it.
  */

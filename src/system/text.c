@@ -252,7 +252,7 @@ static void build(saltus_system *system) {
     double reference[SALTUS_STATE_MAX] = {0}, *values = system->numbers;
     system->tape = tape;
     system->forced = g->forced;
-    system->guarded = g->guarded;
+    system->guarded = g->guards > 0;
     system->coefficients.scalar[0] = system->omega;
     system->coefficients.terms =
         (g->forced ? SALTUS_TERM_FORCED : 0) | (system->extra ? SALTUS_TERM_EXTRA : 0);
@@ -374,16 +374,26 @@ static void observe(const saltus_system *system, const double *state, double pha
     free(all);
 }
 
+/* Asked at every step: no memory is taken for equations of a common size. */
 static bool defined(const saltus_system *system, const double *state, double phase) {
+    enum { common = 400 };
     const saltus_equations_graph *g = graph_of(&system->spec);
-    const saltus_graph part = {.nodes = g->graph.nodes, .count = g->field_end};
-    double *values = malloc((size_t)g->field_end * sizeof *values + 1);
+    double room[common], *values = g->graph.count <= common ? room : values_of(g);
     bool good = values != NULL;
     if (values)
-        saltus_graph_evaluate(&part, system->spec.parameters, state, phase * system->period, phase, values);
-    for (int i = 0; i < system->dof + system->extra && good; i++)
-        good = isfinite(values[g->field[i]]);
-    free(values);
+        saltus_graph_evaluate_some(&g->graph, g->guarded, g->guarded_count, system->spec.parameters, state,
+                                   phase * system->period, phase, values);
+    for (int k = 0; k < g->guards && good; k++)
+        good = isfinite(values[g->guard[k]]);
+    /* One without a value may stand where parameters choose another. */
+    if (values && !good) {
+        evaluate(g, &system->spec, state, phase, values);
+        good = true;
+        for (int i = 0; i < system->dof + system->extra && good; i++)
+            good = isfinite(values[g->field[i]]);
+    }
+    if (values != room)
+        free(values);
     return good;
 }
 

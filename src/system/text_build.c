@@ -753,28 +753,41 @@ static void add_trace(builder *b, const int *field) {
     free(derivatives);
 }
 
-/* Which parts of the field have no value at some states. Poles are none of these: steps shrink before
- * them. */
+static void *reserve(builder *b, size_t count, size_t size) {
+    void *array = calloc(count + 1, size);
+    no_memory(b, array);
+    return array;
+}
+
+/* Whether an operation has no value at some operands. Poles are not meant: steps shrink before them. */
+static bool is_partial(const saltus_graph *g, const saltus_graph_node *n) {
+    const saltus_graph_node *exponent = n->operation == SALTUS_OP_POWER ? &g->nodes[n->operand[1]] : NULL;
+    if (exponent)
+        return exponent->operation != SALTUS_OP_CONSTANT || exponent->value != floor(exponent->value);
+    return n->operation == SALTUS_OP_SQRT || n->operation == SALTUS_OP_LOG ||
+           n->operation == SALTUS_OP_ASIN || n->operation == SALTUS_OP_ACOS;
+}
+
+/* Which parts of the field have no value at some states. */
 static void find_guards(builder *b) {
     saltus_equations_graph *made = b->made;
     const saltus_graph *g = b->graph;
-    bool *needed = calloc((size_t)g->count, sizeof *needed);
-    if (no_memory(b, needed))
-        return;
-    saltus_graph_mark(g, made->field, made->dof + made->extra, needed);
-    for (int k = 0; k < g->count; k++) {
-        const saltus_graph_node *n = &g->nodes[k];
-        if (!needed[k])
-            continue;
-        made->field_end = k + 1;
-        bool partial = n->operation == SALTUS_OP_SQRT || n->operation == SALTUS_OP_LOG ||
-                       n->operation == SALTUS_OP_ASIN || n->operation == SALTUS_OP_ACOS;
-        if (n->operation == SALTUS_OP_POWER) {
-            const saltus_graph_node *exponent = &g->nodes[n->operand[1]];
-            partial = exponent->operation != SALTUS_OP_CONSTANT || exponent->value != floor(exponent->value);
-        }
-        made->guarded |= partial && n->depends & ~(unsigned)SALTUS_OF_PARAMETERS;
+    bool *field = reserve(b, (size_t)g->count, sizeof *field),
+         *needed = reserve(b, (size_t)g->count, sizeof *needed);
+    made->guard = reserve(b, (size_t)g->count, sizeof *made->guard);
+    made->guarded = reserve(b, (size_t)g->count, sizeof *made->guarded);
+    if (b->status == SALTUS_OK) {
+        saltus_graph_mark(g, made->field, made->dof + made->extra, field);
+        for (int k = 0; k < g->count; k++)
+            if (field[k] && is_partial(g, &g->nodes[k]) &&
+                g->nodes[k].depends & ~(unsigned)SALTUS_OF_PARAMETERS)
+                made->guard[made->guards++] = k;
+        saltus_graph_mark(g, made->guard, made->guards, needed);
+        for (int k = 0; k < g->count; k++)
+            if (needed[k])
+                made->guarded[made->guarded_count++] = k;
     }
+    free(field);
     free(needed);
 }
 
@@ -791,12 +804,6 @@ static void add_derivatives(builder *b) {
         if (!no_memory(b, made->derivatives[p]))
             saltus_graph_differentiate(b->graph, leaf, count, SALTUS_OF_PARAMETERS, made->derivatives[p]);
     }
-}
-
-static void *reserve(builder *b, size_t count, size_t size) {
-    void *array = calloc(count + 1, size);
-    no_memory(b, array);
-    return array;
 }
 
 static void build(builder *b) {
@@ -901,6 +908,8 @@ void saltus_equations_graph_free(saltus_equations_graph *g) {
     free(g->inverse_mass);
     free(g->normal);
     free(g->offset);
+    free(g->guard);
+    free(g->guarded);
     free(g->clearance);
     free(g->restitution);
     free(g->observe);

@@ -51,9 +51,10 @@ typedef struct saltus_equations_graph {
     int *observe, observe_count;
     int *scale, *initial; /* of each state (dimension); -1: the text says nothing */
     int trace;
-    bool forced;   /* depends on time */
-    bool guarded;  /* has no value at some states, in parts that are not divisions */
-    int field_end; /* nodes from here on are of no use to the field */
+    bool forced; /* depends on time */
+    /* Parts of the field that have no value at some states, divisions apart: these nodes (`guards`), and in
+     * their order all that they are made of (`guarded`). */
+    int *guard, guards, *guarded, guarded_count;
     int parameter_count;
     int **derivatives; /* [parameter][node]: of nodes that numbers are made of; NULL for whole parameters */
     int derivative_count;
