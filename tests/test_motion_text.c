@@ -207,7 +207,7 @@ static void rests_are_told(void **state) {
         check_scene(&lines);
         lines_next(&lines, "motion", held ? "in contact for good" : "at rest", 0);
         if (held)
-            lines_next(&lines, "contact force", "(per modal mass)", 6, 1., 0.5, 1., 1.25, 2., 2.75);
+            lines_next(&lines, "contact force", "stop 2 lower", 6, 1., 0.5, 1., 1.25, 2., 2.75);
         lines_next(&lines, "exponent", NULL, -1);
         lines_next(&lines, "mirror", NULL, 0);
         lines_next(&lines, "displacement", NULL, -1);

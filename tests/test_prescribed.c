@@ -27,7 +27,7 @@ static saltus_flow *open_placed(const saltus_system *system, const saltus_flow_o
 
 static void forget(saltus_extreme *extremes) {
     for (int f = 0; f < SALTUS_FACES_MAX; f++)
-        extremes[f] = (saltus_extreme){.value = -INFINITY};
+        extremes[f] = (saltus_extreme){.value = -INFINITY, .inner = -INFINITY};
 }
 
 /* What must stay below zero: the gap of a free face, minus the contact force of one that holds, from the
@@ -473,7 +473,7 @@ static void coasts_go_forwards(void **unused) {
     saltus_flow_state(flow, 0, before);
     for (int k = 0; k < 4; k++) {
         for (int f = 0; f < SALTUS_FACES_MAX; f++)
-            extremes[f] = (saltus_extreme){.value = -INFINITY};
+            extremes[f] = (saltus_extreme){.value = -INFINITY, .inner = -INFINITY};
         assert_int_equal(saltus_flow_coast(flow, 0, until[k], extremes, &message),
                          k ? SALTUS_NO_CONVERGENCE : SALTUS_OK);
         saltus_flow_state(flow, 0, after);

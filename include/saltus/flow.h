@@ -164,7 +164,7 @@ saltus_status saltus_flow_advance(saltus_flow *flow, saltus_time until, unsigned
 
 /* The largest value of a quantity that must stay below zero. */
 typedef struct saltus_extreme {
-    double value; /* -INFINITY: there is no maximum */
+    double value; /* -INFINITY: there is no maximum, which is also what it begins with */
     saltus_time time;
     double inner; /* the same but for the last 1e-4 periods, in which an impact that ends the way may touch */
     saltus_time inner_time;

@@ -80,10 +80,8 @@ static void put_faces(FILE *file, const saltus_system *system, const saltus_moti
     if (!settled)
         fprintf(file, " (in %lld periods)", motion->counted);
     bool modal = saltus_notation_of(system)->structure == SALTUS_STRUCTURE_LINE;
-    fputs(held && modal         ? " (per modal mass)\n"
-          : motion->impacts < 0 ? " (before the chatter completes)\n"
-                                : "\n",
-          file);
+    bool cut = !held && motion->impacts < 0;
+    fputs(held && modal ? " (per modal mass)\n" : cut ? " (before the chatter completes)\n" : "\n", file);
 }
 
 static void put_event(FILE *file, const saltus_system *system, const saltus_event *event) {
