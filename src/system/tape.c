@@ -1,15 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "system/tape.h"
 
+#include "base/list.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-/* A list that grows. */
-typedef struct list {
-    void *items;
-    int count, room;
-} list;
 
 /* A tape being made. What a node has become stands in `place`: a register, or -1 where it has none yet. */
 typedef struct maker {
@@ -18,8 +14,8 @@ typedef struct maker {
     int *place, *slot_of, *uses;
     int dof;
     int placed; /* nodes that `place`, `slot_of` and `uses` have room for */
-    list steps, terms, slots, depends, linear;
-    list sums, parts; /* that have been factored out (shared_sum, part) */
+    saltus_list steps, terms, slots, depends, linear;
+    saltus_list sums, parts; /* that have been factored out (shared_sum, part) */
     bool failed;
 } maker;
 
@@ -29,18 +25,10 @@ typedef struct summand {
     int factor, node;
 } summand;
 
-static void *grow(maker *m, list *l, size_t size) {
-    if (l->count == l->room) {
-        int room = 2 * l->room + 32;
-        void *items = realloc(l->items, (size_t)room * size);
-        if (!items) {
-            m->failed = true;
-            return NULL;
-        }
-        l->items = items;
-        l->room = room;
-    }
-    return (char *)l->items + (size_t)l->count++ * size;
+static void *grow(maker *m, saltus_list *l, size_t size) {
+    void *entry = saltus_list_add(l, size);
+    m->failed |= !entry;
+    return entry;
 }
 
 /* Nodes may have been added to the graph since. */
@@ -171,7 +159,7 @@ static summand split(maker *m, int node) {
 }
 
 /* Collect a node, times a factor, into a sum. Sums that nothing else uses are taken apart. */
-static void collect(maker *m, int factor, int node, list *sum, bool outermost) {
+static void collect(maker *m, int factor, int node, saltus_list *sum, bool outermost) {
     saltus_graph *g = m->graph;
     if (m->failed)
         return;
@@ -201,7 +189,7 @@ static void collect(maker *m, int factor, int node, list *sum, bool outermost) {
 }
 
 /* Terms of one node together, and the numbers. */
-static void merge(maker *m, list *sum) {
+static void merge(maker *m, saltus_list *sum) {
     summand *s = sum->items;
     int kept = 0;
     for (int k = 0; k < sum->count; k++) {
@@ -257,7 +245,7 @@ static bool equal_parts(const part *a, const part *b, int count) {
 }
 
 /* A constant times a sum whose first constant is 1: equations of a family then share the sum. */
-static summand share_sum(maker *m, list *terms) {
+static summand share_sum(maker *m, saltus_list *terms) {
     saltus_graph *g = m->graph;
     summand *s = terms->items;
     const int count = terms->count, first = m->parts.count;
@@ -316,9 +304,9 @@ static int cofactor(const maker *m, int node, int x) {
 
 /* x y_1 + x y_2 + ... -> x (y_1 + y_2 + ...): one product in place of several. What is a number in the sum
  * stays a number times x. */
-static void factor_out(maker *m, list *sum, int x) {
+static void factor_out(maker *m, saltus_list *sum, int x) {
     saltus_graph *g = m->graph;
-    list inner = {.items = NULL}, rest = {.items = NULL};
+    saltus_list inner = {.items = NULL}, rest = {.items = NULL};
     for (int k = 0; k < sum->count && !m->failed; k++) {
         const summand s = ((summand *)sum->items)[k];
         const int other = cofactor(m, s.node, x);
@@ -360,7 +348,7 @@ static void factor_out(maker *m, list *sum, int x) {
 enum { factored_max = 256 };
 
 /* Common operands of a sum's products, those of most products first. */
-static void factor_sum(maker *m, list *sum) {
+static void factor_sum(maker *m, saltus_list *sum) {
     for (int best = 2, x = -1; best > 1 && sum->count <= factored_max && follow_graph(m); x = -1) {
         best = 1;
         for (int k = 0; k < sum->count; k++) {
@@ -385,7 +373,7 @@ static void factor_sum(maker *m, list *sum) {
 
 /* A sum as a step of its own. */
 static int combine(maker *m, int node) {
-    list sum = {.items = NULL};
+    saltus_list sum = {.items = NULL};
     collect(m, saltus_graph_constant(m->graph, 1), node, &sum, true);
     merge(m, &sum);
     factor_sum(m, &sum);

@@ -4,17 +4,13 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "system/tape.h"
 
+#include "base/list.h"
+
 #include <stdlib.h>
 #include <string.h>
 
 enum { total_max = 64 }; /* elements that are added up side by side */
 enum { pack_max = 8 };   /* elements of the widest pack: rows of one trajectory are filled up to these */
-
-/* A list that grows. */
-typedef struct list {
-    void *items;
-    int count, room;
-} list;
 
 /* Where a register stands. */
 typedef struct home {
@@ -35,22 +31,14 @@ typedef struct arranger {
     bool *used;         /* registers that a step takes */
     int *stamps, stamp; /* of columns and diagonals that have been met */
     int reach;          /* more than any row has elements */
-    list steps, terms, weights[2];
+    saltus_list steps, terms, weights[2];
     bool failed;
 } arranger;
 
-static void *grow(arranger *m, list *l, size_t size) {
-    if (l->count == l->room) {
-        int room = 2 * l->room + 32;
-        void *items = realloc(l->items, (size_t)room * size);
-        if (!items) {
-            m->failed = true;
-            return NULL;
-        }
-        l->items = items;
-        l->room = room;
-    }
-    return (char *)l->items + (size_t)l->count++ * size;
+static void *grow(arranger *m, saltus_list *l, size_t size) {
+    void *entry = saltus_list_add(l, size);
+    m->failed |= !entry;
+    return entry;
 }
 
 static int padded(int count) {
