@@ -173,7 +173,7 @@ static void put_state_names(saltus_h5 *w, const saltus_spec *spec) {
     char text[SALTUS_STATE_MAX * sizeof(saltus_state_name)] = "";
     saltus_system *system = NULL;
     size_t used = 0;
-    if (!saltus_h5_note_memory(w, saltus_system_new(spec, &system, NULL) == SALTUS_OK))
+    if (!w->sound || !saltus_h5_note_memory(w, saltus_system_new(spec, &system, NULL) == SALTUS_OK))
         return;
     for (int i = 0; i < saltus_system_dimension(system); i++)
         used += (size_t)snprintf(text + used, sizeof text - used, "%s%s", i ? " " : "",
