@@ -241,7 +241,14 @@ static void files_tell_the_model(void **state) {
     assert_non_null(strstr(orbit, "\"motion\": {\"x\": "));
     free(orbit);
     free(told(*state, "plot branch.h5 -o branch.png"));
+    /* The state goes by its names, what belongs to a multiplier does not. */
     free(told(*state, "export branch.h5 -o branch.csv"));
+    size_t bytes;
+    char *table = read_all(path_in(*state, "branch.csv"), &bytes);
+    assert_non_null(strstr(table, ",x,x',"));
+    assert_non_null(
+        strstr(table, ",multipliers1_1,multipliers1_2,multipliers2_1,multipliers2_2,log_moduli1,"));
+    free(table);
     free(told(*state, "sweep chain --over F=0.2:0.6:5 --at-most 100 --set N=3 -o sweep.h5"));
     free(told(*state, "plot sweep.h5 -o sweep.png"));
     saltus_branch_file file;

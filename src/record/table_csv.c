@@ -75,7 +75,8 @@ static void put_name(FILE *file, const saltus_field *f, const int *counts, int i
     saltus_field_shape(f, counts, length);
     if (f->length == -1 - SALTUS_COUNT_PARAMETERS)
         fputs(p[i].name, file);
-    else if (f->length == -1 - SALTUS_COUNT_DIMENSION && saltus_model_text(spec->model))
+    else if (strncmp(f->name, "state", 5) == 0 && f->length == -1 - SALTUS_COUNT_DIMENSION &&
+             saltus_model_text(spec->model))
         fputs(saltus_system_state_name(system, i).text, file);
     else if (length[1])
         fprintf(file, "%s%d_%d", f->name, i / length[1] + 1, i % length[1] + 1);
