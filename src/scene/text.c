@@ -407,8 +407,10 @@ saltus_status saltus_scene_read_model_file(const saltus_source *source, const sa
         status = saltus_fail(&reason, SALTUS_IO, "%s: is no regular file", path);
     else
         status = saltus_read_file(path, &text, &place.length, &reason);
+    /* It is the scene that names what cannot be read. */
     if (status != SALTUS_OK)
-        status = saltus_source_fail(source, name->key_line, status, "model: %s", reason.text);
+        status = saltus_source_fail(source, name->key_line, status == SALTUS_IO ? SALTUS_BAD_INPUT : status,
+                                    "model: %s", reason.text);
     place.text = text;
     place.origin = path;
     if (status == SALTUS_OK)
