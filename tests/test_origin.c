@@ -5,6 +5,7 @@
 #include "saltus/saltus.h"
 
 #include <hdf5.h>
+#include <sys/stat.h>
 
 /* A text of a file, to be freed; "" where it is not there. */
 static char *text_of(fixture *f, const char *name, const char *what) {
@@ -77,6 +78,13 @@ static void where_the_scene_comes_from(void **state) {
     assert_int_equal(run(f, "simulate - --periods 3 -o piped.h5 <mine.yaml"), 0);
     tells(f, "piped.h5", "command", "saltus simulate - --periods 3");
     tells(f, "piped.h5", "scene_text", "");
+    /* A pipe with a name can be read once. */
+    assert_int_equal(mkfifo(path_in(f, "pipe.yaml"), 0600), 0);
+    char writer[200];
+    snprintf(writer, sizeof writer, "cd %s && cat mine.yaml >pipe.yaml &", f->folder);
+    assert_int_equal(system(writer), 0);
+    assert_int_equal(run(f, "simulate pipe.yaml --periods 3 -o named.h5"), 0);
+    tells(f, "named.h5", "scene_text", "");
 }
 
 /* A run that is gone on with is the one that was begun. */

@@ -1,8 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "origin.h"
 
+#include "scene/scene.h"
+
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <time.h>
 
 /* A word as a shell reads it. */
@@ -39,27 +42,28 @@ static char *command_line(const cli_request *request) {
     return NULL;
 }
 
-/* The text of a built-in scene or of a file; NULL where there is none, or no memory. */
+/* The text of a built-in scene or of a file; NULL where there is none, or no memory. What is no regular file
+ * has been read, and is not there a second time. */
 static char *scene_text(const char *name, bool *memory) {
-    enum { most = 1 << 20 };
     for (int k = 0; k < saltus_scene_builtin_count(); k++)
         if (strcmp(name, saltus_scene_builtin_name(k)) == 0) {
             char *text = strdup(saltus_scene_builtin_text(k));
             *memory = text != NULL;
             return text;
         }
-    FILE *file = strcmp(name, "-") == 0 ? NULL : fopen(name, "r");
-    if (!file)
+    struct stat info;
+    char *text = NULL, *copy = NULL;
+    size_t length = 0;
+    saltus_message reason = {.text = ""};
+    if (strcmp(name, "-") == 0 || stat(name, &info) != 0 || !S_ISREG(info.st_mode))
         return NULL;
-    char *text = calloc(1, most + 1);
-    *memory = text != NULL;
-    size_t length = text ? fread(text, 1, most, file) : 0;
-    bool whole = text && !ferror(file) && length < most && strlen(text) == length;
-    fclose(file);
-    if (whole)
-        return text;
-    free(text);
-    return NULL;
+    saltus_status status = saltus_read_file(name, &text, &length, &reason);
+    if (status == SALTUS_OK) {
+        copy = strndup(text, length);
+        free(text);
+    }
+    *memory = status != SALTUS_NO_MEMORY && (copy || status != SALTUS_OK);
+    return copy;
 }
 
 static void tell_date(char date[32]) {
