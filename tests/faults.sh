@@ -175,9 +175,9 @@ spectrum impact-oscillator --segment 8 --periods 64 -o out/spectrum.csv"
 
 # Long runs of every command that computes. SIGINT reaches what gnuplot there is, too.
 long='classify fig7c --transient 100000000 --measure 0
-classify fig7c --measure 1000000000
+classify fig7c --measure 1000000000 --lifetime 100000000
 classify fig7d --json --seeds 100000
-diagnose fig7c --measure 1000000000 -o out/sheet.png
+diagnose fig7c --measure 1000000000 --lifetime 100000000 -o out/sheet.png
 simulate fig7c --periods 1000000 --samples 1 -o out/run.csv
 simulate fig7c --periods 1000000 --samples 1 -o out/run.h5
 simulate fig7c --periods 10 --transient 100000000 -o out/never.csv
