@@ -1,6 +1,7 @@
 /* saltus check: what a scene means.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "cli.h"
+#include "flow/fixed.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -123,6 +124,9 @@ static int check_scene(const cli_request *request) {
     else
         printf("no forcing: time is counted in units of %.15g, ", saltus_system_period(setup.system));
     printf("integrator %s\n", saltus_system_integrator(setup.system));
+    char how[512];
+    if (saltus_fixed_tell(setup.system, how, sizeof how))
+        printf("equations: %s\n", how);
     if (request->derivatives)
         code = print_derivatives(&setup.scene, setup.system);
     cli_clear(&setup);

@@ -199,7 +199,7 @@ static saltus_status expand_lanes(saltus_flow *flow, saltus_message *message) {
             return status;
         }
     } else {
-        flow->kernel->expand(w, w->order);
+        saltus_fixed_expand(&flow->fixed, flow->kernel, flow->lane[0].system, w);
         flow->kernel->measure(w);
     }
     flow->kernel->plan(w);

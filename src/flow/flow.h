@@ -3,6 +3,7 @@
 #ifndef SALTUS_FLOW_PRIVATE_H
 #define SALTUS_FLOW_PRIVATE_H
 
+#include "flow/fixed.h"
 #include "flow/isolate.h"
 #include "flow/kernel.h"
 #include "flow/radau.h"
@@ -90,6 +91,7 @@ struct saltus_flow {
     int lanes, dimension, dof, extra;
     saltus_lane *lane;
     saltus_work work;    /* all lanes: jets of the step */
+    saltus_fixed fixed;  /* and what has been compiled for them */
     saltus_work *probe;  /* one narrow work per lane, for single points */
     saltus_radau *radau; /* stiff integrator, one per flow (width 1); NULL: Taylor's */
     saltus_parameter_column parameter[SALTUS_DIRECTIONS_MAX];

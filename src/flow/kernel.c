@@ -133,6 +133,7 @@ static void load(saltus_work *w, int lane, const saltus_system *system) {
     const saltus_coefficients *c = &system->coefficients;
     saltus_loaded *to = &w->loaded;
     to->tape = system->tape;
+    to->value = saltus_operation_value;
     int n = w->dof, most = 0;
     for (int s = 0; s < SALTUS_SCALARS_MAX; s++)
         to->scalar[s * LANES + lane] = c->scalar[s];
@@ -331,6 +332,24 @@ KERNEL_INLINE void expand_frame(frame f, const saltus_work *w, int order) {
             expand_order(f, k, c);
     gap_series(f, w, order);
 }
+
+#ifdef SALTUS_FIXED_TAPE
+
+/* Sizes are those of the one flow that this is compiled for. */
+_Static_assert(SALTUS_PACK == SALTUS_FIXED_PACK && sizeof(saltus_work) == SALTUS_FIXED_WORK,
+               "compiled otherwise than the library");
+__attribute__((visibility("default"))) void SALTUS_KERNEL_NAME(saltus_work *w);
+void SALTUS_KERNEL_NAME(saltus_work *w) {
+    const int packs = row_packs(SALTUS_FIXED_DOF);
+    frame f = make_frame(w, SALTUS_FIXED_EXTRA ? SALTUS_TERM_EXTRA : 0, packs, row_block(packs),
+                         SALTUS_FIXED_COLUMNS, SALTUS_FIXED_DIRECTIONS, 0);
+    f.dof = SALTUS_FIXED_DOF;
+    f.extra = SALTUS_FIXED_EXTRA;
+    f.orders = SALTUS_FIXED_ORDER + 2;
+    expand_frame(f, w, SALTUS_FIXED_ORDER);
+}
+
+#else
 
 /* The scene's terms and shape are settled here, once per step; the common cases have loops of their own. */
 KERNEL_INLINE void expand_rows(const saltus_work *w, int order, int packs, unsigned terms) {
@@ -532,6 +551,7 @@ extern const saltus_kernel SALTUS_KERNEL_NAME;
 const saltus_kernel SALTUS_KERNEL_NAME = {
     .model = MODEL_NAME,
     .lanes = LANES,
+    .flags = SALTUS_KERNEL_FLAGS,
     .reserve = reserve,
     .load = load,
     .vary = vary,
@@ -540,3 +560,4 @@ const saltus_kernel SALTUS_KERNEL_NAME = {
     .plan = plan,
     .evaluate = evaluate,
 };
+#endif

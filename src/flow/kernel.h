@@ -67,6 +67,7 @@ typedef struct saltus_loaded {
     double *table;           /* model's constants per order: [table][order][lane] */
     const saltus_tape *tape; /* of systems from text, otherwise NULL; that of the first lane stands for all */
     double *weights;         /* its numbers: [weight][lane] */
+    saltus_operation_function *value; /* of its functions */
 } saltus_loaded;
 
 /* The model's intermediate series. */
@@ -124,6 +125,8 @@ typedef struct saltus_work {
 struct saltus_kernel {
     const char *model;
     int lanes; /* 1 or the width of a pack */
+    /* How the compiler makes code for the same instruction set: its options. */
+    const char *flags;
     /* Reserve all arrays in the work's arena; sizes are already set. */
     void (*reserve)(saltus_work *work);
     /* Put the coefficients of a system into a lane. */

@@ -123,6 +123,8 @@ static saltus_status open_works(saltus_flow *flow, bool stiff) {
         if (status == SALTUS_OK)
             load_system(&flow->probe[l], flow->narrow, 0, flow->lane[l].system);
     }
+    if (status == SALTUS_OK && !stiff)
+        flow->fixed = saltus_fixed_open(flow->kernel, first, &flow->work);
     if (status == SALTUS_OK && stiff)
         status = saltus_radau_open(&flow->radau, first, o->columns, o->directions, tolerance);
     return status;
@@ -238,6 +240,7 @@ void saltus_flow_free(saltus_flow *flow) {
     for (int l = 0; l < flow->lanes; l++)
         saltus_work_close(&flow->probe[l]);
     saltus_work_close(&flow->work);
+    saltus_fixed_close(&flow->fixed);
     saltus_radau_close(flow->radau);
     saltus_arena_close(&flow->arena);
     free(flow->lane);

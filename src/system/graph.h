@@ -79,7 +79,8 @@ int saltus_graph_choose(saltus_graph *graph, saltus_operation comparison, int a,
 /* Number of operands of an operation. */
 int saltus_operation_operands(saltus_operation operation);
 /* What an operation makes of numbers. */
-double saltus_operation_value(saltus_operation operation, const double operand[4]);
+typedef double saltus_operation_function(saltus_operation operation, const double operand[4]);
+saltus_operation_function saltus_operation_value;
 
 /* For each of the first `count` nodes that depend on nothing but what is `among` the node of its derivative
  * with respect to a leaf; 0, the constant 0, where it does not depend on it, and for all other nodes. */

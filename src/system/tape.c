@@ -2,6 +2,7 @@
 #include "system/tape.h"
 
 #include "base/list.h"
+#include "system/compile.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -586,8 +587,10 @@ saltus_tape *saltus_tape_new(saltus_graph *graph, const int *roots, int root_cou
         relate_squares(tape);
         m.failed = !saltus_tape_arrange(tape, dof);
     }
-    if (!m.failed)
+    if (!m.failed) {
+        tape->compiled = saltus_compiled_list_new();
         return tape;
+    }
     saltus_tape_free(tape);
     return NULL;
 }
@@ -606,6 +609,7 @@ void saltus_tape_free(saltus_tape *tape) {
     free(tape->weight_slot[0]);
     free(tape->weight_slot[1]);
     free(tape->output_at);
+    saltus_compiled_list_free(tape->compiled);
     free(tape);
 }
 

@@ -92,6 +92,8 @@ typedef struct saltus_tape {
     saltus_tape_operand state[3];    /* displacements, velocities, extra states */
     saltus_tape_operand time_at, phase_at, *output_at;
     bool output_row; /* the accelerations are one row */
+    /* What has been compiled for it; NULL: nothing is. */
+    struct saltus_compiled_list *compiled;
 } saltus_tape;
 
 /* Make the tape of the given roots; `dof` displacements and as many velocities among `dimension` states.

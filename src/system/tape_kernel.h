@@ -7,6 +7,14 @@
 
 #define MODEL_NAME "tape"
 
+/* Compiled for one tape (flow/fixed.h), its numbers are constants of the program. */
+#ifdef SALTUS_FIXED_TAPE
+SALTUS_FIXED_TAPE
+#define TAPE_OF(loaded) (&fixed_tape)
+#else
+#define TAPE_OF(loaded) ((loaded)->tape)
+#endif
+
 enum { model_rows_common = 0, model_rows_plain = 2 };
 KERNEL_INLINE unsigned model_common_terms(int rows) {
     (void)rows;
@@ -51,6 +59,7 @@ typedef double loose_pack __attribute__((vector_size(8 * SALTUS_PACK), may_alias
 /* What runs a tape: the coefficients of all elements, [order][column][element], and the weights. */
 typedef struct player {
     const saltus_tape *tape;
+    saltus_operation_function *value;
     lane_t *base;
     const lane_t *weights, *rates; /* the latter for parameter columns */
     long column, order;            /* from one to the next */
@@ -58,9 +67,10 @@ typedef struct player {
 } player;
 
 KERNEL_INLINE player make_player(frame f) {
-    const saltus_tape *tape = f.loaded.tape;
+    const saltus_tape *tape = TAPE_OF(&f.loaded);
     const long elements = tape->elements[SALTUS_WIDE];
     return (player){.tape = tape,
+                    .value = f.loaded.value,
                     .base = NUMBERS(f.model.series),
                     .weights = NUMBERS(f.loaded.weights),
                     .rates = NUMBERS(f.vary.weights),
@@ -333,11 +343,12 @@ KERNEL_INLINE lane_t convolve_rate(const lane_t *a, const lane_t *b, long order,
 
 KERNEL_INLINE void turn(lane_t phase, lane_t *sine, lane_t *cosine);
 
-static lane_t function_value(const saltus_tape_row *s, lane_t a, lane_t b) {
+static lane_t function_value(saltus_operation_function *value, saltus_operation operation, lane_t a,
+                             lane_t b) {
     double *first = (double *)&a;
     const double *second = (const double *)&b;
     for (int l = 0; l < LANES; l++)
-        first[l] = saltus_operation_value(s->function, (const double[4]){first[l], second[l], 0, 0});
+        first[l] = value(operation, (const double[4]){first[l], second[l], 0, 0});
     return a;
 }
 
@@ -345,7 +356,7 @@ KERNEL_INLINE void play_function(const player *m, const saltus_tape_row *s, int 
     const lane_t *a = series_of(m, &s->a, 0), *b = series_of(m, &s->b, 0);
     lane_t *out = series_of(m, &s->out, 0) + k * m->order;
     if (k == 0) {
-        *out = function_value(s, *a, s->paired ? *series_of(m, &s->a2, 0) : *a);
+        *out = function_value(m->value, s->function, *a, s->paired ? *series_of(m, &s->a2, 0) : *a);
         return;
     }
     lane_t sum = convolve_rate(a, b, m->order, k, s->linear ? 1 : k);
@@ -403,43 +414,37 @@ KERNEL_INLINE void play_gathering(const player *m, const saltus_tape_row *s, int
             series_of(m, &m->tape->row_terms[s->first + e], 0)[k * m->order];
 }
 
-/* Coefficients first .. last - 1 of a row, for the trajectory. */
-KERNEL_INLINE void play_row(const player *m, const saltus_tape_row *s, int first, int last) {
-#define FOR_ORDERS(statement)                                                                                \
-    for (int k = first; k < last; k++) {                                                                     \
-        statement;                                                                                           \
-    }                                                                                                        \
-    break
-    switch (s->code) {
-    case SALTUS_TAPE_COMBINE:
-        last = s->linear && last > 2 ? 2 : last;
-        FOR_ORDERS(FOR_SHARES(s, play_combination(m, s, k, p, share)));
-    case SALTUS_TAPE_MULTIPLY:
-        if (s->a.spread) {
-            FOR_ORDERS(FOR_SHARES(s, multiply_packs(m, s, true, k, p, share)));
-        }
-        FOR_ORDERS(FOR_SHARES(s, multiply_packs(m, s, false, k, p, share)));
-    case SALTUS_TAPE_RATE:
-        FOR_ORDERS(FOR_SHARES(s, square_packs(m, s, true, k, p, share)));
-    case SALTUS_TAPE_SQUARE:
-        FOR_ORDERS(FOR_SHARES(s, square_packs(m, s, false, k, p, share)));
-    case SALTUS_TAPE_INTEGRAL:
-        FOR_ORDERS(play_integral(m, s, k));
-    case SALTUS_TAPE_DIVIDE:
-        FOR_ORDERS(play_divide(m, s, k));
-    case SALTUS_TAPE_CHOOSE:
-        FOR_ORDERS(play_choice(m, s, k));
-    case SALTUS_TAPE_FUNCTION:
-        FOR_ORDERS(play_function(m, s, k));
-    case SALTUS_TAPE_SINE:
-        play_sine(m, s, first, last);
-        break;
-    case SALTUS_TAPE_TOTAL:
-        FOR_ORDERS(play_total(m, s, k));
-    case SALTUS_TAPE_GATHER:
-        FOR_ORDERS(play_gathering(m, s, k));
+/* Coefficients first .. last - 1 of a row, for the trajectory: a function for every kind of row. */
+#define PLAY_KIND(kind, statement)                                                                           \
+    KERNEL_INLINE void play_##kind(const player *m, const saltus_tape_row *s, int first, int last) {         \
+        for (int k = first; k < last; k++)                                                                   \
+            statement;                                                                                       \
     }
-#undef FOR_ORDERS
+PLAY_KIND(RATE, FOR_SHARES(s, square_packs(m, s, true, k, p, share)))
+PLAY_KIND(SQUARE, FOR_SHARES(s, square_packs(m, s, false, k, p, share)))
+PLAY_KIND(INTEGRAL, play_integral(m, s, k))
+PLAY_KIND(DIVIDE, play_divide(m, s, k))
+PLAY_KIND(CHOOSE, play_choice(m, s, k))
+PLAY_KIND(FUNCTION, play_function(m, s, k))
+PLAY_KIND(TOTAL, play_total(m, s, k))
+PLAY_KIND(GATHER, play_gathering(m, s, k))
+PLAY_KIND(LINEAR, FOR_SHARES(s, play_combination(m, s, k, p, share)))
+PLAY_KIND(SCALED, FOR_SHARES(s, multiply_packs(m, s, true, k, p, share)))
+PLAY_KIND(PRODUCT, FOR_SHARES(s, multiply_packs(m, s, false, k, p, share)))
+
+KERNEL_INLINE void play_COMBINE(const player *m, const saltus_tape_row *s, int first, int last) {
+    play_LINEAR(m, s, first, s->linear && last > 2 ? 2 : last);
+}
+
+KERNEL_INLINE void play_MULTIPLY(const player *m, const saltus_tape_row *s, int first, int last) {
+    if (s->a.spread)
+        play_SCALED(m, s, first, last);
+    else
+        play_PRODUCT(m, s, first, last);
+}
+
+KERNEL_INLINE void play_SINE(const player *m, const saltus_tape_row *s, int first, int last) {
+    play_sine(m, s, first, last);
 }
 
 KERNEL_INLINE void vary_combination(const player *m, const saltus_tape_row *s, int k, int c, int p,
@@ -578,65 +583,107 @@ KERNEL_INLINE void vary_gathering(const player *m, const saltus_tape_row *s, int
 
 /* Coefficient k of a row along tangent vectors, from column `first` on. Rows that do not depend on what a
  * column changes have no series there. */
-KERNEL_INLINE void vary_row(const player *m, const saltus_tape_row *s, int k, int first) {
-#define FOR_COLUMNS(statement)                                                                               \
-    for (int c = first; c <= m->columns; c++) {                                                              \
-        statement;                                                                                           \
-    }                                                                                                        \
-    break
-    switch (s->code) {
-    case SALTUS_TAPE_COMBINE:
-        FOR_COLUMNS(FOR_SHARES(s, vary_combination(m, s, k, c, p, share)));
-    case SALTUS_TAPE_MULTIPLY:
-        if (s->a.spread) {
-            FOR_COLUMNS(FOR_SHARES(s, vary_product(m, s, true, k, c, p, share)));
-        }
-        FOR_COLUMNS(FOR_SHARES(s, vary_product(m, s, false, k, c, p, share)));
-    case SALTUS_TAPE_RATE:
-        FOR_COLUMNS(FOR_SHARES(s, vary_square(m, s, true, k, c, p, share)));
-    case SALTUS_TAPE_SQUARE:
-        FOR_COLUMNS(FOR_SHARES(s, vary_square(m, s, false, k, c, p, share)));
-    case SALTUS_TAPE_INTEGRAL:
-        FOR_COLUMNS(vary_integral(m, s, k, c));
-    case SALTUS_TAPE_DIVIDE:
-        FOR_COLUMNS(vary_divide(m, s, k, c));
-    case SALTUS_TAPE_CHOOSE:
-        FOR_COLUMNS(vary_choice(m, s, k, c));
-    case SALTUS_TAPE_FUNCTION:
-        FOR_COLUMNS(vary_function(m, s, k, c));
-    case SALTUS_TAPE_SINE:
-        FOR_COLUMNS(vary_sine(m, s, k, c));
-    case SALTUS_TAPE_TOTAL:
-        FOR_COLUMNS(vary_total(m, s, k, c));
-    case SALTUS_TAPE_GATHER:
-        FOR_COLUMNS(vary_gathering(m, s, k, c));
+#define VARY_KIND(kind, statement)                                                                           \
+    KERNEL_INLINE void vary_##kind(const player *m, const saltus_tape_row *s, int k, int first) {            \
+        for (int c = first; c <= m->columns; c++)                                                            \
+            statement;                                                                                       \
     }
-#undef FOR_COLUMNS
+VARY_KIND(COMBINE, FOR_SHARES(s, vary_combination(m, s, k, c, p, share)))
+VARY_KIND(RATE, FOR_SHARES(s, vary_square(m, s, true, k, c, p, share)))
+VARY_KIND(SQUARE, FOR_SHARES(s, vary_square(m, s, false, k, c, p, share)))
+VARY_KIND(INTEGRAL, vary_integral(m, s, k, c))
+VARY_KIND(DIVIDE, vary_divide(m, s, k, c))
+VARY_KIND(CHOOSE, vary_choice(m, s, k, c))
+VARY_KIND(FUNCTION, vary_function(m, s, k, c))
+VARY_KIND(SINE, vary_sine(m, s, k, c))
+VARY_KIND(TOTAL, vary_total(m, s, k, c))
+VARY_KIND(GATHER, vary_gathering(m, s, k, c))
+VARY_KIND(SCALED, FOR_SHARES(s, vary_product(m, s, true, k, c, p, share)))
+VARY_KIND(PRODUCT, FOR_SHARES(s, vary_product(m, s, false, k, c, p, share)))
+
+KERNEL_INLINE void vary_MULTIPLY(const player *m, const saltus_tape_row *s, int k, int first) {
+    if (s->a.spread)
+        vary_SCALED(m, s, k, first);
+    else
+        vary_PRODUCT(m, s, k, first);
 }
 
-/* Rows that depend on no state change along directions in parameter space only. */
-static __attribute__((noinline)) void vary_rows(const player by_value, int k) {
-    const player m = by_value;
-    const int steady = m.tape->steady_rows;
-    for (int j = m.directions ? 0 : steady; j < m.tape->row_count; j++)
-        vary_row(&m, m.tape->rows + j, k, j < steady ? m.columns - m.directions + 1 : 1);
+#ifdef SALTUS_FIXED_TAPE
+#define PLAY_FIXED(kind, row) play_##kind(m, &fixed_rows[row], from, to);
+#define VARY_FIXED(kind, row) vary_##kind(m, &fixed_rows[row], k, first);
+KERNEL_INLINE void play_steady_rows(const player *m, int from, int to) {
+    (void)m, (void)from, (void)to;
+    SALTUS_FIXED_STEADY(PLAY_FIXED)
 }
+KERNEL_INLINE void play_state_rows(const player *m, int from, int to){
+    SALTUS_FIXED_ROWS(PLAY_FIXED)} KERNEL_INLINE void vary_rows(const player *m, int k) {
+    int first = m->columns - m->directions + 1;
+    if (m->directions) {
+        SALTUS_FIXED_STEADY(VARY_FIXED)
+    }
+    first = 1;
+    SALTUS_FIXED_ROWS(VARY_FIXED)
+}
+#else
+#define KIND(kind)                                                                                           \
+    case SALTUS_TAPE_##kind:                                                                                 \
+        ONE_KIND(kind);                                                                                      \
+        break;
+#define ALL_KINDS                                                                                            \
+    KIND(COMBINE)                                                                                            \
+    KIND(MULTIPLY)                                                                                           \
+    KIND(SQUARE)                                                                                             \
+    KIND(DIVIDE)                                                                                             \
+    KIND(CHOOSE)                                                                                             \
+    KIND(FUNCTION)                                                                                           \
+    KIND(RATE)                                                                                               \
+    KIND(INTEGRAL)                                                                                           \
+    KIND(SINE)                                                                                               \
+    KIND(TOTAL)                                                                                              \
+    KIND(GATHER)
 
 /* Rows first .. last - 1, order by order from `from` on, or each of them for all orders at once. The player
  * is taken by value: a store through a pack may alias what is behind a pointer. */
 static __attribute__((noinline)) void play_rows(const player by_value, int row, int last, int from, int to) {
     const player m = by_value;
-    for (; row < last; row++)
-        play_row(&m, m.tape->rows + row, from, to);
+    for (const saltus_tape_row *s = m.tape->rows + row; s < m.tape->rows + last; s++)
+#define ONE_KIND(kind) play_##kind(&m, s, from, to)
+        switch (s->code) { ALL_KINDS }
+#undef ONE_KIND
 }
+
+KERNEL_INLINE void play_steady_rows(const player *m, int from, int to) {
+    play_rows(*m, 0, m->tape->steady_rows, from, to);
+}
+
+KERNEL_INLINE void play_state_rows(const player *m, int from, int to) {
+    play_rows(*m, m->tape->steady_rows, m->tape->row_count, from, to);
+}
+
+/* Rows that depend on no state change along directions in parameter space only. */
+static __attribute__((noinline)) void vary_all_rows(const player by_value, int k) {
+    const player m = by_value;
+    const saltus_tape_row *steady = m.tape->rows + m.tape->steady_rows;
+    for (const saltus_tape_row *s = m.directions ? m.tape->rows : steady;
+         s < m.tape->rows + m.tape->row_count; s++) {
+        const int first = s < steady ? m.columns - m.directions + 1 : 1;
+#define ONE_KIND(kind) vary_##kind(&m, s, k, first)
+        switch (s->code) { ALL_KINDS }
+#undef ONE_KIND
+    }
+}
+
+KERNEL_INLINE void vary_rows(const player *m, int k) {
+    vary_all_rows(*m, k);
+}
+#endif
 
 /* What depends on time alone, for all orders. */
 static void play_steady(const player *m, int order) {
-    const saltus_tape *tape = m->tape;
-    if (!tape->steady_by_order)
-        play_rows(*m, 0, tape->steady_rows, 0, order);
-    for (int k = 0; tape->steady_by_order && k < order; k++)
-        play_rows(*m, 0, tape->steady_rows, k, k + 1);
+    if (!m->tape->steady_by_order)
+        play_steady_rows(m, 0, order);
+    for (int k = 0; m->tape->steady_by_order && k < order; k++)
+        play_steady_rows(m, k, k + 1);
 }
 
 /* Beyond order 1 nothing is ever written. */
@@ -707,9 +754,9 @@ KERNEL_INLINE void model_order(frame f, int k, int c, double inverse, saltus_pac
     if (c == 0) {
         for (int column = 0; column <= f.columns; column++)
             place_states(f, &m, k, column);
-        play_rows(m, tape->steady_rows, tape->row_count, k, k + 1);
+        play_state_rows(&m, k, k + 1);
         if (f.columns)
-            vary_rows(m, k);
+            vary_rows(&m, k);
     }
     for (int p = 0; p < f.packs; p++)
         next[p] = (saltus_pack){0};

@@ -1,0 +1,144 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "flow/fixed.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+enum {
+    rows_max = 256, /* of a tape: the compiler would take too long for more */
+    steps_between = 64
+};
+
+/* Names in src/system/tape_kernel.h, by code. */
+static const char *const kinds[] = {[SALTUS_TAPE_COMBINE] = "COMBINE", [SALTUS_TAPE_MULTIPLY] = "MULTIPLY",
+                                    [SALTUS_TAPE_SQUARE] = "SQUARE",   [SALTUS_TAPE_DIVIDE] = "DIVIDE",
+                                    [SALTUS_TAPE_CHOOSE] = "CHOOSE",   [SALTUS_TAPE_FUNCTION] = "FUNCTION",
+                                    [SALTUS_TAPE_RATE] = "RATE",       [SALTUS_TAPE_INTEGRAL] = "INTEGRAL",
+                                    [SALTUS_TAPE_SINE] = "SINE",       [SALTUS_TAPE_TOTAL] = "TOTAL",
+                                    [SALTUS_TAPE_GATHER] = "GATHER"};
+
+static void put_operands(FILE *out, const saltus_tape_operand *x, int count) {
+    for (int k = 0; k < count; k++)
+        fprintf(out, "{{%d, %d}, %d, %uu}, ", x[k].place[0], x[k].place[1], x[k].spread, x[k].depends);
+}
+
+static void put_row(FILE *out, const saltus_tape_row *s) {
+    fprintf(out, "{%d, %d, %d, %d, ", (int)s->code, (int)s->function, s->count, s->level);
+    const saltus_tape_operand operands[] = {s->out, s->a, s->b, s->a2, s->b2};
+    put_operands(out, operands, 5);
+    fprintf(out, "%a, %d, %d, %d, %d, %d, %d, {%d, %d}}, ", s->sign, s->linear, s->paired, s->first, s->terms,
+            s->numbers, s->spread_terms, s->weight[0], s->weight[1]);
+}
+
+/* Row terms that any row has. */
+static int count_terms(const saltus_tape *tape) {
+    int most = 0;
+    for (const saltus_tape_row *s = tape->rows; s < tape->rows + tape->row_count; s++) {
+        const int last = s->first + (s->code == SALTUS_TAPE_GATHER ? s->count : s->terms);
+        most = last > most ? last : most;
+    }
+    return most;
+}
+
+/* The tape as definitions of constants: one line. */
+static void put_tape(FILE *out, const saltus_tape *tape) {
+    const saltus_tape_operand none = {.place = {0, 0}};
+    fputs("#define SALTUS_FIXED_TAPE static const saltus_tape_row_term fixed_terms[] = {", out);
+    put_operands(out, tape->row_terms, count_terms(tape));
+    put_operands(out, &none, 1);
+    fputs("}; static const saltus_tape_operand fixed_outputs[] = {", out);
+    put_operands(out, tape->output_at, tape->output_count);
+    fputs("}; static const saltus_tape_row fixed_rows[] = {", out);
+    for (int k = 0; k < tape->row_count; k++)
+        put_row(out, &tape->rows[k]);
+    fprintf(out,
+            "}; static const saltus_tape fixed_tape = {.row_count = %d, .steady_rows = %d, "
+            ".steady_by_order = %d, .time = %d, .phase = %d, .elements = {%d, %d}, .weights = {%d, %d}, "
+            ".output_row = %d, .rows = (saltus_tape_row *)fixed_rows, "
+            ".row_terms = (saltus_tape_row_term *)fixed_terms, "
+            ".output_at = (saltus_tape_operand *)fixed_outputs, .state = {",
+            tape->row_count, tape->steady_rows, tape->steady_by_order, tape->time, tape->phase,
+            tape->elements[0], tape->elements[1], tape->weights[0], tape->weights[1], tape->output_row);
+    put_operands(out, tape->state, 3);
+    fputs("}, .time_at = ", out);
+    put_operands(out, &tape->time_at, 1);
+    fputs(".phase_at = ", out);
+    put_operands(out, &tape->phase_at, 1);
+    fputs("};\n", out);
+}
+
+static void put_rows(FILE *out, const char *name, const saltus_tape *tape, int first, int last) {
+    fprintf(out, "#define %s(X)", name);
+    for (int k = first; k < last; k++)
+        fprintf(out, " X(%s, %d)", kinds[tape->rows[k].code], k);
+    fputc('\n', out);
+}
+
+/* The text of a saltus_compile_source. */
+static char *make_source(const void *from, const saltus_compile_shape *shape) {
+    const saltus_system *system = from;
+    const saltus_tape *tape = system->tape;
+    char *text = NULL;
+    size_t size;
+    FILE *out = tape->row_count <= rows_max ? open_memstream(&text, &size) : NULL;
+    if (!out)
+        return NULL;
+    fprintf(out,
+            "#define _POSIX_C_SOURCE 200809L\n#define SALTUS_WIDE %d\n#define SALTUS_KERNEL_NAME %s\n"
+            "#define SALTUS_FIXED_PACK %d\n#define SALTUS_FIXED_WORK %zu\n#define SALTUS_FIXED_DOF %d\n"
+            "#define SALTUS_FIXED_EXTRA %d\n#define SALTUS_FIXED_ORDER %d\n#define SALTUS_FIXED_COLUMNS %d\n"
+            "#define SALTUS_FIXED_DIRECTIONS %d\n",
+            shape->wide, SALTUS_COMPILED_NAME, saltus_kernel_find(system->spec.model->kernel, 0)->lanes,
+            sizeof(saltus_work), system->dof, system->extra, shape->order, shape->columns, shape->directions);
+    put_tape(out, tape);
+    put_rows(out, "SALTUS_FIXED_STEADY", tape, 0, tape->steady_rows);
+    put_rows(out, "SALTUS_FIXED_ROWS", tape, tape->steady_rows, tape->row_count);
+    fputs(saltus_kernel_text, out);
+    bool failed = ferror(out) != 0;
+    failed = fclose(out) != 0 || failed;
+    if (!failed)
+        return text;
+    free(text);
+    return NULL;
+}
+
+saltus_fixed saltus_fixed_open(const saltus_kernel *kernel, const saltus_system *system,
+                               const saltus_work *work) {
+    const saltus_compile_shape shape = {.flags = kernel->flags,
+                                        .wide = kernel->lanes > 1,
+                                        .order = work->order,
+                                        .columns = work->columns,
+                                        .directions = work->directions};
+    saltus_compiled *compiled = system->tape ? saltus_compiled_hold(system->tape->compiled, &shape) : NULL;
+    return (saltus_fixed){.compiled = compiled, .function = compiled ? saltus_compiled_get(compiled) : NULL};
+}
+
+void saltus_fixed_close(saltus_fixed *fixed) {
+    saltus_compiled_release(fixed->compiled);
+}
+
+bool saltus_fixed_ask(saltus_fixed *fixed, const saltus_system *system) {
+    fixed->function = saltus_compiled_ask(fixed->compiled, make_source, system);
+    return fixed->function != NULL;
+}
+
+void saltus_fixed_expand(saltus_fixed *fixed, const saltus_kernel *kernel, const saltus_system *system,
+                         saltus_work *work) {
+    if (fixed->compiled && !fixed->function && ++fixed->steps == steps_between) {
+        fixed->steps = 0;
+        saltus_fixed_ask(fixed, system);
+    }
+    /* Contacts that hold are rare, and not compiled. */
+    if (fixed->function && work->hold.count == 0)
+        fixed->function(work);
+    else
+        kernel->expand(work, work->order);
+}
+
+bool saltus_fixed_tell(const saltus_system *system, char *text, size_t size) {
+    if (!system->tape || system->stiff)
+        return false;
+    saltus_compile_tell(saltus_kernel_find(system->spec.model->kernel, 1)->flags, make_source, system, text,
+                        size);
+    return true;
+}

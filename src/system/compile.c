@@ -1,0 +1,440 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "system/compile.h"
+
+#include "base/list.h"
+
+#include <dirent.h>
+#include <dlfcn.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <limits.h>
+#include <pthread.h>
+#include <signal.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+enum {
+    patience_ms = 50,       /* runs shorter than this do without a compiler */
+    seconds_max = 60,       /* of the compiler's CPU time */
+    descriptors_max = 4096, /* that a process is expected to have open */
+    words_max = 24,         /* of the compiler's command line */
+    path_max = 1024,
+    name_max = 64
+};
+
+typedef enum progress {
+    progress_none,  /* not looked for yet */
+    progress_wait,  /* not kept: waits until the run has turned out long */
+    progress_runs,  /* the compiler is at work */
+    progress_ready, /* there is a function */
+    progress_over   /* there will be none */
+} progress;
+
+struct saltus_compiled {
+    saltus_compile_shape shape;
+    atomic_int owners;
+    _Atomic(saltus_compiled_function *) function;
+    atomic_int progress;
+    pthread_mutex_t lock; /* of what follows */
+    struct timespec since;
+    int outcome; /* where the compiler's end is told */
+    void *library;
+    char path[path_max];
+};
+
+struct saltus_compiled_list {
+    pthread_mutex_t lock;
+    saltus_list items; /* saltus_compiled * */
+};
+
+/* A compiler and where its work is kept. */
+typedef struct workshop {
+    char compiler[path_max], folder[path_max];
+    struct stat identity; /* of the compiler */
+} workshop;
+
+/* The compiler that is named, or on the path. False: there is none. */
+static bool find_compiler(const char *name, workshop *w) {
+    const char *path = strchr(name, '/') ? "" : getenv("PATH");
+    if (strchr(name, '/'))
+        snprintf(w->compiler, sizeof w->compiler, "%s", name);
+    for (const char *part = path, *end; part && *part; part = *end ? end + 1 : end) {
+        end = part + strcspn(part, ":");
+        if (*part == '/' && end - part < path_max / 2 &&
+            snprintf(w->compiler, sizeof w->compiler, "%.*s/%s", (int)(end - part), part, name) < path_max &&
+            access(w->compiler, X_OK) == 0)
+            break;
+        w->compiler[0] = '\0';
+    }
+    return w->compiler[0] && access(w->compiler, X_OK) == 0 && stat(w->compiler, &w->identity) == 0 &&
+           S_ISREG(w->identity.st_mode);
+}
+
+/* Whether what a path leads to is the user's own and closed to others. */
+static bool is_private(const struct stat *s) {
+    return s->st_uid == geteuid() && (s->st_mode & (S_IWGRP | S_IWOTH)) == 0;
+}
+
+/* The folder, made where there is none yet. False: there is none that is private. */
+static bool find_folder(workshop *w) {
+    const char *cache = getenv("XDG_CACHE_HOME"), *home = getenv("HOME");
+    struct stat s;
+    bool own = cache && *cache == '/';
+    if (!own && (!home || *home != '/'))
+        return false;
+    if (snprintf(w->folder, sizeof w->folder, "%s%s", own ? cache : home, own ? "" : "/.cache") >=
+        path_max - 2 * name_max)
+        return false;
+    mkdir(w->folder, S_IRWXU);
+    strcat(w->folder, "/saltus");
+    mkdir(w->folder, S_IRWXU);
+    return lstat(w->folder, &s) == 0 && S_ISDIR(s.st_mode) && is_private(&s) &&
+           access(w->folder, W_OK | X_OK) == 0;
+}
+
+/* What stands in the way of compiling; NULL: nothing. */
+static const char *open_workshop(workshop *w) {
+    const char *name = getenv("SALTUS_COMPILE");
+    *w = (workshop){.compiler = ""};
+    if (name && strcmp(name, "0") == 0)
+        return "SALTUS_COMPILE is 0";
+    if (getuid() != geteuid() || getgid() != getegid())
+        return "the program runs with another user's rights";
+    if (!find_compiler(name && *name ? name : "cc", w))
+        return name && *name ? "SALTUS_COMPILE names no program" : "there is no cc on the path";
+    if (!find_folder(w))
+        return "there is no folder to keep it in that is the user's alone (XDG_CACHE_HOME or ~/.cache)";
+    return NULL;
+}
+
+/* Options for every text: the arithmetic is that of the library's own build. */
+static const char *const options[] = {"-O3", "-std=c11", "-fPIC", "-shared", "-ffp-contract=off",
+                                      "-w",  "-pipe"};
+enum { option_count = sizeof options / sizeof options[0] };
+
+/* FNV-1a. */
+static unsigned long long hash(unsigned long long h, const void *bytes, size_t size) {
+    for (const unsigned char *b = bytes; size > 0; size--)
+        h = (h ^ *b++) * 0x100000001b3ULL;
+    return h;
+}
+
+/* What all functions of one system are kept under: a key from the text without a shape, the compiler, its
+ * options. */
+static void make_path(const workshop *w, const saltus_compile_shape *shape, const char *source,
+                      char path[path_max]) {
+    const long long identity[] = {(long long)w->identity.st_size, (long long)w->identity.st_mtim.tv_sec,
+                                  (long long)w->identity.st_mtim.tv_nsec, (long long)w->identity.st_ino};
+    unsigned long long key[2];
+    for (int k = 0; k < 2; k++) {
+        key[k] = 0xcbf29ce484222325ULL ^ (0x9e3779b97f4a7c15ULL * (unsigned)k);
+        key[k] = hash(key[k], source, strlen(source));
+        key[k] = hash(key[k], shape->flags, strlen(shape->flags) + 1);
+        key[k] = hash(key[k], w->compiler, strlen(w->compiler) + 1);
+        key[k] = hash(key[k], identity, sizeof identity);
+        for (int j = 0; j < option_count; j++)
+            key[k] = hash(key[k], options[j], strlen(options[j]) + 1);
+    }
+    snprintf(path, path_max, "%.*s/%016llx%016llx", path_max - name_max, w->folder, key[0], key[1]);
+}
+
+/* Where the functions of a system are kept; false: no memory, or the text is none to compile. */
+static bool find_place(const workshop *w, const char *flags, saltus_compile_source *make, const void *from,
+                       char path[path_max]) {
+    const saltus_compile_shape any = {.flags = flags};
+    char *source = make(from, &any);
+    if (source)
+        make_path(w, &any, source, path);
+    free(source);
+    return source != NULL;
+}
+
+/* A shape's own part of the name. */
+static void add_shape(char path[path_max], const saltus_compile_shape *shape) {
+    const size_t used = strlen(path);
+    snprintf(path + used, path_max - used, "-%s-%d-%d-%d.so", shape->wide ? "lanes" : "alone", shape->order,
+             shape->columns, shape->directions);
+}
+
+/* Take the function from its file, where there is one of the user's own. */
+static bool load(saltus_compiled *c) {
+    struct stat s;
+    if (lstat(c->path, &s) != 0 || !S_ISREG(s.st_mode) || !is_private(&s))
+        return false;
+    c->library = dlopen(c->path, RTLD_NOW | RTLD_LOCAL);
+    void *symbol = c->library ? dlsym(c->library, SALTUS_COMPILED_NAME) : NULL;
+    saltus_compiled_function *function = NULL;
+    /* POSIX has functions and data pointers of one kind, ISO C does not. */
+    memcpy(&function, &symbol, sizeof function);
+    atomic_store_explicit(&c->function, function, memory_order_release);
+    return function != NULL;
+}
+
+/* An open file without a name that holds a text, at its beginning; -1: there is none. */
+static int keep_source(const workshop *w, const char *source) {
+    char name[path_max + name_max];
+    snprintf(name, sizeof name, "%s/source.XXXXXX", w->folder);
+    int file = mkstemp(name);
+    if (file < 0)
+        return -1;
+    unlink(name);
+    for (size_t left = strlen(source); left > 0;) {
+        ssize_t count = write(file, source, left);
+        if (count < 0 && errno == EINTR)
+            continue;
+        if (count <= 0) {
+            close(file);
+            return -1;
+        }
+        source += count;
+        left -= (size_t)count;
+    }
+    lseek(file, 0, SEEK_SET);
+    return file;
+}
+
+/* The process that sees a compilation through. It shares nothing with the run but the end of a pipe: other
+ * open files would stay open, and locked, as long as it lives. Only what is safe between fork and exec. */
+static void see_through(char *const *words, int source, const char *made, const char *path, int outcome) {
+    sigset_t none;
+    setsid();
+    sigemptyset(&none);
+    pthread_sigmask(SIG_SETMASK, &none, NULL);
+    umask(S_IRWXG | S_IRWXO);
+    int nothing = open("/dev/null", O_RDWR);
+    if (nothing < 0 || dup2(source, 0) < 0 || dup2(nothing, 1) < 0 || dup2(nothing, 2) < 0 ||
+        dup2(outcome, 3) < 0)
+        _exit(1);
+    for (int k = 4; k < descriptors_max; k++)
+        close(k);
+    pid_t compiler = fork();
+    if (compiler == 0) {
+        const struct rlimit limit = {seconds_max, seconds_max};
+        setrlimit(RLIMIT_CPU, &limit);
+        close(3);
+        execv(words[0], words);
+        _exit(127);
+    }
+    int status = 1;
+    while (compiler > 0 && waitpid(compiler, &status, 0) < 0 && errno == EINTR)
+        continue;
+    bool done = compiler > 0 && status == 0 && rename(made, path) == 0;
+    if (!done)
+        unlink(made);
+    ssize_t told = write(3, done ? "+" : "-", 1);
+    _exit(told == 1 ? 0 : 1);
+}
+
+/* The compiler's command line; `flags` is taken apart, `words` points into all that is given. */
+static void make_words(char *words[words_max], char *compiler, char *flags, char *made) {
+    static const char *const rest[] = {"-x", "c", "-", "-o"};
+    int count = 0;
+    words[count++] = compiler;
+    for (int k = 0; k < option_count; k++)
+        words[count++] = (char *)(size_t)options[k];
+    for (char *next = flags, *flag; (flag = strtok_r(next, " ", &next)) && count < words_max - 6;)
+        words[count++] = flag;
+    for (int k = 0; k < 4; k++)
+        words[count++] = (char *)(size_t)rest[k];
+    words[count++] = made;
+    words[count] = NULL;
+}
+
+/* Start the compiler; where its end will be told, or -1. The process that sees it through is nobody's child:
+ * whoever waits for children in this program does not meet it. Signals wait until it is on its own. */
+static int start(workshop *w, const char *flags, const char *source, const char *path) {
+    char made[path_max + name_max], own[256], *words[words_max];
+    int told[2], file = keep_source(w, source);
+    struct timespec now;
+    sigset_t all, before;
+    clock_gettime(CLOCK_REALTIME, &now);
+    snprintf(made, sizeof made, "%s.%lx.%lx", path, (unsigned long)getpid(),
+             (unsigned long)now.tv_sec * 1000000000UL + (unsigned long)now.tv_nsec);
+    snprintf(own, sizeof own, "%s", flags);
+    make_words(words, w->compiler, own, made);
+    if (file < 0 || pipe(told) != 0) {
+        if (file >= 0)
+            close(file);
+        return -1;
+    }
+    fcntl(told[0], F_SETFD, FD_CLOEXEC);
+    fcntl(told[0], F_SETFL, O_NONBLOCK);
+    sigfillset(&all);
+    pthread_sigmask(SIG_BLOCK, &all, &before);
+    pid_t between = fork();
+    if (between == 0) {
+        if (fork() == 0)
+            see_through(words, file, made, path, told[1]);
+        _exit(0);
+    }
+    pthread_sigmask(SIG_SETMASK, &before, NULL);
+    while (between > 0 && waitpid(between, NULL, 0) < 0 && errno == EINTR)
+        continue;
+    close(told[1]);
+    close(file);
+    if (between > 0)
+        return told[0];
+    close(told[0]);
+    return -1;
+}
+
+/* What the end of the pipe says: '+', '-', 0: nothing yet. */
+static char hear(int outcome) {
+    char said = 0;
+    ssize_t count = read(outcome, &said, 1);
+    if (count == 1)
+        return said;
+    return count < 0 && (errno == EAGAIN || errno == EINTR) ? 0 : '-';
+}
+
+static double milliseconds_since(const struct timespec *then) {
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return 1e3 * (double)(now.tv_sec - then->tv_sec) + 1e-6 * (double)(now.tv_nsec - then->tv_nsec);
+}
+
+/* The next state of a function that is not there yet. */
+static progress advance(saltus_compiled *c, progress now, saltus_compile_source *make, const void *from) {
+    if (now == progress_runs) {
+        char said = hear(c->outcome);
+        if (said == 0)
+            return now;
+        close(c->outcome);
+        c->outcome = -1;
+        return said == '+' && load(c) ? progress_ready : progress_over;
+    }
+    workshop w;
+    if (now == progress_none) {
+        clock_gettime(CLOCK_MONOTONIC, &c->since);
+        if (open_workshop(&w) || !find_place(&w, c->shape.flags, make, from, c->path))
+            return progress_over;
+        add_shape(c->path, &c->shape);
+        return load(c) ? progress_ready : progress_wait;
+    }
+    if (milliseconds_since(&c->since) < patience_ms)
+        return now;
+    /* Another process may have made it meanwhile. */
+    if (load(c))
+        return progress_ready;
+    char *source = open_workshop(&w) ? NULL : make(from, &c->shape);
+    if (source)
+        c->outcome = start(&w, c->shape.flags, source, c->path);
+    free(source);
+    return c->outcome >= 0 ? progress_runs : progress_over;
+}
+
+saltus_compiled_function *saltus_compiled_get(saltus_compiled *compiled) {
+    return atomic_load_explicit(&compiled->function, memory_order_acquire);
+}
+
+saltus_compiled_function *saltus_compiled_ask(saltus_compiled *compiled, saltus_compile_source *source,
+                                              const void *from) {
+    const progress now = (progress)atomic_load_explicit(&compiled->progress, memory_order_acquire);
+    if (now < progress_ready && pthread_mutex_trylock(&compiled->lock) == 0) {
+        const progress still = (progress)atomic_load(&compiled->progress);
+        if (still < progress_ready)
+            atomic_store(&compiled->progress, advance(compiled, still, source, from));
+        pthread_mutex_unlock(&compiled->lock);
+    }
+    return saltus_compiled_get(compiled);
+}
+
+saltus_compiled_list *saltus_compiled_list_new(void) {
+    saltus_compiled_list *list = calloc(1, sizeof *list);
+    if (list)
+        pthread_mutex_init(&list->lock, NULL);
+    return list;
+}
+
+void saltus_compiled_release(saltus_compiled *compiled) {
+    if (!compiled || atomic_fetch_sub(&compiled->owners, 1) > 1)
+        return;
+    if (compiled->outcome >= 0)
+        close(compiled->outcome);
+    if (compiled->library)
+        dlclose(compiled->library);
+    pthread_mutex_destroy(&compiled->lock);
+    free(compiled);
+}
+
+void saltus_compiled_list_free(saltus_compiled_list *list) {
+    if (!list)
+        return;
+    for (int k = 0; k < list->items.count; k++)
+        saltus_compiled_release(((saltus_compiled **)list->items.items)[k]);
+    free(list->items.items);
+    pthread_mutex_destroy(&list->lock);
+    free(list);
+}
+
+static bool same_shape(const saltus_compile_shape *a, const saltus_compile_shape *b) {
+    return strcmp(a->flags, b->flags) == 0 && a->wide == b->wide && a->order == b->order &&
+           a->columns == b->columns && a->directions == b->directions;
+}
+
+static saltus_compiled *add(saltus_compiled_list *list, const saltus_compile_shape *shape) {
+    saltus_compiled *made = calloc(1, sizeof *made);
+    saltus_compiled **entry = made ? saltus_list_add(&list->items, sizeof(saltus_compiled *)) : NULL;
+    if (!entry) {
+        free(made);
+        return NULL;
+    }
+    made->shape = *shape;
+    made->outcome = -1;
+    atomic_init(&made->owners, 1);
+    atomic_init(&made->function, NULL);
+    atomic_init(&made->progress, progress_none);
+    pthread_mutex_init(&made->lock, NULL);
+    *entry = made;
+    return made;
+}
+
+saltus_compiled *saltus_compiled_hold(saltus_compiled_list *list, const saltus_compile_shape *shape) {
+    if (!list)
+        return NULL;
+    pthread_mutex_lock(&list->lock);
+    saltus_compiled *found = NULL;
+    for (int k = 0; k < list->items.count && !found; k++) {
+        saltus_compiled *own = ((saltus_compiled **)list->items.items)[k];
+        found = same_shape(&own->shape, shape) ? own : NULL;
+    }
+    if (!found)
+        found = add(list, shape);
+    if (found)
+        atomic_fetch_add(&found->owners, 1);
+    pthread_mutex_unlock(&list->lock);
+    return found;
+}
+
+void saltus_compile_tell(const char *flags, saltus_compile_source *source, const void *from, char *text,
+                         size_t size) {
+    workshop w;
+    char path[path_max];
+    const char *obstacle = open_workshop(&w);
+    if (!obstacle && !find_place(&w, flags, source, from, path))
+        obstacle = "there are too many equations, or too little memory";
+    if (obstacle) {
+        snprintf(text, size, "interpreted: %s", obstacle);
+        return;
+    }
+    int kept = 0;
+    DIR *folder = opendir(w.folder);
+    const char *key = strrchr(path, '/') + 1;
+    for (const struct dirent *d; folder && (d = readdir(folder));) {
+        const char *end = strrchr(d->d_name, '.');
+        kept += strncmp(d->d_name, key, strlen(key)) == 0 && end && strcmp(end, ".so") == 0;
+    }
+    if (folder)
+        closedir(folder);
+    snprintf(text, size,
+             "interpreted at first, compiled by %s in runs of more than %d ms (functions of these equations "
+             "kept in %s: %d)",
+             w.compiler, (int)patience_ms, w.folder, kept);
+}

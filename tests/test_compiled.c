@@ -1,0 +1,307 @@
+/* The kernel compiled for single systems from text gives the bits of the one that reads the tape, wherever a
+ * flow changes from one to the other; and where nothing can be compiled nothing is lost or left behind.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "check.h"
+#include "folder.h"
+
+#include "flow/flow.h"
+
+#include <errno.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+enum { columns_max = 24, lanes_max = 8, events_max = 60, file_name_max = 700 };
+
+/* A system whose tape has rows of every kind but one. */
+static const char every_kind[] =
+    "model:\n"
+    "  parameters: {N: {default: 4, min: 1, max: 9, integer: true}, F: 0.8, omega: 1, k: 1.5}\n"
+    "  families: {x: N}\n"
+    "  let: {S: \"sum(j, 1, N, x[j]^2)\", dS: \"sum(j, 1, N, x[j]*x[j]')\"}\n"
+    "  motion:\n"
+    "    x[i]: -x[i]/(1 + x[i]^2) - k*sin(x[i]) - 0.1*x[i]' - x[i]*(S + 0.1*dS) - if(i < N, z*x[i+1], z^2)\n"
+    "      + if(F > 0.5, F*cos(omega*t), exp(-x[i]^2)) + 0.1*atan2(x[1], 2 + z) + if(i < 3, x[i]'*x[2*i], "
+    "0)\n"
+    "  states: {z: \"x1*sqrt(2 + x2^2) - z - z^3\"}\n"
+    "  forcing: omega\n"
+    "stop: {coordinate: \"x1 + 0.5*x2\", d: 0.3, r: 0.8}\n";
+
+/* The other one: operands that stand apart. */
+static const char apart[] =
+    "model:\n"
+    "  parameters: {N: {default: 4, min: 1, max: 9, integer: true}, F: 0.8, omega: 1}\n"
+    "  families: {x: N}\n"
+    "  motion: {\"x[i]\": \"-x[i] - x[i]^3 - 0.5*x[i]' + 0.1*x[i]'*x[5-i] + F*cos(omega*t)\"}\n"
+    "  forcing: omega\n"
+    "stop: {coordinate: \"x[1]\", d: 0.3, r: 0.8}\n";
+
+/* A way to run a scene: its name, or a text; lanes beside the first are others by their states. */
+typedef struct way {
+    const char *name, *text;
+    bool wide, tangents;
+    int directions;
+} way;
+
+static const way ways[] = {{"every kind", every_kind, false, false, 0},
+                           {"every kind", every_kind, false, true, 2},
+                           {"every kind", every_kind, true, false, 0},
+                           {"chain", NULL, true, false, 0},
+                           {"gear-rattle", NULL, false, false, 0},
+                           {"impact-damper", NULL, false, true, 2},
+                           {"apart", apart, true, true, 0}};
+enum { way_count = sizeof ways / sizeof ways[0] };
+
+/* A folder of the test's own for what is compiled. */
+static char cache[] = "/tmp/saltus_compiled_XXXXXX", kept[64];
+
+static saltus_system *system_of(const way *w) {
+    saltus_scene scene = {.title = ""};
+    saltus_message message = {.text = ""};
+    saltus_status status = w->text ? saltus_scene_parse(w->text, strlen(w->text), w->name, &scene, &message)
+                                   : saltus_scene_load(w->name, &scene, &message);
+    check_ok(status, &message);
+    saltus_system *system = build(&scene.spec);
+    saltus_scene_clear(&scene);
+    return system;
+}
+
+static void start(saltus_flow *flow, int lane) {
+    const saltus_system *system = saltus_flow_system(flow, lane);
+    saltus_message message = {.text = ""};
+    double state[SALTUS_STATE_MAX];
+    for (int i = 0; i < saltus_system_dimension(system); i++)
+        state[i] = 0.1 * sin(1 + i + 0.3 * lane) * saltus_system_scale(system)[i];
+    check_ok(saltus_flow_start(flow, lane, (saltus_time){0, 0.2}, state, &message), &message);
+    saltus_flow_aim(flow, lane, (saltus_time){8, 0}, SALTUS_WATCH_IMPACT | SALTUS_WATCH_STICK);
+}
+
+static saltus_flow *open_way(const way *w, const saltus_system *system) {
+    const saltus_system *all[lanes_max];
+    saltus_flow_options options = saltus_flow_defaults();
+    saltus_message message = {.text = ""};
+    static const char *const keys[] = {"omega", "d"};
+    saltus_direction directions[2];
+    saltus_flow *flow = NULL;
+    const int lanes = w->wide ? saltus_flow_width(system) : 1, dimension = saltus_system_dimension(system);
+    options.rtol = 1e-10;
+    options.integrator = SALTUS_TAYLOR;
+    options.directions = w->directions;
+    options.columns = (w->tangents ? dimension : 0) + w->directions;
+    assert_in_range(options.columns, 0, columns_max);
+    for (int l = 0; l < lanes; l++)
+        all[l] = system;
+    check_ok(saltus_flow_new(all, lanes, &options, &flow, &message), &message);
+    for (int d = 0; d < w->directions; d++)
+        check_ok(saltus_spec_direction(saltus_system_spec(system), keys[d], &directions[d], NULL, &message),
+                 &message);
+    saltus_flow_set_directions(flow, directions);
+    for (int l = 0; l < lanes; l++)
+        start(flow, l);
+    return flow;
+}
+
+/* Nothing is compiled for a flow from here on. */
+static void interpret(saltus_flow *flow) {
+    saltus_fixed_close(&flow->fixed);
+    flow->fixed = (saltus_fixed){.compiled = NULL};
+}
+
+static int asked; /* of the compiled function */
+static saltus_compiled_function *compiled_function;
+static void count_expansions(void *work) {
+    asked++;
+    compiled_function(work);
+}
+
+/* Two flows tell the same of their next event, to the last bit. False: neither has any more. */
+static bool check_same_event(const way *w, saltus_flow *a, saltus_flow *b, int *left) {
+    const int dimension = a->dimension, columns = saltus_flow_columns(a);
+    saltus_flow *const both[] = {a, b};
+    double state[2][SALTUS_STATE_MAX], tangents[2][SALTUS_STATE_MAX * columns_max];
+    saltus_message message = {.text = ""};
+    saltus_event event[2];
+    int lane[2];
+    for (int k = 0; k < 2; k++) {
+        check_ok(saltus_flow_run(both[k], &lane[k], &event[k], &message), &message);
+        saltus_flow_state(both[k], lane[k], state[k]);
+        saltus_flow_tangents(both[k], lane[k], tangents[k]);
+    }
+    const saltus_time times[] = {saltus_flow_time(a, lane[0]), saltus_flow_time(b, lane[1])};
+    if (lane[0] != lane[1] || event[0].kind != event[1].kind || times[0].cycle != times[1].cycle ||
+        times[0].phase != times[1].phase ||
+        memcmp(state[0], state[1], (size_t)dimension * sizeof(double)) != 0 ||
+        memcmp(tangents[0], tangents[1], (size_t)(dimension * columns) * sizeof(double)) != 0)
+        fail_msg("%s, %s, %d columns: event %d of lane %d at %.17g, and %d of lane %d at %.17g", w->name,
+                 w->wide ? "lanes" : "alone", columns, (int)event[0].kind, lane[0],
+                 saltus_time_periods(times[0]), (int)event[1].kind, lane[1], saltus_time_periods(times[1]));
+    *left -= event[0].kind == SALTUS_REACHED;
+    for (int k = 0; k < 2 && event[0].kind != SALTUS_REACHED; k++)
+        saltus_flow_aim(both[k], lane[k], (saltus_time){8, 0}, SALTUS_WATCH_IMPACT | SALTUS_WATCH_STICK);
+    return *left > 0;
+}
+
+/* Run a way twice: with the tape read, and compiled from event `from` on. */
+static void check_way(const way *w, const saltus_system *system, saltus_compiled_function *function,
+                      int from) {
+    saltus_flow *plain = open_way(w, system), *other = open_way(w, system);
+    int left = w->wide ? saltus_flow_width(system) : 1, events = 0;
+    interpret(plain);
+    interpret(other);
+    asked = 0;
+    compiled_function = function;
+    do {
+        if (events == from)
+            other->fixed.function = count_expansions;
+    } while (check_same_event(w, plain, other, &left) && ++events < events_max);
+    assert_true(asked > 0);
+    saltus_flow_free(plain);
+    saltus_flow_free(other);
+}
+
+static bool has_compiler(void) {
+    char how[512];
+    saltus_system *system = system_of(&ways[0]);
+    assert_true(saltus_fixed_tell(system, how, sizeof how));
+    saltus_system_free(system);
+    return strncmp(how, "interpreted: ", 13) != 0;
+}
+
+static void pause_briefly(void) {
+    nanosleep(&(struct timespec){.tv_nsec = 5000000}, NULL);
+}
+
+/* Compiled side by side, then compared; kept functions are as good. */
+static void same_bits(void **unused) {
+    (void)unused;
+    saltus_system *system[way_count];
+    saltus_flow *flow[way_count];
+    unsigned kinds = 0;
+    if (!has_compiler())
+        skip();
+    for (int again = 0; again < 2; again++) {
+        for (int k = 0; k < way_count; k++) {
+            system[k] = system_of(&ways[k]);
+            flow[k] = open_way(&ways[k], system[k]);
+            for (int r = 0; r < system[k]->tape->row_count; r++)
+                kinds |= 1u << system[k]->tape->rows[r].code;
+        }
+        for (int left = way_count; left > 0; pause_briefly()) {
+            left = way_count;
+            for (int k = 0; k < way_count; k++)
+                left -= saltus_fixed_ask(&flow[k]->fixed, system[k]);
+        }
+        for (int k = 0; k < way_count; k++) {
+            saltus_compiled_function *function = flow[k]->fixed.function;
+            check_way(&ways[k], system[k], function, 0);
+            check_way(&ways[k], system[k], function, 3);
+            saltus_flow_free(flow[k]);
+            saltus_system_free(system[k]);
+        }
+        assert_int_equal(folder_files(kept, false), way_count);
+    }
+    assert_int_equal(kinds, (1u << (SALTUS_TAPE_GATHER + 1)) - 1);
+    /* No process of ours is left to be waited for. */
+    assert_true(waitpid(-1, NULL, WNOHANG) == -1 && errno == ECHILD);
+}
+
+/* Ask for a function until it is clear that there is none, or until there is one. */
+static bool comes(const way *w) {
+    saltus_system *system = system_of(w);
+    saltus_flow *flow = open_way(w, system);
+    bool ready = false;
+    for (int k = 0; k < 60 && !ready; k++, pause_briefly())
+        ready = saltus_fixed_ask(&flow->fixed, system);
+    saltus_flow_free(flow);
+    saltus_system_free(system);
+    return ready;
+}
+
+/* Files that others could have written are not loaded, nor is a folder that they can write to used. */
+static void foreign_files(void **unused) {
+    (void)unused;
+    char file[file_name_max], before[512], after[512];
+    if (!has_compiler())
+        skip();
+    saltus_system *system = system_of(&ways[0]);
+    DIR *folder = opendir(kept);
+    assert_non_null(folder);
+    assert_true(comes(&ways[0]));
+    for (struct dirent *entry = readdir(folder); entry; entry = readdir(folder)) {
+        snprintf(file, sizeof file, "%s/%s", kept, entry->d_name);
+        if (entry->d_name[0] != '.')
+            assert_int_equal(chmod(file, 0722), 0);
+    }
+    closedir(folder);
+    setenv("SALTUS_COMPILE", "false", 1);
+    assert_false(comes(&ways[0]));
+    unsetenv("SALTUS_COMPILE");
+    saltus_fixed_tell(system, before, sizeof before);
+    assert_int_equal(chmod(kept, 0777), 0);
+    saltus_fixed_tell(system, after, sizeof after);
+    assert_int_equal(chmod(kept, 0700), 0);
+    assert_null(strstr(before, "interpreted: "));
+    assert_non_null(strstr(after, "interpreted: there is no folder"));
+    saltus_system_free(system);
+    folder_files(kept, true);
+}
+
+/* Without a compiler, or with one that fails, runs go on as before and leave no file. */
+static void no_compiler(void **unused) {
+    (void)unused;
+    static const char *const names[] = {"0", "false", "/no/such/compiler", "true"};
+    for (size_t k = 0; k < sizeof names / sizeof *names; k++) {
+        setenv("SALTUS_COMPILE", names[k], 1);
+        assert_false(comes(&ways[4]));
+    }
+    unsetenv("SALTUS_COMPILE");
+    assert_int_equal(folder_files(kept, false), 0);
+}
+
+/* A folder that is no absolute path is none; the home folder's own takes its place. */
+static void no_folder(void **unused) {
+    (void)unused;
+    char how[512], *home = getenv("HOME") ? strdup(getenv("HOME")) : NULL;
+    saltus_system *system = system_of(&ways[0]);
+    bool compiler = has_compiler();
+    setenv("XDG_CACHE_HOME", "cache", 1);
+    setenv("HOME", cache, 1);
+    assert_true(saltus_fixed_tell(system, how, sizeof how));
+    assert_true(!compiler || strstr(how, "/.cache/saltus: 0)"));
+    unsetenv("HOME");
+    assert_true(saltus_fixed_tell(system, how, sizeof how));
+    assert_non_null(strstr(how, "interpreted: "));
+    if (home)
+        setenv("HOME", home, 1);
+    setenv("XDG_CACHE_HOME", cache, 1);
+    saltus_system_free(system);
+    free(home);
+}
+
+static int make_cache(void **unused) {
+    (void)unused;
+    unsetenv("SALTUS_COMPILE");
+    if (!mkdtemp(cache))
+        return -1;
+    snprintf(kept, sizeof kept, "%s/saltus", cache);
+    return setenv("XDG_CACHE_HOME", cache, 1) || mkdir(kept, 0700);
+}
+
+static int remove_cache(void **unused) {
+    char own[80];
+    (void)unused;
+    folder_files(kept, true);
+    rmdir(kept);
+    for (int k = 0; k < 2; k++) {
+        snprintf(own, sizeof own, "%s/.cache%s", cache, k ? "" : "/saltus");
+        rmdir(own);
+    }
+    return rmdir(cache);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(no_compiler), cmocka_unit_test(same_bits),
+                                       cmocka_unit_test(foreign_files), cmocka_unit_test(no_folder)};
+    return cmocka_run_group_tests(tests, make_cache, remove_cache);
+}
