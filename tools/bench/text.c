@@ -1,11 +1,14 @@
 /* saltus_text_bench: what equations from text cost beside the same equations in a hand-made kernel.
  *
  * The pipe with five modes and the oscillator with two masses, both ways: alone, with a tangent vector for
- * every state, side by side in lanes, with and without a stop. Time is the CPU's, the best of repeated runs
- * over many periods of the forcing. The error is that of the state after a few periods against a run at the
+ * every state, side by side in lanes, with and without a stop; the equations both interpreted and compiled.
+ * Time is the CPU's, the best of repeated runs, which begin anew before tangent vectors leave the range of
+ * numbers. The error is that of the state after a few periods against a run at the
  * tightest tolerance of the hand-made kernel, relative to the typical size of each entry.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "saltus/saltus.h"
+
+#include "flow/flow.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -13,16 +16,16 @@
 #include <string.h>
 #include <time.h>
 
-enum { repeats = 5, lanes_max = 16, dimension_max = 16, periods_checked = 3 };
+enum { repeats = 7, lanes_max = 16, dimension_max = 16, periods_checked = 3, periods_timed = 30 };
 
 typedef struct problem {
     const char *name;
-    long long periods; /* of one timed run */
+    int starts; /* of one timed run */
     const char *built_in, *text;
 } problem;
 
 static const problem problems[] = {
-    {"pipe", 300, "model: pipe\nN: 5\nstop: {xi: 0.5, d: 0.035, r: 0.9}\n",
+    {"pipe", 10, "model: pipe\nN: 5\nstop: {xi: 0.5, d: 0.035, r: 0.9}\n",
      "model:\n"
      "  parameters: {N: {default: 5, min: 1, max: 16, integer: true}, alpha: 0.005, beta: 0.64, kappa: "
      "5000,\n"
@@ -41,7 +44,7 @@ static const problem problems[] = {
      "      - sqrt(beta)*du*bent[i] - kappa*l[i]^2*q[i]*(S + alpha*dS)\n"
      "  forcing: omega\n"
      "stop: {coordinate: \"sum(i, 1, N, sin(i*pi*place)*q[i])\", d: 0.035, r: 0.9}\n"},
-    {"oscillator", 3000,
+    {"oscillator", 60,
      "model: oscillator\nN: 2\nc: 0.1\nk2: 1\nc2: 0.1\nF: 1\nomega: 1.2\nkz: 0.5\ntz: 1\n"
      "stop: {weight: [1], d: 0.8, r: 0.9}\n",
      "model:\n"
@@ -90,37 +93,60 @@ static void start_state(const saltus_system *system, int lane, double *state) {
     state[pipe ? 5 : 2] = pipe ? 0.12 : 0.3;
 }
 
-/* Nanoseconds a period and lane; `state`: of the first lane at the end. */
-static double run(const saltus_system *system, int lanes, int columns, double rtol, long long periods,
+typedef enum { by_hand, interpreted, compiled, way_count } way;
+
+/* Without a compiler there are no times of compiled equations. */
+static bool compile(saltus_flow *flow, const saltus_system *system) {
+    const struct timespec tenth = {.tv_nsec = 100000000};
+    for (int k = 0; k < 300 && !saltus_fixed_ask(&flow->fixed, system); k++)
+        nanosleep(&tenth, NULL);
+    return flow->fixed.function != NULL;
+}
+
+static void follow(saltus_flow *flow, const saltus_system *system, int lanes, long long periods) {
+    saltus_message message = {.text = ""};
+    double start[dimension_max];
+    for (int l = 0; l < lanes; l++) {
+        start_state(system, l, start);
+        must(saltus_flow_start(flow, l, (saltus_time){0, 0.2}, start, &message), &message);
+        saltus_flow_aim(flow, l, (saltus_time){periods, 0}, 0);
+    }
+    for (int left = lanes; left > 0; left--) {
+        saltus_event event;
+        int lane;
+        must(saltus_flow_run(flow, &lane, &event, &message), &message);
+    }
+}
+
+/* Nanoseconds a period and lane; `state`: of the first lane after the few periods that are checked. */
+static double run(const saltus_system *system, way how, int lanes, int columns, double rtol, int starts,
                   double *state) {
     saltus_flow_options options = saltus_flow_defaults();
     const saltus_system *all[lanes_max];
     saltus_message message = {.text = ""};
     saltus_flow *flow = NULL;
-    double best = INFINITY, start[dimension_max];
+    double best = INFINITY;
     options.rtol = rtol;
     options.integrator = SALTUS_TAYLOR;
     options.columns = columns;
     for (int l = 0; l < lanes; l++)
         all[l] = system;
     must(saltus_flow_new(all, lanes, &options, &flow, &message), &message);
-    for (int repeat = 0; repeat < repeats; repeat++) {
-        for (int l = 0; l < lanes; l++) {
-            start_state(system, l, start);
-            must(saltus_flow_start(flow, l, (saltus_time){0, 0.2}, start, &message), &message);
-            saltus_flow_aim(flow, l, (saltus_time){periods, 0}, 0);
-        }
+    if (how == interpreted) {
+        saltus_fixed_close(&flow->fixed);
+        flow->fixed = (saltus_fixed){.compiled = NULL};
+    }
+    bool ready = how != compiled || compile(flow, system);
+    for (int repeat = 0; repeat < repeats && ready && starts > 0; repeat++) {
         double begin = cpu_seconds();
-        for (int left = lanes; left > 0; left--) {
-            saltus_event event;
-            int lane;
-            must(saltus_flow_run(flow, &lane, &event, &message), &message);
-        }
+        for (int s = 0; s < starts; s++)
+            follow(flow, system, lanes, periods_timed);
         best = fmin(best, cpu_seconds() - begin);
     }
+    follow(flow, system, lanes, periods_checked);
     saltus_flow_state(flow, 0, state);
     saltus_flow_free(flow);
-    return 1e9 * best / ((double)periods * lanes);
+    return 1e9 * best / ((double)periods_timed * starts * lanes);
 }
 
 static double error_of(const saltus_system *system, const double *state, const double *exact) {
@@ -132,28 +158,30 @@ static double error_of(const saltus_system *system, const double *state, const d
 }
 
 static void compare(const problem *p, bool stops) {
-    saltus_system *own[] = {build(p->built_in, p->name, stops), build(p->text, p->name, stops)};
-    const int all = saltus_flow_width(own[0]), n = saltus_system_dimension(own[0]);
+    saltus_system *own = build(p->built_in, p->name, stops), *text = build(p->text, p->name, stops);
+    const int all = saltus_flow_width(own), n = saltus_system_dimension(own);
     const int lanes[] = {1, 1, all}, columns[] = {0, n, 0};
-    double exact[dimension_max], state[dimension_max], error[2], cost[2];
-    run(own[0], 1, 0, 1e-15, periods_checked, exact);
+    double exact[dimension_max], state[dimension_max], error[way_count], cost[way_count];
+    run(own, by_hand, 1, 0, 1e-15, 0, exact);
     for (int k = 0; k < 3; k++) {
-        for (int way = 0; way < 2; way++) {
-            run(own[way], lanes[k], columns[k], 1e-10, periods_checked, state);
-            error[way] = error_of(own[0], state, exact);
-            cost[way] = run(own[way], lanes[k], columns[k], 1e-10, p->periods, state);
+        for (way how = by_hand; how < way_count; how++) {
+            cost[how] = run(how ? text : own, how, lanes[k], columns[k], 1e-10, p->starts, state);
+            error[how] = error_of(own, state, exact);
         }
-        printf("| %s%s | %d | %d | %.0f | %.0f | %.2f | %.1e | %.1e |\n", p->name, stops ? ", stop" : "",
-               lanes[k], columns[k], cost[0], cost[1], cost[1] / cost[0], error[0], error[1]);
+        printf("| %s%s | %d | %d | %.0f | %.0f | %.0f | %.2f | %.2f | %.1e | %.1e |\n", p->name,
+               stops ? ", stop" : "", lanes[k], columns[k], cost[by_hand], cost[interpreted], cost[compiled],
+               cost[interpreted] / cost[by_hand], cost[compiled] / cost[by_hand], error[by_hand],
+               error[compiled]);
+        fflush(stdout);
     }
-    saltus_system_free(own[0]);
-    saltus_system_free(own[1]);
+    saltus_system_free(own);
+    saltus_system_free(text);
 }
 
 int main(void) {
-    printf("| system | lanes | tangent vectors | ns a period and lane, hand-made | text | ratio | error, "
-           "hand-made | text |\n"
-           "|---|---|---|---|---|---|---|---|\n");
+    printf("| system | lanes | tangent vectors | ns a period and lane, hand-made | text, interpreted | "
+           "compiled | ratio, interpreted | compiled | error, hand-made | text |\n"
+           "|---|---|---|---|---|---|---|---|---|---|\n");
     for (size_t k = 0; k < sizeof problems / sizeof problems[0]; k++)
         for (int stops = 0; stops < 2; stops++)
             compare(&problems[k], stops);
