@@ -24,7 +24,9 @@ static void put_operands(FILE *out, const saltus_tape_operand *x, int count) {
 
 static void put_row(FILE *out, const saltus_tape_row *s) {
     fprintf(out, "{%d, %d, %d, %d, ", (int)s->code, (int)s->function, s->count, s->level);
-    const saltus_tape_operand operands[] = {s->out, s->a, s->b, s->a2, s->b2};
+    saltus_tape_operand operands[] = {s->out, s->a, s->b, s->a2, s->b2};
+    for (int k = 0; k < 5 && s->count == 1; k++)
+        operands[k].spread = true;
     put_operands(out, operands, 5);
     fprintf(out, "%a, %d, %d, %d, %d, %d, %d, {%d, %d}}, ", s->sign, s->linear, s->paired, s->first, s->terms,
             s->numbers, s->spread_terms, s->weight[0], s->weight[1]);

@@ -4,6 +4,7 @@
  *   lane_spread(s)   the pack that multiplies a pack of a row by each lane's own number
  *   lane_of(s)       the number per lane of a pack that holds it spread
  *   row_sum          sum over the modes in a fixed tree, the same at every width, spread
+ *   row_total        the same for each lane, without the additions of nothing but zeros
  *   row_couple       product with a coupling matrix, which joins modes of opposite parity only;
  *   row_couple_two   two products with the same one, of which the second may be absent (NULL)
  *   lane_largest     the largest of a row's modes, from the largest of each pack element
@@ -78,6 +79,19 @@ KERNEL_INLINE saltus_pack row_sum(const saltus_pack *row, int n, int packs) {
         t[i % SALTUS_PACK_MAX] += row[i];
     for (int half = SALTUS_PACK_MAX / 2; half > 0; half /= 2)
         for (int i = 0; i < half; i++)
+            t[i] += t[i + half];
+    return t[0];
+}
+
+KERNEL_INLINE lane_t row_total(const saltus_pack *row, int n, int packs) {
+    (void)packs;
+    lane_t t[SALTUS_PACK_MAX];
+    for (int i = 0; i < SALTUS_PACK_MAX; i++)
+        t[i] = i < n ? row[i] : lane_constant(0);
+    for (int i = SALTUS_PACK_MAX; i < n; i++)
+        t[i % SALTUS_PACK_MAX] += row[i];
+    for (int half = SALTUS_PACK_MAX / 2; half > 0; half /= 2)
+        for (int i = 0; i < half && half < n; i++)
             t[i] += t[i + half];
     return t[0];
 }
@@ -183,6 +197,19 @@ KERNEL_INLINE saltus_pack row_sum(const saltus_pack *row, int n, int packs) {
         for (int i = 0; i < half; i++)
             t[i] += t[i + half];
     return saltus_pack_sum(t[0]);
+}
+
+KERNEL_INLINE lane_t row_total(const saltus_pack *row, int n, int packs) {
+    if (n > SALTUS_PACK_MAX / 2)
+        return lane_of(row_sum(row, n, packs));
+    double t[SALTUS_PACK_MAX / 2];
+    for (int i = 0; i < SALTUS_PACK_MAX / 2; i++)
+        t[i] = i < n ? row[i / SALTUS_PACK][i % SALTUS_PACK] : 0;
+    if (n > 2) {
+        t[0] += t[2];
+        t[1] += t[3];
+    }
+    return n > 1 ? t[0] + t[1] : t[0];
 }
 
 /* Columns 2 j and 2 j + 1 of the coupling share a row of packs, because each mode is coupled to one parity

@@ -11,8 +11,11 @@
 #ifdef SALTUS_FIXED_TAPE
 SALTUS_FIXED_TAPE
 #define TAPE_OF(loaded) (&fixed_tape)
+/* Rows of one element are read and written as such: all their operands are spread (flow/fixed.c). */
+#define SPREAD(operand) ((operand).spread)
 #else
 #define TAPE_OF(loaded) ((loaded)->tape)
+#define SPREAD(operand) false
 #endif
 
 enum { model_rows_common = 0, model_rows_plain = 2 };
@@ -97,7 +100,11 @@ KERNEL_INLINE saltus_pack load_pack(const lane_t *x, bool spread, int p) {
 }
 
 /* Beyond the last element of a row all stays zero. */
-KERNEL_INLINE void store_pack(lane_t *x, int p, int count, saltus_pack value) {
+KERNEL_INLINE void store_pack(lane_t *x, bool spread, int p, int count, saltus_pack value) {
+    if (spread) {
+        *x = lane_of(value);
+        return;
+    }
 #if !SALTUS_WIDE
     static const unsigned long long all[2 * SALTUS_PACK_MAX] = {~0ULL, ~0ULL, ~0ULL, ~0ULL,
                                                                 ~0ULL, ~0ULL, ~0ULL, ~0ULL};
@@ -148,18 +155,18 @@ KERNEL_INLINE void convolve(const lane_t *a, bool spread_a, const lane_t *b, boo
 
 /* The inner terms a_i b_{k-i}, 0 < i < k, of a product's coefficient k and of the next one, whose inner terms
  * are known by then: one pass over the older coefficients serves both. */
-KERNEL_INLINE void convolve_two(const lane_t *a, bool spread, const lane_t *b, long order, int k,
-                                const int count, saltus_pack *now, saltus_pack *next) {
+KERNEL_INLINE void convolve_two(const lane_t *a, bool spread, const lane_t *b, bool spread_b, long order,
+                                int k, const int count, saltus_pack *now, saltus_pack *next) {
     const lane_t *x = a + order, *y = b + k * order;
     saltus_pack later[SHARES_MAX];
     for (int j = 0; j < count; j++)
-        later[j] = load_pack(y, false, j);
+        later[j] = load_pack(y, spread_b, j);
     for (int i = 1; i < k; i++, x += order) {
         y -= order;
         for (int j = 0; j < count; j++) {
             const saltus_pack one = load_pack(x, spread, j);
             next[j] = saltus_pack_fma(one, later[j], next[j]);
-            later[j] = load_pack(y, false, j);
+            later[j] = load_pack(y, spread_b, j);
             now[j] = saltus_pack_fma(one, later[j], now[j]);
         }
     }
@@ -168,23 +175,23 @@ KERNEL_INLINE void convolve_two(const lane_t *a, bool spread, const lane_t *b, l
 }
 
 /* The same for half of a square: a_i a_{n-i}, 0 < i < n / 2, and half of the middle one. */
-KERNEL_INLINE void square_two(const lane_t *a, long order, int n, const int count, saltus_pack *now,
-                              saltus_pack *next) {
+KERNEL_INLINE void square_two(const lane_t *a, bool spread, long order, int n, const int count,
+                              saltus_pack *now, saltus_pack *next) {
     const lane_t *x = a + order, *y = a + n * order;
     saltus_pack later[SHARES_MAX];
     for (int j = 0; j < count; j++)
-        later[j] = load_pack(y, false, j);
+        later[j] = load_pack(y, spread, j);
     for (int i = 1; i <= (n - 1) / 2; i++, x += order) {
         y -= order;
         for (int j = 0; j < count; j++) {
-            const saltus_pack one = load_pack(x, false, j);
+            const saltus_pack one = load_pack(x, spread, j);
             next[j] = saltus_pack_fma(one, later[j], next[j]);
-            later[j] = load_pack(y, false, j);
+            later[j] = load_pack(y, spread, j);
             now[j] = saltus_pack_fma(one, later[j], now[j]);
         }
     }
     for (int j = 0; j < count && n > 0; j++) {
-        const saltus_pack middle = load_pack(x, false, j);
+        const saltus_pack middle = load_pack(x, spread, j);
         if (n % 2 == 0) {
             next[j] = saltus_pack_fma(middle, later[j], next[j]);
             now[j] = saltus_pack_fma(0.5 * middle, middle, now[j]);
@@ -195,25 +202,25 @@ KERNEL_INLINE void square_two(const lane_t *a, long order, int n, const int coun
 
 /* Coefficient k of a product. At an even order the inner terms of the next one are laid aside where that
  * coefficient will stand. The newest terms come last. */
-KERNEL_INLINE void product_packs(const lane_t *a, bool spread, const lane_t *b, lane_t *out, long order,
-                                 int k, int p, int elements, const int count) {
+KERNEL_INLINE void product_packs(const lane_t *a, bool spread, const lane_t *b, bool spread_b, lane_t *out,
+                                 bool spread_out, long order, int k, int p, int elements, const int count) {
     saltus_pack now[SHARES_MAX] = {{0}}, next[SHARES_MAX] = {{0}};
     a += spread ? 0 : p * ELEMENTS;
-    b += p * ELEMENTS;
+    b += spread_b ? 0 : p * ELEMENTS;
     out += k * order;
     if (k % 2)
         for (int j = 0; j < count; j++)
-            now[j] = load_pack(out, false, p + j);
+            now[j] = load_pack(out, spread_out, p + j);
     else {
-        convolve_two(a, spread, b, order, k, count, now, next);
+        convolve_two(a, spread, b, spread_b, order, k, count, now, next);
         for (int j = 0; j < count; j++)
-            store_pack(out + order, p + j, elements, next[j]);
+            store_pack(out + order, spread_out, p + j, elements, next[j]);
     }
     for (int j = 0; j < count; j++) {
         if (k > 0)
-            now[j] = saltus_pack_fma(load_pack(a + k * order, spread, j), load_pack(b, false, j), now[j]);
-        store_pack(out, p + j, elements,
-                   saltus_pack_fma(load_pack(a, spread, j), load_pack(b + k * order, false, j), now[j]));
+            now[j] = saltus_pack_fma(load_pack(a + k * order, spread, j), load_pack(b, spread_b, j), now[j]);
+        store_pack(out, spread_out, p + j, elements,
+                   saltus_pack_fma(load_pack(a, spread, j), load_pack(b + k * order, spread_b, j), now[j]));
     }
 }
 
@@ -238,8 +245,8 @@ KERNEL_INLINE void product_packs(const lane_t *a, bool spread, const lane_t *b, 
 
 KERNEL_INLINE void multiply_packs(const player *m, const saltus_tape_row *s, bool spread, int k, int p,
                                   const int share) {
-    product_packs(series_of(m, &s->a, 0), spread, series_of(m, &s->b, 0), series_of(m, &s->out, 0), m->order,
-                  k, p, s->count, share);
+    product_packs(series_of(m, &s->a, 0), spread, series_of(m, &s->b, 0), SPREAD(s->b),
+                  series_of(m, &s->out, 0), SPREAD(s->out), m->order, k, p, s->count, share);
 }
 
 /* A square's coefficient k, or with `rate` half of (k + 1) times its coefficient k + 1. */
@@ -251,16 +258,16 @@ KERNEL_INLINE void square_packs(const player *m, const saltus_tape_row *s, bool 
     const int n = k + rate;
     if (k % 2)
         for (int j = 0; j < share; j++)
-            now[j] = load_pack(out, false, p + j);
+            now[j] = load_pack(out, SPREAD(s->out), p + j);
     else {
-        square_two(a, m->order, n, share, now, next);
+        square_two(a, SPREAD(s->a), m->order, n, share, now, next);
         for (int j = 0; j < share; j++)
-            store_pack(out + m->order, p + j, s->count, next[j]);
+            store_pack(out + m->order, SPREAD(s->out), p + j, s->count, next[j]);
     }
     for (int j = 0; j < share; j++) {
-        const saltus_pack ends = load_pack(a, false, j) * (n ? 1.0 : 0.5);
-        now[j] = saltus_pack_fma(ends, load_pack(a + n * m->order, false, j), now[j]);
-        store_pack(out, p + j, s->count, now[j] * (rate ? n : 2.0));
+        const saltus_pack ends = load_pack(a, SPREAD(s->a), j) * (n ? 1.0 : 0.5);
+        now[j] = saltus_pack_fma(ends, load_pack(a + n * m->order, SPREAD(s->a), j), now[j]);
+        store_pack(out, SPREAD(s->out), p + j, s->count, now[j] * (rate ? n : 2.0));
     }
 }
 
@@ -298,7 +305,7 @@ KERNEL_INLINE void combine_packs(const player *m, const saltus_tape_row *s, cons
             continue;
         for (int j = 0; j < count; j++) {
             const saltus_pack before = sum[j];
-            sum[j] = saltus_pack_fma(load_pack(weight, false, j), load_pack(x, false, j), other[j]);
+            sum[j] = saltus_pack_fma(load_pack(weight, false, j), load_pack(x, SPREAD(s->out), j), other[j]);
             other[j] = before;
         }
     }
@@ -307,21 +314,20 @@ KERNEL_INLINE void combine_packs(const player *m, const saltus_tape_row *s, cons
 }
 
 /* The sum over all elements of what would be a row of combinations, in a fixed tree. */
-KERNEL_INLINE void total_packs(const player *m, const saltus_tape_row *s, const lane_t *weights,
-                               const lane_t *at, bool constant, unsigned changes, saltus_pack *sum) {
+KERNEL_INLINE lane_t total_packs(const player *m, const saltus_tape_row *s, const lane_t *weights,
+                                 const lane_t *at, bool constant, unsigned changes) {
     saltus_pack all[ROW_PACKS_MAX];
     const int packs = (int)((unsigned)(s->count + ELEMENTS - 1) / ELEMENTS);
     for (int p = 0; p < packs; p++) {
         all[p] = (saltus_pack){0};
         combine_packs(m, s, weights, at, constant, changes, p, 1, &all[p]);
     }
-    *sum += row_sum(all, s->count, packs);
+    return row_total(all, s->count, packs);
 }
 
 KERNEL_INLINE void play_total(const player *m, const saltus_tape_row *s, int k) {
-    saltus_pack sum = {0};
-    total_packs(m, s, m->weights, m->base + k * m->order, k == 0, ~0u, &sum);
-    store_pack(series_of(m, &s->out, 0) + k * m->order, 0, 1, sum);
+    series_of(m, &s->out, 0)[k * m->order] =
+        total_packs(m, s, m->weights, m->base + k * m->order, k == 0, ~0u);
 }
 
 KERNEL_INLINE void play_combination(const player *m, const saltus_tape_row *s, int k, int p,
@@ -330,7 +336,7 @@ KERNEL_INLINE void play_combination(const player *m, const saltus_tape_row *s, i
     lane_t *out = series_of(m, &s->out, 0) + k * m->order;
     combine_packs(m, s, m->weights, m->base + k * m->order, k == 0, ~0u, p, share, sum);
     for (int j = 0; j < share; j++)
-        store_pack(out, p + j, s->count, sum[j]);
+        store_pack(out, SPREAD(s->out), p + j, s->count, sum[j]);
 }
 
 /* Sum of i a_i b_{k-i}, i = 1 .. last, for one element. */
@@ -387,8 +393,8 @@ KERNEL_INLINE void play_divide(const player *m, const saltus_tape_row *s, int k)
     for (int p = 0; p * ELEMENTS < s->count; p++) {
         saltus_pack sum[1] = {{0}};
         if (k > 0)
-            convolve(out, false, b, s->b.spread, m->order, k, 0, k - 1, p, 1, sum);
-        store_pack(out + k * m->order, p, s->count,
+            convolve(out, SPREAD(s->out), b, s->b.spread, m->order, k, 0, k - 1, p, 1, sum);
+        store_pack(out + k * m->order, SPREAD(s->out), p, s->count,
                    (load_pack(a, s->a.spread, p) - sum[0]) / load_pack(b, s->b.spread, p));
     }
 }
@@ -397,8 +403,9 @@ KERNEL_INLINE void play_integral(const player *m, const saltus_tape_row *s, int 
     const lane_t *before = series_of(m, &s->b, 0) + (k - 1) * m->order;
     lane_t *out = series_of(m, &s->out, 0) + k * m->order;
     for (int p = 0; p * ELEMENTS < s->count; p++) {
-        const saltus_pack start = load_pack(series_of(m, &s->a, 0), false, p);
-        store_pack(out, p, s->count, k ? load_pack(before, false, p) * (2.0 / k) : start * start);
+        const saltus_pack start = load_pack(series_of(m, &s->a, 0), SPREAD(s->a), p);
+        store_pack(out, SPREAD(s->out), p, s->count,
+                   k ? load_pack(before, SPREAD(s->b), p) * (2.0 / k) : start * start);
     }
 }
 
@@ -457,18 +464,17 @@ KERNEL_INLINE void vary_combination(const player *m, const saltus_tape_row *s, i
         combine_packs(m, s, m->rates + (long)direction * m->tape->weights[SALTUS_WIDE], here, k == 0, ~0u, p,
                       share, sum);
     for (int j = 0; j < share; j++)
-        store_pack(series_of(m, &s->out, c) + k * m->order, p + j, s->count, sum[j]);
+        store_pack(series_of(m, &s->out, c) + k * m->order, SPREAD(s->out), p + j, s->count, sum[j]);
 }
 
 KERNEL_INLINE void vary_total(const player *m, const saltus_tape_row *s, int k, int c) {
     const int direction = c - 1 - (m->columns - m->directions);
     const lane_t *here = m->base + k * m->order;
-    saltus_pack sum = {0};
-    total_packs(m, s, m->weights, here + c * m->column, false, changes_of(m, c), &sum);
+    lane_t sum = total_packs(m, s, m->weights, here + c * m->column, false, changes_of(m, c));
     if (direction >= 0)
-        total_packs(m, s, m->rates + (long)direction * m->tape->weights[SALTUS_WIDE], here, k == 0, ~0u,
-                    &sum);
-    store_pack(series_of(m, &s->out, c) + k * m->order, 0, 1, sum);
+        sum +=
+            total_packs(m, s, m->rates + (long)direction * m->tape->weights[SALTUS_WIDE], here, k == 0, ~0u);
+    series_of(m, &s->out, c)[k * m->order] = sum;
 }
 
 /* da b + db a. */
@@ -479,14 +485,16 @@ KERNEL_INLINE void vary_product(const player *m, const saltus_tape_row *s, bool 
     lane_t *out = series_of(m, &s->out, c);
     saltus_pack sum[SHARES_MAX] = {{0}};
     if (!(s->b.depends & changes))
-        product_packs(series_of(m, &s->a, c), spread, b, out, m->order, k, p, s->count, share);
+        product_packs(series_of(m, &s->a, c), spread, b, SPREAD(s->b), out, SPREAD(s->out), m->order, k, p,
+                      s->count, share);
     else if (!(s->a.depends & changes))
-        product_packs(a, spread, series_of(m, &s->b, c), out, m->order, k, p, s->count, share);
+        product_packs(a, spread, series_of(m, &s->b, c), SPREAD(s->b), out, SPREAD(s->out), m->order, k, p,
+                      s->count, share);
     else {
-        convolve(series_of(m, &s->a, c), spread, b, false, m->order, k, 0, k, p, share, sum);
-        convolve(a, spread, series_of(m, &s->b, c), false, m->order, k, 0, k, p, share, sum);
+        convolve(series_of(m, &s->a, c), spread, b, SPREAD(s->b), m->order, k, 0, k, p, share, sum);
+        convolve(a, spread, series_of(m, &s->b, c), SPREAD(s->b), m->order, k, 0, k, p, share, sum);
         for (int j = 0; j < share; j++)
-            store_pack(out + k * m->order, p + j, s->count, sum[j]);
+            store_pack(out + k * m->order, SPREAD(s->out), p + j, s->count, sum[j]);
     }
 }
 
@@ -499,17 +507,19 @@ KERNEL_INLINE void vary_square(const player *m, const saltus_tape_row *s, bool r
     const int n = k + rate;
     if (k % 2)
         for (int j = 0; j < share; j++)
-            now[j] = load_pack(out, false, p + j);
+            now[j] = load_pack(out, SPREAD(s->out), p + j);
     else {
-        convolve_two(a, false, own, m->order, n, share, now, next);
+        convolve_two(a, SPREAD(s->a), own, SPREAD(s->a), m->order, n, share, now, next);
         for (int j = 0; j < share; j++)
-            store_pack(out + m->order, p + j, s->count, next[j]);
+            store_pack(out + m->order, SPREAD(s->out), p + j, s->count, next[j]);
     }
     for (int j = 0; j < share; j++) {
         if (n > 0)
-            now[j] = saltus_pack_fma(load_pack(a + n * m->order, false, j), load_pack(own, false, j), now[j]);
-        now[j] = saltus_pack_fma(load_pack(a, false, j), load_pack(own + n * m->order, false, j), now[j]);
-        store_pack(out, p + j, s->count, now[j] * (rate ? n : 2.0));
+            now[j] = saltus_pack_fma(load_pack(a + n * m->order, SPREAD(s->a), j),
+                                     load_pack(own, SPREAD(s->a), j), now[j]);
+        now[j] = saltus_pack_fma(load_pack(a, SPREAD(s->a), j),
+                                 load_pack(own + n * m->order, SPREAD(s->a), j), now[j]);
+        store_pack(out, SPREAD(s->out), p + j, s->count, now[j] * (rate ? n : 2.0));
     }
 }
 
@@ -522,11 +532,12 @@ KERNEL_INLINE void vary_divide(const player *m, const saltus_tape_row *s, int k,
         if (s->a.depends & changes)
             sum = load_pack(series_of(m, &s->a, c) + k * m->order, s->a.spread, p);
         if (s->b.depends & changes)
-            convolve(series_of(m, &s->out, 0), false, series_of(m, &s->b, c), s->b.spread, m->order, k, 0, k,
-                     p, 1, part);
+            convolve(series_of(m, &s->out, 0), SPREAD(s->out), series_of(m, &s->b, c), s->b.spread, m->order,
+                     k, 0, k, p, 1, part);
         if (k > 0)
-            convolve(out, false, b, s->b.spread, m->order, k, 0, k - 1, p, 1, part);
-        store_pack(out + k * m->order, p, s->count, (sum - part[0]) / load_pack(b, s->b.spread, p));
+            convolve(out, SPREAD(s->out), b, s->b.spread, m->order, k, 0, k - 1, p, 1, part);
+        store_pack(out + k * m->order, SPREAD(s->out), p, s->count,
+                   (sum - part[0]) / load_pack(b, s->b.spread, p));
     }
 }
 
@@ -552,9 +563,9 @@ KERNEL_INLINE void vary_integral(const player *m, const saltus_tape_row *s, int 
     const lane_t *a = series_of(m, &s->a, 0), *own = series_of(m, &s->a, c),
                  *before = series_of(m, &s->b, c) + (k - 1) * m->order;
     for (int p = 0; p * ELEMENTS < s->count; p++)
-        store_pack(series_of(m, &s->out, c) + k * m->order, p, s->count,
-                   k ? load_pack(before, false, p) * (2.0 / k)
-                     : 2.0 * load_pack(a, false, p) * load_pack(own, false, p));
+        store_pack(series_of(m, &s->out, c) + k * m->order, SPREAD(s->out), p, s->count,
+                   k ? load_pack(before, SPREAD(s->b), p) * (2.0 / k)
+                     : 2.0 * load_pack(a, SPREAD(s->a), p) * load_pack(own, SPREAD(s->a), p));
 }
 
 KERNEL_INLINE void vary_choice(const player *m, const saltus_tape_row *s, int k, int c) {
@@ -762,7 +773,9 @@ KERNEL_INLINE void model_order(frame f, int k, int c, double inverse, saltus_pac
         next[p] = (saltus_pack){0};
     if (tape->output_row && (c == 0 || (tape->output_at[0].depends & changes)))
         for (int p = 0; p < f.packs; p++)
-            next[p] = load_pack(series_of(&m, &tape->output_at[0], c) + k * m.order, false, p) * inverse;
+            next[p] = load_pack(series_of(&m, &tape->output_at[0], c) + k * m.order,
+                                SPREAD(tape->output_at[0]), p) *
+                      inverse;
     for (int i = tape->output_row ? f.dof : 0; i < f.dof + f.extra; i++) {
         const saltus_tape_operand *out = &tape->output_at[i];
         lane_t value = lane_constant(0);
