@@ -92,10 +92,11 @@ static const manual_part parts[] = {
      "blank, or holds a colon and a blank. A blank and # begin a comment, also behind an expression."},
     {MANUAL_HEAD, "SPEED"},
     {MANUAL_WORDS,
-     "Equations run at once, interpreted. In runs of more than 50 ms a C compiler, where there is one, makes "
-     "functions of them in the background, some seconds of its time for each way of running them (alone, "
-     "side by side, with so many derivatives); the run goes on and takes each over when it is there. The "
-     "results are the same to the last bit. The functions are kept for later runs in $XDG_CACHE_HOME/saltus "
+     "Equations run at once, interpreted. In runs of more than 50 ms (somewhat more where there are many "
+     "equations) a C compiler, if there is one, makes functions of them in the background: a second or a few "
+     "for each way of running them, alone, side by side, with so many derivatives. The run goes on and takes "
+     "each over when it is there. The results are the same to the last bit. The functions are kept for later "
+     "runs in $XDG_CACHE_HOME/saltus "
      "or ~/.cache/saltus, which must be the user's alone; what is in there may be deleted at any time. "
      "saltus check tells how it stands."},
     {MANUAL_TERM, "SALTUS_COMPILE"},

@@ -5,7 +5,9 @@
 #include <stdlib.h>
 
 enum {
-    rows_max = 256, /* of a tape: the compiler would take too long for more */
+    rows_max = 64,       /* of a tape: the compiler takes a tenth of a second for each, or more */
+    patience = 50,       /* ms that every run does without a compiler, or, with many rows, ... */
+    patience_a_row = 10, /* ... so many for each */
     steps_between = 64
 };
 
@@ -104,8 +106,15 @@ static char *make_source(const void *from, const saltus_compile_shape *shape) {
     return NULL;
 }
 
+static int patience_for(const saltus_tape *tape) {
+    const int own = tape->row_count * patience_a_row;
+    return own > patience ? own : patience;
+}
+
 saltus_fixed saltus_fixed_open(const saltus_kernel *kernel, const saltus_system *system,
                                const saltus_work *work) {
+    if (!system->tape)
+        return (saltus_fixed){.compiled = NULL};
     const saltus_compile_shape shape = {.flags = kernel->flags,
                                         .wide = kernel->lanes > 1,
                                         .order = work->order,
@@ -140,7 +149,8 @@ void saltus_fixed_expand(saltus_fixed *fixed, const saltus_kernel *kernel, const
 bool saltus_fixed_tell(const saltus_system *system, char *text, size_t size) {
     if (!system->tape || system->stiff)
         return false;
-    saltus_compile_tell(saltus_kernel_find(system->spec.model->kernel, 1)->flags, make_source, system, text,
-                        size);
+    const saltus_compile_shape shape = {.flags = saltus_kernel_find(system->spec.model->kernel, 1)->flags,
+                                        .patience = patience_for(system->tape)};
+    saltus_compile_tell(&shape, make_source, system, text, size);
     return true;
 }

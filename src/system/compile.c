@@ -21,9 +21,9 @@
 #include <unistd.h>
 
 enum {
-    patience_ms = 50,       /* runs shorter than this do without a compiler */
     seconds_max = 60,       /* of the compiler's CPU time */
-    niceness = 10,          /* of the compiler: the run goes first */
+    bytes_max = 1 << 30,    /* of its memory */
+    niceness = 10,          /* of it: the run goes first */
     descriptors_max = 4096, /* that a process is expected to have open */
     words_max = 24,         /* of the compiler's command line */
     path_max = 1024,
@@ -217,8 +217,9 @@ static void see_through(char *const *words, int source, const char *made, const 
         close(k);
     pid_t compiler = fork();
     if (compiler == 0) {
-        const struct rlimit limit = {seconds_max, seconds_max};
-        setrlimit(RLIMIT_CPU, &limit);
+        const struct rlimit time = {seconds_max, seconds_max}, memory = {bytes_max, bytes_max};
+        setrlimit(RLIMIT_CPU, &time);
+        setrlimit(RLIMIT_AS, &memory);
         setpriority(PRIO_PROCESS, 0, niceness);
         close(3);
         execv(words[0], words);
@@ -320,7 +321,7 @@ static progress advance(saltus_compiled *c, progress now, saltus_compile_source 
         add_shape(c->path, &c->shape);
         return load(c) ? progress_ready : progress_wait;
     }
-    if (milliseconds_since(&c->since) < patience_ms)
+    if (milliseconds_since(&c->since) < c->shape.patience)
         return now;
     /* Another process may have made it meanwhile. */
     if (load(c))
@@ -415,12 +416,12 @@ saltus_compiled *saltus_compiled_hold(saltus_compiled_list *list, const saltus_c
     return found;
 }
 
-void saltus_compile_tell(const char *flags, saltus_compile_source *source, const void *from, char *text,
-                         size_t size) {
+void saltus_compile_tell(const saltus_compile_shape *shape, saltus_compile_source *source, const void *from,
+                         char *text, size_t size) {
     workshop w;
     char path[path_max];
     const char *obstacle = open_workshop(&w);
-    if (!obstacle && !find_place(&w, flags, source, from, path))
+    if (!obstacle && !find_place(&w, shape->flags, source, from, path))
         obstacle = "there are too many equations, or too little memory";
     if (obstacle) {
         snprintf(text, size, "interpreted: %s", obstacle);
@@ -438,5 +439,5 @@ void saltus_compile_tell(const char *flags, saltus_compile_source *source, const
     snprintf(text, size,
              "interpreted at first, compiled by %s in runs of more than %d ms (functions of these equations "
              "kept in %s: %d)",
-             w.compiler, (int)patience_ms, w.folder, kept);
+             w.compiler, shape->patience, w.folder, kept);
 }

@@ -17,6 +17,7 @@
 typedef struct saltus_compile_shape {
     const char *flags; /* of the compiler, for the instruction set; lives on */
     int wide, order, columns, directions;
+    int patience; /* ms: shorter runs do without a compiler; tells nothing apart */
 } saltus_compile_shape;
 
 /* The text, allocated, of a function with this name; NULL: no memory. */
@@ -46,7 +47,7 @@ saltus_compiled_function *saltus_compiled_ask(saltus_compiled *compiled, saltus_
 
 /* How things stand, without a run: "interpreted: ..", or who compiles, and how many functions of the system
  * are kept where. */
-void saltus_compile_tell(const char *flags, saltus_compile_source *source, const void *from, char *text,
-                         size_t size);
+void saltus_compile_tell(const saltus_compile_shape *shape, saltus_compile_source *source, const void *from,
+                         char *text, size_t size);
 
 #endif
