@@ -844,6 +844,7 @@ static void fill_numbers(made_place *m) {
                     : made_periodic(1, 1 + (int)(p % 5));
     row->settled = 1 + p * p * p;
     row->largest = number_of(p, 1);
+    row->rms = number_of(p, 6);
     row->impact_rate = 3 + number_of(p, 2);
     row->largest_speed = 2 + number_of(p, 3);
     row->contact_fraction = 0.5 + 0.25 * number_of(p, 4);
@@ -854,6 +855,7 @@ static double number_shown(saltus_view view, const saltus_sweep_row *row) {
     if (row->verdict == SALTUS_FAILED)
         return NAN;
     return view == SALTUS_VIEW_LARGEST        ? row->largest
+           : view == SALTUS_VIEW_RMS          ? row->rms
            : view == SALTUS_VIEW_SPEED        ? row->largest_speed
            : view == SALTUS_VIEW_RATE         ? row->impact_rate
            : view == SALTUS_VIEW_CONTACT      ? row->contact_fraction
@@ -939,6 +941,7 @@ static void check_numbers(const figure *f, const saltus_sweep_file *file, saltus
 static void colours_read_back_from_the_bar(void **state) {
     (void)state;
     static const char *const names[] = {[SALTUS_VIEW_LARGEST] = "largest displacement",
+                                        [SALTUS_VIEW_RMS] = "root mean square of the",
                                         [SALTUS_VIEW_SPEED] = "largest impact speed",
                                         [SALTUS_VIEW_RATE] = "impacts per forcing period",
                                         [SALTUS_VIEW_CONTACT] = "part of the time in contact",
@@ -974,9 +977,10 @@ static void colours_read_back_from_the_bar(void **state) {
         /* A part of the range: beyond its ends the colours are those of the ends. */
         saltus_plot_part part = {.low = low + 0.2 * (high - low), .high = high - 0.3 * (high - low)};
         static const char *const words[] = {
-            [SALTUS_VIEW_LARGEST] = "largest",   [SALTUS_VIEW_SPEED] = "speed",
-            [SALTUS_VIEW_RATE] = "rate",         [SALTUS_VIEW_CONTACT] = "contact",
-            [SALTUS_VIEW_LYAPUNOV] = "lyapunov", [SALTUS_VIEW_SETTLED] = "settled"};
+            [SALTUS_VIEW_LARGEST] = "largest", [SALTUS_VIEW_SPEED] = "speed",
+            [SALTUS_VIEW_RMS] = "rms",         [SALTUS_VIEW_RATE] = "rate",
+            [SALTUS_VIEW_CONTACT] = "contact", [SALTUS_VIEW_LYAPUNOV] = "lyapunov",
+            [SALTUS_VIEW_SETTLED] = "settled"};
         strcpy(part.key, words[view]);
         how.parts = &part;
         how.part_count = 1;

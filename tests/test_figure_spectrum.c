@@ -937,13 +937,18 @@ static void branches_turn_where_the_cloud_does(void **state) {
 /* Each option of `plot` reaches the figure. */
 static void plot_draws_what_is_asked_for(void **state) {
     (void)state;
-    static const char *const views[][2] = {
-        {"turning", "displacement diagram"},      {"impacts", "velocity diagram"},
-        {"stroboscopic", "stroboscopic diagram"}, {"class", "period in"},
-        {"attractors", "number of attractors"},   {"largest", "largest displacement"},
-        {"speed", "largest impact speed"},        {"rate", "impacts per period"},
-        {"contact", "time in contact"},           {"lyapunov", "largest Lyapunov exponent"},
-        {"settled", "periods until settled"}};
+    static const char *const views[][2] = {{"turning", "displacement diagram"},
+                                           {"impacts", "velocity diagram"},
+                                           {"stroboscopic", "stroboscopic diagram"},
+                                           {"class", "period in"},
+                                           {"attractors", "number of attractors"},
+                                           {"largest", "largest displacement"},
+                                           {"rms", "root mean square"},
+                                           {"speed", "largest impact speed"},
+                                           {"rate", "impacts per period"},
+                                           {"contact", "time in contact"},
+                                           {"lyapunov", "largest Lyapunov exponent"},
+                                           {"settled", "periods until settled"}};
     static const char *const shows[][2] = {{"speed", "largest impact speed"},
                                            {"impacts", "speed of every impact"},
                                            {"displacement", "displacement"},

@@ -469,6 +469,7 @@ static double number_shown(saltus_view view, const saltus_sweep_row *row) {
     if (row->verdict == SALTUS_FAILED)
         return NAN;
     double number = view == SALTUS_VIEW_LARGEST       ? row->largest
+                    : view == SALTUS_VIEW_RMS         ? row->rms
                     : view == SALTUS_VIEW_SPEED       ? row->largest_speed
                     : view == SALTUS_VIEW_RATE        ? row->impact_rate
                     : view == SALTUS_VIEW_CONTACT     ? row->contact_fraction
@@ -498,6 +499,7 @@ static void numbers_are_those_of_the_rows(void **state) {
     static const char *const names[] = {[SALTUS_VIEW_CLASS] = "period in",
                                         [SALTUS_VIEW_ATTRACTORS] = "number of attractors",
                                         [SALTUS_VIEW_LARGEST] = "largest displacement",
+                                        [SALTUS_VIEW_RMS] = "root mean square of the",
                                         [SALTUS_VIEW_SPEED] = "largest impact speed",
                                         [SALTUS_VIEW_RATE] = "impacts per forcing period",
                                         [SALTUS_VIEW_CONTACT] = "part of the time in contact",

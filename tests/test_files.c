@@ -268,6 +268,7 @@ static void a_chaotic_motion_reads_back_field_by_field(void **state) {
                                      &motion.lyapunov_error,
                                      &motion.largest,
                                      &motion.smallest,
+                                     &motion.rms,
                                      &motion.residual};
             for (size_t k = 0; k < sizeof reals / sizeof reals[0]; k++)
                 *reals[k] = 0.1 + 1.0 / (double)(k + 3);
@@ -321,6 +322,7 @@ static void a_chaotic_motion_reads_back_field_by_field(void **state) {
         assert_int_equal(json_at(o, "contact_force")->kind, JSON_NULL);
         check_member(o, "largest_displacement", motion.largest);
         check_member(o, "smallest_displacement", motion.smallest);
+        check_member(o, "rms_displacement", motion.rms);
         check_member(o, "transient", (double)motion.transient);
         assert_string_equal(json_text_at(o, "reason"), motion.reason);
         check_spec(o, &scene.spec);

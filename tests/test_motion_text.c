@@ -51,6 +51,7 @@ static void make(made *m) {
                               .contact_force = {0.5, 1.25, 2.75},
                               .largest = 0.3125,
                               .smallest = -0.4375,
+                              .rms = 0.28125,
                               .transient = 321,
                               .lyapunov = -0.0625,
                               .lyapunov_error = 0.005};
@@ -111,7 +112,7 @@ static void an_orbit_is_told(void **state) {
     lines_next(&lines, "sum rule", NULL, 3, -1.234567, -1.234511, -5.6e-5);
     lines_next(&lines, "exponent", "the largest", 1, -0.0625);
     lines_next(&lines, "mirror", "one of a mirror pair", 0);
-    lines_next(&lines, "displacement", NULL, 2, -0.4375, 0.3125);
+    lines_next(&lines, "displacement", "root mean square", 3, -0.4375, 0.3125, 0.28125);
     lines_next(&lines, "settled", "periods simulated; residual", 3, 321., 3.1e-13, 6.);
     lines_end(&lines);
     saltus_system_free(m.system);

@@ -81,9 +81,9 @@ static void near_misses_are_named(void **state) {
                                          "model: pipe\nstop: {d: 1}\ninitial:\n  ", "model: pipe\nstop:\n  ",
                                          "model: oscillator\nstops:\n- "};
     static const char *const keys[] = {
-        "model title N alpha beta kappa u0 sigma omega stop stops initial",
-        "model title N m c k F F0 m2 c2 k2 F2 F02 kz tz omega stop stops initial", "q v z", "xi d r sides",
-        "weight d r sides"};
+        "model title N alpha beta kappa u0 sigma omega stop stops initial observe",
+        "model title N m c k F F0 m2 c2 k2 F2 F02 kz tz omega stop stops initial observe", "q v z",
+        "xi d r sides", "weight d r sides"};
     (void)state;
     for (size_t b = 0; b < sizeof before / sizeof before[0]; b++) {
         offer all = offered(before[b], "QQQQQQQQQQ");

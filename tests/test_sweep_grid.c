@@ -743,10 +743,10 @@ static saltus_status strict_take(void *context, const saltus_sweep_result *resul
     long long turning = 0, impacts = 0, strobes = 0;
     for (int s = 0; s < seeds; s++) {
         const saltus_sweep_row *a = &result->rows[s], *b = &back.rows[s];
-        const double x[] = {a->largest,          a->smallest, a->impact_rate,   a->largest_speed,
-                            a->contact_fraction, a->lyapunov, a->lyapunov_error},
-                     y[] = {b->largest,          b->smallest, b->impact_rate,   b->largest_speed,
-                            b->contact_fraction, b->lyapunov, b->lyapunov_error};
+        const double x[] = {a->largest,          a->smallest, a->impact_rate,    a->largest_speed,
+                            a->contact_fraction, a->lyapunov, a->lyapunov_error, a->rms},
+                     y[] = {b->largest,          b->smallest, b->impact_rate,    b->largest_speed,
+                            b->contact_fraction, b->lyapunov, b->lyapunov_error, b->rms};
         f->clean &= memcmp(x, y, sizeof x) == 0 && a->verdict == b->verdict && a->impacts == b->impacts &&
                     a->periods == b->periods && a->sticking == b->sticking && a->attractor == b->attractor &&
                     a->settled == b->settled && a->settled_impacts == b->settled_impacts &&

@@ -126,6 +126,7 @@ static void make_row(saltus_sweep_row *row, unsigned long long key) {
                               .recorded = (long long)(mix(key, 3) % 100),
                               .largest = mix(key, 4) % 5 ? real(key, 5) : NAN,
                               .smallest = mix(key, 4) % 5 ? real(key, 6) : -NAN,
+                              .rms = mix(key, 4) % 5 ? real(key, 19) : NAN,
                               .impact_rate = real(key, 7),
                               .largest_speed = real(key, 8) * 1e-300,
                               .contact_fraction = real(key, 9),
@@ -250,7 +251,8 @@ static void check_rows(const saltus_sweep_file *file, const saltus_sweep *sweep)
             assert_memory_equal(&there->largest, &nan, sizeof nan);
             assert_memory_equal(&there->smallest, &nan, sizeof nan);
         } else
-            assert_true(there->largest == expected.largest && there->smallest == expected.smallest);
+            assert_true(there->largest == expected.largest && there->smallest == expected.smallest &&
+                        there->rms == expected.rms);
     }
 }
 
@@ -1169,7 +1171,7 @@ static void check_table(const fixture *f, char *const *lines, int count) {
     full_axes(axes);
     assert_int_equal(count, 1 + seeds * f->places);
     assert_string_equal(lines[0], "omega,d,pass,seed,verdict,impacts,periods,sticking,attractor,settled,"
-                                  "settled_impacts,recorded,largest,smallest,impact_rate,largest_speed,"
+                                  "settled_impacts,recorded,largest,smallest,rms,impact_rate,largest_speed,"
                                   "contact_fraction,lyapunov,lyapunov_error,lifetime_at_least,label");
     for (int line = 1; line < count; line++) {
         int row = line - 1, place = row / seeds, s = row % seeds;
@@ -1181,11 +1183,14 @@ static void check_table(const fixture *f, char *const *lines, int count) {
         check_word(&text, place < 35 ? "reset" : "down");
         check_number(&text, s);
         check_word(&text, verdicts[r->verdict]);
-        const double whole[] = {r->impacts,          r->periods,         r->sticking,
-                                r->attractor,        (double)r->settled, (double)r->settled_impacts,
-                                (double)r->recorded, r->largest,         r->smallest,
-                                r->impact_rate,      r->largest_speed,   r->contact_fraction,
-                                r->lyapunov,         r->lyapunov_error,  r->lifetime_at_least};
+        const double whole[] = {r->impacts,          r->periods,
+                                r->sticking,         r->attractor,
+                                (double)r->settled,  (double)r->settled_impacts,
+                                (double)r->recorded, r->largest,
+                                r->smallest,         r->rms,
+                                r->impact_rate,      r->largest_speed,
+                                r->contact_fraction, r->lyapunov,
+                                r->lyapunov_error,   r->lifetime_at_least};
         for (size_t k = 0; k < sizeof whole / sizeof *whole; k++)
             check_number(&text, whole[k]);
         char label[32];

@@ -316,7 +316,7 @@ static void names_are_those_of_the_text(void **state) {
     assert_int_equal(run(f, "check duffing --set y=1"), 2);
     text = said(f, "err");
     assert_non_null(strstr(text, "\"y\": unknown key; the keys here are "));
-    assert_non_null(strstr(text, "omega, sides, d, r, x, x'"));
+    assert_non_null(strstr(text, "omega, sides, d, r, observe, x, x'"));
     free(text);
     saltus_scene scene;
     saltus_message message = {.text = ""};

@@ -86,6 +86,15 @@ static void turnings_are_distinct_and_alternate(void **unused) {
         for (int integrator = SALTUS_TAYLOR; integrator <= SALTUS_RADAU; integrator++) {
             scene s = scene_of((scene_name)name);
             turning_tally tally = follow(&s, (saltus_integrator)integrator, 12);
+            static const char *const others[] = {"q1", "q2", "stop2", "0.3"};
+            for (int k = 0; k < 4; k++) {
+                saltus_system *system = NULL;
+                scene other = s;
+                strcpy(other.spec.observe, others[k]);
+                if (saltus_system_new(&other.spec, &system, NULL) == SALTUS_OK)
+                    follow(&other, (saltus_integrator)integrator, 5);
+                saltus_system_free(system);
+            }
             assert_true(tally.maxima + tally.minima + tally.contacts > 7 || name == scene_steady_pipe);
             if (s.spec.stop_count == 0)
                 assert_true(abs(tally.maxima - tally.minima) <= 1);

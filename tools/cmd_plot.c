@@ -44,8 +44,9 @@ typedef struct plot_wishes {
 
 /* The words of saltus_show and saltus_view, in their order after the automatic choice. */
 static const char *const shows[] = {"speed", "impacts", "displacement", "velocity", "period", NULL};
-static const char *const views[] = {"turning", "impacts", "stroboscopic", "class",    "attractors", "largest",
-                                    "speed",   "rate",    "contact",      "lyapunov", "settled",    NULL};
+static const char *const views[] = {"turning", "impacts", "stroboscopic", "class",   "attractors", "largest",
+                                    "rms",     "speed",   "rate",         "contact", "lyapunov",   "settled",
+                                    NULL};
 
 /* "key=value," at the beginning of a text; what follows it, or NULL. */
 static const char *read_place(const char *text, char key[SALTUS_KEY_MAX], double *value) {

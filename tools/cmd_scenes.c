@@ -32,6 +32,7 @@ static const cli_example scenes_examples[] = {
     {"scenes", "list them"},
     {"scenes two-stops > mine.yaml", "a scene to change"},
     {"check mine.yaml --set d2=0.9 q1=0.2", "what it means with another second clearance and another start"},
+    {"sweep two-mass --set observe=q2 --over omega=0.9:1.3:200 -o x2.h5", "diagrams of the second mass"},
     {NULL, NULL}};
 
 const cli_command cmd_scenes = {
@@ -48,7 +49,12 @@ const cli_command cmd_scenes = {
         "(displacements, or amplitudes of modes) and v (their rates); --set q1=0.2 v1=0 changes single "
         "entries, and q1, v1, ... are axes of --over. Without initial: the system starts from a small "
         "displacement. Random initial states are drawn by --seeds k, differently for each --seed s: k of "
-        "them by saltus classify, the scene's own and k - 1 others at each point by saltus sweep.\nEquations "
+        "them by saltus classify, the scene's own and k - 1 others at each point by saltus sweep.\n"
+        "Displacement diagrams, largest and smallest displacements, root mean squares and spectra are of the "
+        "first stop's coordinate. observe: in a scene, or --set observe=, chooses another displacement: "
+        "stop2 "
+        "is that of the second stop, q2 that entry of the state, 0.3 the place xi = 0.3 of a "
+        "pipe.\nEquations "
         "of one's own stand under model: instead of a name; saltus help text tells "
         "how.",
     .options = no_options,

@@ -45,7 +45,7 @@ static const manual_part parts[] = {
     {MANUAL_WORDS,
      "named quantities, columns of saltus simulate -o run.csv. The first one, where it is a sum of "
      "displacements, is what diagrams show; otherwise the first stop's coordinate, or the first "
-     "displacement."},
+     "displacement. --set observe=NAME chooses another."},
     {MANUAL_TERM, "scale"},
     {MANUAL_WORDS, "typical sizes by the names of the state, for random starts and distances, where the "
                    "program's guess will "
@@ -59,11 +59,12 @@ static const manual_part parts[] = {
      "with < <= > >= == !=, whose branch that is not taken is not looked at where numbers decide. abs, sign, "
      "min, max, step and mod, and what if compares, may have parameters, constants and indices in them, but "
      "neither states nor time."},
-    {MANUAL_WORDS, "Reserved are the names of functions, t, phase, pi, speed, and d, r, xi, sides with or "
-                   "without a number. "
-                   "Where an expression has no value, as sqrt(p) below zero, the motion ends, and the "
-                   "message tells the part "
-                   "and the time."},
+    {MANUAL_WORDS,
+     "Reserved are the names of functions, t, phase, pi, speed, observe, and d, r, xi, sides with or "
+     "without a number. "
+     "Where an expression has no value, as sqrt(p) below zero, the motion ends, and the "
+     "message tells the part "
+     "and the time."},
     {MANUAL_HEAD, "THE REST OF THE SCENE"},
     {MANUAL_TERM, "stop, stops"},
     {MANUAL_WORDS,

@@ -120,6 +120,7 @@ typedef enum saltus_view {
     SALTUS_VIEW_CLASS,      /* n/p */
     SALTUS_VIEW_ATTRACTORS, /* how many, or which one of basins */
     SALTUS_VIEW_LARGEST,    /* displacement */
+    SALTUS_VIEW_RMS,        /* its root mean square */
     SALTUS_VIEW_SPEED,      /* largest impact speed */
     SALTUS_VIEW_RATE,       /* impacts per period */
     SALTUS_VIEW_CONTACT,    /* part of the time in contact */

@@ -89,6 +89,8 @@ typedef struct saltus_flow_info {
     long long field_evaluations; /* Taylor: orders expanded; Radau: node evaluations */
     long long impacts, sticks, releases;
     double log_volume; /* sum of 2 ln r over the impacts: the impacts' share of the sum rule */
+    double square; /* integral of the observed displacement's square over the time, in units of T, in which
+                      turning points were watched; of the step's polynomials exactly */
 } saltus_flow_info;
 
 typedef struct saltus_flow saltus_flow;

@@ -113,10 +113,11 @@ typedef struct saltus_motion {
     double contact_force[SALTUS_FACES_MAX]; /* held: at section phase 0, as saltus_flow_forces has them */
     double largest, smallest; /* of the observed displacement over the orbit, or over 400 periods of a motion
                                  without one; of its last state where the search was stopped early */
-    long long transient;      /* periods simulated before the verdict */
-    double lyapunov;       /* largest exponent per unit of time: of an orbit ln |multiplier| / (p T), else as
-                              measured; NAN where it was not */
-    double lyapunov_error; /* its standard error; 0 for an orbit's */
+    double rms;          /* root mean square of the same, about zero; NAN where these were not gone through */
+    long long transient; /* periods simulated before the verdict */
+    double lyapunov;     /* largest exponent per unit of time: of an orbit ln |multiplier| / (p T), else as
+                            measured; NAN where it was not */
+    double lyapunov_error;        /* its standard error; 0 for an orbit's */
     saltus_integrator integrator; /* that was asked for; automatic: the system's own */
     saltus_evidence evidence;     /* of motions without a period */
 } saltus_motion;

@@ -31,7 +31,8 @@ saltus_status saltus_scene_parse(const char *text, size_t length, const char *or
  * they need it; copies of a scene or of its specification are good as long as the scene is, or a system made
  * of them. A zeroed scene is accepted. */
 void saltus_scene_clear(saltus_scene *scene);
-/* Apply one `key=value`: a parameter of the model, or d, r, xi, sides, weight of the stop(s). With several
+/* Apply one `key=value`: a parameter of the model, `observe` (saltus_spec), or d, r, xi, sides, weight of the
+ * stop(s). With several
  * stops `d=` sets all of them and `d1=`, `d2=`, ... the first, second, ... one. `q1=`, `v1=`, ... set entries
  * of the initial state, and so do the names of a text (saltus_system_state_name); in a scene that gives none
  * the others stay those of the system's default state. The scene is unchanged on error. */

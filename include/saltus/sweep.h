@@ -122,6 +122,7 @@ typedef struct saltus_sweep_row {
     long long settled_impacts; /* impacts on the way */
     long long recorded;        /* periods recorded */
     double largest, smallest;  /* observed displacement; NAN where nothing was recorded */
+    double rms;                /* its root mean square */
     double impact_rate;        /* impacts per forcing period, those simulated one by one */
     double largest_speed;      /* of an impact; 0 without any */
     double contact_fraction;   /* part of the time in contact */

@@ -18,7 +18,8 @@ enum {
     SALTUS_PARAMETERS_MAX = 24, /* parameters of one model */
     SALTUS_STOPS_MAX = 4,       /* stops of one scene; a two-sided stop counts once */
     SALTUS_FACES_MAX = 8,       /* one-sided contacts: two for each two-sided stop */
-    SALTUS_STATE_MAX = 288      /* length of a state */
+    SALTUS_STATE_MAX = 288,     /* length of a state */
+    SALTUS_OBSERVE_MAX = 40     /* bytes of the name of what is observed */
 };
 
 /* One entry of an option or parameter table: it gives the default, the check, `--set`, `--help` and file
@@ -96,6 +97,11 @@ typedef struct saltus_spec {
     double parameters[SALTUS_PARAMETERS_MAX]; /* in the order of the model's table */
     saltus_stop stops[SALTUS_STOPS_MAX];
     int stop_count;
+    /* The displacement that turning points, extremes, spectra and diagrams are of: a displacement by its name
+     * (saltus_system_state_name), a stop's coordinate (stop1, stop2, ...), a quantity that a text observes,
+     * or a place on a line (0.3). "": the text's first quantity, where that is a sum of displacements, else
+     * the first stop's coordinate, else the middle of a line or the first displacement. */
+    char observe[SALTUS_OBSERVE_MAX];
 } saltus_spec;
 
 /* The key that places a stop of the model, xi or weight, and its numbers in a stop: *count of them, where one
@@ -199,9 +205,13 @@ double saltus_system_gap(const saltus_system *system, int face, const double *st
 const double *saltus_system_scale(const saltus_system *system);
 /* Largest difference between two states, each entry relative to its scale. */
 double saltus_system_distance(const saltus_system *system, const double *a, const double *b);
-/* The row vector of the displacement that diagrams show: the first stop's contact coordinate; without a stop
- * the pipe's midpoint or the oscillator's first mass. */
+/* The row vector of the observed displacement, which diagrams show: what the specification chooses
+ * (saltus_spec, observe). */
 const double *saltus_system_observer(const saltus_system *system);
+/* Whether a stop limits that displacement itself. */
+bool saltus_system_stop_observed(const saltus_system *system, int stop);
+/* Where on a line it is the displacement, 0 < xi < 1; NAN where it is none of a place. */
+double saltus_system_observed_place(const saltus_system *system);
 /* What it is called: an observed quantity's name, the first stop's coordinate, the first displacement; NULL
  * for built-in models, which have symbols for it (saltus_notation). */
 const char *saltus_system_observed_name(const saltus_system *system);

@@ -129,7 +129,7 @@ static double turning_value(const saltus_plot_page *page, const saltus_branch_po
     for (int f = 0; f < saltus_system_face_count(page->system); f++) {
         saltus_face face = saltus_system_face(page->system, f);
         if (face.stop + 1 == point->grazing_stop && face.side == point->grazing_side &&
-            saltus_stop_observed(page->system, face.stop))
+            saltus_system_stop_observed(page->system, face.stop))
             return face.side * point->spec.stops[face.stop].d;
     }
     return largest;
@@ -188,7 +188,7 @@ static saltus_status find_turnings(const saltus_branch_point *point, saltus_visi
         const saltus_event *event = &lap.events[k];
         bool turns = event->kind == SALTUS_TURNING ||
                      (event->kind != SALTUS_RELEASE &&
-                      saltus_stop_observed(system, saltus_system_face(system, event->face).stop));
+                      saltus_system_stop_observed(system, saltus_system_face(system, event->face).stop));
         if (turns)
             visits->list[visits->count++] =
                 (saltus_visit){saltus_time_periods(event->time), event->displacement, -1};

@@ -172,9 +172,7 @@ size_t saltus_line_piece(const char *text, int letters) {
 }
 
 void saltus_observed_name(const saltus_system *system, bool velocity, char *text, size_t room) {
-    const saltus_spec *spec = saltus_system_spec(system);
-    const double *observer = saltus_system_observer(system);
-    double xi = spec->stop_count ? spec->stops[0].xi : 0.5;
+    const double *observer = saltus_system_observer(system), xi = saltus_system_observed_place(system);
     bool single_mass = saltus_system_dof(system) > 1
                            ? observer[0] + observer[1] == 1 && observer[0] * observer[1] == 0
                            : observer[0] == 1;

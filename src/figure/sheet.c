@@ -31,7 +31,7 @@ static void put_stops(const saltus_sheet *sheet, bool vertical) {
     for (int f = 0; f < saltus_system_face_count(sheet->system); f++) {
         saltus_face face = saltus_system_face(sheet->system, f);
         double d = face.side * face.d, end = face.side > 0 ? range.high : range.low;
-        if (!saltus_stop_observed(sheet->system, face.stop) || !(d > range.low && d < range.high))
+        if (!saltus_system_stop_observed(sheet->system, face.stop) || !(d > range.low && d < range.high))
             continue;
         if (vertical)
             fprintf(sheet->file,

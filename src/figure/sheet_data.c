@@ -40,7 +40,7 @@ static void find_ranges(saltus_sheet *sheet) {
     for (int f = 0; f < saltus_system_face_count(sheet->system); f++) {
         saltus_face face = saltus_system_face(sheet->system, f);
         double d = face.side * face.d;
-        if (saltus_stop_observed(sheet->system, face.stop) && d > x.low - 0.6 * width &&
+        if (saltus_system_stop_observed(sheet->system, face.stop) && d > x.low - 0.6 * width &&
             d < x.high + 0.6 * width)
             saltus_range_add(&x, d);
     }

@@ -297,9 +297,9 @@ void saltus_classes_close(saltus_classes *classes) {
 }
 
 const char *saltus_view_word(saltus_view view) {
-    static const char *const words[] = {"automatic", "turning",    "impacts",  "stroboscopic",
-                                        "class",     "attractors", "largest",  "speed",
-                                        "rate",      "contact",    "lyapunov", "settled"};
+    static const char *const words[] = {"automatic",  "turning",  "impacts", "stroboscopic", "class",
+                                        "attractors", "largest",  "rms",     "speed",        "rate",
+                                        "contact",    "lyapunov", "settled"};
     return words[view];
 }
 
@@ -315,6 +315,8 @@ double saltus_sweep_measure(saltus_view view, const saltus_sweep_row *row) {
         return row->verdict == SALTUS_PERIODIC ? row->periods : NAN;
     case SALTUS_VIEW_LARGEST:
         return row->largest;
+    case SALTUS_VIEW_RMS:
+        return row->rms;
     case SALTUS_VIEW_SPEED:
         return row->largest_speed;
     case SALTUS_VIEW_RATE:

@@ -129,7 +129,7 @@ static bool shows_displacement(const saltus_sweep_page *page) {
 
 /* Whether the figure shows displacements that a face limits. */
 static bool limits(const saltus_sweep_page *page, saltus_face face) {
-    return shows_displacement(page) && saltus_stop_observed(page->system, face.stop);
+    return shows_displacement(page) && saltus_system_stop_observed(page->system, face.stop);
 }
 
 /* Room for the branches that are drawn over the cloud. */

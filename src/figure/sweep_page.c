@@ -15,6 +15,7 @@ static const char *subject(const saltus_sweep_page *page) {
                                            [SALTUS_VIEW_CLASS] = "{/:Italic n}/{/:Italic p} motions",
                                            [SALTUS_VIEW_ATTRACTORS] = "number of attractors",
                                            [SALTUS_VIEW_LARGEST] = "largest displacement",
+                                           [SALTUS_VIEW_RMS] = "root mean square",
                                            [SALTUS_VIEW_SPEED] = "largest impact speed",
                                            [SALTUS_VIEW_RATE] = "impacts per period",
                                            [SALTUS_VIEW_CONTACT] = "time in contact",
@@ -36,6 +37,7 @@ void saltus_sweep_name_measure(const saltus_sweep_page *page, saltus_line *line)
                  [SALTUS_VIEW_STROBOSCOPIC] = {"", "  at phase 0", true},
                  [SALTUS_VIEW_IMPACTS] = {"speed of every impact  |{/:Bold n·q′}|", "", false},
                  [SALTUS_VIEW_LARGEST] = {"largest ", "", true},
+                 [SALTUS_VIEW_RMS] = {"root mean square of the ", "", true},
                  [SALTUS_VIEW_SPEED] = {"largest impact speed  |{/:Bold n·q′}|", "", false},
                  [SALTUS_VIEW_RATE] = {"impacts per forcing period", "", false},
                  [SALTUS_VIEW_CONTACT] = {"part of the time in contact", "", false},
@@ -48,7 +50,7 @@ void saltus_sweep_name_measure(const saltus_sweep_page *page, saltus_line *line)
         saltus_line_add(line, "velocity at impact  {/:Bold n·q′}");
         return;
     }
-    if (words[page->view].displacement && strncmp(page->x.key, "xi", 2) == 0)
+    if (words[page->view].displacement && strncmp(page->x.key, "xi", 2) == 0 && !page->sweep->spec.observe[0])
         snprintf(name, sizeof name, "displacement {/:Italic η}({/:Italic ξ}, {/:Italic τ})");
     else if (words[page->view].displacement)
         saltus_observed_name(page->system, false, name, sizeof name);

@@ -118,6 +118,8 @@ void saltus_column_settle(saltus_flow *flow, int lane, int column) {
 
 double saltus_column_observer(const saltus_flow *flow, int column, const double *vector) {
     const saltus_parameter_column *own = parameter_of(flow, column);
-    bool stops = flow->lane[0].system->spec.stop_count > 0;
-    return own && stops ? saltus_dot(own->variation.normal[0], vector, flow->dof) : 0;
+    const saltus_system *system = flow->lane[0].system;
+    const int row = system->observed_row;
+    return own && row < system->spec.stop_count ? saltus_dot(own->variation.normal[row], vector, flow->dof)
+                                                : 0;
 }

@@ -74,7 +74,7 @@ saltus_status saltus_work_open(saltus_work *work, const saltus_kernel *kernel, c
                           .columns = columns,
                           .directions = directions,
                           .tolerance = tolerance,
-                          .stops = system->spec.stop_count ? system->spec.stop_count : 1,
+                          .stops = system->spec.stop_count + 1, /* and the observed displacement */
                           .loaded.tape = system->tape,
                           .hold.count = system->face_count};
     kernel->reserve(work);

@@ -88,16 +88,33 @@ static void search_forces(const saltus_flow *flow, int lane, double step, saltus
     }
 }
 
-/* The observed displacement, the first stop's coordinate, is the first row of the gap series; its velocity's
- * zeros of either direction count. */
+/* Whether the contacts that hold keep the observed displacement, too: accelerations with them, a - push (pull
+ * . a), do not move it. */
+static bool observer_held(const saltus_lane *self) {
+    const saltus_contact_map *hold = &self->hold;
+    const double *observer = self->system->observer;
+    const int n = self->system->dof;
+    double left = 0, size = 0;
+    if (hold->count == 0)
+        return false;
+    for (int i = 0; i < n; i++) {
+        double moved = observer[i];
+        for (int k = 0; k < hold->count; k++)
+            moved -= saltus_dot(observer, hold->push + k * n, n) * hold->pull[k * n + i];
+        left = fmax(left, fabs(moved));
+        size = fmax(size, fabs(observer[i]));
+    }
+    return left <= 1e-12 * size;
+}
+
+/* Zeros of the observed velocity, of either direction. */
 static void search_turning(const saltus_flow *flow, int lane, double step, saltus_first_event *first) {
     const saltus_lane *self = &flow->lane[lane];
     int degree = degree_of(flow) - 1, touch = 0;
     double c[SALTUS_DEGREE_MAX + 1] = {0}, size = 0, root;
-    for (int k = 0; k < self->hold.count; k++)
-        if (self->system->faces[self->hold.face[k]].stop == 0)
-            return;
-    scaled_series(flow, lane, flow->work.gap, 0, 1, 1, degree, step, c);
+    if (observer_held(self))
+        return;
+    scaled_series(flow, lane, flow->work.gap, self->system->observed_row, 1, 1, degree, step, c);
     for (int k = 0; k <= degree; k++) {
         c[k] *= k + 1;
         size += fabs(c[k]);
@@ -113,6 +130,19 @@ static void search_turning(const saltus_flow *flow, int lane, double step, saltu
         c[k] *= sign;
     if (c[touch] != 0 && first_rise(c, degree, touch, &root))
         propose(first, SALTUS_TURNING, -1, root * step);
+}
+
+double saltus_events_square(const saltus_flow *flow, int lane, double step) {
+    const int degree = degree_of(flow);
+    double c[SALTUS_DEGREE_MAX + 1], sum = 0;
+    scaled_series(flow, lane, flow->work.gap, flow->lane[lane].system->observed_row, 0, 1, degree, step, c);
+    for (int k = 2 * degree; k >= 0; k--) {
+        double product = 0;
+        for (int i = k > degree ? k - degree : 0; i <= k && i <= degree; i++)
+            product = fma(c[i], c[k - i], product);
+        sum += product / (k + 1);
+    }
+    return sum * step;
 }
 
 /* Shift a polynomial's origin to `root`, an odd zero of it, and rescale what is left of [0, 1] to the whole.

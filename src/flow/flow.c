@@ -115,12 +115,12 @@ void saltus_flow_aim(saltus_flow *flow, int lane, saltus_time until, unsigned wa
     }
     self->target.until = saltus_time_after(until, 0);
     self->target.watch = watch;
-    /* Without stops the gap series has a row only where the observer is watched. */
-    bool turning = false;
+    /* A displacement that is no stop's coordinate has a row of the gap series only where it is watched. */
+    bool apart = false;
     for (int l = 0; l < flow->lanes; l++)
-        turning |= flow->lane[l].target.aimed && flow->lane[l].target.watch & SALTUS_WATCH_TURNING;
-    if (self->system->spec.stop_count == 0)
-        flow->work.stops = turning;
+        apart |= flow->lane[l].target.aimed && flow->lane[l].target.watch & SALTUS_WATCH_TURNING &&
+                 flow->lane[l].system->observed_row == flow->lane[l].system->spec.stop_count;
+    flow->work.stops = self->system->spec.stop_count + apart;
 }
 
 /* A lane cannot go on from where it is: what in the equations has no value there is told, too. */
@@ -321,6 +321,8 @@ static saltus_status conclude(saltus_flow *flow, int lane) {
     double gap = 0;
     if (self->system->guarded && !defined_since(flow, lane, step))
         return fail_undefined(flow, lane, step);
+    if (self->target.watch & SALTUS_WATCH_TURNING)
+        self->info.square += saltus_events_square(flow, lane, step) / self->system->period;
     bool sound =
         quiet || saltus_events_carry(flow, lane, step, contact_event ? self->pending.face : -1, &gap);
     pass_time(flow, lane, contact_event);

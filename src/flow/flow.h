@@ -188,12 +188,14 @@ double saltus_column_normal(const saltus_flow *flow, int lane, int face, int col
 void saltus_column_impact(saltus_flow *flow, int lane, const saltus_contact_map *map, unsigned elastic,
                           const double *velocity, int column);
 /* How the observer's row itself changes with a tangent vector, times a vector: zero but for a parameter
- * column that moves the first stop. */
+ * column that moves the stop whose coordinate is observed. */
 double saltus_column_observer(const saltus_flow *flow, int column, const double *vector);
 
 /* events.c */
 /* The first event of a lane on the step just expanded, within `step`. */
 saltus_first_event saltus_events_first(saltus_flow *flow, int lane, double step);
+/* The integral of the observed displacement's square over the step, in units of time. */
+double saltus_events_square(const saltus_flow *flow, int lane, double step);
 /* Carry the faces' gap knowledge to the end of the step; false if a gap has opened beyond its stop (a lost
  * impact). */
 bool saltus_events_carry(saltus_flow *flow, int lane, double step, int event_face, double *gap);

@@ -99,16 +99,17 @@ static void reserve(saltus_flow *flow) {
         saltus_variation_reserve(&flow->parameter[d].variation, flow->lane[0].system, arena);
 }
 
-/* The first row of the gap series is the observed displacement, in scenes without a stop too. */
+/* Behind the stops' rows of the gap series there is one of the observed displacement, for what is no stop's
+ * coordinate. */
 static void load_system(saltus_work *work, const saltus_kernel *kernel, int lane,
                         const saltus_system *system) {
     const int rows = work->stops;
     work->stops = system->spec.stop_count;
     kernel->load(work, lane, system);
     work->stops = rows;
-    if (system->spec.stop_count == 0)
-        for (int i = 0; i < system->dof; i++)
-            work->loaded.normal[i * work->lanes + lane] = system->observer[i];
+    double *row = work->loaded.normal + system->spec.stop_count * work->row;
+    for (int i = 0; i < system->dof; i++)
+        row[i * work->lanes + lane] = system->observer[i];
 }
 
 static saltus_status open_works(saltus_flow *flow, bool stiff) {

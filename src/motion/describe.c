@@ -75,6 +75,7 @@ saltus_status saltus_motion_take(const saltus_system *system, saltus_flow *flow,
     motion->counted = motion->periods;
     motion->largest = lap->largest;
     motion->smallest = lap->smallest;
+    motion->rms = saltus_lap_rms(lap);
     motion->section_states = lap->points;
     motion->events = lap->events;
     motion->event_count = lap->event_count;
@@ -186,10 +187,11 @@ saltus_status saltus_motion_rest(const saltus_system *system, saltus_flow *flow,
     saltus_flow_state(flow, 0, motion->state);
     saltus_status status = rests ? polish_rest(system, options, motion, message) : SALTUS_OK;
     motion->largest = motion->smallest = saltus_system_observed(system, motion->state);
+    motion->rms = fabs(motion->largest);
+    const double nothing[SALTUS_STATE_MAX] = {0};
+    const bool upright = saltus_system_distance(system, motion->state, nothing) < 1e-9;
     if (symmetric)
-        motion->mirror = !rests                                                          ? SALTUS_MIRROR_OPEN
-                         : fabs(motion->largest) < 1e-9 * saltus_system_scale(system)[0] ? SALTUS_MIRROR_SELF
-                                                                                         : SALTUS_MIRROR_PAIR;
+        motion->mirror = !rests ? SALTUS_MIRROR_OPEN : upright ? SALTUS_MIRROR_SELF : SALTUS_MIRROR_PAIR;
     if (status == SALTUS_OK && motion->verdict == SALTUS_HELD)
         status = measure_forces(system, options, motion, message);
     saltus_verdict_label(motion->verdict, motion->impacts, motion->periods, motion->label);
@@ -207,6 +209,7 @@ saltus_status saltus_motion_survey(const saltus_system *system, saltus_flow *flo
     bool shift;
     motion->largest = lap.largest;
     motion->smallest = lap.smallest;
+    motion->rms = saltus_lap_rms(&lap);
     motion->mirror = saltus_system_mirror_symmetric(system, &shift) ? SALTUS_MIRROR_OPEN : SALTUS_MIRROR_NONE;
     if (status == SALTUS_OK) {
         memcpy(motion->impacts_by_face, lap.impacts_by_face, sizeof lap.impacts_by_face);

@@ -121,7 +121,8 @@ static bool take_event(recorder *self, const saltus_event *event) {
         return false;
     r->events[r->event_count] = *event;
     r->event_rows[r->event_count++] = row;
-    bool jumps = event->kind != SALTUS_RELEASE, observed_stop = face.stop == 0;
+    bool jumps = event->kind != SALTUS_RELEASE,
+         observed_stop = saltus_system_stop_observed(self->system, face.stop);
     saltus_flow_state(self->flow, 0, state);
     if (jumps && !add_row(self, saltus_time_periods(now), state))
         return false;

@@ -28,7 +28,8 @@ void saltus_lap_begin(saltus_lap *lap, const saltus_system *system, const double
 /* On the observed point's own stop the event's displacement is more accurate than a sum over the modes. */
 double saltus_event_displacement(const saltus_system *system, const saltus_event *event,
                                  const double *state) {
-    bool own = event->kind == SALTUS_TURNING || saltus_system_face(system, event->face).stop == 0;
+    bool own = event->kind == SALTUS_TURNING ||
+               saltus_system_stop_observed(system, saltus_system_face(system, event->face).stop);
     return own ? event->displacement : saltus_system_observed(system, state);
 }
 
@@ -72,6 +73,8 @@ saltus_status saltus_lap_run(saltus_lap *lap, saltus_flow *flow, saltus_time unt
     unsigned watch = SALTUS_WATCH_CONTACT | (turnings ? SALTUS_WATCH_TURNING : 0);
     double state[SALTUS_STATE_MAX];
     saltus_event event = {.kind = SALTUS_STEP};
+    const double begin = saltus_time_periods(saltus_flow_time(flow, 0)),
+                 square = saltus_flow_information(flow, 0).square;
     while (event.kind != SALTUS_REACHED) {
         saltus_status status = saltus_flow_advance(flow, until, watch, &event, message);
         if (status != SALTUS_OK)
@@ -81,6 +84,10 @@ saltus_status saltus_lap_run(saltus_lap *lap, saltus_flow *flow, saltus_time unt
             return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the events of an orbit");
     }
     lap->contacts = saltus_flow_contacts(flow, 0);
+    if (turnings) {
+        lap->square += saltus_flow_information(flow, 0).square - square;
+        lap->watched += saltus_time_periods(until) - begin;
+    }
     return SALTUS_OK;
 }
 
@@ -115,6 +122,10 @@ void saltus_lap_close(saltus_lap *lap) {
     free(lap->events);
     free(lap->points);
     *lap = (saltus_lap){0};
+}
+
+double saltus_lap_rms(const saltus_lap *lap) {
+    return lap->watched > 0 ? sqrt(fmax(lap->square, 0) / lap->watched) : NAN;
 }
 
 /* A lasting contact on a face with r > 0 begins with infinitely many impacts, unless one impact too

@@ -25,6 +25,7 @@ typedef struct saltus_lap {
     int sticks, releases;
     bool rebounding_contact;  /* a face with r > 0 holds for a while */
     double largest, smallest; /* observed displacement, at the start and at each event */
+    double square, watched;   /* its square's integral over this time, in units of T; set by saltus_lap_run */
     unsigned contacts;        /* lasting ones at the end; set by saltus_lap_run */
     saltus_event *events;     /* event_count of them in order; times as the flow's */
     int event_count, event_room;
@@ -55,6 +56,8 @@ bool saltus_event_strikes(const saltus_event *event);
 /* The observed displacement at a contact event or a turning point, after which the flow is at `state`. */
 double saltus_event_displacement(const saltus_system *system, const saltus_event *event, const double *state);
 
+/* Root mean square of the observed displacement; NAN where turning points were not watched. */
+double saltus_lap_rms(const saltus_lap *lap);
 /* Impacts per orbit; -1 where complete chatter makes them infinitely many. */
 long long saltus_lap_impacts(const saltus_lap *lap);
 /* Sticking intervals per orbit, by their beginnings or their ends, whichever are more: a lap may begin within

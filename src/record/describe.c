@@ -86,6 +86,8 @@ static void put_parameters(FILE *file, const saltus_spec *spec) {
         fprintf(file, "%s%s = ", k ? ", " : "", p[k].name);
         saltus_put_number(file, spec->parameters[k]);
     }
+    if (spec->observe[0])
+        fprintf(file, ", observe = %s", spec->observe);
     for (int s = 0; s < spec->stop_count; s++) {
         fprintf(file, "\n# stop %d: ", s + 1);
         saltus_put_stop(file, spec, s);
@@ -136,9 +138,4 @@ bool saltus_multiplier_pair(const saltus_motion *motion, int k) {
 bool saltus_key_means(const char *key, const char *name, int s) {
     size_t length = strlen(name);
     return strncmp(key, name, length) == 0 && (!key[length] || atoi(key + length) == s + 1);
-}
-
-bool saltus_stop_observed(const saltus_system *system, int stop) {
-    const double *a = saltus_system_stop_normal(system, stop), *b = saltus_system_observer(system);
-    return memcmp(a, b, (size_t)saltus_system_dof(system) * sizeof *a) == 0;
 }

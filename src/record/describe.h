@@ -31,8 +31,6 @@ void saltus_motion_summary(const saltus_motion *motion, char text[64]);
 const saltus_notation *saltus_notation_of(const saltus_system *system);
 /* Whether a key of --set, which may end in the number of a stop, is the property `name` of stop s. */
 bool saltus_key_means(const char *key, const char *name, int s);
-/* Whether a stop limits the observed coordinate itself. */
-bool saltus_stop_observed(const saltus_system *system, int stop);
 /* Impacts per response cycle: the principal parametric response of a pipe takes 2 T. NaN where n or p is
  * unknown. */
 double saltus_impacts_per_response(const saltus_system *system, const saltus_motion *motion);

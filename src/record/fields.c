@@ -132,7 +132,8 @@ static const saltus_field sample_fields[] = {
     COLUMN("time", "T", "time from the start of the recording in forcing periods", SALTUS_REAL),
     COLUMN("states", "1", "displacements q, velocities q', further states, one row per sample", SALTUS_REAL,
            OF_DIMENSION),
-    COLUMN("displacement", "1", "observed displacement (contact coordinate of the first stop)", SALTUS_REAL),
+    COLUMN("displacement", "1", "observed displacement (observe; else the first stop's coordinate)",
+           SALTUS_REAL),
     COLUMN("velocity", "1", "rate of the observed displacement", SALTUS_REAL),
 };
 const saltus_field_table saltus_sample_fields = SALTUS_TABLE(sample_fields);
@@ -161,6 +162,7 @@ static const saltus_field line_fields[] = {
     ROW(recorded, "T", "forcing periods recorded", SALTUS_LONG),
     ROW(largest, "1", "largest observed displacement of the recording; NaN without one", SALTUS_REAL),
     ROW(smallest, "1", "smallest observed displacement of the recording; NaN without one", SALTUS_REAL),
+    ROW(rms, "1", "root mean square of the observed displacement, about zero", SALTUS_REAL),
     ROW(impact_rate, "1/T", "impacts per forcing period, those simulated one by one", SALTUS_REAL),
     ROW(largest_speed, "1", "largest speed of an impact; 0 without any", SALTUS_REAL),
     ROW(contact_fraction, "1", "part of the time in contact", SALTUS_REAL),

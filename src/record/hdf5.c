@@ -191,6 +191,8 @@ void saltus_h5_put_head(saltus_h5 *w, const char *kind, const char *scene, const
     saltus_h5_text(w, w->file, "model", saltus_model_name(spec->model));
     if (saltus_model_text(spec->model))
         saltus_h5_text(w, w->file, "equations", saltus_model_text(spec->model));
+    if (spec->observe[0])
+        saltus_h5_text(w, w->file, "observe", spec->observe);
     put_state_names(w, spec);
     saltus_h5_integer(w, w->file, "complete", complete);
     put_parameters(w, spec);
@@ -354,6 +356,9 @@ static saltus_status get_parameters(const saltus_h5_reader *r, const saltus_mode
         if (!get_stop(r->file, name, stop_table(model), &spec->stops[spec->stop_count]))
             return saltus_h5_refuse_part(r, name, "d, r, sides");
     }
+    if (H5Aexists(r->file, "observe") > 0 &&
+        !saltus_h5_get_text(r->file, "observe", spec->observe, sizeof spec->observe))
+        return saltus_h5_refuse(r, "its attribute observe must be a name");
     return SALTUS_OK;
 }
 

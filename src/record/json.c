@@ -230,6 +230,8 @@ void saltus_json_parameters(FILE *file, const saltus_spec *spec) {
         saltus_put_string(file, saltus_model_name(spec->model));
     for (int k = 0; k < count; k++)
         saltus_json_member(file, p[k].name, spec->parameters[k]);
+    if (spec->observe[0])
+        saltus_json_text(file, "observe", spec->observe);
     if (spec->stop_count) {
         fputs(", ", file);
         put_stop(file, spec, 0);
@@ -285,6 +287,7 @@ void saltus_write_motion_json(FILE *file, const saltus_scene *scene, const saltu
                               NULL);
     saltus_json_member(file, "largest_displacement", motion->largest);
     saltus_json_member(file, "smallest_displacement", motion->smallest);
+    saltus_json_member(file, "rms_displacement", motion->rms);
     fprintf(file, ", \"transient\": %lld", motion->transient);
     saltus_json_text(file, "reason", motion->reason);
     saltus_json_parameters(file, saltus_system_spec(system));

@@ -444,9 +444,11 @@ saltus_status saltus_start_apply(const saltus_start *start, const char *name, sa
     /* A title describes the scene as it was written. */
     if (!saltus_spec_equal(&scene->spec, &start->spec))
         scene->title[0] = '\0';
-    const saltus_model *own = scene->spec.model;
+    const saltus_spec own = scene->spec;
     scene->spec = start->spec;
-    scene->spec.model = own;
+    scene->spec.model = own.model;
+    if (own.observe[0])
+        memcpy(scene->spec.observe, own.observe, sizeof own.observe);
     if (start->dimension)
         scene->initial_count = 0;
     return SALTUS_OK;

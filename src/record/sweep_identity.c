@@ -54,6 +54,8 @@ static void put_spec(const writer *w, const saltus_spec *spec) {
     put_word(w, "model", saltus_model_name(spec->model));
     for (int k = 0; k < count; k++)
         put_real(w, p[k].name, spec->parameters[k]);
+    if (spec->observe[0])
+        put_word(w, "observe", spec->observe);
     put_whole(w, "stops", spec->stop_count);
     for (int s = 0; s < spec->stop_count; s++) {
         fprintf(w->file, "%sstop %d = ", w->prefix, s + 1);

@@ -207,7 +207,10 @@ void saltus_write_motion_text(FILE *file, const saltus_scene *scene, const saltu
         fprintf(file, "  %-14s%.10g per unit of time, the largest\n", "exponent", motion->lyapunov);
     put_evidence(file, motion);
     fprintf(file, "  %-14s%s\n", "mirror", mirror[motion->mirror]);
-    fprintf(file, "  %-14s%.7g to %.7g\n", "displacement", motion->smallest, motion->largest);
+    fprintf(file, "  %-14s%.7g to %.7g", "displacement", motion->smallest, motion->largest);
+    if (!isnan(motion->rms))
+        fprintf(file, ", root mean square %.7g", motion->rms);
+    fputc('\n', file);
     if (motion->transient) {
         fprintf(file, "  %-14s%lld period%s simulated", "settled", motion->transient,
                 plural(motion->transient));

@@ -35,8 +35,8 @@ static void put_header(const source *s, FILE *file) {
                 "names of the scene\n",
                 saltus_system_observed_name(system));
     else
-        fputs("# displacement, velocity: observed coordinate and its rate (contact coordinate of the first "
-              "stop; without a stop the pipe's midpoint or mass 1)\n"
+        fputs("# displacement, velocity: observed displacement and its rate (where observe does not say it: "
+              "contact coordinate of the first stop; without a stop the pipe's midpoint or mass 1)\n"
               "# q1.., v1..: displacements of the modes or masses and their rates; z1..: further states\n",
               file);
     fputs("# stop, side, event: an impact, stick or release, on the row just before it; the row just after "

@@ -123,7 +123,7 @@ static saltus_status check_keys(const saltus_source *source, const saltus_node *
         else if (strcmp(node->key, "model") == 0 && model && model->text)
             continue;
         else if (strcmp(node->key, "model") == 0 || strcmp(node->key, "title") == 0 ||
-                 is_parameter(model, node->key))
+                 strcmp(node->key, "observe") == 0 || is_parameter(model, node->key))
             status = node->kind == SALTUS_NODE_SCALAR ? SALTUS_OK : fail_kind(source, node, single);
         else if (!others)
             status = fail_unknown(source, node, NULL, model);
@@ -197,6 +197,16 @@ static saltus_status read_title(const saltus_source *source, const saltus_node *
         if ((unsigned char)*c < 0x20 || *c == 0x7f)
             return saltus_node_fail(source, node, "title: must be one line without control characters");
     strcpy(scene->title, node->text);
+    return SALTUS_OK;
+}
+
+static saltus_status read_observe(const saltus_source *source, const saltus_node *root, saltus_spec *spec) {
+    const saltus_node *node = saltus_node_member(root, "observe");
+    if (!node)
+        return SALTUS_OK;
+    if (strlen(node->text) >= sizeof spec->observe)
+        return fail_value(source, node, node->key, "too long for a name");
+    strcpy(spec->observe, node->text);
     return SALTUS_OK;
 }
 
@@ -315,6 +325,8 @@ static saltus_status read_scene(const saltus_source *source, const saltus_node *
         status = read_parameters(source, root, made);
     if (status == SALTUS_OK)
         status = read_stops(source, root, made);
+    if (status == SALTUS_OK)
+        status = read_observe(source, root, &made->spec);
     if (status != SALTUS_OK)
         return status;
 

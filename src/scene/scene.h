@@ -66,7 +66,7 @@ saltus_status saltus_unknown_key(const saltus_source *source, int line, const ch
                                  const char *const *keys, int count);
 
 /* The keys that may stand at the top level of a scene of this model, or of any model when it is NULL. */
-enum { SALTUS_TOP_KEYS_MAX = SALTUS_PARAMETERS_MAX + 5 };
+enum { SALTUS_TOP_KEYS_MAX = SALTUS_PARAMETERS_MAX + 6 };
 int saltus_top_keys(const saltus_model *model, const char **keys);
 /* The keys of this model's stops: xi or weight, then the common ones. */
 int saltus_model_stop_keys(const saltus_model *model, const char **keys);

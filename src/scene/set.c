@@ -144,6 +144,14 @@ static saltus_status set_stop(saltus_scene *scene, int key, int number, const se
     return status;
 }
 
+/* Which names there are the whole scene tells: its system is asked when it is built. */
+static saltus_status set_observe(saltus_spec *spec, const setting *s, saltus_message *message) {
+    if (strlen(s->value) >= sizeof spec->observe)
+        return refuse_value(s, "too long for a name", message);
+    strcpy(spec->observe, s->value);
+    return SALTUS_OK;
+}
+
 static saltus_status set_initial(saltus_scene *scene, int entry, const setting *s, saltus_message *message) {
     double value;
     int dof = 0, dimension = dimension_of(&scene->spec, &dof);
@@ -177,7 +185,7 @@ static saltus_status refuse_entry(const saltus_scene *scene, int list, const set
 /* All that can be set: parameters, what stops have, and of a text the names of its state. */
 static saltus_status refuse_key(const saltus_scene *scene, const setting *s, saltus_message *message) {
     const saltus_model *model = scene->spec.model;
-    const char *keys[SALTUS_PARAMETERS_MAX + stop_keys + SALTUS_STATE_MAX];
+    const char *keys[SALTUS_PARAMETERS_MAX + stop_keys + 1 + SALTUS_STATE_MAX];
     saltus_state_name names[SALTUS_STATE_MAX];
     const saltus_source none = {.message = message};
     saltus_system *system = NULL;
@@ -189,6 +197,7 @@ static saltus_status refuse_key(const saltus_scene *scene, const setting *s, sal
         for (int k = 0; k < count; k++)
             if (strcmp(keys[k], model->stop_key) == 0)
                 keys[k] = keys[--count];
+    keys[count++] = "observe";
     if (model->text)
         saltus_system_new(&scene->spec, &system, NULL);
     for (int i = 0; system && i < saltus_system_dimension(system); i++) {
@@ -207,6 +216,8 @@ static saltus_status apply(saltus_scene *scene, const setting *s, saltus_message
     for (int k = 0; k < stop_keys; k++)
         if (saltus_key_numbered(s->key, saltus_stop_keys[k], &number))
             return set_stop(scene, k, number, s, message);
+    if (strcmp(s->key, "observe") == 0)
+        return set_observe(&scene->spec, s, message);
     saltus_spec free_spec = scene->spec; /* the state's length does not depend on stops */
     free_spec.stop_count = 0;
     int entry = saltus_spec_state_index(&free_spec, s->key);

@@ -21,6 +21,7 @@ int saltus_top_keys(const saltus_model *model, const char **keys) {
     keys[count++] = "stop";
     keys[count++] = "stops";
     keys[count++] = "initial";
+    keys[count++] = "observe";
     return count;
 }
 

@@ -41,7 +41,8 @@ static void begin_watch(saltus_sweep_trajectory *t, saltus_watch *watch, long lo
     t->active = watch;
     t->stage_end = saltus_sweep_trajectory_cycle(t) + periods;
     saltus_watch_begin(watch, t->system, watch == &t->watch ? t->sweep->options.keep : 0,
-                       saltus_flow_time(t->flow, t->lane), t->state, touching);
+                       saltus_flow_time(t->flow, t->lane), t->state, touching,
+                       saltus_sweep_trajectory_information(t).square);
 }
 
 static void begin_recording(saltus_sweep_trajectory *t) {
@@ -171,6 +172,11 @@ static saltus_next settling_on(saltus_sweep_trajectory *t) {
     return act_on(t, judgement);
 }
 
+static void measure(saltus_sweep_trajectory *t) {
+    saltus_watch_measure(&t->watch, saltus_flow_time(t->flow, t->lane), t->state,
+                         saltus_sweep_trajectory_information(t).square, &t->row);
+}
+
 /* The orbit has been gone around. */
 static saltus_next orbit_done(saltus_sweep_trajectory *t) {
     saltus_lap *lap = &t->active->lap;
@@ -182,12 +188,12 @@ static saltus_next orbit_done(saltus_sweep_trajectory *t) {
         t->row.periods = 0;
     }
     if (t->active == &t->watch)
-        saltus_watch_measure(&t->watch, saltus_flow_time(t->flow, t->lane), t->state, &t->row);
+        measure(t);
     return end_place(t);
 }
 
 static saltus_next recorded(saltus_sweep_trajectory *t) {
-    saltus_watch_measure(&t->watch, saltus_flow_time(t->flow, t->lane), t->state, &t->row);
+    measure(t);
     if (t->sweep->options.adaptive)
         return end_place(t);
     begin_settling(t);

@@ -260,6 +260,7 @@ saltus_sweep_row saltus_sweep_row_of(saltus_verdict verdict) {
                               .attractor = -1,
                               .largest = NAN,
                               .smallest = NAN,
+                              .rms = NAN,
                               .impact_rate = NAN,
                               .largest_speed = NAN,
                               .contact_fraction = NAN,

@@ -53,6 +53,7 @@ typedef struct saltus_watch {
     bool touching;
     int heading;    /* sign of the observed velocity */
     double contact; /* periods in contact */
+    double square;  /* the flow's integral of the observed displacement's square at the begin */
     double largest_speed;
     saltus_cloud clouds[SALTUS_CLOUDS];
     bool sound; /* no cloud has run out of memory */
@@ -60,13 +61,14 @@ typedef struct saltus_watch {
 
 /* Begin at a section point. Clouds keep their memory. */
 void saltus_watch_begin(saltus_watch *watch, const saltus_system *system, unsigned keep, saltus_time time,
-                        const double *state, bool touching);
+                        const double *state, bool touching, double square);
 /* `state` is that of now, for the events of contacts. */
 void saltus_watch_event(saltus_watch *watch, const saltus_event *event, const double *state, bool touching);
 /* A section point; not the last one of the recording, which would be counted twice. */
 void saltus_watch_section(saltus_watch *watch, const double *state);
-/* The measures of the recording, from its begin to `end`, where it is at `state`. */
-void saltus_watch_measure(const saltus_watch *watch, saltus_time end, const double *state,
+/* The measures of the recording, from its begin to `end`, where it is at `state`; `square` as at the begin.
+ */
+void saltus_watch_measure(const saltus_watch *watch, saltus_time end, const double *state, double square,
                           saltus_sweep_row *row);
 void saltus_watch_close(saltus_watch *watch);
 

@@ -54,6 +54,7 @@ saltus_flow_info saltus_sweep_trajectory_information(const saltus_sweep_trajecto
     info.impacts += t->before.impacts;
     info.sticks += t->before.sticks;
     info.releases += t->before.releases;
+    info.square += t->before.square;
     return info;
 }
 

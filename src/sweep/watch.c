@@ -40,7 +40,8 @@ static int heading_of(const saltus_system *system, const double *state) {
 }
 
 void saltus_watch_begin(saltus_watch *watch, const saltus_system *system, unsigned keep, saltus_time time,
-                        const double *state, bool touching) {
+                        const double *state, bool touching, double square) {
+    watch->square = square;
     watch->keep = keep;
     watch->begin = watch->touched = time;
     watch->touching = touching;
@@ -63,7 +64,7 @@ static void see_turn(saltus_watch *watch, const saltus_event *event, const doubl
     const saltus_system *system = watch->lap.system;
     bool contact = event->kind != SALTUS_TURNING;
     int heading = contact ? heading_of(system, state) : sign_of(event->velocity_before);
-    bool own = contact && saltus_system_face(system, event->face).stop == 0;
+    bool own = contact && saltus_system_stop_observed(system, saltus_system_face(system, event->face).stop);
     bool turns = !contact || (own ? saltus_event_strikes(event) : heading * watch->heading < 0);
     double displacement = saltus_event_displacement(system, event, state);
     if (turns)
@@ -91,7 +92,7 @@ void saltus_watch_section(saltus_watch *watch, const double *state) {
     add(watch, SALTUS_CLOUD_STROBES, state);
 }
 
-void saltus_watch_measure(const saltus_watch *watch, saltus_time end, const double *state,
+void saltus_watch_measure(const saltus_watch *watch, saltus_time end, const double *state, double square,
                           saltus_sweep_row *row) {
     double length = periods_between(watch->begin, end), contact = watch->contact,
            last = saltus_system_observed(watch->lap.system, state);
@@ -100,6 +101,7 @@ void saltus_watch_measure(const saltus_watch *watch, saltus_time end, const doub
     row->recorded = end.cycle - watch->begin.cycle;
     row->largest = fmax(watch->lap.largest, last);
     row->smallest = fmin(watch->lap.smallest, last);
+    row->rms = sqrt(fmax(square - watch->square, 0) / length);
     row->largest_speed = watch->largest_speed;
     row->impact_rate = (double)watch->lap.impacts / length;
     row->contact_fraction = contact / length;

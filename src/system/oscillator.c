@@ -121,7 +121,6 @@ static void build(saltus_system *system) {
         system->damping[i] = c->row[i == 0 ? oscillator_c1 : oscillator_c2][i];
         system->stiffness[i] = c->row[i == 0 ? oscillator_k1 : oscillator_k2][i];
         system->inverse_mass[i * system->dof + i] = inverse[i];
-        system->observer[i] = system->spec.stop_count ? system->stop_normal[0][i] : i == 0;
         stiffness = fmax(stiffness, 2 * system->stiffness[i]);
         damping = fmax(damping, 2 * system->damping[i]);
         system->scale[i] = length;

@@ -88,7 +88,6 @@ static void build(saltus_system *system) {
         c->row[pipe_lambda2][i] = lambda2;
         c->row[pipe_damping][i] = system->damping[i] = p[p_alpha] * lambda4;
         c->row[pipe_stiffness][i] = system->stiffness[i] = lambda4;
-        system->observer[i] = system->spec.stop_count ? system->stop_normal[0][i] : mode_shape(i + 1, 0.5);
         system->inverse_mass[i * system->dof + i] = 1.0;
         system->scale[i] = 0.03 / gsl_pow_2(i + 1);
         system->scale[system->dof + i] = 0.3 / (i + 1);

@@ -198,6 +198,95 @@ static saltus_status build_normals(saltus_system *system, saltus_message *messag
     return SALTUS_OK;
 }
 
+bool saltus_system_stop_observed(const saltus_system *system, int stop) {
+    return memcmp(system->stop_normal[stop], system->observer,
+                  (size_t)system->dof * sizeof *system->observer) == 0;
+}
+
+static void observe_stop(saltus_system *system, int stop) {
+    const saltus_spec *spec = &system->spec;
+    memcpy(system->observer, system->stop_normal[stop], (size_t)system->dof * sizeof *system->observer);
+    system->observed = saltus_stop_text(spec, stop, SALTUS_STOP_COORDINATE);
+    if (spec->model->notation.structure == SALTUS_STRUCTURE_LINE)
+        system->observed_place = spec->stops[stop].xi;
+}
+
+static void observe_place(saltus_system *system, double xi) {
+    double state[SALTUS_STATE_MAX] = {0};
+    for (int i = 0; i < system->dof; i++) {
+        state[i] = 1;
+        system->observer[i] = system->spec.model->deflection(system, state, xi);
+        state[i] = 0;
+    }
+    system->observed_place = xi;
+}
+
+/* Entry i of the state. Of separate bodies in a built-in model the row itself tells how it is called. */
+static void observe_entry(saltus_system *system, int i) {
+    const saltus_model *model = system->spec.model;
+    memset(system->observer, 0, (size_t)system->dof * sizeof *system->observer);
+    system->observer[i] = 1;
+    system->observed_entry = saltus_system_state_name(system, i);
+    if (model->text || model->notation.structure == SALTUS_STRUCTURE_LINE)
+        system->observed = system->observed_entry.text;
+}
+
+/* What is observed where the scene does not say it. */
+static void observe_default(saltus_system *system) {
+    const saltus_model *model = system->spec.model;
+    if (saltus_system_observable_count(system) > 0 && model->observable_row(system, 0, system->observer))
+        system->observed = saltus_system_observable_name(system, 0);
+    else if (system->spec.stop_count > 0)
+        observe_stop(system, 0);
+    else if (model->notation.structure == SALTUS_STRUCTURE_LINE)
+        observe_place(system, 0.5);
+    else if (system->dof > 0)
+        observe_entry(system, 0);
+}
+
+/* The observed displacement: an observed quantity of a text, stop2, a displacement by its name, or a place on
+ * a line. */
+static saltus_status choose_observer(saltus_system *system, saltus_message *message) {
+    const saltus_spec *spec = &system->spec;
+    const saltus_fault fault = {.key = "observe"};
+    const bool line = spec->model->notation.structure == SALTUS_STRUCTURE_LINE;
+    const char *name = spec->observe;
+    char *end;
+    int number;
+    if (!name[0]) {
+        observe_default(system);
+        return SALTUS_OK;
+    }
+    for (int k = 0; k < saltus_system_observable_count(system); k++)
+        if (strcmp(name, saltus_system_observable_name(system, k)) == 0) {
+            system->observed = name;
+            return spec->model->observable_row(system, k, system->observer)
+                       ? SALTUS_OK
+                       : saltus_fail_at(message, SALTUS_BAD_INPUT, fault,
+                                        "observe = %s: is no sum of displacements; choose one that is", name);
+        }
+    if (saltus_key_numbered(name, "stop", &number) && number > 0 && number <= spec->stop_count) {
+        observe_stop(system, number - 1);
+        return SALTUS_OK;
+    }
+    const int entry = saltus_system_state_index(system, name);
+    if (entry >= 0 && entry < system->dof) {
+        observe_entry(system, entry);
+        return SALTUS_OK;
+    }
+    const double xi = strtod(name, &end);
+    if (line && *end == '\0' && xi > 0 && xi < 1) {
+        observe_place(system, xi);
+        return SALTUS_OK;
+    }
+    return saltus_fail_at(
+        message, SALTUS_BAD_INPUT, fault, "observe = %s: must be a displacement (%s to %s)%s%s%s", name,
+        saltus_system_state_name(system, 0).text, saltus_system_state_name(system, system->dof - 1).text,
+        spec->stop_count ? ", a stop (stop1, stop2, ...)" : "",
+        saltus_system_observable_count(system) ? ", a quantity that the scene observes" : "",
+        line ? ", or a place on the line, 0 < xi < 1" : "");
+}
+
 /* Whether every face has its mirror image among the faces. */
 static bool faces_symmetric(const saltus_system *system) {
     bool symmetric = true;
@@ -245,6 +334,7 @@ saltus_status saltus_system_new(const saltus_spec *spec, saltus_system **system,
     made->extra = extra;
     made->dimension = 2 * dof + extra;
     made->omega = spec->model->forcing < 0 ? 2 * M_PI : spec->parameters[spec->model->forcing];
+    made->observed_place = NAN;
     made->period = spec->model->forcing < 0 ? 1 : 2 * M_PI / made->omega;
     reserve(made);
     if (!saltus_arena_open(&made->arena)) {
@@ -260,6 +350,14 @@ saltus_status saltus_system_new(const saltus_spec *spec, saltus_system **system,
         build_contacts(made);
         made->mirror = made->mirror && faces_symmetric(made);
         status = check_faces(made, message);
+    }
+    if (status == SALTUS_OK)
+        status = choose_observer(made, message);
+    if (status == SALTUS_OK) {
+        made->observed_row = 0;
+        while (made->observed_row < made->spec.stop_count &&
+               !saltus_system_stop_observed(made, made->observed_row))
+            made->observed_row++;
     }
     if (status != SALTUS_OK) {
         saltus_system_free(made);
@@ -325,6 +423,9 @@ double saltus_system_distance(const saltus_system *system, const double *a, cons
     for (int i = 0; i < system->dimension; i++)
         largest = larger(largest, fabs(a[i] - b[i]) / system->scale[i]);
     return largest;
+}
+double saltus_system_observed_place(const saltus_system *system) {
+    return system->observed_place;
 }
 const double *saltus_system_observer(const saltus_system *system) {
     return system->observer;

@@ -56,7 +56,11 @@ struct saltus_system {
     double *stop_impulse[SALTUS_STOPS_MAX]; /* M^-1 n / (n M^-1 n): normal . impulse = 1 */
     double *inverse_mass;                   /* dof x dof */
     double *observer;
-    const char *observed; /* what it is called; NULL: what the model's notation says. The model's */
+    const char
+        *observed; /* what it is called; NULL: what the model's notation says. The model's or the spec's */
+    saltus_state_name observed_entry; /* the name, where it is that of a displacement */
+    int observed_row;                 /* the first stop whose coordinate it is; the number of stops: none's */
+    double observed_place;            /* on a line; NAN: it is not the displacement at a place */
     double *scale;
     double *damping, *stiffness; /* q'' + damping q' + stiffness q: the part exact in the stiff integrator */
     saltus_coefficients coefficients;
@@ -123,7 +127,7 @@ struct saltus_model {
     void (*normal)(const saltus_spec *spec, int dof, const saltus_stop *stop, double *normal);
     /* Reserve rows and couplings (called for measuring and again for handing out). */
     void (*reserve)(saltus_system *system);
-    /* Fill coefficients, inverse mass, observer, scale, modal part, rate, symmetry. */
+    /* Fill coefficients, inverse mass, scale, modal part, rate, symmetry. */
     void (*build)(saltus_system *system);
     /* Derivative of coefficients and inverse mass along a direction; all is zero beforehand. */
     void (*vary)(const saltus_system *system, const saltus_direction *direction, saltus_variation *variation);
@@ -143,6 +147,8 @@ struct saltus_model {
      * none. */
     const char *(*observable)(const saltus_model *model, int k);
     void (*observe)(const saltus_system *system, const double *state, double phase, double *values);
+    /* The row of the k-th observed quantity; false where it is no sum of displacements. */
+    bool (*observable_row)(const saltus_system *system, int k, double *row);
     /* Whether the equations have a value at a state: asked where `guarded` says that some may have none. */
     bool (*defined)(const saltus_system *system, const double *state, double phase);
     /* What in the equations has no value at a state, or none close by: "sqrt(p) has no value where p = -1".

@@ -213,36 +213,28 @@ static const char *coordinate(const saltus_model *model, int stop, int which) {
     return stop < lists[which]->count ? lists[which]->items[stop].text : NULL;
 }
 
-/* The row of the observed displacement: the first observed quantity where it is linear in the displacements,
- * else the first stop's coordinate, else the first displacement. */
-static void find_observer(saltus_system *system, const saltus_equations_graph *g, double *values) {
-    const int n = system->dof;
-    for (int i = 0; i < n; i++)
-        system->observer[i] = system->spec.stop_count ? system->stop_normal[0][i] : i == 0;
-    system->observed = system->spec.stop_count ? coordinate(system->spec.model, 0, 0)
-                       : n                     ? g->names[0]
-                                               : NULL;
-    if (!g->observe_count)
-        return;
-    double state[SALTUS_STATE_MAX] = {0}, row[SALTUS_MODES_MAX], rest;
+/* The row of a quantity that is observed: what unit displacements make of it, where a state that no rule
+ * picks out confirms that it is their sum. */
+static bool observable_row(const saltus_system *system, int k, double *row) {
+    const saltus_equations_graph *g = graph_of(&system->spec);
+    const int n = system->dof, node = g->observe[k];
+    double state[SALTUS_STATE_MAX] = {0}, *values = system->numbers, rest, expected = 0;
     evaluate(g, &system->spec, state, 0, values);
-    rest = values[g->observe[0]];
+    rest = values[node];
     for (int i = 0; i < n; i++) {
         state[i] = 1;
         evaluate(g, &system->spec, state, 0, values);
-        row[i] = values[g->observe[0]] - rest;
+        row[i] = values[node] - rest;
         state[i] = 0;
     }
     for (int i = 0; i < system->dimension; i++)
         state[i] = sin(1.0 + i);
     evaluate(g, &system->spec, state, 0.37, values);
-    double expected = 0;
     for (int i = 0; i < n; i++)
         expected += row[i] * state[i];
-    if (rest == 0 && fabs(values[g->observe[0]] - expected) <= 1e-12 * fabs(expected))
-        memcpy(system->observer, row, (size_t)n * sizeof *row);
-    if (memcmp(system->observer, row, (size_t)n * sizeof *row) == 0)
-        system->observed = of_model(system->spec.model)->text.observe.items[0].name;
+    double error = fabs(values[node] - expected);
+    evaluate(g, &system->spec, NULL, 0, values);
+    return rest == 0 && error <= 1e-12 * fabs(expected);
 }
 
 static void build(saltus_system *system) {
@@ -272,7 +264,6 @@ static void build(saltus_system *system) {
     measure_rates(system, g, reference, values);
     system->mirror_shift = g->forced;
     system->mirror = is_odd(system, g, g->forced, values);
-    find_observer(system, g, values);
     evaluate(g, &system->spec, NULL, 0, values);
     for (int s = 0; s < system->spec.stop_count && s < of_model(system->spec.model)->text.coordinates.count;
          s++)
@@ -586,8 +577,8 @@ static bool is_name(const char *text) {
 
 /* Names that mean something else, and those with a number behind it. */
 static bool is_reserved(const char *name) {
-    static const char *const words[] = {"t", "phase", "pi", "speed"}, *const numbered[] = {"d", "r", "xi",
-                                                                                           "sides"};
+    static const char *const words[] = {"t", "phase", "pi", "speed", "observe"}, *const numbered[] = {
+                                                                                     "d", "r", "xi", "sides"};
     int number;
     for (size_t k = 0; k < sizeof words / sizeof words[0]; k++)
         if (strcmp(name, words[k]) == 0)
@@ -828,6 +819,7 @@ saltus_status saltus_text_model_new(const saltus_text *text, const saltus_model 
                               .right_side = right_side,
                               .observable = observable,
                               .observe = observe,
+                              .observable_row = observable_row,
                               .defined = defined,
                               .fault = fault};
     /* Every name is looked up once, with the defaults. */
