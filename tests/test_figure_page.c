@@ -354,7 +354,8 @@ static void stops_have_their_colours(void **state) {
         const saltus_diagnosis diagnosis = {.motion = &motion, .record = &m.record};
         figure f = draw(system, &diagnosis);
         const figure_panel *panel = map_of(&f);
-        assert_int_equal(panel->element_count, saltus_system_face_count(system));
+        /* Of more than eight faces those that are hit. */
+        assert_int_equal(panel->element_count, stops > 4 ? 1 : saltus_system_face_count(system));
         assert_true(panel->key == (stops > 1));
         for (int a = 0; a < panel->element_count; a++)
             for (int b = 0; b < a; b++)

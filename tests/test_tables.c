@@ -71,8 +71,8 @@ static saltus_scene scene_with(bool pipe, int stops) {
     if (!pipe)
         set_parameter(&scene.spec, "N", 2);
     for (int s = 0; s < stops; s++) {
-        add_stop(&scene.spec, 0.5 + 0.1 * s, 0.75 - 0.1 * s, sides[s % 3]);
-        scene.spec.stops[s].xi = pipe ? 0.3 + 0.1 * s : 0;
+        add_stop(&scene.spec, 0.5 + 0.1 * s, 0.75 - 0.06 * s, sides[s % 3]);
+        scene.spec.stops[s].xi = pipe ? 0.3 + 0.05 * s : 0;
         if (!pipe) {
             scene.spec.stops[s].weight[0] = 1 + 0.1 * s;
             scene.spec.stops[s].weight[1] = -0.3 * s;

@@ -16,8 +16,8 @@ SALTUS_API_BEGIN
 
 enum {
     SALTUS_PARAMETERS_MAX = 24, /* parameters of one model */
-    SALTUS_STOPS_MAX = 4,       /* stops of one scene; a two-sided stop counts once */
-    SALTUS_FACES_MAX = 8,       /* one-sided contacts: two for each two-sided stop */
+    SALTUS_STOPS_MAX = 12,      /* stops of one scene; a two-sided stop counts once */
+    SALTUS_FACES_MAX = 24,      /* one-sided contacts: two for each two-sided stop */
     SALTUS_STATE_MAX = 288,     /* length of a state */
     SALTUS_OBSERVE_MAX = 40     /* bytes of the name of what is observed */
 };

@@ -10,4 +10,25 @@ static inline int saltus_count_bits(unsigned bits) {
     return count;
 }
 
+/* The next subset of a set in the order of size, of one size by value: from the empty one to the set itself,
+ * which none follows. */
+static inline unsigned saltus_next_subset(unsigned set, unsigned subset) {
+    unsigned packed = 0, next = 0;
+    int members = 0, size = saltus_count_bits(subset);
+    for (unsigned rest = set; rest; rest &= rest - 1, members++)
+        if (subset & rest & -rest)
+            packed |= 1u << members;
+    if (packed) { /* Gosper: the next number with as many bits */
+        const unsigned low = packed & -packed, up = packed + low;
+        next = up | ((packed ^ up) >> 2) / low;
+    }
+    if (!packed || next >> members)
+        next = (1u << (size + 1)) - 1;
+    unsigned found = 0;
+    for (unsigned rest = set; rest; rest &= rest - 1, next >>= 1)
+        if (next & 1)
+            found |= rest & -rest;
+    return found;
+}
+
 #endif

@@ -108,20 +108,36 @@ static void put_section(const saltus_sheet *sheet, saltus_frame frame, int lette
     put_template(sheet, "section");
 }
 
-/* Marks of the impact map: each side of a stop has its colour and its sign. */
+static bool is_hit(const saltus_sheet *sheet, int face) {
+    const saltus_trajectory *r = sheet->section;
+    long long k = 0;
+    while (k < sheet->mapped && !(r->events[k].face == face && r->events[k].kind != SALTUS_RELEASE &&
+                                  r->events[k].velocity_before != 0))
+        k++;
+    return k < sheet->mapped;
+}
+
+/* Marks of the impact map: each side of a stop has its colour and its sign. Of many only those that are hit
+ * are shown; when the colours have all been used they come again with open signs. */
 static void put_impact_marks(const saltus_sheet *sheet, bool logarithmic) {
     static const char *const colours[] = {"c44e2a", "2c5f8a", "2f8f6f", "8a5aa0",
                                           "b08a00", "1c1c1c", "4aa3c7", "a03060"};
+    enum { colour_count = sizeof colours / sizeof colours[0] };
+    const bool many = saltus_system_face_count(sheet->system) > colour_count;
+    int shown = 0;
     const char *separator = "plot ", *value = logarithmic ? "abs($2)" : "$2";
     const char *size = sheet->mapped > 400 ? "0.5" : sheet->mapped > 60 ? "0.8" : "1.3";
     for (int f = 0; f < saltus_system_face_count(sheet->system); f++) {
         saltus_face face = saltus_system_face(sheet->system, f);
+        if (many && !is_hit(sheet, f))
+            continue;
         fprintf(sheet->file,
                 "%s$impact_map using ($3 == %d && $4 == %d ? $1 : NaN):(%s) with points pt %d ps %s lc rgb "
                 "'%s%s' title 'stop %d, %s side'",
-                separator, face.side, face.stop + 1, value, face.side > 0 ? 9 : 11, size,
-                sheet->mapped > 400 ? "#60" : "#", colours[f % 8], face.stop + 1,
-                saltus_side_word(face.side));
+                separator, face.side, face.stop + 1, value,
+                (face.side > 0 ? 9 : 11) - shown / colour_count % 2, size, sheet->mapped > 400 ? "#60" : "#",
+                colours[shown % colour_count], face.stop + 1, saltus_side_word(face.side));
+        shown++;
         separator = ", \\\n     ";
     }
     fputc('\n', sheet->file);
@@ -228,7 +244,9 @@ static void put_shapes(const saltus_sheet *sheet, saltus_frame frame, int letter
 
 static void put_masses(const saltus_sheet *sheet, saltus_frame frame, int letter) {
     const saltus_trajectory *r = sheet->record;
-    const saltus_spec *spec = saltus_system_spec(sheet->system);
+    const saltus_notation *n = saltus_notation_of(sheet->system);
+    const bool named = saltus_model_text(saltus_system_spec(sheet->system)->model);
+    saltus_line name[2] = {{.length = 0}, {.length = 0}};
     saltus_range x1 = {INFINITY, -INFINITY}, x2 = {INFINITY, -INFINITY};
     for (long long row = 0; row < sheet->rows; row++) {
         saltus_range_add(&x1, r->states[row * r->dimension]);
@@ -236,12 +254,25 @@ static void put_masses(const saltus_sheet *sheet, saltus_frame frame, int letter
     }
     saltus_range_pad(&x1, 0.08, saltus_system_scale(sheet->system)[0]);
     saltus_range_pad(&x2, 0.08, saltus_system_scale(sheet->system)[1]);
-    saltus_page_panel(sheet->page, frame, letter, "both masses; grey: stops");
-    put_axes(sheet, frame, "displacement {/:Italic x}_1", x1, "displacement {/:Italic x}_2", x2);
+    for (int k = 0; k < 2; k++) {
+        saltus_line_add(&name[k], "displacement ");
+        if (named)
+            saltus_line_state(&name[k], sheet->system, k);
+        else
+            saltus_line_add(&name[k], "{/:Italic %s}_%d", n->displacement, k + 1);
+    }
+    saltus_page_panel(sheet->page, frame, letter,
+                      named ? "two displacements; grey: stops" : "both masses; grey: stops");
+    put_axes(sheet, frame, name[0].text, x1, name[1].text, x2);
     fputs("set parametric\nset trange [-1:1]\nplot ", sheet->file);
     for (int f = 0; f < saltus_system_face_count(sheet->system); f++) {
         saltus_face face = saltus_system_face(sheet->system, f);
-        const double *w = spec->stops[face.stop].weight;
+        const double *w = saltus_system_stop_normal(sheet->system, face.stop);
+        bool within = true; /* the plane of these two */
+        for (int i = 2; i < saltus_system_dof(sheet->system); i++)
+            within = within && w[i] == 0;
+        if (!within)
+            continue;
         double square = w[0] * w[0] + w[1] * w[1], d = face.side * face.d / square;
         double far = (fabs(d) * sqrt(square) + fabs(x1.high) + fabs(x1.low) + fabs(x2.high) + fabs(x2.low)) /
                      sqrt(square);

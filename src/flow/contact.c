@@ -67,23 +67,13 @@ static bool pressed(const saltus_system *system, const saltus_work *probe, int f
     return true;
 }
 
-/* The next subset of a set of faces in the order of size: from the empty one to the set itself. */
-static unsigned next_subset(unsigned set, unsigned subset) {
-    int size = saltus_count_bits(subset);
-    do {
-        subset = subset < set ? subset + 1 : 0;
-        size += subset == 0;
-    } while (subset & ~set || saltus_count_bits(subset) != size);
-    return subset;
-}
-
 /* The subset of `resting` whose contacts hold: all of its contact forces push, no other resting face closes.
  */
 static unsigned holding_subset(saltus_flow *flow, int lane, unsigned resting) {
     enum { order = 5 };
     const saltus_lane *self = &flow->lane[lane];
     const saltus_system *system = self->system;
-    for (unsigned subset = 0;; subset = next_subset(resting, subset)) {
+    for (unsigned subset = 0;; subset = saltus_next_subset(resting, subset)) {
         bool valid = saltus_contact_map_build(system, subset, 0, &flow->scratch);
         if (valid) {
             const saltus_work *probe =
@@ -137,7 +127,7 @@ static bool impact_map(const saltus_system *system, int hit, bool forced, unsign
     double after[SALTUS_MODES_MAX];
     const int n = system->dof;
     const double tiny = 64 * DBL_EPSILON * sqrt(saltus_dot(velocity, velocity, n));
-    for (unsigned subset = 1u << hit;; subset = next_subset(touched, subset)) {
+    for (unsigned subset = 1u << hit;; subset = saltus_next_subset(touched, subset)) {
         bool valid = subset >> hit & 1 && saltus_contact_map_build(system, subset, subset & closing, map);
         if (valid) {
             for (int k = 0; k < map->count; k++)

@@ -187,32 +187,50 @@ static unsigned touched_faces(const saltus_system *system, const double *guess) 
     return touched;
 }
 
-/* The smallest of so many sets of faces that has not been tried; their number if all have been. */
-static unsigned smallest_untried(const bool *tried, unsigned sets) {
-    unsigned smallest = sets;
-    for (unsigned set = 0; set < sets; set++)
-        if (!tried[set] && (smallest == sets || saltus_count_bits(set) < saltus_count_bits(smallest)))
-            smallest = set;
-    return smallest;
+/* Whether contacts may hold together: no more than there are displacements, on one side of a stop each. */
+static bool possible(const saltus_system *system, unsigned set) {
+    bool apart = saltus_count_bits(set) <= system->dof;
+    for (int f = 1; f < system->face_count; f++)
+        apart = apart && !(system->faces[f].stop == system->faces[f - 1].stop && (set >> (f - 1) & 3) == 3);
+    return apart;
+}
+
+static bool is_among(const unsigned *sets, int count, unsigned set) {
+    int k = 0;
+    while (k < count && sets[k] != set)
+        k++;
+    return k < count;
 }
 
 /* Solve with the contacts that the guess and then each solution lead to, as long as these are new, then with
  * all others, small sets first. If none succeeds the message is that of the first attempt. */
 static saltus_status search(newton *w, const double *guess, const saltus_equilibrium_options *options,
                             saltus_message *message) {
-    bool tried[1 << SALTUS_FACES_MAX] = {false}, following = true;
-    unsigned set = touched_faces(w->system, guess), sets = 1u << w->system->face_count;
-    saltus_message other;
+    enum { followed_most = 64 };
+    const unsigned all = (1u << w->system->face_count) - 1;
+    unsigned followed[followed_most], set = touched_faces(w->system, guess), other = 0;
+    int count = 0;
+    saltus_message ignored;
     saltus_status first = SALTUS_OK;
-    for (unsigned k = 0; k < sets; k++) {
-        tried[set] = true;
-        saltus_status status = solve(w, guess, set, options, k ? &other : message);
+    for (bool following = true, more = true; more;) {
+        saltus_status status = solve(w, guess, set, options, count ? &ignored : message);
         unsigned next = status == SALTUS_OK ? corrected_contacts(w) : set;
         if (status == SALTUS_OK && next == set)
             return SALTUS_OK;
-        first = k ? first : status;
-        following = following && !tried[next];
-        set = following ? next : smallest_untried(tried, sets);
+        if (count == 0)
+            first = status;
+        if (following)
+            followed[count++] = set;
+        following = following && count < followed_most && !is_among(followed, count, next);
+        if (following) {
+            set = next;
+            continue;
+        }
+        for (more = false; !more && other <= all;) {
+            set = other;
+            more = possible(w->system, set) && !is_among(followed, count, set);
+            other = other == all ? all + 1 : saltus_next_subset(all, other);
+        }
     }
     return first == SALTUS_OK
                ? saltus_fail(message, SALTUS_NO_CONVERGENCE,
