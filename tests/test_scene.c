@@ -268,8 +268,9 @@ static void bad_stops(void **state) {
     refused("model: pipe\nstops: [1]\n", "my.yaml:2: stops: must be a list");
     refused("model: pipe\nstop:\n  r: 0.5\n", "my.yaml:3: stop: d is missing");
     refused("model: pipe\nstops:\n- d: 1\n- r: 1\n", "my.yaml:4: stop 2: d is missing");
-    refused("model: pipe\nstops: [{d: 1}, {d: 2}, {d: 3}, {d: 4}, {d: 5}]\n",
-            "my.yaml:2: stops: too many; at most 4");
+    refused("model: pipe\nstops: [{d: 1}, {d: 2}, {d: 3}, {d: 4}, {d: 5}, {d: 6}, {d: 7}, {d: 8}, {d: 9}, "
+            "{d: 10}, {d: 11}, {d: 12}, {d: 13}]\n",
+            "my.yaml:2: stops: too many; at most 12");
     refused("model: pipe\nstop:\n  d: 0.03\n  sides: left\n",
             "my.yaml:4: sides = \"left\": must be upper, lower or");
     refused("model: pipe\nstop: {d: -1, sides: both}\n",

@@ -115,8 +115,8 @@ static void refusals_tell_the_numbers(void **unused) {
     spec.stops[2].weight[1] = INFINITY;
     expect_refusal(&spec, "stop 3: weight: must be finite");
     spec.stops[2].weight[1] = 2;
-    spec.stop_count = 5;
-    expect_refusal(&spec, "stops: 5 given, at most 4");
+    spec.stop_count = SALTUS_STOPS_MAX + 1;
+    expect_refusal(&spec, "stops: 13 given, at most 12");
     /* One stop alone has no number. */
     spec.stop_count = 1;
     spec.stops[0].r = 1.5;

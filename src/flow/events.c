@@ -137,10 +137,10 @@ double saltus_events_square(const saltus_flow *flow, int lane, double step) {
     double c[SALTUS_DEGREE_MAX + 1], sum = 0;
     scaled_series(flow, lane, flow->work.gap, flow->lane[lane].system->observed_row, 0, 1, degree, step, c);
     for (int k = 2 * degree; k >= 0; k--) {
-        double product = 0;
-        for (int i = k > degree ? k - degree : 0; i <= k && i <= degree; i++)
+        double product = k % 2 ? 0 : 0.5 * c[k / 2] * c[k / 2];
+        for (int i = k > degree ? k - degree : 0; 2 * i < k; i++)
             product = fma(c[i], c[k - i], product);
-        sum += product / (k + 1);
+        sum += 2 * product / (k + 1);
     }
     return sum * step;
 }
