@@ -1,10 +1,11 @@
 /* A blind census of verdicts: random points of the pipe are classified as `saltus classify` does it, and what
  * is said of motions without a period is compared with eight trajectories on them that are followed ten times
- * as long. One line of a table for each point, the counts at the end.
+ * as long, side by side in the lanes of a sweep. One line of a table for each point, the counts at the end.
  *
- *     saltus_census [points [seed [first]]]    default 60 1 0
+ *     saltus_census POINTS SEED TABLE.csv
  *
- * The k-th point depends on the seed and on k alone, so a census can be made in parts.
+ * The k-th point depends on the seed and on k alone. A row is written as soon as it is known, and points that
+ * the table has already are not looked at again: a census that was interrupted goes on where it was.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "saltus/saltus.h"
 
@@ -27,9 +28,16 @@ typedef struct witness {
     double exponent, error; /* of a motion that was called quasi-periodic or long-period */
 } witness;
 
+/* A point of the table. */
+typedef struct row {
+    char scene[128], label[32], judgement[8];
+    double seconds, exponent, error, lifetime_at_least; /* as classified */
+    witness seen;
+} row;
+
 typedef struct counts {
-    int points, settled, chaotic, transient, torus, long_period, irregular, undecided;
-    int wrong, bounds, bounds_above; /* verdicts; lifetimes bounded, and bounds above what was seen */
+    int points, of[SALTUS_VERDICTS], wrong;
+    int bounds, bounds_above; /* lifetimes bounded, and bounds above what was seen */
     double *chaotic_seconds;
 } counts;
 
@@ -126,97 +134,168 @@ static void measure(const saltus_system *system, const saltus_motion *motion, lo
     saltus_lyapunov_clear(&result);
 }
 
-/* Count a verdict, and say whether it is wrong. */
-static bool count(counts *c, const saltus_motion *m, const witness *seen, double seconds) {
-    bool wrong = false;
-    c->points++;
-    switch (m->verdict) {
-    case SALTUS_CHAOTIC:
-        c->chaotic_seconds[c->chaotic++] = seconds;
-        wrong = seen->settled > 0;
-        break;
-    case SALTUS_TRANSIENT:
-        c->transient++;
-        break;
-    case SALTUS_QUASIPERIODIC:
-        c->torus++;
-        wrong = seen->settled > 0 || !(fabs(seen->exponent) <= 3 * seen->error);
-        break;
-    case SALTUS_LONG_PERIOD:
-        c->long_period++;
-        wrong = seen->exponent > 3 * seen->error;
-        break;
-    case SALTUS_IRREGULAR:
-        c->irregular++;
-        break;
-    case SALTUS_UNDECIDED:
-        c->undecided++;
-        break;
-    default:
-        c->settled++;
-    }
-    if (!isnan(m->evidence.lifetime_at_least) && !saltus_verdict_settled(m->verdict)) {
-        c->bounds++;
-        c->bounds_above += seen->settled && m->evidence.lifetime_at_least > seen->watched / seen->settled;
-    }
-    c->wrong += wrong;
-    return wrong;
+/* Of motions without a period; SALTUS_PERIODIC stands for whatever has settled. */
+static saltus_verdict verdict_of(const row *r) {
+    for (int v = 0; v < SALTUS_VERDICTS; v++)
+        if (!saltus_verdict_settled((saltus_verdict)v) &&
+            strcmp(saltus_verdict_word((saltus_verdict)v), r->label) == 0)
+            return (saltus_verdict)v;
+    return SALTUS_PERIODIC;
 }
 
-static void census(unsigned long seed, int k, counts *c) {
-    char text[128];
-    saltus_scene scene = draw(seed, k, text);
+static bool is_wrong(const row *r) {
+    const witness *seen = &r->seen;
+    switch (verdict_of(r)) {
+    case SALTUS_CHAOTIC:
+        return seen->settled > 0;
+    case SALTUS_QUASIPERIODIC:
+        return seen->settled > 0 || !(fabs(seen->exponent) <= 3 * seen->error);
+    case SALTUS_LONG_PERIOD:
+        return seen->exponent > 3 * seen->error;
+    default:
+        return false;
+    }
+}
+
+static void count(counts *c, const row *r) {
+    saltus_verdict verdict = verdict_of(r);
+    if (verdict == SALTUS_CHAOTIC)
+        c->chaotic_seconds[c->of[SALTUS_CHAOTIC]] = r->seconds;
+    c->of[verdict]++;
+    c->points++;
+    c->wrong += r->judgement[0] != 0;
+    if (verdict == SALTUS_PERIODIC || isnan(r->lifetime_at_least))
+        return;
+    c->bounds++;
+    c->bounds_above += r->seen.settled && r->lifetime_at_least > r->seen.watched / r->seen.settled;
+}
+
+static row look(unsigned long seed, int k) {
+    row r = {.seen = {.exponent = NAN, .error = NAN}};
+    saltus_scene scene = draw(seed, k, r.scene);
     saltus_message message = {.text = ""};
     saltus_system *system;
     saltus_motion motion;
-    witness seen = {.exponent = NAN, .error = NAN};
     double state[SALTUS_STATE_MAX];
     saltus_classify_options options = saltus_classify_defaults();
     if (saltus_system_new(&scene.spec, &system, &message) != SALTUS_OK ||
         saltus_scene_state(&scene, system, state, &message) != SALTUS_OK)
-        give_up(text, &message);
+        give_up(r.scene, &message);
     clock_t begin = clock();
     if (saltus_classify(system, state, &options, &motion, &message) != SALTUS_OK)
-        give_up(text, &message);
-    double seconds = (double)(clock() - begin) / CLOCKS_PER_SEC;
+        give_up(r.scene, &message);
+    r.seconds = (double)(clock() - begin) / CLOCKS_PER_SEC;
     if (!saltus_verdict_settled(motion.verdict)) {
         long long each = motion.evidence.periods / followers * times_as_long;
         each = each < least_followed ? least_followed : each;
-        seen = follow(&scene, &motion, each);
+        r.seen = follow(&scene, &motion, each);
         if (motion.verdict == SALTUS_QUASIPERIODIC || motion.verdict == SALTUS_LONG_PERIOD)
-            measure(system, &motion, each * followers, &seen);
+            measure(system, &motion, each * followers, &r.seen);
     }
-    bool wrong = count(c, &motion, &seen, seconds);
-    printf("%d,%s,%s,%.2f,%.6g,%.2g,%.0f,%d,%s,%.0f,%.6g,%.2g,%s\n", k, text, motion.label, seconds,
-           motion.lyapunov, motion.lyapunov_error, motion.evidence.lifetime_at_least, seen.settled,
-           seen.label, seen.watched, seen.exponent, seen.error, wrong ? "wrong" : "");
-    fflush(stdout);
+    memcpy(r.label, motion.label, sizeof r.label);
+    r.exponent = motion.lyapunov;
+    r.error = motion.lyapunov_error;
+    r.lifetime_at_least = motion.evidence.lifetime_at_least;
     saltus_motion_clear(&motion);
     saltus_system_free(system);
+    snprintf(r.judgement, sizeof r.judgement, "%s", is_wrong(&r) ? "wrong" : "");
+    return r;
+}
+
+static const char head[] =
+    "point,scene,verdict,seconds,exponent,error,lifetime_at_least,followers_settled,on,"
+    "periods_followed,exponent_followed,error_followed,judgement\n";
+
+static void write_row(FILE *table, int k, const row *r) {
+    const witness *seen = &r->seen;
+    fprintf(table, "%d,%s,%s,%.2f,%.6g,%.2g,%.0f,%d,%s,%.0f,%.6g,%.2g,%s\n", k, r->scene, r->label,
+            r->seconds, r->exponent, r->error, r->lifetime_at_least, seen->settled, seen->label,
+            seen->watched, seen->exponent, seen->error, r->judgement);
+    fflush(table);
+}
+
+/* The next field of a line, which goes on behind it. */
+static char *field(char **line) {
+    char *word = *line ? *line : "";
+    char *end = *line ? strpbrk(*line, ",\n") : NULL;
+    *line = end && *end == ',' ? end + 1 : NULL;
+    if (end)
+        *end = 0;
+    return word;
+}
+
+/* The number of a table's point, or -1 where the line is none. */
+static int read_row(char *line, row *r) {
+    if (line[0] < '0' || line[0] > '9' || !strchr(line, '\n'))
+        return -1;
+    int k = atoi(field(&line));
+    *r = (row){0};
+    snprintf(r->scene, sizeof r->scene, "%s", field(&line));
+    snprintf(r->label, sizeof r->label, "%s", field(&line));
+    r->seconds = atof(field(&line));
+    r->exponent = atof(field(&line));
+    r->error = atof(field(&line));
+    r->lifetime_at_least = atof(field(&line));
+    r->seen.settled = atoi(field(&line));
+    snprintf(r->seen.label, sizeof r->seen.label, "%s", field(&line));
+    r->seen.watched = atof(field(&line));
+    r->seen.exponent = atof(field(&line));
+    r->seen.error = atof(field(&line));
+    snprintf(r->judgement, sizeof r->judgement, "%s", field(&line));
+    return k;
+}
+
+static void summarise(counts *c) {
+    int open = c->of[SALTUS_UNDECIDED] + c->of[SALTUS_IRREGULAR], chaotic = c->of[SALTUS_CHAOTIC];
+    gsl_sort(c->chaotic_seconds, 1, (size_t)chaotic);
+    printf("%d points: %d periodic or at rest", c->points, c->of[SALTUS_PERIODIC]);
+    for (int v = 0; v < SALTUS_VERDICTS; v++)
+        if (c->of[v] && v != SALTUS_PERIODIC)
+            printf(", %d %s", c->of[v], saltus_verdict_word((saltus_verdict)v));
+    printf(
+        "; %d wrong; %.1f %% undecided or irregular; %d of %d bounds of lifetimes above what the followers "
+        "show; median time of a chaotic verdict %.2f s\n",
+        c->wrong, 100.0 * open / c->points, c->bounds_above, c->bounds,
+        chaotic ? c->chaotic_seconds[chaotic / 2] : 0);
 }
 
 int main(int argc, char **argv) {
-    int points = argc > 1 ? atoi(argv[1]) : 60, first = argc > 3 ? atoi(argv[3]) : 0;
-    unsigned long seed = argc > 2 ? strtoul(argv[2], NULL, 10) : 1;
-    counts c = {.points = 0};
-    if (argc > 4 || points < 1 || first < 0) {
-        fputs("usage: saltus_census [points [seed [first]]]\n", stderr);
+    int points = argc == 4 ? atoi(argv[1]) : 0;
+    char line[512];
+    row r;
+    if (points < 1) {
+        fputs("usage: saltus_census POINTS SEED TABLE.csv\n", stderr);
         return 2;
     }
-    c.chaotic_seconds = calloc((size_t)points, sizeof *c.chaotic_seconds);
-    if (!c.chaotic_seconds)
+    unsigned long seed = strtoul(argv[2], NULL, 10);
+    FILE *table = fopen(argv[3], "a+");
+    bool *known = calloc((size_t)points, sizeof *known);
+    counts c = {.chaotic_seconds = calloc((size_t)points, sizeof *c.chaotic_seconds)};
+    if (!table || !known || !c.chaotic_seconds) {
+        perror(argv[3]);
         return EXIT_FAILURE;
-    puts("point,scene,verdict,seconds,exponent,error,lifetime_at_least,followers_settled,on,periods_followed,"
-         "exponent_followed,error_followed,judgement");
-    for (int k = first; k < first + points; k++)
-        census(seed, k, &c);
-    gsl_sort(c.chaotic_seconds, 1, (size_t)c.chaotic);
-    printf(
-        "# %d points: %d periodic or at rest, %d chaotic, %d transient, %d quasi-periodic, %d long-period, "
-        "%d irregular, %d undecided; %d wrong; %d of %d bounds of lifetimes above what the followers show; "
-        "median time of a chaotic verdict %.2f s\n",
-        c.points, c.settled, c.chaotic, c.transient, c.torus, c.long_period, c.irregular, c.undecided,
-        c.wrong, c.bounds_above, c.bounds, c.chaotic ? c.chaotic_seconds[c.chaotic / 2] : 0);
+    }
+    rewind(table);
+    bool empty = true, broken = false;
+    while (fgets(line, sizeof line, table)) {
+        empty = false;
+        broken = !strchr(line, '\n');
+        int k = read_row(line, &r);
+        if (k < 0 || k >= points || known[k])
+            continue;
+        known[k] = true;
+        count(&c, &r);
+    }
+    if (empty || broken)
+        fputs(empty ? head : "\n", table);
+    for (int k = 0; k < points; k++)
+        if (!known[k]) {
+            r = look(seed, k);
+            write_row(table, k, &r);
+            count(&c, &r);
+        }
+    summarise(&c);
     free(c.chaotic_seconds);
-    return 0;
+    free(known);
+    return fclose(table) ? EXIT_FAILURE : EXIT_SUCCESS;
 }
