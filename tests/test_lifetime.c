@@ -124,6 +124,24 @@ static void rounding_decides_long_superstable_periods(void **unused) {
     }
 }
 
+/* Such a contact may come once in 100,000 periods: that it comes is found from any start, as neighbours that
+ * separate until then prove nothing. */
+static void rare_contacts_count_from_any_start(void **unused) {
+    (void)unused;
+    saltus_scene scene = scene_of("budd-dux", "omega=4.85 d=.01");
+    saltus_message message = {.text = ""};
+    saltus_system *system = build(&scene.spec);
+    saltus_classify_options options = saltus_classify_defaults();
+    saltus_attractors found;
+    options.transient = 2000;
+    check_ok(saltus_attractors_find(system, 2, 3, &options, &found, &message), &message);
+    assert_int_equal(found.count, 1);
+    assert_int_equal(found.motions[0].verdict, SALTUS_LONG_PERIOD);
+    assert_true(found.motions[0].lyapunov == -INFINITY);
+    saltus_attractors_clear(&found);
+    saltus_system_free(system);
+}
+
 /* A window of periodic motion, its chaos being a transient of some 40,000 periods: the orbit is found or a
  * trajectory comes to it, and it is told as the end. */
 static void long_orbits_amid_chaos_are_found(void **unused) {
@@ -146,6 +164,7 @@ int main(void) {
         cmocka_unit_test(rows_are_irregular_until_then),
         cmocka_unit_test(locked_motions_have_a_period),
         cmocka_unit_test(rounding_decides_long_superstable_periods),
+        cmocka_unit_test(rare_contacts_count_from_any_start),
         cmocka_unit_test(long_orbits_amid_chaos_are_found),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

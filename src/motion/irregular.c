@@ -12,6 +12,7 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "motion/ensemble.h"
 #include "motion/evidence.h"
+#include "motion/long_period.h"
 #include "motion/motion.h"
 #include "motion/stable_orbit.h"
 #include "saltus/series.h"
@@ -30,7 +31,8 @@ enum {
     least_torus = 1000,
     points_kept = 4096,
     check_periods = 1000, /* in which a trajectory that seems to have left must show its period */
-    longest_laminar = 16
+    longest_laminar = 16,
+    rare = 20 /* times as long as chaos has been measured it is watched for a contact that ends it */
 };
 
 typedef struct judge {
@@ -41,6 +43,7 @@ typedef struct judge {
     saltus_motion *motion;
     double *points, *growths;        /* of all trajectories, points_kept each */
     bool searched;                   /* for stable orbits */
+    bool sticks;                     /* a contact that wipes out all differences has been met */
     long long escaped[trajectories]; /* samples of each until it left; 0: it has not */
     /* Sticking makes tangent vectors shrink now and then without any escape: a look that found none is not
      * repeated before twice as many samples. */
@@ -62,7 +65,7 @@ static saltus_runs runs_of(const judge *j) {
                          .watched = saltus_ensemble_periods(e),
                          .members = trajectories,
                          .lifetime = j->options->lifetime,
-                         .lost = saltus_ensemble_lost(e) >= e->n};
+                         .lost = j->sticks || saltus_ensemble_lost(e) >= e->n};
 }
 
 static void tell_exponent(judge *j) {
@@ -168,6 +171,33 @@ static saltus_status look_for_orbit(judge *j, saltus_message *message) {
     return status;
 }
 
+/* Whether contacts at all stops at once leave no direction in which neighbours can differ. */
+static bool can_lose_all(const saltus_system *system) {
+    int stops = 0;
+    for (int f = 0; f < saltus_system_face_count(system); f++) {
+        int stop = saltus_system_face(system, f).stop;
+        stops = stop >= stops ? stop + 1 : stops;
+    }
+    return 2 * stops >= saltus_system_dimension(system);
+}
+
+/* Chaos with a contact that wipes out all differences amid it is a superstable orbit, however seldom that
+ * contact is met: after it everything repeats. Without tangent vectors it is watched for at little cost. */
+static saltus_status look_for_contact(judge *j, saltus_message *message) {
+    const double *states[trajectories];
+    double after[SALTUS_STATE_MAX];
+    long long periods = rare * saltus_ensemble_periods(&j->ensemble) / trajectories;
+    if (!can_lose_all(j->system))
+        return SALTUS_OK;
+    for (int m = 0; m < trajectories; m++)
+        states[m] = j->ensemble.member[m].state;
+    saltus_status status = saltus_motion_meets_contact(j->system, &j->how.flow, states, trajectories, periods,
+                                                       after, &j->sticks, message);
+    if (status == SALTUS_OK && j->sticks)
+        memcpy(j->ensemble.member[0].state, after, (size_t)j->ensemble.n * sizeof *after);
+    return status;
+}
+
 /* What the runs so far say. With a stable orbit among its points chaos is a transient that has not ended yet:
  * it is followed for as long as allowed, to see when it ends. */
 static saltus_status decide(judge *j, saltus_outcome *outcome, saltus_message *message) {
@@ -184,6 +214,10 @@ static saltus_status decide(judge *j, saltus_outcome *outcome, saltus_message *m
                                    outcome, message);
     if (status == SALTUS_OK && *outcome == SALTUS_OUTCOME_CHAOS)
         status = look_for_orbit(j, message);
+    if (status == SALTUS_OK && *outcome == SALTUS_OUTCOME_CHAOS && !evidence->stable_orbit[0])
+        status = look_for_contact(j, message);
+    if (j->sticks)
+        *outcome = SALTUS_OUTCOME_REGULAR;
     if (*outcome == SALTUS_OUTCOME_SHORT || evidence->stable_orbit[0])
         *outcome = SALTUS_OUTCOME_OPEN;
     return status;

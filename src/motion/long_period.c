@@ -11,6 +11,7 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "motion/long_period.h"
 
+#include "base/simd.h"
 #include "motion/motion.h"
 #include "orbit/volume.h"
 
@@ -173,4 +174,54 @@ saltus_status saltus_motion_find_contact(const saltus_system *system, const salt
         saltus_motion_polish(system, (int)*periods, begin.section, near_return, &how, found);
     return polished == SALTUS_NO_MEMORY ? saltus_fail(message, polished, "no memory for an orbit")
                                         : SALTUS_OK;
+}
+
+/* All lanes of a flow at once, each until its time is over, until one of them meets such a contact: its state
+ * at the next section point. */
+static saltus_status run_to_contact(saltus_flow *flow, int lanes, long long periods, double *state,
+                                    bool *found, saltus_message *message) {
+    const int n = saltus_system_dimension(saltus_flow_system(flow, 0));
+    const saltus_time until = {periods, 0};
+    saltus_event event;
+    int lane, left = lanes, met = -1;
+    for (int l = 0; l < lanes; l++)
+        saltus_flow_aim(flow, l, until, SALTUS_WATCH_STICK);
+    while (left > 0 && !*found) {
+        saltus_status status = saltus_flow_run(flow, &lane, &event, message);
+        if (status != SALTUS_OK)
+            return status;
+        if (event.kind == SALTUS_REACHED) {
+            left--;
+            *found = lane == met;
+        } else if (met < 0 && saltus_lost_directions(flow, lane, &event) >= n) {
+            met = lane;
+            saltus_flow_aim(flow, lane, (saltus_time){event.time.cycle + 1, 0}, 0);
+        } else
+            saltus_flow_aim(flow, lane, until, SALTUS_WATCH_STICK);
+    }
+    if (*found)
+        saltus_flow_state(flow, met, state);
+    return SALTUS_OK;
+}
+
+saltus_status saltus_motion_meets_contact(const saltus_system *system, const saltus_flow_options *options,
+                                          const double *const *states, int count, long long periods,
+                                          double *state, bool *found, saltus_message *message) {
+    const int width = options->integrator == SALTUS_RADAU ? 1 : saltus_flow_width(system);
+    const saltus_system *systems[SALTUS_PACK_MAX];
+    saltus_status status = SALTUS_OK;
+    *found = false;
+    for (int l = 0; l < width; l++)
+        systems[l] = system;
+    for (int first = 0; first < count && status == SALTUS_OK && !*found; first += width) {
+        int lanes = count - first < width ? count - first : width;
+        saltus_flow *flow = NULL;
+        status = saltus_flow_new(systems, lanes, options, &flow, message);
+        for (int l = 0; l < lanes && status == SALTUS_OK; l++)
+            status = saltus_flow_start(flow, l, (saltus_time){0, 0}, states[first + l], message);
+        if (status == SALTUS_OK)
+            status = run_to_contact(flow, lanes, periods, state, found, message);
+        saltus_flow_free(flow);
+    }
+    return status;
 }
