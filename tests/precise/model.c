@@ -86,13 +86,6 @@ static void oscillator_field(const model *m, real tau, int vectors, const real *
     }
 }
 
-void model_field(const model *m, real tau, int vectors, const real *x, real *f) {
-    if (m->pipe)
-        pipe_field(m, tau, vectors, x, f);
-    else
-        oscillator_field(m, tau, vectors, x, f);
-}
-
 real model_contact(const model *m, const real *v) {
     real sum = 0;
     for (int i = 0; i < m->modes; i++)
@@ -101,25 +94,47 @@ real model_contact(const model *m, const real *v) {
 }
 
 /* v <- v - (1 + r) (n.v) n / (n.n) */
-static void reverse(const model *m, real *v) {
-    real part = (1 + m->stop.r) * model_contact(m, v) / m->stop.square;
+static void reverse(const model *m, real r, real *v) {
+    real part = (1 + r) * model_contact(m, v) / m->stop.square;
     for (int i = 0; i < m->modes; i++)
         v[i] -= part * m->stop.normal[i];
 }
 
+void model_field(const model *m, real tau, int vectors, const real *x, real *f, bool held) {
+    if (m->pipe)
+        pipe_field(m, tau, vectors, x, f);
+    else
+        oscillator_field(m, tau, vectors, x, f);
+    for (int k = 0; k < vectors && held; k++)
+        reverse(m, 0, f + 2 * m->modes * k + m->modes);
+}
+
 /* A tangent vector y becomes P y + (f+ - P f-) (n.y) / (n.v-): the disturbed orbit impacts earlier by
  * (n.y) / (n.v-). The time of the section is the same for both. */
-void model_impact(const model *m, real tau, int vectors, real *x) {
+void model_impact(const model *m, real tau, int vectors, real *x, bool lands) {
     const int n = m->modes;
+    const real r = lands ? 0 : m->stop.r;
     real before[model_dimension], after[model_dimension], speed = model_contact(m, x + n);
-    model_field(m, tau, 1, x, before);
-    reverse(m, x + n);
-    model_field(m, tau, 1, x, after);
-    reverse(m, before + n);
+    model_field(m, tau, 1, x, before, false);
+    reverse(m, r, x + n);
+    model_field(m, tau, 1, x, after, lands);
+    reverse(m, r, before + n);
     for (int k = 1; k < vectors; k++) {
         real *y = x + 2 * n * k, ahead = model_contact(m, y) / speed;
-        reverse(m, y + n);
+        reverse(m, r, y + n);
         for (int i = 0; i < 2 * n; i++)
             y[i] += ahead * (after[i] - before[i]);
+    }
+}
+
+void model_hold(const model *m, int side, int vectors, real *x) {
+    for (int k = 0; k < vectors; k++) {
+        real *q = x + 2 * m->modes * k;
+        for (int i = 0; i < m->modes && k == 0; i++)
+            q[i] -= side * m->stop.d * m->stop.normal[i] / m->stop.square;
+        reverse(m, 0, q);
+        reverse(m, 0, q + m->modes);
+        for (int i = 0; i < m->modes && k == 0; i++)
+            q[i] += side * m->stop.d * m->stop.normal[i] / m->stop.square;
     }
 }

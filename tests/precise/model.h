@@ -31,11 +31,16 @@ typedef struct model {
 
 /* Fill in what follows from the parameters. */
 void model_prepare(model *m);
-/* f = d/dtau of the state and of the tangent vectors. */
-void model_field(const model *m, real tau, int vectors, const real *x, real *f);
+/* f = d/dtau of the state and of the tangent vectors; `held`: the stop takes what accelerates towards or away
+ * from it. */
+void model_field(const model *m, real tau, int vectors, const real *x, real *f, bool held);
 /* n.v for the displacements or the velocities of a state. */
 real model_contact(const model *m, const real *v);
-/* The impact law and its saltation matrix on a whole block at time tau. */
-void model_impact(const model *m, real tau, int vectors, real *x);
+/* The impact law and its saltation matrix on a whole block at time tau; `lands`: with no restitution, and the
+ * contact holds from then on. */
+void model_impact(const model *m, real tau, int vectors, real *x, bool lands);
+/* Take the contact coordinate of a block's state to side * d and its rate to zero, those of its tangent
+ * vectors to zero. */
+void model_hold(const model *m, int side, int vectors, real *x);
 
 #endif

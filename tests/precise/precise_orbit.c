@@ -78,6 +78,8 @@ static const char *refine(const settings *s, const char *text, passage *p) {
         return "no memory";
     orbit o = {.model = &m, .periods = periods, .passage = p, .matrix = matrix, .known = s->known};
     trouble = shoot(&stepper, periods, state, p, matrix, s->known, &o.residual);
+    if (!trouble && p->stick_count)
+        trouble = "orbits that stick are no references";
     if (!trouble && impacts >= 0 && impacts != p->impact_count)
         trouble = "not as many impacts as the start says";
     if (!trouble)

@@ -2,16 +2,29 @@
  *
  *   saltus continue pipe --set N=1 omega=30 --in u0=4:5 --json -o b.h5 | precise_points u0 [most]
  *
- * Of the lines PD, LP, NS and GR, `most` at most, spread over the branch, each becomes the zero of the
- * orbit's equations and one more: a multiplier -1 or 1, a pair of modulus 1, a highest gap of zero. A line
- * for each says how far off the value was and what accuracy was stated; status 1 where one was further off
- * than that.
+ * Of the lines PD, LP, NS, GR, BP, CH and ST, `most` at most, spread over the branch and its kinds, each is
+ * located by its own rule.
+ *
+ * PD, LP, NS, GR: the zero of the orbit's equations and one more: a multiplier -1 or 1, a pair of modulus 1,
+ * a highest gap of zero.
+ *
+ * BP: two branches go through it, on one of which orbits are found on both sides: there the multiplier
+ * nearest to 1 is interpolated to 1.
+ *
+ * ST: what presses on a contact in the middle of it is extrapolated to nothing, from the side on which the
+ * contact is whole.
+ *
+ * CH: beyond it complete chatter ends with a contact whose length goes with a power of the distance, down to
+ * ten times the accuracy that was stated; on the other side no orbit nearby has such a contact.
+ *
+ * A line for each says how far off the value was and what accuracy was stated; status 1 where one was further
+ * off than that.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "scene.h"
 
 #include <string.h>
 
-enum { iterations_most = 14, unknowns_most = model_dimension + 1, line_most = 1 << 20 };
+enum { iterations_most = 14, unknowns_most = model_dimension + 1, lines_most = 10000, line_most = 1 << 20 };
 
 typedef struct problem {
     model m;
@@ -111,6 +124,164 @@ static bool number_after(const char *text, const char *key, double *value) {
     return at && sscanf(at + strlen(key), "%lf", value) == 1;
 }
 
+/* The orbit at a fixed parameter, by Newton's method from `state`. */
+static const char *solve(problem *q, real parameter, real *state) {
+    const int n = q->n;
+    real a[model_dimension * model_dimension], correction[model_dimension], last = HUGE_VAL;
+    *q->parameter = parameter;
+    model_prepare(&q->m);
+    for (int k = 0; k < iterations_most; k++) {
+        const char *trouble = passage_run(&q->p, &q->stepper, q->periods, true, state);
+        if (trouble)
+            return trouble;
+        for (int i = 0; i < n; i++) {
+            correction[i] = state[i] - q->p.x[i];
+            for (int j = 0; j < n; j++)
+                a[i * n + j] = q->p.x[n * (1 + j) + i] - (i == j);
+        }
+        if (!shoot_solve(n, a, correction))
+            return "the orbit is not isolated";
+        for (int i = 0; i < n; i++)
+            state[i] += correction[i];
+        real moved = shoot_distance(&q->m, correction);
+        if (moved < real_pow(10, -22) || (moved < real_pow(10, -17) && moved > last / 10))
+            return NULL;
+        last = moved;
+    }
+    return "Newton's method finds no orbit";
+}
+
+/* Where the polynomial through so many points is zero, near the first of them. */
+static real zero_of_polynomial(int count, const real *at, const real *value) {
+    real result = 0;
+    for (int i = 0; i < count; i++) { /* the inverse function, by Lagrange, at zero */
+        real weight = 1;
+        for (int j = 0; j < count; j++)
+            if (j != i)
+                weight *= value[j] / (value[j] - value[i]);
+        result += weight * at[i];
+    }
+    return result;
+}
+
+/* The multiplier nearest to 1, less 1, of the orbits at four places around a branch point. */
+static const char *locate_branch_point(problem *q, real *unknowns) {
+    enum { places = 4 };
+    static const int steps[places] = {-2, -1, 1, 2};
+    const int n = q->n;
+    const real value = unknowns[n], apart = real_pow(10, -7) * real_abs(value);
+    real at[places], off[places], state[model_dimension], matrix[model_dimension * model_dimension];
+    for (int k = 0; k < places; k++) {
+        memcpy(state, unknowns, n * sizeof *state);
+        at[k] = steps[k] * apart;
+        const char *trouble = solve(q, value + at[k], state);
+        if (trouble)
+            return trouble;
+        for (int i = 0; i < n; i++)
+            for (int j = 0; j < n; j++)
+                matrix[i * n + j] = q->p.x[n * (1 + j) + i];
+        if (!special(q, matrix, &off[k]))
+            return "no multiplier";
+    }
+    if ((off[1] > 0) == (off[2] > 0))
+        return "the multiplier does not pass 1";
+    unknowns[n] = value + zero_of_polynomial(places, at, off);
+    return NULL;
+}
+
+/* The contact that is pressed least in its middle. */
+static real least_pressed(const passage *p) {
+    real least = HUGE_VAL;
+    for (int k = 0; k < p->stick_count; k++)
+        least = real_min(least, p->sticks[k].least);
+    return least;
+}
+
+static const char *locate_split(problem *q, real *unknowns) {
+    enum { places = 4 };
+    const int n = q->n;
+    const real value = unknowns[n], apart = real_pow(10, -6) * real_abs(value);
+    real at[places], press[places], state[model_dimension];
+    for (int side = -1; side <= 1; side += 2) {
+        bool found = true;
+        for (int k = 0; k < places && found; k++) {
+            memcpy(state, unknowns, n * sizeof *state);
+            at[k] = side * (k + 1) * apart;
+            found = !solve(q, value + at[k], state);
+            press[k] = least_pressed(&q->p);
+            found = found && press[k] < HUGE_VAL && (k == 0 || press[k] > press[k - 1]);
+        }
+        if (found) {
+            unknowns[n] = value + zero_of_polynomial(places, at, press);
+            return NULL;
+        }
+    }
+    return "no contact that splits";
+}
+
+/* The shortest contact, one over a section as one. */
+static real shortest_contact(const problem *q) {
+    const passage *p = &q->p;
+    real shortest = HUGE_VAL;
+    for (int k = 0; k < p->stick_count; k++) {
+        const stick *s = &p->sticks[k], *last = &p->sticks[p->stick_count - 1];
+        real length = s->end - s->begin;
+        if (s->begin == 0 && last->end == q->periods && s != last)
+            length += last->end - last->begin;
+        if (s->end < q->periods)
+            shortest = real_min(shortest, length);
+    }
+    return shortest;
+}
+
+enum { decades = 8 };
+
+/* The lengths of the shortest contacts at distances from the value that are ten times as long each, from the
+ * accuracy on, on one side; 0 where there is none. How many there are. */
+static int measure_contacts(problem *q, const real *unknowns, real accuracy, int side,
+                            real length[decades + 1]) {
+    const int n = q->n;
+    real state[model_dimension];
+    int found = 0;
+    memcpy(state, unknowns, n * sizeof *state);
+    for (int k = decades; k >= 0; k--) {
+        real distance = accuracy * real_pow(10, k);
+        length[k] = 0;
+        if (distance > real_pow(10, -4) * real_abs(unknowns[n]))
+            continue;
+        if (!solve(q, unknowns[n] + side * distance, state) && shortest_contact(q) < q->periods) {
+            length[k] = shortest_contact(q);
+            found++;
+        } else
+            memcpy(state, unknowns, n * sizeof *state);
+    }
+    return found;
+}
+
+/* Down to where the lengths shrink by the same factor with every decade, as they begin to, to one part in
+ * five. */
+static const char *locate_completion(problem *q, real *unknowns, real accuracy) {
+    const double doubt = 0.2;
+    real length[2][decades + 1];
+    int found[2];
+    for (int k = 0; k < 2; k++)
+        found[k] = measure_contacts(q, unknowns, accuracy, k ? 1 : -1, length[k]);
+    if (found[0] && found[1])
+        return "complete chatter on both sides";
+    const real *of = length[found[1] > 0];
+    int k = decades;
+    while (k >= 0 && of[k] == 0)
+        k--;
+    if (k < 3 || of[k - 1] == 0 || of[k - 2] == 0)
+        return "no complete chatter on either side";
+    double factor = 0.5 * log((double)(of[k - 2] / of[k]));
+    for (k -= 2; k > 0 && of[k - 1] > 0; k--)
+        if (fabs(log((double)(of[k - 1] / of[k])) - factor) > doubt)
+            break;
+    unknowns[q->n] += accuracy * real_pow(10, k);
+    return NULL;
+}
+
 /* One line of the branch; false where the point is further off than was stated, or cannot be located. */
 static bool check(const char *line, const char *key) {
     static problem q;
@@ -137,7 +308,10 @@ static bool check(const char *line, const char *key) {
     if (!trouble) {
         q.n = 2 * q.m.modes;
         unknowns[q.n] = *q.parameter;
-        trouble = locate(&q, unknowns);
+        trouble = strcmp(q.kind, "BP") == 0   ? locate_branch_point(&q, unknowns)
+                  : strcmp(q.kind, "ST") == 0 ? locate_split(&q, unknowns)
+                  : strcmp(q.kind, "CH") == 0 ? locate_completion(&q, unknowns, (real)accuracy)
+                                              : locate(&q, unknowns);
         step_close(&q.stepper);
     }
     if (trouble) {
@@ -145,22 +319,25 @@ static bool check(const char *line, const char *key) {
         return false;
     }
     double off = fabs((double)(unknowns[q.n] - (real)value));
+    bool right = off <= (strcmp(q.kind, "CH") == 0 ? 11 : 1) * accuracy;
     real slowest = HUGE_VAL;
     for (int k = 0; k < q.p.impact_count; k++)
         slowest = real_min(slowest, real_abs(q.p.impacts[k].speed));
-    printf("%s %.16g off %.1e stated %.1e slowest %.1e%s\n", q.kind, value, off, accuracy, (double)slowest,
-           off <= accuracy ? "" : " WRONG");
-    return off <= accuracy;
+    printf("%s %.16g off %.1e stated %.1e slowest %.1e contacts %d%s\n", q.kind, value, off, accuracy,
+           (double)slowest, q.p.stick_count, right ? "" : " WRONG");
+    return right;
 }
 
-static bool is_wanted(const char *line) {
-    static const char *const kinds[] = {"PD", "LP", "NS", "GR"};
+static const char *const kinds[] = {"BP", "CH", "ST", "NS", "PD", "LP", "GR"};
+enum { kind_count = sizeof kinds / sizeof kinds[0] };
+
+/* The kind of a line, or kind_count. */
+static int kind_of(const char *line) {
     const char *label = strstr(line, "\"label\": \"");
-    for (size_t k = 0; label && k < sizeof kinds / sizeof kinds[0]; k++)
-        if (strncmp(label + strlen("\"label\": \""), kinds[k], 2) == 0)
-            return strstr(line, "\"impacts\": null") == NULL &&
-                   strstr(line, "\"sticking_intervals\": 0") != NULL;
-    return false;
+    int k = label ? 0 : kind_count;
+    while (k < kind_count && strncmp(label + strlen("\"label\": \""), kinds[k], 2) != 0)
+        k++;
+    return k;
 }
 
 int main(int count, char **words) {
@@ -168,21 +345,30 @@ int main(int count, char **words) {
         fputs("precise_points PARAMETER [most] < points of a branch, as JSON\n", stderr);
         return 2;
     }
-    char **lines = calloc(10000, sizeof *lines), *line = malloc(line_most);
-    int wanted = 0, most = count > 2 ? atoi(words[2]) : 10000;
+    char **lines = calloc(lines_most, sizeof *lines), *line = malloc(line_most);
+    int wanted = 0, left = count > 2 ? atoi(words[2]) : lines_most, of_kind[kind_count + 1] = {0};
     bool right = lines && line;
-    while (right && wanted < 10000 && fgets(line, line_most, stdin))
-        if (is_wanted(line)) {
+    while (right && wanted < lines_most && fgets(line, line_most, stdin))
+        if (kind_of(line) < kind_count) {
             lines[wanted] = malloc(strlen(line) + 1);
             right = lines[wanted] != NULL;
             if (right)
                 strcpy(lines[wanted++], line);
+            of_kind[kind_of(line)]++;
         }
-    for (int k = 0, checked = 0; k < wanted; k++)
-        if ((long)k * most / wanted >= checked && checked < most) {
-            right &= check(lines[k], words[1]);
-            checked++;
-        }
+    for (int kind = 0; kind < kind_count; kind++) {
+        int later = 0, seen = 0;
+        for (int k = kind; k < kind_count; k++)
+            later += of_kind[k] > 0;
+        int most = later ? (left + later - 1) / later : 0, checked = 0;
+        most = most < of_kind[kind] ? most : of_kind[kind];
+        for (int k = 0; k < wanted && checked < most; k++)
+            if (kind_of(lines[k]) == kind && (long)seen++ * most / of_kind[kind] >= checked) {
+                right &= check(lines[k], words[1]);
+                checked++;
+            }
+        left -= checked;
+    }
     for (int k = 0; k < wanted; k++)
         free(lines[k]);
     free(lines);

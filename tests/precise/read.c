@@ -101,10 +101,9 @@ const char *scene_read(const char *text, model *m, int *periods, int *impacts, r
         return trouble;
     if (*periods < 1 || *periods > passage_periods)
         return "too many periods";
-    int sticking = 0;
-    if (whole(text, "sticking_intervals", &sticking) && sticking > 0)
-        return "orbits that stick are not followed";
-    whole(text, "impacts", impacts);
+    const char *counted = place(text, "impacts");
+    if (counted && strncmp(counted, " null", 5) != 0)
+        whole(text, "impacts", impacts);
     for (int i = 0; i < 2 * m->modes; i++)
         state[i] = next(&at);
     model_prepare(m);

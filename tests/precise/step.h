@@ -1,5 +1,6 @@
 /* One step of the flow in 128 bits by extrapolation: Gragg's modified midpoint rule with 2, 4, 6, ...
- * substeps, carried to step size zero by Neville's scheme in the squares of the substeps. Bulirsch and Stoer,
+ * substeps, carried to step size zero by Neville's scheme in the squares of the substeps until that changes
+ * nothing. Bulirsch and Stoer,
  * Numerische Mathematik 8 (1966) 1-13; Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I,
  * II.9.
  * SPDX-License-Identifier: GPL-3.0-or-later */
@@ -15,6 +16,9 @@ typedef struct step {
     int columns;    /* of the extrapolation; the order is twice as high */
     real tolerance; /* of the state in a step, relative to its largest displacement and velocity */
     real slackness; /* how much more is granted to the tangent vectors */
+    int held;       /* the side whose contact holds, or 0 */
+    real floor; /* size of a tangent vector below which its error is no longer relative to it: a contact that
+                   holds leaves rounding of some */
     real *work;
 } step;
 
