@@ -681,6 +681,93 @@ static void networks_of_curves(void **unused) {
     saltus_system_free(system);
 }
 
+/* The motion that a scene settles on from rest. */
+static saltus_motion settled(const saltus_spec *spec) {
+    saltus_classify_options how = saltus_classify_defaults();
+    saltus_system *system = build(spec);
+    saltus_message message = {.text = ""};
+    saltus_motion motion;
+    double state[2];
+    check_ok(saltus_system_default_state(system, state, &message), &message);
+    check_ok(saltus_classify(system, state, &how, &motion, &message), &message);
+    saltus_system_free(system);
+    return motion;
+}
+
+/* The nearest that a free maximum comes to the stop, in units of the system's displacements. */
+static double nearest_maximum(const saltus_branch_point *point) {
+    saltus_flow_options options = saltus_flow_defaults();
+    saltus_system *system = build(&point->spec);
+    saltus_flow *flow = open_flow(system, &options, 0, point->state);
+    double nearest = INFINITY, d = saltus_system_face(system, 0).d;
+    for (saltus_event event = {.kind = SALTUS_TURNING}; event.kind != SALTUS_REACHED;) {
+        event = advance(flow, point->periods, SALTUS_WATCH_CONTACT | SALTUS_WATCH_TURNING);
+        if (event.kind == SALTUS_TURNING && event.velocity_before < 0)
+            nearest = fmin(nearest, fabs(event.displacement - d) / saltus_system_scale(system)[0]);
+    }
+    saltus_flow_free(flow);
+    saltus_system_free(system);
+    return nearest;
+}
+
+/* A fold of orbits with a long run of impacts, after the last of which another one is about to be born, less
+ * far from the stop than any tolerance: the curve of folds ends where the maximum touches. */
+static void folds_end_in_long_runs(void **unused) {
+    (void)unused;
+    static const char *const key[2] = {"omega", "d"};
+    static const double low[2] = {4.54986, 0.0138054}, high[2] = {9.09972, 0.0368144};
+    saltus_spec spec = pipe_spec(1, 6.4998);
+    set_parameter(&spec, "alpha", 0.003635);
+    add_stop(&spec, 0.023009, 0.43493, SALTUS_UPPER);
+    saltus_motion motion = settled(&spec);
+    saltus_branch_options options = locus_options(SALTUS_POINT_LP, key, low, high);
+    options.direction = 1;
+    branch_record folds = branch_run(&spec, motion.periods, motion.state, &options);
+    const saltus_branch_point *corner = &folds.point[folds.count - 2];
+    assert_int_equal(corner->kind, SALTUS_POINT_GR_LP);
+    assert_int_equal(corner[1].kind, SALTUS_POINT_EP);
+    for (int k = 0; k < folds.count; k++) {
+        const saltus_branch_point *p = &folds.point[k];
+        check_near(p->multipliers[0].re, 1, 1e-6);
+        if (p < corner)
+            assert_true(nearest_maximum(p) > 1e-11);
+        else
+            check_near(nearest_maximum(p), 0, 1e-13);
+    }
+    branch_forget(&folds);
+    saltus_motion_clear(&motion);
+}
+
+/* A curve of grazing in four pieces that leads around back to its begin, where two impacts graze: it is gone
+ * round once. */
+static void a_polygon_of_grazings_is_closed(void **unused) {
+    (void)unused;
+    static const char *const key[2] = {"omega", "d"};
+    static const double low[2] = {1.67064, 0.092649}, high[2] = {4.45504, 0.61766};
+    saltus_spec spec = oscillator_spec(0.071149, 1, 1.4735, 2.7844);
+    set_parameter(&spec, "F0", 0.14981);
+    add_stop(&spec, 0.30883, 0.86455, SALTUS_UPPER);
+    saltus_motion motion = settled(&spec);
+    saltus_branch_options options = locus_options(SALTUS_POINT_GR, key, low, high);
+    options.switches = 1;
+    branch_record record = branch_run(&spec, motion.periods, motion.state, &options);
+    check_network(&record, &options);
+    const saltus_branch_point *last = &record.point[record.count - 1], *first = last - last->step;
+    assert_non_null(strstr(last->reason, "closed"));
+    int corners = 0;
+    for (const saltus_branch_point *p = first; p <= last; p++) {
+        corners += p->kind == SALTUS_POINT_GR_GR;
+        for (const saltus_branch_point *q = first; q < p && p < last - 1; q++)
+            assert_false(p->kind == SALTUS_POINT_GR_GR && p->value[0] == q->value[0]);
+    }
+    assert_int_equal(corners, 4);
+    for (int i = 0; i < 2; i++)
+        check_near(last->value[i], first->value[i], 1e-10);
+    assert_true(branch_check_resumed(&spec, motion.periods, motion.state, &options, 9) > 4);
+    branch_forget(&record);
+    saltus_motion_clear(&motion);
+}
+
 /* Interrupted on any of the curves that were switched to, or between two of them, it all goes on to the last
  * bit: which curves wait, and which have been gone over. */
 static void an_interrupted_network_goes_on(void **unused) {
@@ -956,6 +1043,8 @@ int main(void) {
         cmocka_unit_test(corners_start_grazing),
         cmocka_unit_test(corners_start_the_curves_that_meet_there),
         cmocka_unit_test(networks_of_curves),
+        cmocka_unit_test(folds_end_in_long_runs),
+        cmocka_unit_test(a_polygon_of_grazings_is_closed),
         cmocka_unit_test(an_interrupted_network_goes_on),
         cmocka_unit_test(symmetric_grazing),
         cmocka_unit_test(grazing_ends_with_chatter),

@@ -14,6 +14,7 @@
 
 /* Steps are measured in the plane of the parameters, unless the states change so much faster. */
 static const double slowest = 0.1;
+static const char is_back[] = "the curve is closed: it has come back";
 
 struct saltus_locus {
     saltus_branch_options options;
@@ -86,9 +87,11 @@ static saltus_status see_all(saltus_locus *l, const saltus_curve_point *point, s
 static bool is_sound(const saltus_locus *l, const saltus_curve_point *point, const saltus_solution *s) {
     if (l->x.kind == SALTUS_POINT_BP && !(fabs(point->u[s->at.unknowns]) < 1e-8))
         return false;
-    if (saltus_corner_breach(&l->x, s) > 1e-9)
+    double breach = saltus_corner_breach(&l->x, s);
+    if (breach > 1e-9)
         return !l->strict;
-    return l->x.kind == SALTUS_POINT_GR || s->survey.follows;
+    /* The flow tells a breach as small as that of the last impacts of a long run. */
+    return l->x.kind == SALTUS_POINT_GR || s->survey.follows || (breach > 0 && !l->strict);
 }
 
 /* `here` becomes the point with these unknowns of the sequence that the shooting has, `extra` the one beside
@@ -438,8 +441,8 @@ static saltus_status leave(saltus_locus *l, bool turns, bool *found, saltus_mess
 /* Beyond a second grazing, `located`, the curve of the first goes on with the second impact born or dead:
  * `here` becomes an orbit a little beyond with that sequence, where it is admissible; in the very place,
  * where the second impact has no speed, the signs of the functions mean nothing. *passed: whether there is
- * such a way. Errors: SALTUS_NO_MEMORY. */
-static saltus_status pass_grazing(saltus_locus *l, bool *passed, saltus_message *message) {
+ * such a way; *closes is set where it leads to where the curve began. Errors: SALTUS_NO_MEMORY. */
+static saltus_status pass_grazing(saltus_locus *l, bool *passed, bool *closes, saltus_message *message) {
     int order[SALTUS_MARKS_MAX];
     saltus_sequence old = l->located.sequence, fresh;
     saltus_message why = {.text = ""};
@@ -455,7 +458,7 @@ static saltus_status pass_grazing(saltus_locus *l, bool *passed, saltus_message 
     if (status == SALTUS_OK)
         status = install(l, &old, l->trial.tangent, 0, order, &why);
     if (status == SALTUS_OK && l->options.switches)
-        status = saltus_locus_starts_pass(&l->x, &l->orbit, &l->starts, &why);
+        status = saltus_locus_starts_pass(&l->x, &l->orbit, &l->starts, closes, &why);
     if (status == SALTUS_OK)
         status = leave(l, true, passed, message);
     return status == SALTUS_NO_MEMORY ? no_memory(message) : SALTUS_OK;
@@ -743,6 +746,7 @@ static bool accumulates(saltus_locus *l) {
 static saltus_status give_corner(saltus_locus *l, saltus_corner corner, double ahead, bool *moved,
                                  saltus_message *message) {
     bool ends = corner.ends, resonance = l->x.kind == SALTUS_POINT_NS && ends && !corner.breach;
+    bool closes = false;
     *moved = false;
     saltus_status status = saltus_corner_tell(&l->x, &corner, &l->located, &corner.kind, message);
     if (status != SALTUS_OK)
@@ -761,7 +765,7 @@ static saltus_status give_corner(saltus_locus *l, saltus_corner corner, double a
     if (status != SALTUS_OK || l->ended)
         return status;
     if (l->options.switches)
-        status = saltus_locus_starts_pass(&l->x, &l->located, &l->starts, message);
+        status = saltus_locus_starts_pass(&l->x, &l->located, &l->starts, &closes, message);
     if (status == SALTUS_OK && l->depth < l->options.switches)
         status = saltus_locus_starts_meet(&l->x, &corner, &l->located, l->number, l->depth + 1, &l->starts,
                                           message);
@@ -771,7 +775,9 @@ static saltus_status give_corner(saltus_locus *l, saltus_corner corner, double a
         return give(l, &l->located, &l->trial, SALTUS_POINT_EP, ahead,
                     "grazings follow one another ever more closely, towards complete chatter", message);
     if (kind == SALTUS_POINT_GR_GR)
-        status = pass_grazing(l, moved, message);
+        status = pass_grazing(l, moved, &closes, message);
+    if (status == SALTUS_OK && closes && l->begun_at)
+        return give(l, &l->located, &l->trial, SALTUS_POINT_EP, ahead, is_back, message);
     if (*moved)
         l->arclength += ahead;
     if (status == SALTUS_OK && ends && !*moved)
@@ -846,7 +852,7 @@ static saltus_status advance(saltus_locus *l, saltus_message *message) {
     l->step = saltus_curve_next_step(l->step, l->here.iterations,
                                      l->options.step_max / fmax(hypot(way[0], way[1]), slowest));
     status = give(l, &l->orbit, &l->here, closed || reached >= 0 ? SALTUS_POINT_EP : l->x.kind, 0,
-                  closed         ? "the curve is closed: it has come back"
+                  closed         ? is_back
                   : reached >= 0 ? "end of the parameters' range"
                                  : NULL,
                   message);

@@ -54,13 +54,15 @@ static bool are_one(const saltus_locus_start *a, const saltus_locus_start *b) {
 }
 
 saltus_status saltus_locus_starts_pass(const saltus_extended *x, const saltus_solution *at,
-                                       saltus_locus_starts *starts, saltus_message *message) {
+                                       saltus_locus_starts *starts, bool *closes, saltus_message *message) {
     saltus_locus_start own = {.kind = x->kind, .sequence = at->sequence, .mark = x->mark, .done = true};
     memcpy(own.parameter, at->parameter, sizeof own.parameter);
     bool known = false;
     for (int k = 0; k < starts->count; k++)
-        if (are_one(&starts->start[k], &own))
+        if (are_one(&starts->start[k], &own)) {
             known = starts->start[k].done = true;
+            *closes |= k == starts->next - 1;
+        }
     return known ? SALTUS_OK : add(starts, x->orbits.n, &own, at, message);
 }
 

@@ -27,9 +27,10 @@ typedef struct saltus_locus_starts {
 
 void saltus_locus_starts_clear(saltus_locus_starts *starts);
 /* The curve of kind x->kind has come to a point of codimension two, the orbit `at`: a start that waits there
- * for this very curve is done, and it is noted that the curve has been here. Errors: SALTUS_NO_MEMORY. */
+ * for this very curve is done, and it is noted that the curve has been here. *closes is set where that start
+ * is the one that was taken last: the curve has come back to its begin. Errors: SALTUS_NO_MEMORY. */
 saltus_status saltus_locus_starts_pass(const saltus_extended *x, const saltus_solution *at,
-                                       saltus_locus_starts *starts, saltus_message *message);
+                                       saltus_locus_starts *starts, bool *closes, saltus_message *message);
 /* The other curves that meet the present one at a point of codimension two, the orbit `at`, are added, but
  * for those that have been there; `parent` and `depth` are theirs. At a cusp both folds are one curve, and at
  * a third or a quarter of the circle no curve of these kinds begins. Errors: SALTUS_NO_MEMORY. */
