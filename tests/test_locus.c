@@ -532,16 +532,45 @@ static void check_network(const branch_record *record, const saltus_branch_optio
     }
 }
 
+/* Whether two points lie at the same place of the plane. */
+static bool at_one_place(const saltus_branch_point *p, const saltus_branch_point *q) {
+    return fabs(q->value[0] / p->value[0] - 1) < 1e-8 && fabs(q->value[1] / p->value[1] - 1) < 1e-8;
+}
+
+/* The sine between the ways on which a curve leaves its first point and a curve of another kind that place.
+ */
+static double turn_between(const branch_record *record, const saltus_branch_options *options,
+                           const saltus_branch_point *first, saltus_point_kind other) {
+    double smallest = INFINITY;
+    for (int k = 1; k + 1 < record->count; k++) {
+        const saltus_branch_point *q = &record->point[k];
+        bool begins = q->step == 0;
+        if (q->locus != other || !at_one_place(first, q) || (!begins && at_one_place(q, q - 1)))
+            continue;
+        double way[2][2];
+        for (int i = 0; i < 2; i++) {
+            double unit = options->high[i] - options->low[i];
+            way[0][i] = (first[1].value[i] - first->value[i]) / unit;
+            way[1][i] = (q[begins ? 1 : -1].value[i] - q->value[i]) / unit;
+        }
+        smallest = fmin(smallest, fabs(way[0][0] * way[1][1] - way[0][1] * way[1][0]) /
+                                      (hypot(way[0][0], way[0][1]) * hypot(way[1][0], way[1][1])));
+    }
+    return smallest;
+}
+
 /* From a flip's meeting with grazing the curve of grazing is followed: the orbits without impact whose
- * amplitude is the gap. */
+ * amplitude is the gap. So is that of the orbits of twice the period with one impact, which touch the stop
+ * once more; it leaves along the curve of flips. */
 static void corners_start_grazing(void **unused) {
     (void)unused;
     closed_curve c = curves[1];
     closed_oscillator o;
+    closed_orbit orbit;
     saltus_branch_options options = locus_options(c.kind, c.key, c.low, c.high);
     options.switches = 1;
     branch_record record = run_curve(&c, &o, &options);
-    int grazing = 0, ends = 0;
+    int grazing[3] = {0}, ends = 0;
     check_network(&record, &options);
     for (int k = 0; k < record.count; k++) {
         const saltus_branch_point *p = &record.point[k];
@@ -549,11 +578,19 @@ static void corners_start_grazing(void **unused) {
         if (p->locus != SALTUS_POINT_GR)
             continue;
         o.omega = p->value[0];
-        check_near((double)closed_amplitude(&o, &phase), p->value[1], 1e-9);
-        ends += p->kind == SALTUS_POINT_EP && on_border(&c, p->value);
-        grazing++;
+        o.periods = p->periods;
+        if (p->periods == 1)
+            check_near((double)closed_amplitude(&o, &phase), p->value[1], 1e-9);
+        else if (p->step > 0) {
+            o.d = p->value[1];
+            assert_true(closed_orbit_at(&o, 1, &orbit));
+            check_near((double)orbit.margin, 0, 1e-9);
+        } else
+            check_near(turn_between(&record, &options, p, SALTUS_POINT_PD), 0, 0.02);
+        ends += p->kind == SALTUS_POINT_EP && on_border(&c, p->value) && p->periods == 1;
+        grazing[p->periods]++;
     }
-    assert_true(grazing > 20);
+    assert_true(grazing[1] > 20 && grazing[2] > 20);
     assert_int_equal(ends, 2);
     branch_forget(&record);
 }
@@ -589,7 +626,7 @@ static void corners_start_the_curves_that_meet_there(void **state) {
     check_network(record, &network->options);
     for (int k = 0; k < record->count; k++)
         count[record->point[k].locus] += record->point[k].step == 0;
-    assert_true(count[SALTUS_POINT_PD] == 2 && count[SALTUS_POINT_GR] == 2 && count[SALTUS_POINT_NS] == 4);
+    assert_true(count[SALTUS_POINT_PD] == 2 && count[SALTUS_POINT_GR] == 3 && count[SALTUS_POINT_NS] == 4);
     for (int k = 0; k < record->count; k += 3)
         if (record->point[k].kind == SALTUS_POINT_NS)
             check_anew(&record->point[k], SALTUS_POINT_NS);
@@ -797,6 +834,26 @@ static void an_interrupted_network_goes_on(void **unused) {
     free(r.text);
 }
 
+/* Grazing of orbits that branch off from ones that are their own mirror images: such an orbit touches one of
+ * the stops once, and comes back. */
+static void check_broken_grazing(const saltus_branch_point *p) {
+    saltus_flow_options options = saltus_flow_defaults();
+    saltus_system *system = build(&p->spec);
+    saltus_flow *flow = open_flow(system, &options, 0, p->state);
+    int by_side[2] = {0};
+    double end[2];
+    for (int k = 0; k < p->event_count; k++)
+        by_side[p->events[k].face]++;
+    assert_int_equal(abs(by_side[0] - by_side[1]), 1);
+    check_near(slowest_contact(system, p->periods, p->state), 0, 1e-6);
+    advance(flow, p->periods, 0);
+    saltus_flow_state(flow, 0, end);
+    /* As far as an impact of such a speed may be met or not. */
+    check_near(saltus_system_distance(system, end, p->state), 0, 1e-5);
+    saltus_flow_free(flow);
+    saltus_system_free(system);
+}
+
 /* Grazing of orbits that are their own mirror images, with branch points and folds on its way: what the curve
  * of grazing tells by the symmetry of a null vector the curves of folds and of branch points, on which the
  * symmetric orbits have other equations, tell by themselves where they end. */
@@ -817,10 +874,24 @@ static void symmetric_grazing(void **unused) {
     options.switches = 1;
     options.step_max = 0.03;
     branch_record record = branch_run(&spec, motion.periods, motion.state, &options);
-    int ends[SALTUS_POINT_KINDS] = {0};
+    int ends[SALTUS_POINT_KINDS] = {0}, broken = 0, joined = 0;
     check_network(&record, &options);
     for (int k = 0; k < record.count; k++) {
         const saltus_branch_point *p = &record.point[k];
+        bool leaves = p->locus == SALTUS_POINT_GR && p->parent >= 0;
+        if (leaves && p->step == 0) {
+            check_near(turn_between(&record, &options, p, SALTUS_POINT_BP), 0, 0.05);
+            broken++;
+        } else if (leaves && p->kind == SALTUS_POINT_GR) {
+            check_broken_grazing(p);
+        } else if (leaves && p->kind == SALTUS_POINT_GR_BP) {
+            bool known = false;
+            for (int j = 0; j < k; j++)
+                known |= record.point[j].kind == SALTUS_POINT_GR_BP && record.point[j].parent < 0 &&
+                         at_one_place(p, &record.point[j]);
+            assert_true(known);
+            joined++;
+        }
         bool folds = p->locus == SALTUS_POINT_LP && p->kind == SALTUS_POINT_GR_LP;
         if (!folds && !(p->locus == SALTUS_POINT_BP && p->kind == SALTUS_POINT_GR_BP))
             continue;
@@ -833,6 +904,8 @@ static void symmetric_grazing(void **unused) {
         ends[p->kind]++;
     }
     assert_true(ends[SALTUS_POINT_GR_LP] > 0 && ends[SALTUS_POINT_GR_BP] > 0);
+    /* Three branch points at grazing: two of them are joined by one curve. */
+    assert_true(broken == 2 && joined == 1);
     branch_forget(&record);
     saltus_motion_clear(&motion);
     saltus_system_free(system);

@@ -168,7 +168,8 @@ saltus_status saltus_flow_advance(saltus_flow *flow, saltus_time until, unsigned
 typedef struct saltus_extreme {
     double value; /* -INFINITY: there is no maximum, which is also what it begins with */
     saltus_time time;
-    double inner; /* the same but for the last 1e-4 periods, in which an impact that ends the way may touch */
+    double inner; /* the same but for the first 1e-6 and the last 1e-4 periods of a way, in which the impacts
+                     that it begins and ends with may touch */
     saltus_time inner_time;
 } saltus_extreme;
 

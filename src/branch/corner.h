@@ -15,7 +15,8 @@ typedef struct saltus_corner {
     bool breach;  /* the worst of the orbit, which must be negative */
     bool ends;    /* beyond it there is no such curve */
     bool without; /* on a curve of grazing: seen without the impact */
-    bool halves;  /* on a curve of grazing: the orbit there is one of half the period */
+    bool joins; /* on a curve of grazing: the orbit there is one of half the period, or its own mirror image,
+                   unlike those of the curve */
     double theta; /* there, of a pair of multipliers on the unit circle: its angle */
 } saltus_corner;
 

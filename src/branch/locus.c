@@ -42,7 +42,8 @@ struct saltus_locus {
     double second[2]; /* the last place where two impacts grazed, */
     double gap;       /* how far from the one before, */
     int closer;       /* and how often it has been closer than before */
-    bool strict;      /* a place where events change could not be located: go up to it by shorter steps */
+    double strict;    /* up to this arclength: a place where events change could not be located, and is gone
+                         up to by shorter steps */
     bool lost;        /* the orbit could not be cut better */
     bool ended;       /* this curve */
     saltus_branch_point points[3 * SALTUS_CORNERS_MAX]; /* made but not yet given out */
@@ -82,16 +83,29 @@ static saltus_status see_all(saltus_locus *l, const saltus_curve_point *point, s
     return count < 0 ? no_memory(message) : SALTUS_OK;
 }
 
+/* Whether an orbit on a curve of grazing is one of half the period, or its own mirror image, as those of the
+ * curve are not, by so much: another such curve crosses there. `halves` (may be NULL): which of the two. */
+static bool joins(saltus_locus *l, const saltus_solution *s, double near, bool *halves) {
+    bool shift, half = saltus_solution_half_distance(&l->x.orbits, s, false) < near;
+    if (halves)
+        *halves = half;
+    return half || (!l->x.mirrored && saltus_system_mirror_symmetric(l->x.orbits.system, &shift) &&
+                    saltus_solution_half_distance(&l->x.orbits, s, true) < near);
+}
+
 /* Whether the orbit is one, and the special one that is followed. Beyond another impact's birth or death it
  * is none, but the curve goes on to there, unless that place cannot be located. */
-static bool is_sound(const saltus_locus *l, const saltus_curve_point *point, const saltus_solution *s) {
+static bool is_sound(saltus_locus *l, const saltus_curve_point *point, const saltus_solution *s) {
     if (l->x.kind == SALTUS_POINT_BP && !(fabs(point->u[s->at.unknowns]) < 1e-8))
         return false;
     double breach = saltus_corner_breach(&l->x, s);
+    bool strict = l->arclength < l->strict;
     if (breach > 1e-9)
-        return !l->strict;
+        return !strict;
+    if (l->x.kind == SALTUS_POINT_GR)
+        return breach < -1e-9 || !joins(l, s, 1e-7, NULL);
     /* The flow tells a breach as small as that of the last impacts of a long run. */
-    return l->x.kind == SALTUS_POINT_GR || s->survey.follows || (breach > 0 && !l->strict);
+    return s->survey.follows || (breach > 0 && !strict);
 }
 
 /* `here` becomes the point with these unknowns of the sequence that the shooting has, `extra` the one beside
@@ -174,6 +188,39 @@ static saltus_status find_near(saltus_locus *l, double theta, saltus_message *me
     return status;
 }
 
+/* Halfway around an orbit, cut there: how the state that is unknown i differs from what it is on orbits of
+ * half the period, or on ones that are their own mirror images. */
+static double half_apart(const saltus_locus *l, const double *u, int i, bool mirrored) {
+    return u[l->x.orbits.n + i] + (mirrored ? u[i] : -u[i]);
+}
+
+/* At `here`, an orbit of half the period, or its own mirror image, two curves of grazing cross: that of such
+ * orbits and that of those which branch off. The tangent becomes the latter's, from the null plane. */
+static saltus_status find_leaving(saltus_locus *l, saltus_message *message) {
+    int m = l->x.equations.unknowns, n = l->x.orbits.n;
+    double values[2], share[2][2] = {{0}}, length = 0, *plane = calloc(2 * (size_t)m, sizeof *plane);
+    bool mirrored = !(saltus_solution_half_distance(&l->x.orbits, &l->orbit, false) < 1e-6);
+    saltus_status status = plane ? SALTUS_OK : no_memory(message);
+    if (status == SALTUS_OK)
+        status = saltus_equations_evaluate(&l->x.equations, l->here.u, message);
+    if (status == SALTUS_OK)
+        status = saltus_null_plane(&l->x.equations, plane, values, message);
+    for (int i = 0; i < n && status == SALTUS_OK; i++)
+        for (int k = 0; k < 4; k++)
+            share[k / 2][k % 2] += half_apart(l, plane + (k / 2) * m, i, mirrored) *
+                                   half_apart(l, plane + (k % 2) * m, i, mirrored);
+    const double *own = share[share[1][1] > share[0][0]];
+    l->here.iterations = 0;
+    for (int j = 0; j < m && status == SALTUS_OK; j++) {
+        l->here.tangent[j] = own[0] * plane[j] + own[1] * plane[m + j];
+        length = hypot(length, l->here.tangent[j]);
+    }
+    for (int j = 0; j < m && status == SALTUS_OK; j++)
+        l->here.tangent[j] /= length;
+    free(plane);
+    return status;
+}
+
 /* A curve's first point, at a start. */
 static saltus_status open_start(saltus_locus *l, const saltus_locus_start *start, saltus_message *message) {
     saltus_orbits *o = &l->x.orbits;
@@ -188,17 +235,19 @@ static saltus_status open_start(saltus_locus *l, const saltus_locus_start *start
     l->way = 0;
     saltus_status status =
         saltus_solution_place(o, &sequence, start->parameter, start->state, false, &l->orbit, message);
-    if (status == SALTUS_OK && saltus_system_mirror_symmetric(o->system, &shift) &&
+    if (status == SALTUS_OK && !start->leaves && saltus_system_mirror_symmetric(o->system, &shift) &&
         saltus_solution_half_distance(o, &l->orbit, true) < (breaks ? 1e-3 : 1e-7))
         become(l, start->kind, true);
-    if (status == SALTUS_OK && l->x.mirrored && breaks) {
+    if (status == SALTUS_OK && ((l->x.mirrored && breaks) || start->leaves)) {
         sequence.cuts = 2;
         sequence.cut[1] = sequence.base + 0.5 * sequence.periods;
         status =
             saltus_solution_place(o, &sequence, start->parameter, start->state, false, &l->orbit, message);
     }
+    if (status == SALTUS_OK && start->leaves)
+        status = take_up(l, l->orbit.at.u, 0, message);
     if (status == SALTUS_OK)
-        status = find_near(l, start->theta, message);
+        status = start->leaves ? find_leaving(l, message) : find_near(l, start->theta, message);
     if (status != SALTUS_OK)
         return status;
     l->first = l->orbit.sequence;
@@ -415,27 +464,29 @@ static void step_on(saltus_locus *l) {
 }
 
 /* From `here`, a point of codimension two, a little on, as in the very place the signs of functions mean
- * nothing; `turns`: the other way if the orbit is not admissible this way. *found: whether it is. Errors:
- * SALTUS_NO_MEMORY. */
-static saltus_status leave(saltus_locus *l, bool turns, bool *found, saltus_message *message) {
-    const double ahead = 1e-4;
+ * nothing; `turns`: the other way if the orbit is not admissible this way; `leaves`: another curve of the
+ * same kind crosses there. *found: whether it is. Errors: SALTUS_NO_MEMORY. */
+static saltus_status leave(saltus_locus *l, bool turns, bool leaves, bool *found, saltus_message *message) {
+    double ahead = leaves ? 1e-3 : 1e-4, usual = l->x.equations.tolerance;
     saltus_message why = {.text = ""};
+    /* Where curves cross the equations are singular, and a residual moves a point near there by much. */
+    l->x.equations.tolerance = leaves ? 1e-12 : usual;
+    saltus_status status = SALTUS_OK;
     *found = false;
-    for (int way = 0; way < 1 + turns && !*found; way++) {
+    for (int way = 0; way < 1 + turns && !*found && status != SALTUS_NO_MEMORY; way++) {
         if (way > 0)
             saltus_curve_turn(&l->here);
-        saltus_status status = saltus_curve_visit(&l->x.equations, &l->here, ahead, &l->next, &why);
+        status = saltus_curve_visit(&l->x.equations, &l->here, ahead, &l->next, &why);
         if (status == SALTUS_OK)
             status = see_all(l, &l->next, &l->scratch, l->corners_ahead, &why);
-        if (status == SALTUS_NO_MEMORY)
-            return no_memory(message);
         *found = status == SALTUS_OK && saltus_corner_breach(&l->x, &l->scratch) < 0;
     }
+    l->x.equations.tolerance = usual;
     if (*found) {
         memcpy(l->corners, l->corners_ahead, sizeof l->corners);
         step_on(l);
     }
-    return SALTUS_OK;
+    return status == SALTUS_NO_MEMORY ? no_memory(message) : SALTUS_OK;
 }
 
 /* Beyond a second grazing, `located`, the curve of the first goes on with the second impact born or dead:
@@ -458,14 +509,14 @@ static saltus_status pass_grazing(saltus_locus *l, bool *passed, bool *closes, s
     if (status == SALTUS_OK)
         status = install(l, &old, l->trial.tangent, 0, order, &why);
     if (status == SALTUS_OK && l->options.switches)
-        status = saltus_locus_starts_pass(&l->x, &l->orbit, &l->starts, closes, &why);
+        status = saltus_locus_starts_pass(&l->x, &l->orbit, false, &l->starts, closes, &why);
     if (status == SALTUS_OK)
-        status = leave(l, true, passed, message);
+        status = leave(l, true, false, passed, message);
     return status == SALTUS_NO_MEMORY ? no_memory(message) : SALTUS_OK;
 }
 
-/* The first point, and from a point of codimension two a little on. */
-static saltus_status begin(saltus_locus *l, saltus_message *message) {
+/* The first point, and from a point of codimension two a little on; `leaves` as there. */
+static saltus_status begin(saltus_locus *l, bool leaves, saltus_message *message) {
     int c = l->x.orbits.equations->count, heading = l->ways[l->way];
     saltus_status status = SALTUS_OK;
     bool found = true;
@@ -489,8 +540,8 @@ static saltus_status begin(saltus_locus *l, saltus_message *message) {
     l->number++;
     l->made = 0;
     l->arclength = 0;
-    l->has_left = l->lost = l->strict = false;
-    l->gap = l->closer = 0;
+    l->has_left = l->lost = false;
+    l->strict = l->gap = l->closer = 0;
     l->step = 0.1 * l->options.step;
     memcpy(l->first_plane, l->here.u + c, sizeof l->first_plane);
     memcpy(l->first_way, l->here.tangent + c, sizeof l->first_way);
@@ -498,7 +549,7 @@ static saltus_status begin(saltus_locus *l, saltus_message *message) {
     bool resonance = l->begun_at == SALTUS_POINT_R1 || l->begun_at == SALTUS_POINT_R2;
     if (status != SALTUS_OK || !l->begun_at || (resonance && l->x.kind == SALTUS_POINT_NS) || l->ended)
         return status;
-    status = leave(l, l->one_way, &found, message);
+    status = leave(l, l->one_way, leaves, &found, message);
     memcpy(l->first_way, l->here.tangent + l->x.orbits.equations->count, sizeof l->first_way);
     if (status == SALTUS_OK && !found)
         status = give(l, &l->orbit, &l->here, SALTUS_POINT_EP, 0,
@@ -516,7 +567,7 @@ static saltus_status switch_to(saltus_locus *l, saltus_locus_start *start, saltu
     l->ways[1] = -1;
     saltus_status status = open_start(l, start, &why);
     if (status == SALTUS_OK)
-        return begin(l, message);
+        return begin(l, start->leaves, message);
     l->way = l->way_count;
     if (status == SALTUS_NO_MEMORY || !l->orbit.at.u)
         return no_memory(message);
@@ -596,7 +647,9 @@ static bool find_corners(saltus_locus *l, crossings *found) {
             saltus_curve_zero(l->x.orbits.solver, corner_at, &self, near, l->next.ahead, far, &place, &width);
         /* The first function is the breach, which may begin with a jump, where a maximum of the gap appears.
          */
-        if (k == 0 && far > 1e-9 && !(located && corner_at(&self, place, &value) && fabs(value) < jump))
+        if (k == 0 && (located || far > 1e-9) &&
+            !(located && corner_at(&self, place, &value) && fabs(value) < jump &&
+              !(l->x.kind == SALTUS_POINT_GR && joins(l, &l->located, 1e-4, NULL))))
             return false;
         if (!located || place >= ends - together)
             continue;
@@ -670,54 +723,74 @@ static saltus_status end_contact(saltus_locus *l, bool *found, saltus_message *m
     return status == SALTUS_NO_MEMORY ? status : SALTUS_OK;
 }
 
-/* How fast the impact of a mark is. */
-static double speed_of(const saltus_solution *s, int mark) {
+/* Whether an orbit that grazes, and grazes again half its period later, does so at another time too. */
+static bool touches_elsewhere(const saltus_locus *l, const saltus_solution *s) {
+    const double together = 1e-7, near = 1e-4;
+    const saltus_mark *own = &s->sequence.mark[l->x.mark];
     for (int k = 0; k < s->breach_count; k++)
-        if (s->breaches[k].kind == SALTUS_BREACH_SPEED && s->breaches[k].mark == mark)
-            return -s->breaches[k].value;
-    return NAN;
+        if (s->breaches[k].kind <= SALTUS_BREACH_GAP && fabs(s->breaches[k].value) < together &&
+            fabs(remainder(s->breaches[k].time - own->time, 0.5 * s->sequence.periods)) > near)
+            return true;
+    return false;
 }
 
-/* A curve of grazing whose orbits touch again half their period later, with a speed that falls to nothing,
- * ends on the curve of grazing of orbits of half the period, where these have a flip. The equations are
- * singular there; but the curve depends smoothly on that speed, in which `trial` is extrapolated from orbits
- * before. *found: whether the curve ends so just ahead of `here`. Errors: SALTUS_NO_MEMORY. */
-static saltus_status end_in_half(saltus_locus *l, bool *found, saltus_message *message) {
+/* `trial` and `located` become the place where what is left of a breach is nothing, extrapolated from places
+ * on the curve of `here` so far apart before it, where the equations are regular. Errors: SALTUS_NO_MEMORY,
+ * those of the equations. */
+static saltus_status extrapolate(saltus_locus *l, double apart, saltus_message *message) {
     enum { samples = 6 };
-    const double apart = 1e-3, slow = 1e-4, near = 1e-3, sharp = 1e-9, tolerance = 1e-13;
-    const saltus_breach *worst = saltus_corner_worst(&l->x, &l->orbit);
-    int m = l->here.unknowns, mark = worst ? worst->mark : -1;
-    saltus_message ignored;
-    *found = l->x.kind == SALTUS_POINT_GR && worst && worst->kind == SALTUS_BREACH_SPEED &&
-             worst->value > -slow && saltus_solution_half_distance(&l->x.orbits, &l->orbit, false) < near;
-    if (!*found)
-        return SALTUS_OK;
-    double speed[samples], *u = calloc((size_t)(m * samples), sizeof *u);
-    double usual = l->x.equations.tolerance;
+    const double tolerance = 1e-13, usual = l->x.equations.tolerance;
+    int m = l->here.unknowns;
+    double rest[samples], *u = calloc((size_t)(m * samples), sizeof *u);
     saltus_status status = u ? SALTUS_OK : no_memory(message);
-    /* A residual moves the place by itself over the speed. */
+    /* A residual moves the place by itself over the rest, and the bend much more. */
     l->x.equations.tolerance = tolerance;
+    l->here.bent = false;
     for (int k = 0; k < samples && status == SALTUS_OK; k++) {
-        status = saltus_curve_visit(&l->x.equations, &l->here, -(k + 1) * apart, &l->trial, &ignored);
+        status = saltus_curve_visit(&l->x.equations, &l->here, -(k + 1) * apart, &l->trial, message);
         if (status == SALTUS_OK)
-            status = see_orbit(l, &l->trial, &l->located, &ignored);
-        speed[k] = status == SALTUS_OK ? speed_of(&l->located, mark) : NAN;
+            status = see_orbit(l, &l->trial, &l->located, message);
+        rest[k] = status == SALTUS_OK ? saltus_corner_breach(&l->x, &l->located) : NAN;
         for (int j = 0; j < m && status == SALTUS_OK; j++)
             u[j * samples + k] = l->trial.u[j];
     }
     l->x.equations.tolerance = usual;
     l->trial.ahead = 0;
     for (int j = 0; j < m && status == SALTUS_OK; j++) {
-        l->trial.u[j] = saltus_curve_interpolate(speed, u + j * samples, samples);
+        l->trial.u[j] = saltus_curve_interpolate(rest, u + j * samples, samples);
         l->trial.ahead += (l->trial.u[j] - l->here.u[j]) * l->here.tangent[j];
     }
     free(u);
-    if (status == SALTUS_OK)
-        status = see_orbit(l, &l->trial, &l->located, &ignored);
-    *found = status == SALTUS_OK && fabs(l->trial.ahead) < apart &&
-             fabs(speed_of(&l->located, mark)) < sharp &&
-             saltus_solution_half_distance(&l->x.orbits, &l->located, false) < sharp;
-    return status == SALTUS_NO_MEMORY ? no_memory(message) : SALTUS_OK;
+    return status == SALTUS_OK ? see_orbit(l, &l->trial, &l->located, message) : status;
+}
+
+/* A curve of grazing whose orbits touch again half their period later, but for something that falls to
+ * nothing (the speed there, or a gap), joins that of orbits of half the period, where these have a flip; or
+ * the same of orbits that are their own mirror images, where these have a branch point. The equations are
+ * singular there; but the curve depends smoothly on that rest. *kind: GR-PD or GR-BP where the curve joins
+ * another so just ahead of `here`, GR-GR where another impact of the shorter orbit grazes too, otherwise
+ * REGULAR. Errors: SALTUS_NO_MEMORY. */
+static saltus_status join_at_grazing(saltus_locus *l, saltus_point_kind *kind, saltus_message *message) {
+    static const double apart[] = {3e-3, 1e-3, 3e-4, 1e-4, 3e-5};
+    const double little = 1e-4, near = 1e-3, sharp = 1e-10;
+    bool halves;
+    saltus_message ignored;
+    *kind = SALTUS_POINT_REGULAR;
+    if (l->x.kind != SALTUS_POINT_GR || !(saltus_corner_breach(&l->x, &l->orbit) > -little) ||
+        !joins(l, &l->orbit, near, &halves))
+        return SALTUS_OK;
+    for (size_t k = 0; k < sizeof apart / sizeof apart[0] && !*kind; k++) {
+        saltus_status status = extrapolate(l, apart[k], &ignored);
+        if (status == SALTUS_NO_MEMORY)
+            return no_memory(message);
+        if (status == SALTUS_OK && fabs(l->trial.ahead) < apart[k] &&
+            fabs(saltus_corner_breach(&l->x, &l->located)) < sharp &&
+            saltus_solution_half_distance(&l->x.orbits, &l->located, !halves) < sharp)
+            *kind = touches_elsewhere(l, &l->located) ? SALTUS_POINT_GR_GR
+                    : halves                          ? SALTUS_POINT_GR_PD
+                                                      : SALTUS_POINT_GR_BP;
+    }
+    return SALTUS_OK;
 }
 
 static const char *const corner_reasons[] = {
@@ -765,7 +838,7 @@ static saltus_status give_corner(saltus_locus *l, saltus_corner corner, double a
     if (status != SALTUS_OK || l->ended)
         return status;
     if (l->options.switches)
-        status = saltus_locus_starts_pass(&l->x, &l->located, &l->starts, &closes, message);
+        status = saltus_locus_starts_pass(&l->x, &l->located, false, &l->starts, &closes, message);
     if (status == SALTUS_OK && l->depth < l->options.switches)
         status = saltus_locus_starts_meet(&l->x, &corner, &l->located, l->number, l->depth + 1, &l->starts,
                                           message);
@@ -776,7 +849,7 @@ static saltus_status give_corner(saltus_locus *l, saltus_corner corner, double a
                     "grazings follow one another ever more closely, towards complete chatter", message);
     if (kind == SALTUS_POINT_GR_GR)
         status = pass_grazing(l, moved, &closes, message);
-    if (status == SALTUS_OK && closes && l->begun_at)
+    if (status == SALTUS_OK && closes && l->begun_at && l->x.kind == SALTUS_POINT_GR)
         return give(l, &l->located, &l->trial, SALTUS_POINT_EP, ahead, is_back, message);
     if (*moved)
         l->arclength += ahead;
@@ -787,23 +860,27 @@ static saltus_status give_corner(saltus_locus *l, saltus_corner corner, double a
 
 /* The curve ends where it is, as it does not go on. */
 static saltus_status give_end(saltus_locus *l, saltus_message *message) {
-    bool contact = false, half = false;
+    bool contact = false, closes = false;
     saltus_corner corner = {.kind = SALTUS_POINT_CH_GR};
     saltus_status status = l->lost ? SALTUS_OK : end_contact(l, &contact, message);
-    if (status == SALTUS_OK && !l->lost && !contact)
-        status = end_in_half(l, &half, message);
+    if (status == SALTUS_OK && !l->lost && !contact) {
+        status = join_at_grazing(l, &corner.kind, message);
+        corner.joins = corner.kind;
+    }
     if (status != SALTUS_OK)
         return status;
-    if (!contact && !half)
+    if (!contact && !corner.joins)
         return give(l, &l->orbit, &l->here, SALTUS_POINT_EP, 0,
                     "the curve ends: its orbit changes its events or the curve has a corner", message);
-    const char *reason = corner_reasons[SALTUS_POINT_CH_GR];
-    if (half) {
-        corner = (saltus_corner){.kind = SALTUS_POINT_GR_PD, .halves = true};
-        reason = "its orbits join those of half the period, whose flip meets grazing";
-    }
+    const char *reason = corner.kind == SALTUS_POINT_GR_PD
+                             ? "its orbits join those of half the period, whose flip meets grazing"
+                         : corner.kind == SALTUS_POINT_GR_BP
+                             ? "its orbits join their mirror images, whose branch point meets grazing"
+                             : corner_reasons[corner.kind];
     status = give(l, &l->located, &l->trial, corner.kind, l->trial.ahead, NULL, message);
-    if (status == SALTUS_OK && half && !l->ended && l->depth < l->options.switches)
+    if (status == SALTUS_OK && corner.joins && !l->ended && l->options.switches)
+        status = saltus_locus_starts_pass(&l->x, &l->located, true, &l->starts, &closes, message);
+    if (status == SALTUS_OK && corner.joins && !l->ended && l->depth < l->options.switches)
         status = saltus_locus_starts_meet(&l->x, &corner, &l->located, l->number, l->depth + 1, &l->starts,
                                           message);
     return status != SALTUS_OK || l->ended
@@ -830,7 +907,7 @@ static saltus_status advance(saltus_locus *l, saltus_message *message) {
         l->x.sharp = false;
         if (located)
             break;
-        l->strict = true;
+        l->strict = fmax(l->strict, l->arclength + l->next.ahead);
         l->step = 0.5 * l->next.ahead;
     }
     for (int k = 0; k < crossed.count; k++) {
@@ -839,7 +916,9 @@ static saltus_status advance(saltus_locus *l, saltus_message *message) {
         l->x.sharp = true;
         found = corner_at(&self, crossed.place[k], &value);
         l->x.sharp = false;
-        if (!found)
+        /* Where the orbit becomes one of half the period, or its own mirror image, determinants are rounding.
+         */
+        if (!found || (l->x.kind == SALTUS_POINT_GR && joins(l, &l->located, 1e-4, NULL)))
             continue;
         status = give_corner(l, l->corners_there[self.corner], crossed.place[k], &moved, message);
         if (status != SALTUS_OK || l->ended || moved)
@@ -867,7 +946,7 @@ static saltus_status advance(saltus_locus *l, saltus_message *message) {
 static saltus_status begin_next(saltus_locus *l, bool *more, saltus_message *message) {
     saltus_locus_starts *starts = &l->starts;
     if (l->way < l->way_count)
-        return begin(l, message);
+        return begin(l, false, message);
     while (starts->next < starts->count && starts->start[starts->next].done)
         starts->next++;
     *more = starts->next < starts->count;
@@ -977,7 +1056,7 @@ saltus_status saltus_locus_archive(const saltus_spec *spec, const saltus_branch_
     saltus_archive_finite(a, &l->step, 1);
     a->sound = a->sound && (!a->reading || l->step > 0);
     l->has_left = saltus_archive_flag(a, l->has_left);
-    l->strict = saltus_archive_flag(a, l->strict);
+    saltus_archive_finite(a, &l->strict, 1);
     l->ended = saltus_archive_flag(a, l->ended);
     archive_corners(l, a);
     /* Only the first point matters once the curve has ended. */

@@ -5,6 +5,16 @@
  * the curve of such orbits begins, to the side where it is admissible. Where two impacts graze, the curve of
  * the other one goes through, the first impact being born there: it comes in two pieces. Where a double
  * multiplier is 1 or -1 on a curve of folds or flips, one of tori begins.
+ *
+ * Where a flip meets grazing, the orbits of twice the period graze too, one impact of the two: in the leading
+ * terms, the critical part of the orbit being D, its square root v the speed at the stop, the one impact's
+ * gap is n + w D, the other's n - w D, and D m = g (v2 - v1). Where the flip is one of orbits without the
+ * impact, m = 0, the larger gap is zero at D = -n / w, and only cubic terms part m from zero: this curve of
+ * grazing touches that of flips. Where it is one of orbits with the impact, its speed is proportional to
+ * m' = 1 / (w g) less its value at the corner, the sum of both speeds on orbits of twice the period is twice
+ * that of the flip, and the smaller is zero when the other is all of it: the curves touch again. Folds of
+ * orbits of twice the period have m v of the order of one, far from here. A branch point of orbits that are
+ * their own mirror images is a flip of the map over half a period and the mirror: it is all the same.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "branch/locus_starts.h"
 
@@ -44,7 +54,7 @@ static saltus_status add(saltus_locus_starts *starts, int n, const saltus_locus_
  * whichever of the orbit's periods it is in. */
 static bool are_one(const saltus_locus_start *a, const saltus_locus_start *b) {
     const double near = 1e-6, near_time = 1e-4;
-    if (a->kind != b->kind || a->sequence.periods != b->sequence.periods ||
+    if (a->kind != b->kind || a->leaves != b->leaves || a->sequence.periods != b->sequence.periods ||
         a->sequence.count != b->sequence.count || fabs(a->parameter[0] - b->parameter[0]) > near ||
         fabs(a->parameter[1] - b->parameter[1]) > near)
         return false;
@@ -53,9 +63,10 @@ static bool are_one(const saltus_locus_start *a, const saltus_locus_start *b) {
            (one->face == other->face && fabs(remainder(one->time - other->time, 1)) < near_time);
 }
 
-saltus_status saltus_locus_starts_pass(const saltus_extended *x, const saltus_solution *at,
+saltus_status saltus_locus_starts_pass(const saltus_extended *x, const saltus_solution *at, bool joins,
                                        saltus_locus_starts *starts, bool *closes, saltus_message *message) {
-    saltus_locus_start own = {.kind = x->kind, .sequence = at->sequence, .mark = x->mark, .done = true};
+    saltus_locus_start own = {
+        .kind = x->kind, .sequence = at->sequence, .mark = x->mark, .leaves = joins, .done = true};
     memcpy(own.parameter, at->parameter, sizeof own.parameter);
     bool known = false;
     for (int k = 0; k < starts->count; k++)
@@ -141,37 +152,116 @@ static void without_mark(const saltus_sequence *old, int mark, saltus_sequence *
     saltus_sequence_graze(old, &dead, 1, fresh, order);
 }
 
-/* The curves of the other impact's grazing, with the first impact and without it. */
-static int other_grazing(saltus_extended *x, const saltus_solution *at, saltus_locus_start *starts) {
-    const saltus_breach *touch = saltus_corner_touch(x, at);
-    const saltus_mark *first = &at->sequence.mark[x->mark];
-    int own = 0, other = touch ? with_impacts(&x->orbits, at, touch, &starts[0].sequence) : -1;
-    if (other < 0 || starts[0].sequence.periods != at->sequence.periods)
-        return 0;
-    while (starts[0].sequence.mark[own].face != first->face ||
-           fabs(starts[0].sequence.mark[own].time - first->time) > 1e-4)
-        if (++own == starts[0].sequence.count)
-            return 0;
-    without_mark(&starts[0].sequence, own, &starts[1].sequence);
+/* The impact of a sequence on a face at a time of its orbit; -1: there is none. */
+static int mark_at(const saltus_sequence *s, int face, double time) {
+    const double near = 1e-4;
+    for (int k = 0; k < s->count; k++)
+        if (s->mark[k].face == face && fabs(remainder(s->mark[k].time - time, s->periods)) < near)
+            return k;
+    return -1;
+}
+
+/* The curve of an impact's grazing in two pieces, with another impact that grazes too and without it. */
+static int pieces(const saltus_sequence *both, int mark, int other, saltus_locus_start *starts) {
+    starts[0].sequence = *both;
+    without_mark(both, other, &starts[1].sequence);
     for (int k = 0; k < 2; k++) {
         starts[k].kind = SALTUS_POINT_GR;
-        starts[k].mark = other - (k == 1 && own < other);
+        starts[k].mark = mark - (k == 1 && other < mark);
         starts[k].one_way = true;
     }
     return 2;
 }
 
-/* Where the orbit is one of half the period: the curve of its grazing, and that of its flips. */
-static int half_curves(const saltus_extended *x, const saltus_solution *at, saltus_locus_start *starts) {
-    saltus_sequence half = at->sequence;
-    half.periods /= 2;
-    half.count /= 2;
+/* The curves of the other impact's grazing, with the first impact and without it. */
+static int other_grazing(saltus_extended *x, const saltus_solution *at, saltus_locus_start *starts) {
+    const saltus_breach *touch = saltus_corner_touch(x, at);
+    const saltus_mark *first = &at->sequence.mark[x->mark];
+    saltus_sequence both;
+    int other = touch ? with_impacts(&x->orbits, at, touch, &both) : -1;
+    int own = other < 0 ? -1 : mark_at(&both, first->face, first->time);
+    return own < 0 || both.periods != at->sequence.periods ? 0 : pieces(&both, other, own, starts);
+}
+
+/* The impact half an orbit from one; -1: there is none. `mirrored`: on another face. */
+static int counterpart(const saltus_sequence *s, int mark, bool mirrored) {
+    int found = -1;
+    for (int f = 0; f < SALTUS_FACES_MAX && found < 0; f++)
+        if ((f != s->mark[mark].face) == mirrored)
+            found = mark_at(s, f, s->mark[mark].time + 0.5 * s->periods);
+    return found;
+}
+
+/* The curve of grazing of the orbits that branch off at a flip or branch point: from the sequence of those
+ * that they branch off from, and the impact in it that grazes. `without`: they branch off where it is not yet
+ * born. False: it cannot be had. */
+static bool grazing_of_broken(const saltus_sequence *whole, int mark, bool mirrored, bool without,
+                              saltus_locus_start *start) {
+    start->kind = SALTUS_POINT_GR;
+    start->mark = mark;
+    start->one_way = start->leaves = true;
+    start->sequence = *whole;
+    if (!mirrored && !saltus_sequence_double(whole, &start->sequence))
+        return false;
+    int other = counterpart(&start->sequence, mark, mirrored);
+    if (other >= 0 && without) {
+        saltus_sequence both = start->sequence;
+        without_mark(&both, other, &start->sequence);
+        start->mark -= other < mark;
+    }
+    return other >= 0;
+}
+
+/* Where orbits join those of half the period, or those that are their own mirror images: the curve of these
+ * orbits' grazing, and that of their flips or branch points. Where two impacts of theirs graze there are four
+ * pieces of curves of grazing, each of one impact with the other or without it. */
+static int joined_curves(saltus_extended *x, const saltus_corner *corner, const saltus_solution *at,
+                         saltus_locus_start *starts) {
+    const saltus_mark *own = &at->sequence.mark[x->mark];
+    const saltus_breach touch = {.face = own->face, .time = own->time};
+    saltus_sequence whole;
+    int mark = with_impacts(&x->orbits, at, &touch, &whole);
+    if (mark < 0)
+        return 0;
+    bool mirrored = whole.periods == at->sequence.periods;
+    int other = counterpart(&whole, mark, mirrored), repeats = at->sequence.periods / whole.periods;
     starts[0].kind = SALTUS_POINT_GR;
-    starts[0].mark = x->mark % half.count;
-    starts[1].kind = SALTUS_POINT_PD;
+    starts[0].mark = mark;
+    starts[0].sequence = starts[1].sequence = whole;
+    for (int k = 0; k < at->breach_count && corner->kind == SALTUS_POINT_GR_GR; k++) {
+        int second = mark_at(&whole, at->breaches[k].face, at->breaches[k].time);
+        if (fabs(at->breaches[k].value) < 1e-7 && second >= 0 && second != mark && second != other)
+            return pieces(&whole, mark, second, starts) + pieces(&whole, second, mark, starts + 2);
+    }
+    if (corner->kind == SALTUS_POINT_GR_GR)
+        return 0;
+    starts[1].kind = mirrored ? SALTUS_POINT_BP : SALTUS_POINT_PD;
     starts[1].one_way = true;
-    starts[0].sequence = starts[1].sequence = half;
+    if (at->sequence.count < repeats * whole.count) {
+        saltus_sequence less = whole;
+        if (other >= 0)
+            without_mark(&whole, other, &less);
+        without_mark(&less, mark - (other >= 0 && other < mark), &starts[1].sequence);
+    }
     return 2;
+}
+
+/* The curves that meet a curve of grazing of special orbits, or one of special orbits that grazing ends. */
+static int special_curves(saltus_extended *x, const saltus_corner *corner, saltus_point_kind special,
+                          const saltus_solution *at, saltus_locus_start *starts) {
+    const saltus_breach *touch = saltus_corner_touch(x, at);
+    bool grazes = x->kind == SALTUS_POINT_GR;
+    bool without = grazes ? corner->without : touch && touch->kind == SALTUS_BREACH_GAP;
+    saltus_sequence whole = at->sequence;
+    int mark = grazes ? x->mark : touch ? with_impacts(&x->orbits, at, touch, &whole) : -1;
+    if (mark < 0)
+        return 0;
+    starts[0].kind = grazes ? special : SALTUS_POINT_GR;
+    starts[0].one_way = grazes;
+    starts[0].mark = grazes ? 0 : mark;
+    starts[0].sequence = grazes && without ? saltus_corner_without(x, at) : whole;
+    bool breaks = special == SALTUS_POINT_PD || (special == SALTUS_POINT_BP && x->mirrored);
+    return 1 + (breaks && grazing_of_broken(&whole, mark, x->mirrored, without, &starts[1]));
 }
 
 static int curves_at(saltus_extended *x, const saltus_corner *corner, const saltus_solution *at,
@@ -181,10 +271,8 @@ static int curves_at(saltus_extended *x, const saltus_corner *corner, const salt
                                                                   [SALTUS_POINT_GR_NS] = SALTUS_POINT_NS,
                                                                   [SALTUS_POINT_GR_BP] = SALTUS_POINT_BP};
     saltus_locus_start *start = &starts[0];
-    start->sequence = at->sequence;
-    start->theta = corner->theta;
-    if (corner->halves)
-        return half_curves(x, at, starts);
+    if (corner->joins)
+        return joined_curves(x, corner, at, starts);
     if (corner->kind == SALTUS_POINT_GR_GR)
         return other_grazing(x, at, starts);
     if (corner->kind == SALTUS_POINT_R1 || corner->kind == SALTUS_POINT_R2) {
@@ -192,33 +280,25 @@ static int curves_at(saltus_extended *x, const saltus_corner *corner, const salt
         start->kind = x->kind != SALTUS_POINT_NS ? SALTUS_POINT_NS
                       : at_one                   ? SALTUS_POINT_LP
                                                  : SALTUS_POINT_PD;
+        start->sequence = at->sequence;
         start->theta = at_one ? 0 : M_PI;
         return 1;
     }
-    if (!special[corner->kind])
-        return 0;
-    if (x->kind == SALTUS_POINT_GR) {
-        start->kind = special[corner->kind];
-        start->one_way = true;
-        if (corner->without)
-            start->sequence = saltus_corner_without(x, at);
-        return 1;
-    }
-    const saltus_breach *touch = saltus_corner_touch(x, at);
-    start->kind = SALTUS_POINT_GR;
-    start->mark = touch ? with_impacts(&x->orbits, at, touch, &start->sequence) : -1;
-    return start->mark >= 0;
+    start->theta = corner->theta;
+    return special[corner->kind] ? special_curves(x, corner, special[corner->kind], at, starts) : 0;
 }
 
 saltus_status saltus_locus_starts_meet(saltus_extended *x, const saltus_corner *corner,
                                        const saltus_solution *at, int parent, int depth,
                                        saltus_locus_starts *starts, saltus_message *message) {
-    saltus_locus_start fresh[2] = {{.origin = corner->kind, .parent = parent, .depth = depth},
-                                   {.origin = corner->kind, .parent = parent, .depth = depth}};
+    saltus_locus_start fresh[4] = {{0}};
     int count = curves_at(x, corner, at, fresh);
     saltus_status status = SALTUS_OK;
     for (int k = 0; k < count && status == SALTUS_OK; k++) {
         bool known = false;
+        fresh[k].origin = corner->kind;
+        fresh[k].parent = parent;
+        fresh[k].depth = depth;
         fresh[k].sequence.cuts = 1;
         memcpy(fresh[k].parameter, at->parameter, sizeof at->parameter);
         for (int j = 0; j < starts->count; j++)
@@ -245,6 +325,7 @@ static void archive_start(saltus_archive *a, saltus_locus_start *start) {
     a->sound = a->sound && (start->kind != SALTUS_POINT_GR || start->mark < start->sequence.count);
     saltus_archive_finite(a, &start->theta, 1);
     start->one_way = saltus_archive_flag(a, start->one_way);
+    start->leaves = saltus_archive_flag(a, start->leaves);
     start->origin = (saltus_point_kind)saltus_archive_whole(a, start->origin, 0, SALTUS_POINT_KINDS - 1);
     start->parent = (int)saltus_archive_whole(a, start->parent, -1, INT_MAX);
     start->depth = (int)saltus_archive_whole(a, start->depth, 0, INT_MAX);
@@ -252,7 +333,7 @@ static void archive_start(saltus_archive *a, saltus_locus_start *start) {
 }
 
 void saltus_locus_starts_archive(saltus_archive *a, saltus_locus_starts *starts) {
-    enum { numbers_min = 15 }; /* of a start */
+    enum { numbers_min = 16 }; /* of a start */
     size_t count = saltus_archive_length(a, (size_t)starts->count, numbers_min);
     if (a->reading) {
         saltus_locus_starts_clear(starts);

@@ -15,6 +15,8 @@ typedef struct saltus_locus_start {
     int mark;                 /* grazing: the impact that has no speed */
     double theta;             /* Neimark-Sacker: of the pair of multipliers */
     bool one_way;             /* beyond the point of codimension two its orbits are not admissible */
+    bool leaves;              /* its orbits are not those of half the period, or not their own mirror images,
+                                 as the one that it begins at is */
     saltus_point_kind origin; /* the point of codimension two; REGULAR: none */
     int parent, depth;
     bool done; /* a curve has come to it from elsewhere */
@@ -26,10 +28,11 @@ typedef struct saltus_locus_starts {
 } saltus_locus_starts;
 
 void saltus_locus_starts_clear(saltus_locus_starts *starts);
-/* The curve of kind x->kind has come to a point of codimension two, the orbit `at`: a start that waits there
- * for this very curve is done, and it is noted that the curve has been here. *closes is set where that start
+/* The curve of kind x->kind has come to a point of codimension two, the orbit `at`, where it joins orbits of
+ * half the period, or such that are their own mirror images, if `joins`: a start that waits there for this
+ * very curve is done, and it is noted that the curve has been here. *closes is set where that start
  * is the one that was taken last: the curve has come back to its begin. Errors: SALTUS_NO_MEMORY. */
-saltus_status saltus_locus_starts_pass(const saltus_extended *x, const saltus_solution *at,
+saltus_status saltus_locus_starts_pass(const saltus_extended *x, const saltus_solution *at, bool joins,
                                        saltus_locus_starts *starts, bool *closes, saltus_message *message);
 /* The other curves that meet the present one at a point of codimension two, the orbit `at`, are added, but
  * for those that have been there; `parent` and `depth` are theirs. At a cusp both folds are one curve, and at

@@ -159,7 +159,7 @@ static void restart_at_zero(double *c, int degree, double root) {
 
 static void raise_extreme(const saltus_lane *self, const double *c, int degree, double s, double step,
                           saltus_extreme *extreme) {
-    const double last = 1e-4;
+    const double first = 1e-6, last = 1e-4;
     double value = c[degree];
     for (int k = degree - 1; k >= 0; k--)
         value = fma(value, s, c[k]);
@@ -170,7 +170,8 @@ static void raise_extreme(const saltus_lane *self, const double *c, int degree, 
         extreme->value = value;
         extreme->time = time;
     }
-    if (saltus_time_between(time, self->target.until) > last) {
+    if (saltus_time_between(self->target.since, time) > first &&
+        saltus_time_between(time, self->target.until) > last) {
         extreme->inner = value;
         extreme->inner_time = time;
     }

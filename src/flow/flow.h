@@ -38,7 +38,7 @@ typedef struct saltus_face_state {
 
 /* Where a lane shall go. */
 typedef struct saltus_target {
-    saltus_time until;
+    saltus_time since, until; /* since: coasting only */
     unsigned watch;
     bool aimed;               /* under way */
     bool coasting;            /* events are prescribed from outside: none is searched for */

@@ -38,6 +38,7 @@ saltus_status saltus_flow_coast(saltus_flow *flow, int lane, saltus_time until, 
     if (ahead == 0)
         return SALTUS_OK;
     self->target.coasting = true;
+    self->target.since = self->now;
     self->target.extremes = extremes;
     saltus_flow_aim(flow, lane, until, 0);
     saltus_status status = saltus_flow_run(flow, &lane, &event, message);

@@ -67,19 +67,19 @@ static saltus_status coast(walk *w, double until, int mark, saltus_message *mess
     for (int f = 0; f < SALTUS_FACES_MAX; f++)
         extremes[f] = (saltus_extreme){.value = -INFINITY, .inner = -INFINITY};
     saltus_status status = saltus_flow_coast(p->flow, 0, saltus_time_of(until), extremes, message);
-    for (int f = 0; f < saltus_system_face_count(p->system) && status == SALTUS_OK; f++)
+    for (int f = 0; f < saltus_system_face_count(p->system) && status == SALTUS_OK; f++) {
+        const saltus_extreme *extreme = &extremes[f];
+        bool held = contacts >> f & 1;
+        saltus_breach_kind kind = held ? SALTUS_BREACH_FORCE : SALTUS_BREACH_GAP;
+        double scale = held ? p->force : p->length;
         /* Just after a release or an impact without rebound the gap is zero: its maximum there is rounding.
          */
-        if (extremes[f].value > -INFINITY && saltus_time_periods(extremes[f].time) - begin > 1e-6) {
-            bool held = contacts >> f & 1;
-            saltus_breach_kind kind = held ? SALTUS_BREACH_FORCE : SALTUS_BREACH_GAP;
-            double scale = held ? p->force : p->length;
-            note_breach(p, kind, extremes[f].value / scale, mark, f, saltus_time_periods(extremes[f].time));
-            /* The own touch of an impact without speed must not hide another one. */
-            if (extremes[f].value > extremes[f].inner && extremes[f].inner > -INFINITY)
-                note_breach(p, kind, extremes[f].inner / scale, mark, f,
-                            saltus_time_periods(extremes[f].inner_time));
-        }
+        if (extreme->value > -INFINITY && saltus_time_periods(extreme->time) - begin > 1e-6)
+            note_breach(p, kind, extreme->value / scale, mark, f, saltus_time_periods(extreme->time));
+        /* The own touch of an impact without speed must not hide another one. */
+        if (extreme->value > extreme->inner && extreme->inner > -INFINITY)
+            note_breach(p, kind, extreme->inner / scale, mark, f, saltus_time_periods(extreme->inner_time));
+    }
     return status;
 }
 
