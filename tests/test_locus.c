@@ -527,6 +527,8 @@ static void check_network(const branch_record *record, const saltus_branch_optio
             assert_true(passes(record, SALTUS_POINT_LP, p->value));
         if (p->kind == SALTUS_POINT_GR_PD)
             assert_true(passes(record, SALTUS_POINT_PD, p->value));
+        if (p->kind == SALTUS_POINT_GR_NS)
+            assert_true(passes(record, SALTUS_POINT_NS, p->value));
         if (p->kind == SALTUS_POINT_GR_BP)
             assert_true(passes(record, SALTUS_POINT_BP, p->value));
     }
@@ -724,7 +726,7 @@ static saltus_motion settled(const saltus_spec *spec) {
     saltus_system *system = build(spec);
     saltus_message message = {.text = ""};
     saltus_motion motion;
-    double state[2];
+    double state[4];
     check_ok(saltus_system_default_state(system, state, &message), &message);
     check_ok(saltus_classify(system, state, &how, &motion, &message), &message);
     saltus_system_free(system);
@@ -802,6 +804,75 @@ static void a_polygon_of_grazings_is_closed(void **unused) {
         check_near(last->value[i], first->value[i], 1e-10);
     assert_true(branch_check_resumed(&spec, motion.periods, motion.state, &options, 9) > 4);
     branch_forget(&record);
+    saltus_motion_clear(&motion);
+}
+
+/* The point of a kind on a curve of another kind that is nearest to a place, the parameters in either order.
+ */
+static double nearest_of(const branch_record *record, saltus_point_kind kind, saltus_point_kind locus,
+                         double first, double second) {
+    double nearest = INFINITY;
+    for (int k = 0; k < record->count; k++)
+        if (record->point[k].kind == kind && record->point[k].locus == locus)
+            nearest = fmin(nearest, fabs(record->point[k].value[0] / first - 1) +
+                                        fabs(record->point[k].value[1] / second - 1));
+    return nearest;
+}
+
+static const saltus_branch_point *first_of(const branch_record *record, saltus_point_kind kind,
+                                           saltus_point_kind locus) {
+    for (int k = 0; k < record->count; k++)
+        if (record->point[k].kind == kind && record->point[k].locus == locus)
+            return &record->point[k];
+    fail_msg("no %s on a curve of %s", saltus_point_word(kind), saltus_point_word(locus));
+    return NULL;
+}
+
+/* A curve of tori from grazing to a double multiplier 1. The curves of grazing and of folds through its ends,
+ * found on their own, have the same corners there, and the curve of tori begins at either of them. */
+static void tori_between_grazing_and_folds(void **unused) {
+    (void)unused;
+    static const char *const key[2] = {"omega", "d"}, *const turned[2] = {"d", "omega"};
+    static const double low[2] = {0.3273, 0.266}, high[2] = {1.0474, 1.7733};
+    static const double low_turned[2] = {0.266, 0.3273}, high_turned[2] = {1.7733, 1.0474};
+    saltus_spec spec = oscillator_spec(0.1379, 1, 1.1, 0.6546);
+    set_parameter(&spec, "N", 2);
+    set_parameter(&spec, "m2", 2.9486);
+    set_parameter(&spec, "k2", 3.859);
+    set_parameter(&spec, "c2", 0.065);
+    add_stop(&spec, 0.8867, 0.7901, SALTUS_UPPER);
+    spec.stops[0].weight[0] = 1;
+    spec.stops[0].weight[1] = -1;
+    saltus_motion motion = settled(&spec);
+    saltus_branch_options options = locus_options(SALTUS_POINT_NS, key, low, high);
+    options.switches = 1;
+    options.step_max = 0.03;
+    branch_record tori = branch_run(&spec, motion.periods, motion.state, &options);
+    check_network(&tori, &options);
+    const saltus_branch_point *grazes = first_of(&tori, SALTUS_POINT_GR_NS, SALTUS_POINT_NS);
+    const saltus_branch_point *meets = first_of(&tori, SALTUS_POINT_R1, SALTUS_POINT_NS);
+    const saltus_branch_point *fold = first_of(&tori, SALTUS_POINT_LP, SALTUS_POINT_LP) + 3;
+    check_near(nearest_of(&tori, SALTUS_POINT_GR, SALTUS_POINT_GR, grazes->value[0], grazes->value[1]), 0,
+               1e-9);
+    check_near(nearest_of(&tori, SALTUS_POINT_LP, SALTUS_POINT_LP, meets->value[0], meets->value[1]), 0,
+               1e-9);
+    for (int folds = 0; folds < 2; folds++) {
+        const saltus_branch_point *from = folds ? fold : grazes - 2;
+        saltus_point_kind kind = folds ? SALTUS_POINT_LP : SALTUS_POINT_GR;
+        options = locus_options(kind, turned, low_turned, high_turned);
+        options.switches = 1;
+        options.step_max = 0.03;
+        branch_record own = branch_run(&from->spec, from->periods, from->state, &options);
+        check_network(&own, &options);
+        check_near(nearest_of(&own, folds ? SALTUS_POINT_R1 : SALTUS_POINT_GR_NS, kind,
+                              (folds ? meets : grazes)->value[1], (folds ? meets : grazes)->value[0]),
+                   0, 1e-9);
+        if (!folds)
+            check_near(nearest_of(&own, SALTUS_POINT_R1, SALTUS_POINT_NS, meets->value[1], meets->value[0]),
+                       0, 1e-9);
+        branch_forget(&own);
+    }
+    branch_forget(&tori);
     saltus_motion_clear(&motion);
 }
 
@@ -1117,6 +1188,7 @@ int main(void) {
         cmocka_unit_test(corners_start_the_curves_that_meet_there),
         cmocka_unit_test(networks_of_curves),
         cmocka_unit_test(folds_end_in_long_runs),
+        cmocka_unit_test(tori_between_grazing_and_folds),
         cmocka_unit_test(a_polygon_of_grazings_is_closed),
         cmocka_unit_test(an_interrupted_network_goes_on),
         cmocka_unit_test(symmetric_grazing),

@@ -76,42 +76,43 @@ static bool determinants(saltus_shooting *shooting, int n, saltus_scaled *fold, 
     return room;
 }
 
-/* By how much the square of the modulus of the largest complex pair of multipliers exceeds 1, and the angle
- * of the pair; NAN where there is none. The equations have one cut: the event times are eliminated from the
- * derivative around the orbit. False without memory. */
+/* By how much the square of the modulus of the largest complex pair of finite multipliers exceeds 1, and the
+ * angle of the pair; NAN where there is none. With an impact that grazes a multiplier is infinite: what is
+ * sought are those of the inverse of the equations with a shift, 1 / (mu - shift). False without memory. */
 static bool pair_excess(saltus_shooting *shooting, int n, double *excess, double *angle) {
+    const double shift = 0.5, infinite = 1e-9;
     const saltus_equations *e = saltus_shooting_equations(shooting);
-    int marks = e->count - n, m = e->unknowns;
+    int c = e->count, row = saltus_shooting_closing_row(shooting);
     saltus_dense_lu lu = {.n = 0};
-    double *work = calloc((size_t)(n * n + 2 * n + marks * (marks + n) + 1), sizeof *work);
-    double *monodromy = work, *real = work + n * n, *imaginary = real + n, *times = imaginary + n;
-    double *columns = times + marks * marks;
+    double *work = calloc((size_t)(c * c + n * c + n * n + 2 * n), sizeof *work);
+    double *columns = work + c * c, *inverse = columns + n * c, *real = inverse + n * n,
+           *imaginary = real + n;
     *excess = *angle = NAN;
-    bool room = work && (marks == 0 || saltus_dense_lu_open(&lu, marks)), sound = room;
-    for (int i = 0; i < marks && sound; i++) {
-        memcpy(times + i * marks, e->jacobian + (n + i) * m + n, (size_t)marks * sizeof *times);
-        for (int j = 0; j < n; j++)
-            columns[j * marks + i] = -e->jacobian[(n + i) * m + j];
+    bool room = work && saltus_dense_lu_open(&lu, c);
+    for (int i = 0; i < c && room; i++)
+        memcpy(work + i * c, e->jacobian + i * e->unknowns, (size_t)c * sizeof *work);
+    for (int i = 0; i < n && room; i++) {
+        work[(row + i) * c + i] += 1 - shift;
+        columns[i * c + row + i] = 1;
     }
-    if (sound && marks) {
-        sound = saltus_dense_factor(&lu, times);
-        if (sound)
-            saltus_dense_resolve(&lu, false, n, columns);
-    }
+    bool sound = room && saltus_dense_factor(&lu, work);
+    if (sound)
+        saltus_dense_resolve(&lu, false, n, columns);
     for (int i = 0; i < n && sound; i++)
-        for (int j = 0; j < n; j++) {
-            monodromy[i * n + j] = e->jacobian[i * m + j] + (i == j);
-            for (int k = 0; k < marks; k++)
-                monodromy[i * n + j] += e->jacobian[i * m + n + k] * columns[j * marks + k];
+        for (int j = 0; j < n; j++)
+            inverse[i * n + j] = columns[j * c + i];
+    double largest = 0;
+    sound = sound && saltus_dense_eigenvalues(inverse, n, real, imaginary);
+    for (int i = 0; i < n && sound; i++)
+        largest = fmax(largest, hypot(real[i], imaginary[i]));
+    for (int i = 0; i < n && sound; i++) {
+        double square = real[i] * real[i] + imaginary[i] * imaginary[i];
+        double re = shift + real[i] / square, im = -imaginary[i] / square, own = re * re + im * im - 1;
+        if (im > 0 && sqrt(square) > infinite * largest && !(own <= *excess)) {
+            *excess = own;
+            *angle = atan2(im, re);
         }
-    if (sound && saltus_dense_eigenvalues(monodromy, n, real, imaginary))
-        for (int i = 0; i < n; i++) {
-            double own = real[i] * real[i] + imaginary[i] * imaginary[i] - 1;
-            if (imaginary[i] > 0 && !(own <= *excess)) {
-                *excess = own;
-                *angle = atan2(imaginary[i], real[i]);
-            }
-        }
+    }
     saltus_dense_lu_close(&lu);
     free(work);
     return room;
@@ -170,7 +171,7 @@ int saltus_corner_measure(const saltus_extended *x, const saltus_curve_point *po
                                                 [SALTUS_POINT_NS] = SALTUS_POINT_GR_NS,
                                                 [SALTUS_POINT_BP] = SALTUS_POINT_GR_BP,
                                                 [SALTUS_POINT_GR] = SALTUS_POINT_GR_GR};
-    double excess, angle, theta = x->extra ? point->u[point->unknowns - 1] : 0;
+    double excess, angle, own_excess, own_angle, theta = x->extra ? point->u[point->unknowns - 1] : 0;
     saltus_scaled fold, flip, other_fold, other_flip;
     int count = 0;
     corners[count++] = (saltus_corner){
@@ -194,6 +195,7 @@ int saltus_corner_measure(const saltus_extended *x, const saltus_curve_point *po
         break;
     case SALTUS_POINT_GR:
         if (!determinants(x->orbits.shooting, x->orbits.n, &fold, &flip) ||
+            !pair_excess(x->orbits.shooting, x->orbits.n, &own_excess, &own_angle) ||
             !without_impact(x, s, &other_fold, &other_flip, &excess, &angle))
             return -1;
         corners[count++] = of_determinant(SALTUS_POINT_GR_LP, fold, other_fold, false);
@@ -202,6 +204,8 @@ int saltus_corner_measure(const saltus_extended *x, const saltus_curve_point *po
         corners[count++] = of_determinant(SALTUS_POINT_GR_PD, other_flip, flip, true);
         corners[count++] = (saltus_corner){
             .kind = SALTUS_POINT_GR_NS, .value = plain(excess), .without = true, .theta = angle};
+        corners[count++] =
+            (saltus_corner){.kind = SALTUS_POINT_GR_NS, .value = plain(own_excess), .theta = own_angle};
         break;
     default:
         break;

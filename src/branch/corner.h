@@ -5,7 +5,7 @@
 
 #include "branch/extended.h"
 
-enum { SALTUS_CORNERS_MAX = 6 };
+enum { SALTUS_CORNERS_MAX = 7 };
 
 /* A function along a locus whose zero is a point of codimension two. */
 typedef struct saltus_corner {

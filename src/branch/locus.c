@@ -42,8 +42,6 @@ struct saltus_locus {
     double second[2]; /* the last place where two impacts grazed, */
     double gap;       /* how far from the one before, */
     int closer;       /* and how often it has been closer than before */
-    double strict;    /* up to this arclength: a place where events change could not be located, and is gone
-                         up to by shorter steps */
     bool lost;        /* the orbit could not be cut better */
     bool ended;       /* this curve */
     saltus_branch_point points[3 * SALTUS_CORNERS_MAX]; /* made but not yet given out */
@@ -93,19 +91,44 @@ static bool joins(saltus_locus *l, const saltus_solution *s, double near, bool *
                     saltus_solution_half_distance(&l->x.orbits, s, true) < near);
 }
 
+/* Whether two multipliers are e^{i theta} and its conjugate: at folds the equations of tori hold with a
+ * single multiplier 1 and theta = 0. */
+static bool has_pair(const saltus_survey *survey, int n, double theta) {
+    const double near = 1e-2;
+    int first = -1;
+    for (int way = 1; way >= -1; way -= 2) {
+        int best = -1;
+        double least = near;
+        for (int i = 0; i < n; i++) {
+            double apart =
+                hypot(survey->multipliers[i].re - cos(theta), survey->multipliers[i].im - way * sin(theta));
+            if (i != first && apart < least) {
+                least = apart;
+                best = i;
+            }
+        }
+        if (best < 0)
+            return false;
+        first = best;
+    }
+    return true;
+}
+
 /* Whether the orbit is one, and the special one that is followed. Beyond another impact's birth or death it
- * is none, but the curve goes on to there, unless that place cannot be located. */
+ * is none, but the curve goes on to there. */
 static bool is_sound(saltus_locus *l, const saltus_curve_point *point, const saltus_solution *s) {
     if (l->x.kind == SALTUS_POINT_BP && !(fabs(point->u[s->at.unknowns]) < 1e-8))
         return false;
     double breach = saltus_corner_breach(&l->x, s);
-    bool strict = l->arclength < l->strict;
     if (breach > 1e-9)
-        return !strict;
+        return true;
+    if (l->x.kind == SALTUS_POINT_NS && s->survey.walked &&
+        !has_pair(&s->survey, l->x.orbits.n, point->u[s->at.unknowns]))
+        return false;
     if (l->x.kind == SALTUS_POINT_GR)
         return breach < -1e-9 || !joins(l, s, 1e-7, NULL);
     /* The flow tells a breach as small as that of the last impacts of a long run. */
-    return s->survey.follows || (breach > 0 && !strict);
+    return s->survey.follows || breach > 0;
 }
 
 /* `here` becomes the point with these unknowns of the sequence that the shooting has, `extra` the one beside
@@ -541,7 +564,7 @@ static saltus_status begin(saltus_locus *l, bool leaves, saltus_message *message
     l->made = 0;
     l->arclength = 0;
     l->has_left = l->lost = false;
-    l->strict = l->gap = l->closer = 0;
+    l->gap = l->closer = 0;
     l->step = 0.1 * l->options.step;
     memcpy(l->first_plane, l->here.u + c, sizeof l->first_plane);
     memcpy(l->first_way, l->here.tangent + c, sizeof l->first_way);
@@ -907,7 +930,6 @@ static saltus_status advance(saltus_locus *l, saltus_message *message) {
         l->x.sharp = false;
         if (located)
             break;
-        l->strict = fmax(l->strict, l->arclength + l->next.ahead);
         l->step = 0.5 * l->next.ahead;
     }
     for (int k = 0; k < crossed.count; k++) {
@@ -916,11 +938,14 @@ static saltus_status advance(saltus_locus *l, saltus_message *message) {
         l->x.sharp = true;
         found = corner_at(&self, crossed.place[k], &value);
         l->x.sharp = false;
-        /* Where the orbit becomes one of half the period, or its own mirror image, determinants are rounding.
-         */
-        if (!found || (l->x.kind == SALTUS_POINT_GR && joins(l, &l->located, 1e-4, NULL)))
+        /* Where the orbit becomes one of half the period, or its own mirror image, determinants are rounding;
+         * where a pair of multipliers becomes real, the next one takes its place with a jump. */
+        saltus_corner corner = l->corners_there[self.corner];
+        bool jumps =
+            corner.kind == SALTUS_POINT_GR_NS && !corner.breach && !(fabs(corner.value.mantissa) < 1e-6);
+        if (!found || jumps || (l->x.kind == SALTUS_POINT_GR && joins(l, &l->located, 1e-4, NULL)))
             continue;
-        status = give_corner(l, l->corners_there[self.corner], crossed.place[k], &moved, message);
+        status = give_corner(l, corner, crossed.place[k], &moved, message);
         if (status != SALTUS_OK || l->ended || moved)
             return status;
     }
@@ -1056,7 +1081,6 @@ saltus_status saltus_locus_archive(const saltus_spec *spec, const saltus_branch_
     saltus_archive_finite(a, &l->step, 1);
     a->sound = a->sound && (!a->reading || l->step > 0);
     l->has_left = saltus_archive_flag(a, l->has_left);
-    saltus_archive_finite(a, &l->strict, 1);
     l->ended = saltus_archive_flag(a, l->ended);
     archive_corners(l, a);
     /* Only the first point matters once the curve has ended. */
