@@ -802,7 +802,7 @@ static void a_polygon_of_grazings_is_closed(void **unused) {
     assert_int_equal(corners, 4);
     for (int i = 0; i < 2; i++)
         check_near(last->value[i], first->value[i], 1e-10);
-    assert_true(branch_check_resumed(&spec, motion.periods, motion.state, &options, 9) > 4);
+    assert_true(branch_check_resumed(&spec, motion.periods, motion.state, &options, 27) > 1);
     branch_forget(&record);
     saltus_motion_clear(&motion);
 }
@@ -893,7 +893,7 @@ static void an_interrupted_network_goes_on(void **unused) {
     saltus_branch_options options = locus_options(SALTUS_POINT_LP, key, low, high);
     options.switches = 2;
     options.step = options.step_max = 0.1;
-    assert_true(branch_check_resumed(&spec, motion.periods, motion.state, &options, 41) > 3);
+    assert_true(branch_check_resumed(&spec, motion.periods, motion.state, &options, 89) > 2);
     saltus_motion_clear(&motion);
     saltus_system_free(system);
     if (!long_version())

@@ -479,14 +479,65 @@ static saltus_status go_on_at(saltus_branch *b, double distance, saltus_message 
     return status;
 }
 
+/* Another impact is born at a place; or one dies, and the run ends. */
+static void note_birth(birth_run *run, bool born, double place) {
+    if (run->count == run_length)
+        memmove(run->place, run->place + 1, (size_t)--run->count * sizeof *run->place);
+    run->count = born ? run->count + 1 : 0;
+    if (born)
+        run->place[run->count - 1] = place;
+}
+
+/* Whether births follow one another in a geometric sequence: how far from the last of them it ends. */
+static bool accumulates(const birth_run *run, double *rest) {
+    const double steady = 0.05, slowest = 0.95, least = 1e-10;
+    double ratio[run_length - 2];
+    if (run->count < run_length)
+        return false;
+    for (int k = 0; k < run_length - 2; k++)
+        ratio[k] = (run->place[k + 2] - run->place[k + 1]) / (run->place[k + 1] - run->place[k]);
+    *rest = (run->place[run_length - 1] - run->place[run_length - 2]) * ratio[1] / (1 - ratio[1]);
+    return ratio[1] > 0 && ratio[1] < slowest && fabs(ratio[1] - ratio[0]) < steady * ratio[1] &&
+           fabs(*rest) > least;
+}
+
+/* Where births accumulate the branch goes on beyond them, with complete chatter, if that is found:
+ * *completes; `far` as there. */
+static saltus_status complete_run(saltus_branch *b, bool far, bool *completes, saltus_message *message) {
+    trace *t = &b->trace;
+    saltus_change change;
+    double rest;
+    *completes = accumulates(&t->run, &rest) &&
+                 saltus_change_complete(&b->orbits, t->here, t->run.place[run_length - 1] + rest, rest, far,
+                                        b->range, b->trial, b->spare, b->other, &change);
+    if (!*completes)
+        return saltus_shooting_shape(b->orbits.shooting, &t->here->sequence, message);
+    t->run.count = 0;
+    notice what = {.kind = change.kind,
+                   .accuracy = change.accuracy,
+                   .reason = change.reason,
+                   .after = change.after,
+                   .change = true};
+    saltus_status status = give(b, b->trial, what, message);
+    return status == SALTUS_OK && b->phase == RUN_FOLLOW ? go_on_at(b, change.distance, message) : status;
+}
+
 /* Over a change of events that only the event-driven flow sees, somewhere before `ahead`. */
 static saltus_status leap(saltus_branch *b, double ahead, saltus_leap kind, const char *why,
                           saltus_message *message) {
     trace *t = &b->trace;
     saltus_change change;
+    bool completes = false;
     saltus_status status = saltus_change_leap(&b->orbits, t->here, ahead, kind, why, b->range, b->trial,
                                               b->spare, b->other, &change, message);
-    if (status != SALTUS_OK)
+    /* The last births before chatter completes may lie beyond rounding. */
+    if (status == SALTUS_OK && change.kind == SALTUS_POINT_EP && t->run.count == run_length) {
+        status = complete_run(b, true, &completes, message);
+        if (status == SALTUS_OK && !completes)
+            status = saltus_change_leap(&b->orbits, t->here, ahead, kind, why, b->range, b->trial, b->spare,
+                                        b->other, &change, message);
+    }
+    if (status != SALTUS_OK || completes)
         return status;
     if (isnan(change.accuracy))
         return end(b, t->here, 0, why, message);
@@ -521,48 +572,6 @@ static bool ends_run(const saltus_solution *s) {
     return false;
 }
 
-/* Another impact is born at a place; or one dies, and the run ends. */
-static void note_birth(birth_run *run, bool born, double place) {
-    if (run->count == run_length)
-        memmove(run->place, run->place + 1, (size_t)--run->count * sizeof *run->place);
-    run->count = born ? run->count + 1 : 0;
-    if (born)
-        run->place[run->count - 1] = place;
-}
-
-/* Whether births follow one another in a geometric sequence: how far from the last of them it ends. */
-static bool accumulates(const birth_run *run, double *rest) {
-    const double steady = 0.05, slowest = 0.95, least = 1e-10;
-    double ratio[run_length - 2];
-    if (run->count < run_length)
-        return false;
-    for (int k = 0; k < run_length - 2; k++)
-        ratio[k] = (run->place[k + 2] - run->place[k + 1]) / (run->place[k + 1] - run->place[k]);
-    *rest = (run->place[run_length - 1] - run->place[run_length - 2]) * ratio[1] / (1 - ratio[1]);
-    return ratio[1] > 0 && ratio[1] < slowest && fabs(ratio[1] - ratio[0]) < steady * ratio[1] &&
-           fabs(*rest) > least;
-}
-
-/* Where births accumulate the branch goes on beyond them, with complete chatter, if that is found. */
-static saltus_status complete_run(saltus_branch *b, saltus_message *message) {
-    trace *t = &b->trace;
-    saltus_change change;
-    double rest;
-    if (!accumulates(&t->run, &rest))
-        return SALTUS_OK;
-    if (!saltus_change_complete(&b->orbits, t->here, t->run.place[run_length - 1] + rest, rest, b->range,
-                                b->trial, b->spare, b->other, &change))
-        return saltus_shooting_shape(b->orbits.shooting, &t->here->sequence, message);
-    t->run.count = 0;
-    notice what = {.kind = change.kind,
-                   .accuracy = change.accuracy,
-                   .reason = change.reason,
-                   .after = change.after,
-                   .change = true};
-    saltus_status status = give(b, b->trial, what, message);
-    return status == SALTUS_OK && b->phase == RUN_FOLLOW ? go_on_at(b, change.distance, message) : status;
-}
-
 /* Beyond grazing at `next`, to a point a little further on. */
 static saltus_status graze(saltus_branch *b, double accuracy, saltus_message *message) {
     trace *t = &b->trace;
@@ -575,7 +584,7 @@ static saltus_status graze(saltus_branch *b, double accuracy, saltus_message *me
                    .accuracy = accuracy,
                    .change = true,
                    .grazing = &at->worst};
-    bool joins = saltus_solution_half_distance(o, at, false) < 1e-4;
+    bool completes, joins = saltus_solution_half_distance(o, at, false) < 1e-4;
     what.accuracy += saltus_special_doubt(o, SALTUS_TEST_BREACH, at);
     saltus_status status = saltus_change_graze(o, at, &beyond, b->spare, b->trial, &change, message);
     if (status != SALTUS_OK)
@@ -613,7 +622,9 @@ static saltus_status graze(saltus_branch *b, double accuracy, saltus_message *me
     status = give_specials(b, message);
     if (status == SALTUS_OK && b->phase == RUN_FOLLOW && !b->locus)
         status = accept(b, true, false, NULL, message);
-    return status == SALTUS_OK && b->phase == RUN_FOLLOW && !b->locus ? complete_run(b, message) : status;
+    return status == SALTUS_OK && b->phase == RUN_FOLLOW && !b->locus && t->run.count == run_length
+               ? complete_run(b, false, &completes, message)
+               : status;
 }
 
 /* Contacts that begin or end where the sequence is left to the flow are located; of the many impacts in the

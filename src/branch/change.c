@@ -304,10 +304,10 @@ static double find_vanishing(saltus_orbits *o, const saltus_solution *here, doub
 }
 
 bool saltus_change_complete(saltus_orbits *o, const saltus_solution *from, double limit, double rest,
-                            const double range[2], saltus_solution *at, saltus_solution *here,
+                            bool far, const double range[2], saltus_solution *at, saltus_solution *here,
                             saltus_solution *scratch, saltus_change *change) {
     static const double reach[] = {1, 4, 0.25, 16};
-    const double sharp = 0.2, near = 1e-2;
+    const double sharp = far ? 0.02 : 0.2, near = far ? 0.5 : 1e-2;
     double *state = calloc((size_t)o->n, sizeof *state);
     bool found = false;
     if (!state)

@@ -56,10 +56,10 @@ saltus_status saltus_change_leap(saltus_orbits *orbits, const saltus_solution *f
 /* Impacts are born one after the other, where they accumulate chatter completes: near the parameter `limit`,
  * but for a part of `rest`, which is as far as the last of them. From `from`, an orbit near there, `at`
  * becomes the orbit at which the contact after complete chatter is nothing, `here` one beyond, at a parameter
- * in [low, high]. `scratch` is
- * overwritten. False: none that begins there was found. */
+ * in [low, high]. `far`: `from` may be some way from there, if the place is the one that is expected.
+ * `scratch` is overwritten. False: none that begins there was found. */
 bool saltus_change_complete(saltus_orbits *orbits, const saltus_solution *from, double limit, double rest,
-                            const double range[2], saltus_solution *at, saltus_solution *here,
+                            bool far, const double range[2], saltus_solution *at, saltus_solution *here,
                             saltus_solution *scratch, saltus_change *change);
 /* The label changes between `from` and `to` though the prescribed events stay: in the part of the sequence
  * that is left to the flow. `at` becomes the last orbit with the contacts of `from`. False if there is none.
