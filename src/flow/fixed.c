@@ -5,9 +5,9 @@
 #include <stdlib.h>
 
 enum {
-    rows_max = 64,       /* of a tape: the compiler takes a tenth of a second for each, or more */
-    patience = 50,       /* ms that every run does without a compiler, or, with many rows, ... */
-    patience_a_row = 10, /* ... so many for each */
+    rows_max = 64,    /* of a tape: the compiler takes a tenth of a second for each, or more */
+    delay = 50,       /* ms that every run does without a compiler, or, with many rows, ... */
+    delay_a_row = 10, /* ... so many for each */
     steps_between = 64
 };
 
@@ -106,9 +106,9 @@ static char *make_source(const void *from, const saltus_compile_shape *shape) {
     return NULL;
 }
 
-static int patience_for(const saltus_tape *tape) {
-    const int own = tape->row_count * patience_a_row;
-    return own > patience ? own : patience;
+static int delay_for(const saltus_tape *tape) {
+    const int own = tape->row_count * delay_a_row;
+    return own > delay ? own : delay;
 }
 
 saltus_fixed saltus_fixed_open(const saltus_kernel *kernel, const saltus_system *system,
@@ -129,13 +129,13 @@ void saltus_fixed_close(saltus_fixed *fixed) {
 }
 
 bool saltus_fixed_ask(saltus_fixed *fixed, const saltus_system *system) {
-    fixed->function = saltus_compiled_ask(fixed->compiled, make_source, system);
+    fixed->function = fixed->compiled ? saltus_compiled_ask(fixed->compiled, make_source, system) : NULL;
     return fixed->function != NULL;
 }
 
 void saltus_fixed_expand(saltus_fixed *fixed, const saltus_kernel *kernel, const saltus_system *system,
                          saltus_work *work) {
-    if (fixed->compiled && !fixed->function && ++fixed->steps == steps_between) {
+    if (!fixed->function && ++fixed->steps == steps_between) {
         fixed->steps = 0;
         saltus_fixed_ask(fixed, system);
     }
@@ -150,7 +150,7 @@ bool saltus_fixed_tell(const saltus_system *system, char *text, size_t size) {
     if (!system->tape || system->stiff)
         return false;
     const saltus_compile_shape shape = {.flags = saltus_kernel_find(system->spec.model->kernel, 1)->flags,
-                                        .patience = patience_for(system->tape)};
+                                        .delay = delay_for(system->tape)};
     saltus_compile_tell(&shape, make_source, system, text, size);
     return true;
 }

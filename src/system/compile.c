@@ -7,7 +7,6 @@
 #include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
-#include <limits.h>
 #include <pthread.h>
 #include <signal.h>
 #include <stdatomic.h>
@@ -56,13 +55,13 @@ struct saltus_compiled_list {
 };
 
 /* A compiler and where its work is kept. */
-typedef struct workshop {
+typedef struct toolchain {
     char compiler[path_max], folder[path_max];
     struct stat identity; /* of the compiler */
-} workshop;
+} toolchain;
 
 /* The compiler that is named, or on the path. False: there is none. */
-static bool find_compiler(const char *name, workshop *w) {
+static bool find_compiler(const char *name, toolchain *w) {
     const char *path = strchr(name, '/') ? "" : getenv("PATH");
     if (strchr(name, '/'))
         snprintf(w->compiler, sizeof w->compiler, "%s", name);
@@ -84,7 +83,7 @@ static bool is_private(const struct stat *s) {
 }
 
 /* The folder, made where there is none yet. False: there is none that is private. */
-static bool find_folder(workshop *w) {
+static bool find_folder(toolchain *w) {
     const char *cache = getenv("XDG_CACHE_HOME"), *home = getenv("HOME");
     struct stat s;
     bool own = cache && *cache == '/';
@@ -101,9 +100,9 @@ static bool find_folder(workshop *w) {
 }
 
 /* What stands in the way of compiling; NULL: nothing. */
-static const char *open_workshop(workshop *w) {
+static const char *open_toolchain(toolchain *w) {
     const char *name = getenv("SALTUS_COMPILE");
-    *w = (workshop){.compiler = ""};
+    *w = (toolchain){.compiler = ""};
     if (name && strcmp(name, "0") == 0)
         return "SALTUS_COMPILE is 0";
     if (getuid() != geteuid() || getgid() != getegid())
@@ -129,7 +128,7 @@ static unsigned long long hash(unsigned long long h, const void *bytes, size_t s
 
 /* What all functions of one system are kept under: a key from the text without a shape, the compiler, its
  * options. */
-static void make_path(const workshop *w, const saltus_compile_shape *shape, const char *source,
+static void make_path(const toolchain *w, const saltus_compile_shape *shape, const char *source,
                       char path[path_max]) {
     const long long identity[] = {(long long)w->identity.st_size, (long long)w->identity.st_mtim.tv_sec,
                                   (long long)w->identity.st_mtim.tv_nsec, (long long)w->identity.st_ino};
@@ -147,7 +146,7 @@ static void make_path(const workshop *w, const saltus_compile_shape *shape, cons
 }
 
 /* Where the functions of a system are kept; false: no memory, or the text is none to compile. */
-static bool find_place(const workshop *w, const char *flags, saltus_compile_source *make, const void *from,
+static bool find_place(const toolchain *w, const char *flags, saltus_compile_source *make, const void *from,
                        char path[path_max]) {
     const saltus_compile_shape any = {.flags = flags};
     char *source = make(from, &any);
@@ -174,12 +173,16 @@ static bool load(saltus_compiled *c) {
     saltus_compiled_function *function = NULL;
     /* POSIX has functions and data pointers of one kind, ISO C does not. */
     memcpy(&function, &symbol, sizeof function);
+    if (!function && c->library) {
+        dlclose(c->library);
+        c->library = NULL;
+    }
     atomic_store_explicit(&c->function, function, memory_order_release);
     return function != NULL;
 }
 
 /* An open file without a name that holds a text, at its beginning; -1: there is none. */
-static int keep_source(const workshop *w, const char *source) {
+static int keep_source(const toolchain *w, const char *source) {
     char name[path_max + name_max];
     snprintf(name, sizeof name, "%s/source.XXXXXX", w->folder);
     int file = mkstemp(name);
@@ -201,16 +204,20 @@ static int keep_source(const workshop *w, const char *source) {
     return file;
 }
 
-/* The process that sees a compilation through. It shares nothing with the run but the end of a pipe: other
- * open files would stay open, and locked, as long as it lives. Only what is safe between fork and exec. */
-static void see_through(char *const *words, int source, const char *made, const char *path, int outcome) {
+/* A process of its own that runs the compiler and puts the file into its place. It shares nothing with the
+ * run but the end of a pipe: other open files would stay open, and locked, as long as it lives. Only what is
+ * safe between fork and exec. */
+static void run_compiler(char *const *words, int source, const char *made, const char *path, int outcome) {
     sigset_t none;
+    /* Out of the way of the numbers that they shall have. */
+    source = fcntl(source, F_DUPFD, 4);
+    outcome = fcntl(outcome, F_DUPFD, 4);
     setsid();
     sigemptyset(&none);
     pthread_sigmask(SIG_SETMASK, &none, NULL);
     umask(S_IRWXG | S_IRWXO);
     int nothing = open("/dev/null", O_RDWR);
-    if (nothing < 0 || dup2(source, 0) < 0 || dup2(nothing, 1) < 0 || dup2(nothing, 2) < 0 ||
+    if (nothing < 0 || dup2(nothing, 1) < 0 || dup2(nothing, 2) < 0 || dup2(source, 0) < 0 ||
         dup2(outcome, 3) < 0)
         _exit(1);
     for (int k = 4; k < descriptors_max; k++)
@@ -250,9 +257,9 @@ static void make_words(char *words[words_max], char *compiler, char *flags, char
     words[count] = NULL;
 }
 
-/* Start the compiler; where its end will be told, or -1. The process that sees it through is nobody's child:
+/* Start the compiler; where its end will be told, or -1. The process that runs it is nobody's child:
  * whoever waits for children in this program does not meet it. Signals wait until it is on its own. */
-static int start(workshop *w, const char *flags, const char *source, const char *path) {
+static int start(toolchain *w, const char *flags, const char *source, const char *path) {
     char made[path_max + name_max], own[256], *words[words_max];
     int told[2], file = keep_source(w, source);
     struct timespec now;
@@ -267,14 +274,16 @@ static int start(workshop *w, const char *flags, const char *source, const char 
             close(file);
         return -1;
     }
+    fcntl(file, F_SETFD, FD_CLOEXEC);
     fcntl(told[0], F_SETFD, FD_CLOEXEC);
+    fcntl(told[1], F_SETFD, FD_CLOEXEC);
     fcntl(told[0], F_SETFL, O_NONBLOCK);
     sigfillset(&all);
     pthread_sigmask(SIG_BLOCK, &all, &before);
     pid_t between = fork();
     if (between == 0) {
         if (fork() == 0)
-            see_through(words, file, made, path, told[1]);
+            run_compiler(words, file, made, path, told[1]);
         _exit(0);
     }
     pthread_sigmask(SIG_SETMASK, &before, NULL);
@@ -289,7 +298,7 @@ static int start(workshop *w, const char *flags, const char *source, const char 
 }
 
 /* What the end of the pipe says: '+', '-', 0: nothing yet. */
-static char hear(int outcome) {
+static char read_outcome(int outcome) {
     char said = 0;
     ssize_t count = read(outcome, &said, 1);
     if (count == 1)
@@ -306,27 +315,27 @@ static double milliseconds_since(const struct timespec *then) {
 /* The next state of a function that is not there yet. */
 static progress advance(saltus_compiled *c, progress now, saltus_compile_source *make, const void *from) {
     if (now == progress_runs) {
-        char said = hear(c->outcome);
+        char said = read_outcome(c->outcome);
         if (said == 0)
             return now;
         close(c->outcome);
         c->outcome = -1;
         return said == '+' && load(c) ? progress_ready : progress_over;
     }
-    workshop w;
+    toolchain w;
     if (now == progress_none) {
         clock_gettime(CLOCK_MONOTONIC, &c->since);
-        if (open_workshop(&w) || !find_place(&w, c->shape.flags, make, from, c->path))
+        if (open_toolchain(&w) || !find_place(&w, c->shape.flags, make, from, c->path))
             return progress_over;
         add_shape(c->path, &c->shape);
         return load(c) ? progress_ready : progress_wait;
     }
-    if (milliseconds_since(&c->since) < c->shape.patience)
+    if (milliseconds_since(&c->since) < c->shape.delay)
         return now;
     /* Another process may have made it meanwhile. */
     if (load(c))
         return progress_ready;
-    char *source = open_workshop(&w) ? NULL : make(from, &c->shape);
+    char *source = open_toolchain(&w) ? NULL : make(from, &c->shape);
     if (source)
         c->outcome = start(&w, c->shape.flags, source, c->path);
     free(source);
@@ -418,9 +427,9 @@ saltus_compiled *saltus_compiled_hold(saltus_compiled_list *list, const saltus_c
 
 void saltus_compile_tell(const saltus_compile_shape *shape, saltus_compile_source *source, const void *from,
                          char *text, size_t size) {
-    workshop w;
+    toolchain w;
     char path[path_max];
-    const char *obstacle = open_workshop(&w);
+    const char *obstacle = open_toolchain(&w);
     if (!obstacle && !find_place(&w, shape->flags, source, from, path))
         obstacle = "there are too many equations, or too little memory";
     if (obstacle) {
@@ -439,5 +448,5 @@ void saltus_compile_tell(const saltus_compile_shape *shape, saltus_compile_sourc
     snprintf(text, size,
              "interpreted at first, compiled by %s in runs of more than %d ms (functions of these equations "
              "kept in %s: %d)",
-             w.compiler, shape->patience, w.folder, kept);
+             w.compiler, shape->delay, w.folder, kept);
 }

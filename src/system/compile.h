@@ -17,7 +17,7 @@
 typedef struct saltus_compile_shape {
     const char *flags; /* of the compiler, for the instruction set; lives on */
     int wide, order, columns, directions;
-    int patience; /* ms: shorter runs do without a compiler; tells nothing apart */
+    int delay; /* ms: shorter runs do without a compiler; not told apart by it */
 } saltus_compile_shape;
 
 /* The text, allocated, of a function with this name; NULL: no memory. */
