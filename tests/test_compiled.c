@@ -49,7 +49,8 @@ static const way ways[] = {{"every kind", every_kind, false, false, 0},
                            {"chain", NULL, true, false, 0},
                            {"gear-rattle", NULL, false, false, 0},
                            {"impact-damper", NULL, false, true, 2},
-                           {"apart", apart, true, true, 0}};
+                           {"apart", apart, true, true, 0},
+                           {"duffing", NULL, false, true, 0}};
 enum { way_count = sizeof ways / sizeof ways[0] };
 
 /* A folder of the test's own for what is compiled. */
