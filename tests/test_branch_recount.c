@@ -478,7 +478,7 @@ static void chatter_ends_where_it_begins(void **unused) {
             bool one = strcmp(p->label, "chatter/1") == 0;
             if (p->kind == SALTUS_POINT_CH) {
                 assert_true(one == chatter && (strcmp(p->label_after, "chatter/1") == 0) != chatter);
-                assert_true(p->accuracy < 1e-9);
+                assert_true(p->accuracy < 1e-11);
                 value[up] = p->value[0];
                 chatter = !chatter;
                 found++;
@@ -492,7 +492,7 @@ static void chatter_ends_where_it_begins(void **unused) {
         assert_int_equal(found, 1);
         branch_forget(&record);
     }
-    check_near(value[0], value[1], 1e-9);
+    check_near(value[0], value[1], 1e-11);
 }
 
 int main(void) {

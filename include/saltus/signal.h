@@ -29,9 +29,10 @@ typedef struct saltus_signal {
     int per_period;  /* samples a forcing period; 1 for a stroboscopic series */
     double rounding; /* a signal this close to its mean does not move; 0: 1e-14 of its largest value */
     /* An integral of the signal over the time in forcing periods, sampled at the same times, the caller's:
-     * means, lines and densities are then its own, differentiated, and the samples give the variance alone.
-     */
+     * means, lines and densities are then its own, differentiated. */
     const double *primitive;
+    double variance; /* of the signal where that is known better than from samples; 0: it is that of the
+                        samples */
     /* Corners of the primitive, where there is one, or of the samples: the caller's. The lines of whole
      * orbits are free of what they alias. */
     const saltus_corner *corners;

@@ -120,6 +120,16 @@ static double slope(const saltus_orbits *o, const saltus_solution *s) {
     return fabs(saltus_solution_heading(s)) * o->family.unit[0];
 }
 
+/* How far beyond `at` the contact is nothing that completes a chatter, in arclength, where it shrinks on the
+ * way of length `ahead` from `from` to there: as a power of the distance, by self-similarity some 0.6.
+ * Chatter ends in numbers before that. */
+static double beyond_contact(const saltus_solution *from, const saltus_solution *at, double ahead) {
+    const double power = 1.5; /* a little less than 1 / 0.6: more rather than less */
+    bool shrinks = from->worst.kind == SALTUS_BREACH_HOLD && at->worst.kind == SALTUS_BREACH_HOLD &&
+                   at->worst.value < 0 && from->worst.value < at->worst.value;
+    return shrinks ? fabs(ahead) * pow(at->worst.value / from->worst.value, power) : 0;
+}
+
 /* The sequence that the flow meets on the orbit of a solution. `state` (n) becomes the one at its base. */
 static bool sequence_met(saltus_orbits *o, const saltus_solution *s, double *state, saltus_sequence *met) {
     saltus_lap lap = {.keeps_events = true};
@@ -275,6 +285,8 @@ saltus_status saltus_change_leap(saltus_orbits *o, const saltus_solution *from, 
                    : before->sticking_intervals != after->sticking_intervals ? SALTUS_POINT_ST
                    : before->impacts != after->impacts                       ? SALTUS_POINT_GR
                                                                              : SALTUS_POINT_REGULAR;
+    if (change->kind == SALTUS_POINT_CH)
+        change->accuracy += beyond_contact(from, at, at->at.ahead) * slope(o, at);
     head_on(o, at, heading, leap, here, scratch, change);
     return SALTUS_OK;
 }
@@ -303,6 +315,30 @@ static double find_vanishing(saltus_orbits *o, const saltus_solution *here, doub
     return NAN;
 }
 
+/* The nearer the contact at `at` is to nothing, the more impacts tell before the chatter is complete: with
+ * those that the flow meets there, on to where it is nothing, again and again as long as that gets nearer.
+ * *ahead and the result as above; `way`: the parameter's sign along `here`. */
+static double find_vanished(saltus_orbits *o, const saltus_solution *here, double way, double width,
+                            saltus_solution *at, saltus_solution *scratch, double *state, double *ahead) {
+    enum { rounds = 12 };
+    const double beyond = 4, nearer = 0.7;
+    for (int k = 0; k < rounds && !isnan(width); k++) {
+        double parameter = at->parameter[0], before = at->worst.value;
+        double back = fmax(beyond * beyond_contact(here, at, *ahead), 1e-10);
+        memcpy(state, at->survey.lap.points, (size_t)o->n * sizeof *state);
+        if (!shoot_freely(o, &at->sequence, &parameter, state, scratch) || scratch->survey.impacts >= 0)
+            break;
+        saltus_solution_head(scratch, way);
+        width = bracket(o, scratch, -back, NULL, at);
+        if (isnan(width) || at->survey.impacts >= 0)
+            return NAN;
+        *ahead += at->at.ahead;
+        if (at->worst.kind != SALTUS_BREACH_HOLD || !(at->worst.value > nearer * before))
+            break;
+    }
+    return width;
+}
+
 bool saltus_change_complete(saltus_orbits *o, const saltus_solution *from, double limit, double rest,
                             bool far, const double range[2], saltus_solution *at, saltus_solution *here,
                             saltus_solution *scratch, saltus_change *change) {
@@ -322,13 +358,14 @@ bool saltus_change_complete(saltus_orbits *o, const saltus_solution *from, doubl
         saltus_solution_head(here, way);
         double slope_here = fmax(fabs(saltus_solution_heading(here)), 1e-3);
         double width = find_vanishing(o, here, 2 * distance / slope_here, at, scratch, &ahead);
+        width = find_vanished(o, here, way, width, at, scratch, state, &ahead);
         found = !isnan(width) && fabs(at->parameter[0] - limit) < sharp * fabs(rest) &&
                 saltus_system_distance(o->system, at->survey.lap.points, from->survey.lap.points) < near;
         if (!found)
             continue;
         *change = (saltus_change){.kind = SALTUS_POINT_CH,
                                   .value = at->value,
-                                  .accuracy = width * slope(o, at),
+                                  .accuracy = (width + beyond_contact(here, at, ahead)) * slope(o, at),
                                   .reason = "births of impacts accumulate: chatter completes",
                                   .distance = -ahead};
         memcpy(change->after, here->survey.label, sizeof change->after);

@@ -5,6 +5,7 @@
 
 #include "signal/spectrum.h"
 
+#include <gsl/gsl_integration.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -20,7 +21,8 @@ enum {
     per_period_min = 256,
     per_period_exact = 2048, /* of orbits with corners: what third derivatives alias is then below 1e-11 */
     per_period_max = 16384,
-    irregular_per_period_max = 2048
+    irregular_per_period_max = 2048,
+    step_points = 12 /* of Gauss and Legendre, in a step of the integrator */
 };
 
 static const double reach_of_lines = 32, reach_of_density = 16; /* times omega */
@@ -36,6 +38,11 @@ typedef struct sampler {
     double scale[SALTUS_QUANTITIES_MAX];
     double *samples; /* quantities x (count, and as many of a velocity's primitive) */
     long long count, next;
+    /* Each quantity less what it begins with, and the square of that, integrated over the steps until now. */
+    gsl_integration_glfixed_table *table;
+    double begin[SALTUS_QUANTITIES_MAX], time;
+    saltus_sum integral[SALTUS_QUANTITIES_MAX], square[SALTUS_QUANTITIES_MAX];
+    long long steps;
     saltus_corner *corners[SALTUS_QUANTITIES_MAX];
     long long corner_count, corner_room;
     int per_period;
@@ -100,7 +107,9 @@ static saltus_status open_sampler(sampler *self, const saltus_system *system,
         for (int i = 0; i < dof; i++)
             self->scale[k] += fabs(self->row[k][i]) * scale[(quantity->velocity ? dof : 0) + i];
     }
-    saltus_status status = saltus_flow_single(system, 0, &options->flow, &self->flow, message);
+    self->table = gsl_integration_glfixed_table_alloc(step_points);
+    saltus_status status = self->table ? saltus_flow_single(system, 0, &options->flow, &self->flow, message)
+                                       : saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a spectrum");
     return status == SALTUS_OK ? saltus_flow_single(system, 0, &options->flow, &self->probe, message)
                                : status;
 }
@@ -108,6 +117,8 @@ static saltus_status open_sampler(sampler *self, const saltus_system *system,
 static void close_sampler(sampler *self) {
     saltus_flow_free(self->flow);
     saltus_flow_free(self->probe);
+    if (self->table)
+        gsl_integration_glfixed_table_free(self->table);
     free(self->samples);
     for (int k = 0; k < SALTUS_QUANTITIES_MAX; k++)
         free(self->corners[k]);
@@ -121,21 +132,48 @@ static double weigh(const sampler *self, int k, const double *numbers) {
     return value;
 }
 
-/* Add a share of a state's quantities to the next sample. */
-static void add_sample(sampler *self, const double *state, double share) {
+static double quantity_of(const sampler *self, int k, const double *state) {
+    return self->extra[k] >= 0 ? state[self->extra[k]]
+                               : weigh(self, k, self->velocity[k] ? state + self->dof : state);
+}
+
+static void take_sample(sampler *self, const double *state) {
     for (int k = 0; k < self->quantities; k++) {
         double *sample = self->samples + 2 * k * self->count + self->next;
-        *sample +=
-            share * (self->extra[k] >= 0 ? state[self->extra[k]]
-                                         : weigh(self, k, self->velocity[k] ? state + self->dof : state));
+        *sample = quantity_of(self, k, state);
         if (self->velocity[k])
-            sample[self->count] += share * weigh(self, k, state) / self->period;
+            sample[self->count] = weigh(self, k, state) / self->period;
     }
 }
 
-/* The samples in the flow's last step, up to sample `end`, which is not taken. One at the very time of an
- * event is the mean of both sides. */
-static void take_samples(sampler *self, long long end, bool event) {
+/* The flow's last step, if there was one, adds to the integrals. Between events everything is smooth, so that
+ * jumps do not matter to these as they do to samples. */
+static void integrate(sampler *self) {
+    const double length = saltus_flow_step_length(self->flow, 0);
+    const long long made = saltus_flow_information(self->flow, 0).steps;
+    if (made == self->steps)
+        return;
+    self->steps = made;
+    self->time += length;
+    for (size_t point = 0; point < step_points; point++) {
+        double at, weight, state[SALTUS_STATE_MAX];
+        gsl_integration_glfixed_point(0, length, point, &at, &weight, self->table);
+        saltus_flow_dense(self->flow, 0, at, state);
+        for (int k = 0; k < self->quantities; k++) {
+            double value = quantity_of(self, k, state) - self->begin[k];
+            saltus_sum_add(&self->integral[k], weight * value);
+            saltus_sum_add(&self->square[k], weight * value * value);
+        }
+    }
+}
+
+static double variance_of(const sampler *self, int k) {
+    double mean = (self->integral[k].value + self->integral[k].rest) / self->time;
+    return fmax((self->square[k].value + self->square[k].rest) / self->time - mean * mean, 0);
+}
+
+/* The samples in the flow's last step, up to sample `end`, which is not taken. */
+static void take_samples(sampler *self, long long end) {
     double state[SALTUS_STATE_MAX];
     for (; self->next < end; self->next++) {
         saltus_time time = {self->next / self->per_period,
@@ -143,12 +181,7 @@ static void take_samples(sampler *self, long long end, bool event) {
         int order = saltus_flow_state_at(self->flow, 0, time, state);
         if (order > 0)
             return;
-        if (order < 0 || event)
-            add_sample(self, state, order < 0 ? 1 : 0.5);
-        if (order == 0) {
-            saltus_flow_state(self->flow, 0, state);
-            add_sample(self, state, event ? 0.5 : 1);
-        }
+        take_sample(self, state);
     }
 }
 
@@ -211,7 +244,10 @@ static saltus_status run_stretch(sampler *self, const double *state, long long e
     if (status == SALTUS_OK) {
         double now[SALTUS_STATE_MAX];
         saltus_flow_state(self->flow, 0, now);
-        add_sample(self, now, 1);
+        for (int k = 0; k < self->quantities && self->next == 0; k++)
+            self->begin[k] = quantity_of(self, k, now);
+        self->steps = saltus_flow_information(self->flow, 0).steps;
+        take_sample(self, now);
         self->next++;
     }
     while (status == SALTUS_OK && event.kind != SALTUS_REACHED) {
@@ -220,7 +256,8 @@ static saltus_status run_stretch(sampler *self, const double *state, long long e
         if (status != SALTUS_OK)
             break;
         bool contact = 1u << event.kind & SALTUS_WATCH_CONTACT;
-        take_samples(self, end, contact);
+        integrate(self);
+        take_samples(self, end);
         if (contact)
             status = take_corner(self, contacts, message);
     }
@@ -233,6 +270,9 @@ static saltus_status sample(sampler *self, const double *state, long long period
     self->per_period = per_period;
     self->count = periods * per_period;
     self->next = 0;
+    self->time = 0;
+    memset(self->integral, 0, sizeof self->integral);
+    memset(self->square, 0, sizeof self->square);
     free(self->samples);
     self->corner_count = 0;
     self->samples = calloc(2 * (size_t)self->quantities * (size_t)self->count, sizeof *self->samples);
@@ -249,6 +289,7 @@ static saltus_signal signal_of(const sampler *self, int k, bool resting) {
     const double *samples = self->samples + 2 * k * self->count;
     return (saltus_signal){.samples = samples,
                            .primitive = self->velocity[k] ? samples + self->count : NULL,
+                           .variance = variance_of(self, k),
                            .corners = self->corners[k],
                            .corner_count = self->corner_count,
                            .count = self->count,

@@ -35,7 +35,7 @@ saltus_status saltus_signal_check(const saltus_signal *signal, saltus_message *m
 /* By its primitive where that is known: its rise over the time between the first sample and the last. */
 double saltus_signal_mean(const saltus_signal *signal);
 bool saltus_signal_moves(const saltus_signal *signal, double mean);
-/* Mean square of the distance from the mean. */
+/* Mean square of the distance from the mean: the signal's own where that is known. */
 double saltus_signal_variance(const saltus_signal *signal, double mean);
 /* Every `thinning`-th sample of a signal: a signal of its own, held by `samples` (count / thinning, twice as
  * much with a primitive). */

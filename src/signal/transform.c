@@ -71,6 +71,8 @@ bool saltus_signal_moves(const saltus_signal *signal, double mean) {
 
 double saltus_signal_variance(const saltus_signal *signal, double mean) {
     saltus_sum sum = {0, 0};
+    if (signal->variance > 0)
+        return signal->variance;
     for (long long j = 0; j < signal->count; j++)
         saltus_sum_add(&sum, (signal->samples[j] - mean) * (signal->samples[j] - mean));
     return (sum.value + sum.rest) / (double)signal->count;

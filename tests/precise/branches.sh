@@ -1,6 +1,6 @@
 #!/bin/sh
-# A trial of branches: random pipes and oscillators with impacts, each followed in a random parameter, and special
-# points of each located anew in 128 bits. A change of the number of multipliers outside the unit circle must
+# A trial of branches: random pipes and oscillators with impacts, a third of them with stops so near that they chatter,
+# each followed in a random parameter, and special points of each located anew in 128 bits. A change of the number of multipliers outside the unit circle must
 # have its point in between.
 # usage: branches.sh saltus precise_points [branches [points of each [seed]]]
 # SPDX-License-Identifier: GPL-3.0-or-later
@@ -18,16 +18,22 @@ random_branches() {
         for (k = 0; k < count; k++) {
             split("upper lower both", sides, " ")
             side = sides[1 + int(3 * rand())]
-            split("omega d r", keys, " ")
-            key = keys[1 + int(3 * rand())]
+            split("omega d r u0", keys, " ")
             oscillator = k % 3 == 0
+            chatters = k % 3 == 2
+            key = keys[1 + int((chatters ? 4 : 3) * rand())]
+            delete value
             if (oscillator) {
                 value["omega"] = between(0.5, 2.5); value["d"] = between(0.1, 1.2); value["r"] = between(0.3, 0.9)
                 printf "impact-oscillator c=%.4f sides=%s", between(0.05, 0.3), side
             } else {
                 value["omega"] = between(10, 50); value["d"] = between(0.01, 0.04); value["r"] = between(0.3, 0.9)
-                printf "pipe N=%d alpha=%.5f u0=%.3f sigma=%.3f sides=%s", 1 + int(2 * rand()), between(0.002, 0.01),
-                       between(3.8, 5), between(0.1, 0.5), side
+                value["u0"] = between(3.8, 5)
+                if (chatters) {
+                    value["d"] = between(0.004, 0.02); value["r"] = between(0.2, 0.7)
+                }
+                printf "pipe N=%d alpha=%.5f sigma=%.3f sides=%s", 1 + int(2 * rand()), between(0.002, 0.01),
+                       between(0.1, 0.5), side
             }
             for (name in value)
                 printf " %s=%.5f", name, value[name]

@@ -312,6 +312,12 @@ static bool check(const char *line, const char *key) {
                   : strcmp(q.kind, "ST") == 0 ? locate_split(&q, unknowns)
                   : strcmp(q.kind, "CH") == 0 ? locate_completion(&q, unknowns, (real)accuracy)
                                               : locate(&q, unknowns);
+        /* What branches off turns back where it begins. */
+        if (trouble && strcmp(q.kind, "LP") == 0) {
+            unknowns[q.n] = (real)value;
+            trouble = scene_read(line, &q.m, &q.periods, &impacts, unknowns);
+            trouble = trouble ? trouble : locate_branch_point(&q, unknowns);
+        }
         step_close(&q.stepper);
     }
     if (trouble) {
