@@ -478,7 +478,7 @@ static void chatter_ends_where_it_begins(void **unused) {
             bool one = strcmp(p->label, "chatter/1") == 0;
             if (p->kind == SALTUS_POINT_CH) {
                 assert_true(one == chatter && (strcmp(p->label_after, "chatter/1") == 0) != chatter);
-                assert_true(p->accuracy < 1e-11);
+                assert_true(p->accuracy < 1e-10);
                 value[up] = p->value[0];
                 chatter = !chatter;
                 found++;

@@ -121,13 +121,14 @@ static double slope(const saltus_orbits *o, const saltus_solution *s) {
 }
 
 /* How far beyond `at` the contact is nothing that completes a chatter, in arclength, where it shrinks on the
- * way of length `ahead` from `from` to there: as a power of the distance, by self-similarity some 0.6.
- * Chatter ends in numbers before that. */
+ * way of length `ahead` from `from` to there: as a power of the distance, by self-similarity some 0.6. The
+ * contact is known no better than the shortest flights before it. */
 static double beyond_contact(const saltus_solution *from, const saltus_solution *at, double ahead) {
-    const double power = 1.5; /* a little less than 1 / 0.6: more rather than less */
+    const double power = 1.5;     /* a little less than 1 / 0.6: more rather than less */
+    const double shortest = 2e-8; /* periods: the heights of shorter flights are rounding */
     bool shrinks = from->worst.kind == SALTUS_BREACH_HOLD && at->worst.kind == SALTUS_BREACH_HOLD &&
                    at->worst.value < 0 && from->worst.value < at->worst.value;
-    return shrinks ? fabs(ahead) * pow(at->worst.value / from->worst.value, power) : 0;
+    return shrinks ? fabs(ahead) * pow(fmin(at->worst.value, -shortest) / from->worst.value, power) : 0;
 }
 
 /* The sequence that the flow meets on the orbit of a solution. `state` (n) becomes the one at its base. */
@@ -211,7 +212,7 @@ static bool begins_at(saltus_orbits *o, const saltus_solution *at, const saltus_
     double slope_here = fabs(saltus_solution_heading(here));
     double back = 2 * distance / fmax(slope_here, 1e-3);
     double width = bracket(o, here, -back, &here->survey, end);
-    *accuracy = width * slope(o, end);
+    *accuracy = (width + beyond_contact(here, end, end->at.ahead)) * slope(o, end);
     return width < back && end->at.ahead > -0.99 * back && fabs(end->parameter[0] - at->parameter[0]) < apart;
 }
 

@@ -5,10 +5,12 @@
  * as all before it. A motion is chaotic if its exponent is positive by three standard errors over the whole
  * run and by two in each half of it, none of the trajectories has come to a regular motion for so long that a
  * transient of less than the lifetime asked for would have ended with a probability of 95 %, and no stable
- * orbit lies amid it: a long transient looks chaotic as long as it lasts. Where a trajectory leaves, its
- * tangent vectors begin to shrink; the others are watched on, so that the times of escape give the lifetime.
- * A negative exponent means that nothing irregular goes on and a period will show. An exponent of zero, known
- * well, belongs to a torus if the section points fill closed curves and have a spectrum of lines.
+ * orbit lies amid it: a long transient looks chaotic as long as it lasts. Where a single contact can wipe out
+ * all differences, none comes within twenty times as long: after one the motion repeats. Where a trajectory
+ * leaves, its tangent vectors begin to shrink; the others are watched on, so that the times of escape give
+ * the lifetime. A negative exponent means that nothing irregular goes on and a period will show. An exponent
+ * of zero, known well, belongs to a torus if the section points fill closed curves and have a spectrum of
+ * lines.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "motion/ensemble.h"
 #include "motion/evidence.h"

@@ -295,6 +295,9 @@ static bool check(const char *line, const char *key) {
                       number_after(line, "\"accuracy\": ", &accuracy) && (q.parameter = place_of(&q.m, key))))
         trouble = "no value, accuracy or parameter";
     memcpy(q.kind, label + strlen("\"label\": \""), 2);
+    /* Where orbits of twice the period join it, the half is the one that flips. */
+    if (strcmp(q.kind, "PD") == 0 && strstr(line, "joins the orbits of half the period"))
+        q.periods /= 2;
     if (!trouble && strcmp(q.kind, "GR") == 0) {
         if (!number_after(strstr(line, "\"grazing\"") ? strstr(line, "\"grazing\"") : "",
                           "\"time_over_T\": ", &touch))
