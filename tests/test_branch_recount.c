@@ -282,21 +282,47 @@ static void first_impact(long double d, long double *time, long double *speed) {
     *speed = 1 + sinl(t);
 }
 
-/* Whether the impacts that follow on the first one come to an end before the force turns away from the wall.
- * In a flight from t on the distance from the wall is u s - s^2/2 cos t + s^3/6 sin t + s^4/24 cos t - ... */
+/* s - sin s without cancellation. */
+static long double less_sine(long double s) {
+    long double term = s * s * s / 6, sum = 0;
+    for (int k = 4; k < 40; k += 2) {
+        sum += term;
+        term *= -s * s / (k * (k + 1));
+    }
+    return sum;
+}
+
+/* Whether the impacts that follow on the first one come to an end before the force turns away from the wall,
+ * at a time `left` after each. A flight leaves the wall with speed u, and is back where u s = sin(left) (1 -
+ * cos s) - cos(left) (s - sin s), which is once before the turn or not at all. */
 static bool comes_to_rest(long double t, long double speed, long double r) {
-    const long double turn = acosl(0);
-    for (long double u = r * speed; u > 1e-24L;) {
-        long double c = cosl(t), sine = sinl(t), s = 2 * u / c;
-        for (int k = 0; k < 60 && t + s < turn; k++)
-            s += (u - s * c / 2 + s * s / 6 * sine + s * s * s / 24 * c - s * s * s * s / 120 * sine) /
-                 (c / 2 - s / 3 * sine - s * s / 8 * c + s * s * s / 30 * sine);
-        if (!(t + s < turn))
-            return false;
-        u = r * (s * c - s * s / 2 * sine - s * s * s / 6 * c + s * s * s * s / 24 * sine - u);
-        t += s;
+    long double left = acosl(0) - t;
+    for (long double u = r * speed; u > 1e-30L;) {
+        long double low = 0, high = left, s = left;
+        for (int k = 0; k < 100; k++) {
+            long double sine = sinl(s / 2), pressed = 2 * sinl(left) * sine * sine;
+            bool away = u * s > pressed - cosl(left) * less_sine(s);
+            if (k == 0 && away)
+                return false;
+            *(away ? &low : &high) = s;
+            s = 0.5L * (low + high);
+        }
+        u = r * (sinl(left) * sinl(s) - 2 * cosl(left) * sinl(s / 2) * sinl(s / 2) - u);
+        left -= s;
     }
     return true;
+}
+
+/* Where they cease to, along r or d; `low` is where they do. */
+static double end_of_rest(long double *parameter, long double low, long double high, const long double *d,
+                          const long double *r) {
+    long double time, speed;
+    for (int k = 0; k < 60; k++) {
+        *parameter = 0.5L * (low + high);
+        first_impact(*d, &time, &speed);
+        *(comes_to_rest(time, speed, *r) ? &low : &high) = *parameter;
+    }
+    return (double)low;
 }
 
 /* Where a wall hardly rebounds impacts are born within 1e-5 of a period of one another: chatter completes,
@@ -305,12 +331,8 @@ static bool comes_to_rest(long double t, long double speed, long double r) {
 static void until_nothing_rebounds(void **unused) {
     (void)unused;
     const long double d = 1.5L;
-    long double time, speed, low = 7e-4L, high = 9e-4L;
-    first_impact(d, &time, &speed);
-    for (int k = 0; k < 60; k++) {
-        long double middle = 0.5L * (low + high);
-        *(comes_to_rest(time, speed, middle) ? &low : &high) = middle;
-    }
+    long double r = 0;
+    double exact = end_of_rest(&r, 7e-4L, 9e-4L, &d, &r);
     saltus_spec spec = oscillator_spec(0, 0, 1, 1);
     add_stop(&spec, (double)d, 0.8, SALTUS_BOTH);
     saltus_branch_options options = branch_along("r", 0, 1);
@@ -320,7 +342,8 @@ static void until_nothing_rebounds(void **unused) {
     for (int k = 0; k < record.count; k++) {
         const saltus_branch_point *p = &record.point[k];
         if (p->kind == SALTUS_POINT_CH) {
-            check_near(p->value[0], (double)low, 1e-10);
+            check_near(p->value[0], exact, p->accuracy);
+            assert_true(p->accuracy < 1e-11);
             completes++;
         } else if (completes) {
             assert_string_equal(p->label, p->value[0] > 0 ? "chatter/1" : "2/1");
@@ -333,6 +356,35 @@ static void until_nothing_rebounds(void **unused) {
     assert_true(completes == 1 && after > 2);
     assert_true(last->value[0] == 0 && last->spec.stops[0].r == 0);
     assert_string_equal(last->reason, "end of the parameter's range");
+    branch_forget(&record);
+}
+
+/* Between walls that come ever closer impacts are born one after the other, until the next would be slower
+ * than rounding tells: chatter completes where the births accumulate, and the branch goes on until the walls
+ * meet.
+ */
+static void until_the_walls_meet(void **unused) {
+    (void)unused;
+    const long double r = 0.8L;
+    long double d = 0;
+    double exact = end_of_rest(&d, 0.023L, 0.0232L, &d, &r);
+    saltus_spec spec = oscillator_spec(0, 0, 1, 1);
+    add_stop(&spec, 1.5, 0.8, SALTUS_BOTH);
+    saltus_branch_options options = branch_along("d", 0, 2);
+    options.direction = -1;
+    options.step_max = 0.1;
+    branch_record record = run_settled(&spec, &options, "2/1");
+    int completes = 0;
+    for (int k = 0; k < record.count; k++) {
+        const saltus_branch_point *p = &record.point[k];
+        if (p->kind == SALTUS_POINT_CH) {
+            check_near(p->value[0], exact, p->accuracy);
+            assert_true(p->accuracy < 1e-11);
+            completes++;
+        }
+    }
+    assert_int_equal(completes, 1);
+    check_near(record.point[record.count - 1].value[0], 0, 1e-12);
     branch_forget(&record);
 }
 
@@ -506,6 +558,7 @@ int main(void) {
         cmocka_unit_test(contacts_that_become_permanent),
         cmocka_unit_test(domains_are_reached),
         cmocka_unit_test(until_nothing_rebounds),
+        cmocka_unit_test(until_the_walls_meet),
         cmocka_unit_test(domains_without_a_derivative),
         cmocka_unit_test(tori_beside_flips),
         cmocka_unit_test(grazings_close_together),

@@ -298,15 +298,17 @@ saltus_status saltus_change_leap(saltus_orbits *o, const saltus_solution *from, 
 static double find_vanishing(saltus_orbits *o, const saltus_solution *here, double back, saltus_solution *at,
                              saltus_solution *scratch, double *ahead) {
     enum { parts_max = 12 };
-    const double nothing = 1e-4;
+    const double nothing = 1e-4, still = 1e-9;
     const saltus_solution *from = here;
     *ahead = 0;
     for (int k = 0; k < parts_max; k++) {
         double width = bracket(o, from, -back, NULL, at);
-        if (isnan(width) || at->at.ahead == 0)
+        bool vanishes = at->worst.kind == SALTUS_BREACH_HOLD && at->worst.value > -nothing;
+        if (isnan(width) || (at->at.ahead == 0 && !vanishes))
             return NAN;
         *ahead += at->at.ahead;
-        if (at->worst.kind == SALTUS_BREACH_HOLD && at->worst.value > -nothing)
+        /* The last part may have ended for want of a tangent there, too. */
+        if (vanishes && fabs(at->at.ahead) < still)
             return at->survey.impacts < 0 ? width : NAN;
         saltus_solution reached = *at;
         *at = *scratch;
@@ -346,11 +348,11 @@ bool saltus_change_complete(saltus_orbits *o, const saltus_solution *from, doubl
     static const double reach[] = {1, 4, 0.25, 16};
     const double sharp = far ? 0.02 : 0.2, near = far ? 0.5 : 1e-2;
     double *state = calloc((size_t)o->n, sizeof *state);
-    bool found = false;
+    bool found = false, there = false;
     if (!state)
         saltus_orbits_noted(o, SALTUS_NO_MEMORY);
-    for (size_t k = 0; k < 2 * sizeof reach / sizeof reach[0] && state && !found; k++) {
-        double way = copysign(k % 2 ? -1 : 1, rest), distance = reach[k / 2] * fabs(rest), ahead;
+    for (size_t k = 0; k < sizeof reach / sizeof reach[0] && state && !there; k++) {
+        double way = copysign(1, rest), distance = reach[k] * fabs(rest), ahead;
         double parameter = limit + way * distance;
         memcpy(state, from->state, (size_t)o->n * sizeof *state);
         if (parameter < range[0] || parameter > range[1] ||
@@ -360,8 +362,9 @@ bool saltus_change_complete(saltus_orbits *o, const saltus_solution *from, doubl
         double slope_here = fmax(fabs(saltus_solution_heading(here)), 1e-3);
         double width = find_vanishing(o, here, 2 * distance / slope_here, at, scratch, &ahead);
         width = find_vanished(o, here, way, width, at, scratch, state, &ahead);
-        found = !isnan(width) && fabs(at->parameter[0] - limit) < sharp * fabs(rest) &&
-                saltus_system_distance(o->system, at->survey.lap.points, from->survey.lap.points) < near;
+        there = !isnan(width) && fabs(at->parameter[0] - limit) < sharp * fabs(rest);
+        found =
+            there && saltus_system_distance(o->system, at->survey.lap.points, from->survey.lap.points) < near;
         if (!found)
             continue;
         *change = (saltus_change){.kind = SALTUS_POINT_CH,
