@@ -248,15 +248,13 @@ static saltus_status breaks_symmetry(const saltus_extended *x, const saltus_solu
     return status == SALTUS_NO_MEMORY ? saltus_fail(message, status, "no memory for a locus") : SALTUS_OK;
 }
 
-/* What a contact's end is that shrinks to nothing, or lets go. */
-static saltus_point_kind contact_change(const saltus_extended *x, const saltus_solution *s,
-                                        const saltus_breach *worst) {
-    if (x->kind != SALTUS_POINT_GR || worst->kind != SALTUS_BREACH_HOLD)
-        return SALTUS_POINT_EP;
-    int k = worst->mark - 1;
-    while (k >= 0 && s->sequence.mark[k].face != worst->face)
+bool saltus_corner_ends_chatter(const saltus_solution *s, const saltus_breach *breach) {
+    int k = breach->mark - 1;
+    if (breach->kind != SALTUS_BREACH_HOLD)
+        return false;
+    while (k >= 0 && s->sequence.mark[k].face != breach->face)
         k--;
-    return k >= 0 && s->sequence.mark[k].kind == SALTUS_STICK ? SALTUS_POINT_EP : SALTUS_POINT_CH_GR;
+    return k < 0 || s->sequence.mark[k].kind != SALTUS_STICK;
 }
 
 saltus_status saltus_corner_tell(const saltus_extended *x, const saltus_corner *corner,
@@ -266,7 +264,8 @@ saltus_status saltus_corner_tell(const saltus_extended *x, const saltus_corner *
     bool breaks = false;
     *kind = corner->kind;
     if (corner->breach && worst && (worst->kind == SALTUS_BREACH_HOLD || worst->kind == SALTUS_BREACH_FORCE))
-        *kind = contact_change(x, s, worst);
+        *kind = x->kind == SALTUS_POINT_GR && saltus_corner_ends_chatter(s, worst) ? SALTUS_POINT_CH_GR
+                                                                                   : SALTUS_POINT_EP;
     if (x->kind == SALTUS_POINT_GR && x->mirrored && *kind == SALTUS_POINT_GR_LP)
         status = breaks_symmetry(x, s, corner->without, &breaks, message);
     if (breaks)

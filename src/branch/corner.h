@@ -26,6 +26,8 @@ const saltus_breach *saltus_corner_worst(const saltus_extended *extended, const 
 const saltus_breach *saltus_corner_touch(const saltus_extended *extended, const saltus_solution *orbit);
 /* The value of the worst, -1 for none. */
 double saltus_corner_breach(const saltus_extended *extended, const saltus_solution *orbit);
+/* Whether a breach is that of a contact, which chatter has led to, that shrinks to nothing. */
+bool saltus_corner_ends_chatter(const saltus_solution *orbit, const saltus_breach *breach);
 /* The marks of an orbit without the grazing impact that is followed, and its image. */
 saltus_sequence saltus_corner_without(const saltus_extended *extended, const saltus_solution *orbit);
 /* All functions at a point, from what the extended equations have seen there, and the orbit there. Returns

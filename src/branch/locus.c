@@ -883,6 +883,7 @@ static saltus_status give_corner(saltus_locus *l, saltus_corner corner, double a
 
 /* The curve ends where it is, as it does not go on. */
 static saltus_status give_end(saltus_locus *l, saltus_message *message) {
+    const double little = 1e-3;
     bool contact = false, closes = false;
     saltus_corner corner = {.kind = SALTUS_POINT_CH_GR};
     saltus_status status = l->lost ? SALTUS_OK : end_contact(l, &contact, message);
@@ -892,9 +893,13 @@ static saltus_status give_end(saltus_locus *l, saltus_message *message) {
     }
     if (status != SALTUS_OK)
         return status;
+    const saltus_breach *worst = saltus_corner_worst(&l->x, &l->orbit);
+    bool ceases = worst && worst->value > -little && saltus_corner_ends_chatter(&l->orbit, worst);
     if (!contact && !corner.joins)
         return give(l, &l->orbit, &l->here, SALTUS_POINT_EP, 0,
-                    "the curve ends: its orbit changes its events or the curve has a corner", message);
+                    ceases ? "chatter ceases to complete: the contact after it shrinks to nothing"
+                           : "the curve ends: its orbit changes its events or the curve has a corner",
+                    message);
     const char *reason = corner.kind == SALTUS_POINT_GR_PD
                              ? "its orbits join those of half the period, whose flip meets grazing"
                          : corner.kind == SALTUS_POINT_GR_BP
