@@ -387,6 +387,19 @@ static void check_curve_anew(const saltus_spec *spec, int periods, const double 
     branch_forget(&record);
 }
 
+/* The motion that a scene settles on from rest. */
+static saltus_motion settled(const saltus_spec *spec) {
+    saltus_classify_options how = saltus_classify_defaults();
+    saltus_system *system = build(spec);
+    saltus_message message = {.text = ""};
+    saltus_motion motion;
+    double state[4];
+    check_ok(saltus_system_default_state(system, state, &message), &message);
+    check_ok(saltus_classify(system, state, &how, &motion, &message), &message);
+    saltus_system_free(system);
+    return motion;
+}
+
 /* Two masses, one of which hits a stop: flips, and tori, whose curve ends where the pair of multipliers meets
  * at -1. There it has turned into two real ones whose product is 1, and nothing happens to the orbit. */
 static void two_masses(void **unused) {
@@ -409,12 +422,7 @@ static void two_masses(void **unused) {
     add_stop(&spec, 1, 0.7, SALTUS_UPPER);
     spec.stops[0].weight[0] = 0;
     spec.stops[0].weight[1] = 1;
-    saltus_system *system = build(&spec);
-    saltus_classify_options how = saltus_classify_defaults();
-    saltus_message message = {.text = ""};
-    saltus_motion motion;
-    double state[4] = {0};
-    check_ok(saltus_classify(system, state, &how, &motion, &message), &message);
+    saltus_motion motion = settled(&spec);
     assert_string_equal(motion.label, "1/2");
     for (size_t k = 0; k < sizeof rows / sizeof rows[0]; k++) {
         saltus_branch_options options = locus_options(rows[k].kind, rows[k].key, rows[k].low, rows[k].high);
@@ -422,7 +430,6 @@ static void two_masses(void **unused) {
         check_curve_anew(&spec, 2, motion.state, &options, 25, rows[k].closed);
     }
     saltus_motion_clear(&motion);
-    saltus_system_free(system);
 }
 
 /* A curve of flips of the pipe and what meets it, which several tests look at. */
@@ -679,12 +686,7 @@ static void networks_of_curves(void **unused) {
     static const char *const key[2] = {"omega", "d"};
     static const double low[2] = {1.2292, 0.12782}, high[2] = {3.2778, 0.85211};
     saltus_spec spec = meeting_curves();
-    saltus_system *system = build(&spec);
-    saltus_classify_options how = saltus_classify_defaults();
-    saltus_message message = {.text = ""};
-    saltus_motion motion;
-    double state[2] = {0};
-    check_ok(saltus_classify(system, state, &how, &motion, &message), &message);
+    saltus_motion motion = settled(&spec);
     int curves_at[3] = {0}, found[SALTUS_POINT_KINDS] = {0}, joins = 0;
     /* The first fold is on the branch of twice the period. */
     for (int switches = 1; switches < 3; switches++) {
@@ -717,20 +719,6 @@ static void networks_of_curves(void **unused) {
     assert_true(found[SALTUS_POINT_GR_LP] > 4 && found[SALTUS_POINT_GR_PD] > 4 &&
                 found[SALTUS_POINT_GR_GR] > 1);
     saltus_motion_clear(&motion);
-    saltus_system_free(system);
-}
-
-/* The motion that a scene settles on from rest. */
-static saltus_motion settled(const saltus_spec *spec) {
-    saltus_classify_options how = saltus_classify_defaults();
-    saltus_system *system = build(spec);
-    saltus_message message = {.text = ""};
-    saltus_motion motion;
-    double state[4];
-    check_ok(saltus_system_default_state(system, state, &message), &message);
-    check_ok(saltus_classify(system, state, &how, &motion, &message), &message);
-    saltus_system_free(system);
-    return motion;
 }
 
 /* The nearest that a free maximum comes to the stop, in units of the system's displacements. */
@@ -884,18 +872,12 @@ static void an_interrupted_network_goes_on(void **unused) {
     static const double low[2] = {1.2292, 0.12782}, high[2] = {3.2778, 0.85211};
     static const double from[2] = {38, 0.034}, to[2] = {46, 0.036};
     saltus_spec spec = meeting_curves();
-    saltus_system *system = build(&spec);
-    saltus_classify_options how = saltus_classify_defaults();
-    saltus_message message = {.text = ""};
-    saltus_motion motion;
-    double state[2] = {0};
-    check_ok(saltus_classify(system, state, &how, &motion, &message), &message);
+    saltus_motion motion = settled(&spec);
     saltus_branch_options options = locus_options(SALTUS_POINT_LP, key, low, high);
     options.switches = 2;
     options.step = options.step_max = 0.1;
     assert_true(branch_check_resumed(&spec, motion.periods, motion.state, &options, 89) > 2);
     saltus_motion_clear(&motion);
-    saltus_system_free(system);
     if (!long_version())
         return;
     reference r = read_reference("fig7d");
@@ -934,13 +916,7 @@ static void symmetric_grazing(void **unused) {
     static const double low[2] = {0.20374, 0.1}, high[2] = {0.81494, 2};
     saltus_spec spec = oscillator_spec(0.064962, 1, 0.81997, 0.40747);
     add_stop(&spec, 0.5, 0.68926, SALTUS_BOTH);
-    saltus_system *system = build(&spec);
-    saltus_classify_options how = saltus_classify_defaults();
-    saltus_message message = {.text = ""};
-    saltus_motion motion;
-    double state[2];
-    check_ok(saltus_system_default_state(system, state, &message), &message);
-    check_ok(saltus_classify(system, state, &how, &motion, &message), &message);
+    saltus_motion motion = settled(&spec);
     saltus_branch_options options = locus_options(SALTUS_POINT_GR, key, low, high);
     options.switches = 1;
     options.step_max = 0.03;
@@ -979,7 +955,6 @@ static void symmetric_grazing(void **unused) {
     assert_true(broken == 2 && joined == 1);
     branch_forget(&record);
     saltus_motion_clear(&motion);
-    saltus_system_free(system);
 }
 
 /* How far a mass comes down on an orbit of one period: the lowest of the parabolas through its way. */
@@ -1071,13 +1046,7 @@ static void folds_have_cusps(void **unused) {
         saltus_spec spec = oscillator_spec(rows[k].c, 1, rows[k].F, rows[k].omega);
         set_parameter(&spec, "F0", 0.3);
         add_stop(&spec, rows[k].d, rows[k].r, SALTUS_UPPER);
-        saltus_system *system = build(&spec);
-        saltus_classify_options how = saltus_classify_defaults();
-        saltus_message message = {.text = ""};
-        saltus_motion motion;
-        double state[2] = {0};
-        check_ok(saltus_system_default_state(system, state, &message), &message);
-        check_ok(saltus_classify(system, state, &how, &motion, &message), &message);
+        saltus_motion motion = settled(&spec);
         const double low[2] = {0.6 * rows[k].omega, rows[k].d - 0.6},
                      high[2] = {1.5 * rows[k].omega, rows[k].d + 0.6};
         saltus_branch_options options = locus_options(SALTUS_POINT_LP, key, low, high);
@@ -1096,7 +1065,6 @@ static void folds_have_cusps(void **unused) {
         assert_int_equal(cusps, 1);
         branch_forget(&record);
         saltus_motion_clear(&motion);
-        saltus_system_free(system);
     }
 }
 

@@ -27,7 +27,6 @@ void saltus_extended_close(saltus_extended *x) {
     saltus_dense_lu_close(&x->equations.lu);
 }
 
-/* Room for the sequence that the shooting has. */
 saltus_status saltus_extended_shape(saltus_extended *x, saltus_message *message) {
     int count = x->orbits.equations->count;
     saltus_extended_close(x);
@@ -64,7 +63,6 @@ static void fill_singular(const saltus_extended *x, double theta, double *a, int
     }
 }
 
-/* Borders from the null vectors of A at the point last evaluated. */
 saltus_status saltus_extended_choose(saltus_extended *x, double theta, saltus_message *message) {
     int size = x->copies * x->orbits.equations->count;
     double value, *a = calloc((size_t)(size * size), sizeof *a);
@@ -232,7 +230,6 @@ saltus_status saltus_extended_evaluate(void *self, const double *u, saltus_messa
     return SALTUS_OK;
 }
 
-/* The borders become the null vectors of the point last evaluated, so that they stay far from orthogonal. */
 void saltus_extended_renew(saltus_extended *x, const double *u) {
     int c = x->orbits.equations->count, size = x->copies * c;
     double right = 0, left = 0;
