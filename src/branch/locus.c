@@ -119,6 +119,7 @@ static bool has_pair(const saltus_survey *survey, int n, double theta) {
 static bool is_sound(saltus_locus *l, const saltus_curve_point *point, const saltus_solution *s) {
     if (l->x.kind == SALTUS_POINT_BP && !(fabs(point->u[s->at.unknowns]) < 1e-8))
         return false;
+    const double apart = 1e-6;
     double breach = saltus_corner_breach(&l->x, s);
     if (breach > 1e-9)
         return true;
@@ -126,7 +127,7 @@ static bool is_sound(saltus_locus *l, const saltus_curve_point *point, const sal
         !has_pair(&s->survey, l->x.orbits.n, point->u[s->at.unknowns]))
         return false;
     if (l->x.kind == SALTUS_POINT_GR)
-        return breach < -1e-9 || !joins(l, s, 1e-7, NULL);
+        return breach < -apart || !joins(l, s, apart, NULL);
     /* The flow tells a breach as small as that of the last impacts of a long run. */
     return s->survey.follows || breach > 0;
 }
