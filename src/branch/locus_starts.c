@@ -6,15 +6,14 @@
  * the other one goes through, the first impact being born there: it comes in two pieces. Where a double
  * multiplier is 1 or -1 on a curve of folds or flips, one of tori begins.
  *
- * Where a flip meets grazing, the orbits of twice the period graze too, one impact of the two: in the leading
- * terms, the critical part of the orbit being D, its square root v the speed at the stop, the one impact's
- * gap is n + w D, the other's n - w D, and D m = g (v2 - v1). Where the flip is one of orbits without the
- * impact, m = 0, the larger gap is zero at D = -n / w, and only cubic terms part m from zero: this curve of
- * grazing touches that of flips. Where it is one of orbits with the impact, its speed is proportional to
- * m' = 1 / (w g) less its value at the corner, the sum of both speeds on orbits of twice the period is twice
- * that of the flip, and the smaller is zero when the other is all of it: the curves touch again. Folds of
- * orbits of twice the period have m v of the order of one, far from here. A branch point of orbits that are
- * their own mirror images is a flip of the map over half a period and the mirror: it is all the same.
+ * Where a flip meets grazing, orbits of twice the period graze too, one of their two impacts. With the speeds
+ * v1 and v2 at the stop, and D by which the two halves differ, v1^2 = n + w D, v2^2 = n - w D in the leading
+ * terms. Without impacts D is nothing or free, where the flip is: the larger of the gaps n + w D is zero on a
+ * curve that only terms of third order part from that of flips. With both impacts D = g (v2 - v1), so that
+ * either v1 = v2 or v1 + v2 = - 2 w g: at the flip both speeds are half of that, at grazing one is all of it.
+ * In either case the curves touch. Orbits of twice the period with one impact have their folds at a speed
+ * that is not small there: none begins. A branch point of orbits that are their own mirror images is a flip
+ * of the map over half a period and the mirror: it is all the same.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "branch/locus_starts.h"
 
