@@ -179,7 +179,11 @@ saltus_state_name saltus_system_state_name(const saltus_system *system, int entr
 /* The entry of that name, or -1. x_dot is x', and q1, v1, z1 count entries of any model where no name of its
  * text is the same. Parameters come first. */
 int saltus_system_state_index(const saltus_system *system, const char *name);
-/* The same for a specification, as far as its whole-number parameters tell; -1 where it cannot be built. */
+/* The same for a specification, whatever its stops and whether or not its numbers make a system: its
+ * whole-number parameters tell. The length of the state and, where `dof` is not NULL, the number of
+ * displacements, -1 where there is none; names are empty and indices -1 there, too. */
+int saltus_spec_dimension(const saltus_spec *spec, int *dof);
+saltus_state_name saltus_spec_state_name(const saltus_spec *spec, int entry);
 int saltus_spec_state_index(const saltus_spec *spec, const char *name);
 /* The right side of an acceleration (entries 0 to dof - 1) or of a further state's rate (from dof on), as
  * the model from text understands it: masses divided out, numbers folded. To be freed by the caller; NULL for

@@ -171,15 +171,14 @@ static void put_parameters(saltus_h5 *w, const saltus_spec *spec) {
 /* The names of the state's entries, separated by blanks. */
 static void put_state_names(saltus_h5 *w, const saltus_spec *spec) {
     char text[SALTUS_STATE_MAX * sizeof(saltus_state_name)] = "";
-    saltus_system *system = NULL;
+    const int dimension = saltus_spec_dimension(spec, NULL);
     size_t used = 0;
-    if (!w->sound || !saltus_h5_note_memory(w, saltus_system_new(spec, &system, NULL) == SALTUS_OK))
+    if (!saltus_h5_note_memory(w, dimension >= 0))
         return;
-    for (int i = 0; i < saltus_system_dimension(system); i++)
+    for (int i = 0; i < dimension; i++)
         used += (size_t)snprintf(text + used, sizeof text - used, "%s%s", i ? " " : "",
-                                 saltus_system_state_name(system, i).text);
+                                 saltus_spec_state_name(spec, i).text);
     saltus_h5_text(w, w->file, "state", text);
-    saltus_system_free(system);
 }
 
 void saltus_h5_put_head(saltus_h5 *w, const char *kind, const char *scene, const char *title,

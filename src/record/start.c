@@ -409,17 +409,6 @@ saltus_status saltus_start_read(const char *text, saltus_start *start, saltus_me
     return status;
 }
 
-static int degrees_of_freedom(const saltus_spec *spec) {
-    saltus_spec without = *spec;
-    saltus_system *system = NULL;
-    without.stop_count = 0;
-    if (saltus_system_new(&without, &system, NULL) != SALTUS_OK)
-        return -1;
-    int dimension = saltus_system_dimension(system);
-    saltus_system_free(system);
-    return dimension;
-}
-
 saltus_status saltus_start_apply(const saltus_start *start, const char *name, saltus_scene *scene,
                                  saltus_message *message) {
     const char *model = saltus_model_name(scene->spec.model);
@@ -431,7 +420,7 @@ saltus_status saltus_start_apply(const saltus_start *start, const char *name, sa
         return saltus_fail(message, SALTUS_BAD_INPUT,
                            "%.200s: is an orbit of the model %s, the scene's is %s", name,
                            saltus_model_name(start->spec.model), model);
-    int dimension = degrees_of_freedom(&scene->spec);
+    int dimension = saltus_spec_dimension(&scene->spec, NULL);
     if (dimension >= 0 && start->dimension && dimension != start->dimension)
         return saltus_fail(message, SALTUS_BAD_INPUT,
                            "%.200s: its orbit has N = %g and a state of %d entries, the scene N = %g and %d",

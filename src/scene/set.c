@@ -46,19 +46,9 @@ static saltus_status check_alone(const saltus_spec *spec, saltus_message *messag
     return status;
 }
 
-/* The state's length that the parameters ask for, whatever the stops. */
-static int dimension_of(const saltus_spec *spec, int *dof) {
-    saltus_spec without_stops = *spec;
-    int extra = 0;
-    without_stops.stop_count = 0;
-    spec->model->shape(&without_stops, dof, &extra, NULL);
-    return 2 * *dof + extra;
-}
-
 static saltus_status set_parameter(saltus_scene *scene, int index, const setting *s,
                                    saltus_message *message) {
     double value;
-    int dof = 0;
     const char *complaint = saltus_read_number(s->value, &value);
     if (complaint)
         return refuse_value(s, complaint, message);
@@ -70,7 +60,7 @@ static saltus_status set_parameter(saltus_scene *scene, int index, const setting
     scene->spec.parameters[index] = value;
     if (scene->initial_count == 0)
         return SALTUS_OK;
-    int dimension = dimension_of(&scene->spec, &dof);
+    int dimension = saltus_spec_dimension(&scene->spec, NULL);
     if (dimension != scene->initial_count)
         return saltus_fail_at(
             message, SALTUS_BAD_INPUT, (saltus_fault){.key = s->key},
@@ -154,7 +144,7 @@ static saltus_status set_observe(saltus_spec *spec, const setting *s, saltus_mes
 
 static saltus_status set_initial(saltus_scene *scene, int entry, const setting *s, saltus_message *message) {
     double value;
-    int dof = 0, dimension = dimension_of(&scene->spec, &dof);
+    int dimension = saltus_spec_dimension(&scene->spec, NULL);
     const char *complaint = saltus_read_number(s->value, &value);
     if (complaint)
         return refuse_value(s, complaint, message);
@@ -171,7 +161,7 @@ static saltus_status set_initial(saltus_scene *scene, int entry, const setting *
 /* q7 of a system that has fewer: how many there are. */
 static saltus_status refuse_entry(const saltus_scene *scene, int list, const setting *s,
                                   saltus_message *message) {
-    int dof = 0, dimension = dimension_of(&scene->spec, &dof);
+    int dof = 0, dimension = saltus_spec_dimension(&scene->spec, &dof);
     double value;
     const char *complaint = saltus_read_number(s->value, &value);
     if (complaint)
@@ -188,7 +178,6 @@ static saltus_status refuse_key(const saltus_scene *scene, const setting *s, sal
     const char *keys[SALTUS_PARAMETERS_MAX + stop_keys + 1 + SALTUS_STATE_MAX];
     saltus_state_name names[SALTUS_STATE_MAX];
     const saltus_source none = {.message = message};
-    saltus_system *system = NULL;
     int count = model->parameter_count;
     for (int k = 0; k < count; k++)
         keys[k] = model->parameters[k].name;
@@ -198,13 +187,10 @@ static saltus_status refuse_key(const saltus_scene *scene, const setting *s, sal
             if (strcmp(keys[k], model->stop_key) == 0)
                 keys[k] = keys[--count];
     keys[count++] = "observe";
-    if (model->text)
-        saltus_system_new(&scene->spec, &system, NULL);
-    for (int i = 0; system && i < saltus_system_dimension(system); i++) {
-        names[i] = saltus_system_state_name(system, i);
+    for (int i = 0; model->text && i < saltus_spec_dimension(&scene->spec, NULL); i++) {
+        names[i] = saltus_spec_state_name(&scene->spec, i);
         keys[count++] = names[i].text;
     }
-    saltus_system_free(system);
     return saltus_unknown_key(&none, 0, s->key, keys, count);
 }
 
@@ -218,9 +204,7 @@ static saltus_status apply(saltus_scene *scene, const setting *s, saltus_message
             return set_stop(scene, k, number, s, message);
     if (strcmp(s->key, "observe") == 0)
         return set_observe(&scene->spec, s, message);
-    saltus_spec free_spec = scene->spec; /* the state's length does not depend on stops */
-    free_spec.stop_count = 0;
-    int entry = saltus_spec_state_index(&free_spec, s->key);
+    int entry = saltus_spec_state_index(&scene->spec, s->key);
     if (entry >= 0)
         return set_initial(scene, entry, s, message);
     for (int k = 0; k < initial_lists; k++)

@@ -516,11 +516,26 @@ int saltus_system_state_index(const saltus_system *system, const char *name) {
     return state_index(&system->spec, system->dof, system->dimension, name);
 }
 
+int saltus_spec_dimension(const saltus_spec *spec, int *dof) {
+    saltus_spec without_stops = *spec;
+    int extra = 0, displacements = 0;
+    without_stops.stop_count = 0;
+    if (spec->model->shape(&without_stops, &displacements, &extra, NULL) != SALTUS_OK ||
+        !(2 * displacements + extra <= SALTUS_STATE_MAX))
+        return -1;
+    if (dof)
+        *dof = displacements;
+    return 2 * displacements + extra;
+}
+
+saltus_state_name saltus_spec_state_name(const saltus_spec *spec, int entry) {
+    int dof = 0;
+    return entry < saltus_spec_dimension(spec, &dof) ? state_name(spec, dof, entry) : (saltus_state_name){""};
+}
+
 int saltus_spec_state_index(const saltus_spec *spec, const char *name) {
-    int dof = 0, extra = 0;
-    return spec->model->shape(spec, &dof, &extra, NULL) == SALTUS_OK
-               ? state_index(spec, dof, 2 * dof + extra, name)
-               : -1;
+    int dof = 0, dimension = saltus_spec_dimension(spec, &dof);
+    return dimension < 0 ? -1 : state_index(spec, dof, dimension, name);
 }
 
 const char *saltus_system_observed_name(const saltus_system *system) {
