@@ -1,5 +1,6 @@
 /* A motion's page as a whole: which panels it has, where they stand, and that none spoils the next one.
  * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "figure/page.h"
 #include "made_record.h"
 
 /* Which panels there can be, in their order, and words of their headings. */
@@ -655,6 +656,23 @@ static void an_orbit_is_shown_by_itself(void **state) {
     saltus_system_free(system);
 }
 
+/* On a narrow page an axis has three to six tics, whatever its range. */
+static void narrow_axes_have_enough_tics(void **state) {
+    (void)state;
+    for (double width = 0.01; width < 200; width *= 1.013)
+        for (double low = -3; low < 40; low += 1.7) {
+            char text[400] = "";
+            double step = 0;
+            FILE *file = fmemopen(text, sizeof text, "w");
+            const saltus_page page = {.file = file, .width = 600, .height = 600};
+            saltus_page_axis(&page, 'x', "x", (saltus_range){low, low + width});
+            fclose(file);
+            assert_int_equal(sscanf(strstr(text, "set xtics "), "set xtics %lf", &step), 1);
+            double tics = floor((low + width) / step) - ceil(low / step) + 1;
+            assert_true(tics >= 3 && tics <= 6);
+        }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_page_has_all_there_is),
@@ -671,6 +689,7 @@ int main(void) {
         cmocka_unit_test(what_is_no_page_is_refused),
         cmocka_unit_test(an_orbit_is_shown_by_itself),
         cmocka_unit_test(small_exponents_have_room_for_their_digits),
+        cmocka_unit_test(narrow_axes_have_enough_tics),
     };
     return cmocka_run_group_tests(tests, open_folder, close_folder);
 }

@@ -264,8 +264,13 @@ void saltus_page_entry(const saltus_page *page, double x, double y, uint32_t col
 void saltus_page_axis(const saltus_page *page, char axis, const char *name, saltus_range range) {
     fprintf(page->file, "set %clabel '%s'%s\nset %crange [%.12g:%.12g]\n", axis, name,
             axis == 'y' ? " offset -0.6,0" : "", axis, range.low, range.high);
-    if (page->width < 1000) /* long numbers need room beside each other, short ones less of it */
-        fprintf(page->file, "set %ctics %.9g\n", axis, saltus_page_tic_step(range, 5));
+    if (page->width >= 1000)
+        return;
+    /* Long numbers need room beside each other; but a scale needs three of them. */
+    double step = saltus_page_tic_step(range, 5);
+    if (floor(range.high / step) - ceil(range.low / step) < 2)
+        step /= 2;
+    fprintf(page->file, "set %ctics %.9g\n", axis, step);
 }
 
 double saltus_page_tic_step(saltus_range range, double tics) {
