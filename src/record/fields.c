@@ -223,6 +223,33 @@ static const saltus_field attractor_point_fields[] = {COLUMN(
     "state", "1", "q, q', further states of the orbits' points at phase 0", SALTUS_REAL, OF_DIMENSION)};
 const saltus_field_table saltus_attractor_point_fields = SALTUS_TABLE(attractor_point_fields);
 
+#define MOTION(member, name, unit, meaning, ...)                                                             \
+    SALTUS_MEMBER(saltus_motion, member, name, unit, meaning, __VA_ARGS__)
+
+static const saltus_word mirror_words[] = {{"none", SALTUS_MIRROR_NONE},
+                                           {"self", SALTUS_MIRROR_SELF},
+                                           {"pair", SALTUS_MIRROR_PAIR},
+                                           {"open", SALTUS_MIRROR_OPEN},
+                                           {NULL, 0}};
+static const saltus_field motion_fields[] = {
+    MOTION(label, "label", "1", "name of the motion, n/p where it is periodic", SALTUS_TEXT,
+           SALTUS_LABEL_MAX),
+    MOTION(verdict, "kind", "1", "what it is", SALTUS_CHOICE, .words = saltus_verdict_words),
+    MOTION(periods, "periods", "T", "p, forcing periods of one orbit", SALTUS_INT),
+    MOTION(sticking_intervals, "sticking_intervals", "1", "of one orbit", SALTUS_INT),
+    MOTION(stable, "stable", "1", "all multipliers are inside the unit circle", SALTUS_FLAG),
+    MOTION(mirror, "mirror", "1", "what the mirror image of the orbit is", SALTUS_CHOICE,
+           .words = mirror_words),
+    MOTION(residual, "residual", "1", "of Newton's iteration, relative to the state's scale", SALTUS_REAL),
+    MOTION(lyapunov, "lyapunov", "1", "largest exponent per unit of time", SALTUS_REAL),
+    MOTION(lyapunov_error, "lyapunov_standard_error", "1", "its standard error", SALTUS_REAL),
+    MOTION(largest, "largest_displacement", "1", "largest observed displacement", SALTUS_REAL),
+    MOTION(smallest, "smallest_displacement", "1", "smallest observed displacement", SALTUS_REAL),
+    MOTION(rms, "rms_displacement", "1", "root mean square of the observed displacement", SALTUS_REAL),
+    MOTION(transient, "transient", "T", "periods simulated before the verdict", SALTUS_LONG),
+};
+const saltus_field_table saltus_motion_fields = SALTUS_TABLE(motion_fields);
+
 #define EVIDENCE(member, name, unit, meaning, ...)                                                           \
     SALTUS_MEMBER(saltus_evidence, member, name, unit, meaning, __VA_ARGS__)
 

@@ -29,6 +29,8 @@ saltus_event_row saltus_event_row_of(const saltus_system *system, const saltus_e
 /* The event of a row that was read; false when there is no such face or time. */
 bool saltus_event_of_row(const saltus_system *system, const saltus_event_row *row, saltus_event *event);
 
+/* What JSON tells of any motion (saltus_motion) that a single value tells. */
+extern const saltus_field_table saltus_motion_fields;
 /* What JSON tells of a motion without a period (saltus_evidence), of Lyapunov exponents beside the exponents
  * themselves (saltus_lyapunov; the counts are its dimension and its members), and of a line of a spectrum
  * (saltus_spectral_line). */

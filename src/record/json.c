@@ -257,38 +257,33 @@ static void put_evidence(FILE *file, const saltus_motion *motion) {
     fputc('}', file);
 }
 
+static void put_motion(FILE *file, const char *names, const saltus_motion *motion) {
+    saltus_json_named(file, names, &saltus_motion_fields, NULL, motion);
+}
+
 void saltus_write_motion_json(FILE *file, const saltus_scene *scene, const saltus_system *system,
                               const saltus_motion *motion) {
-    static const char *const mirror[] = {"none", "self", "pair", "open"};
+    const bool settled = saltus_verdict_settled(motion->verdict);
     fputs("{\"version\": \"" SALTUS_VERSION "\"", file);
     saltus_json_text(file, "scene", scene->name);
-    saltus_json_text(file, "label", motion->label);
-    saltus_json_text(file, "kind", saltus_verdict_word(motion->verdict));
-    bool counted = motion->impacts >= 0 && saltus_verdict_settled(motion->verdict);
-    saltus_json_member(file, "impacts", counted ? (double)motion->impacts : NAN);
-    fprintf(file, ", \"periods\": %d, \"sticking_intervals\": %d", motion->periods,
-            motion->sticking_intervals);
+    put_motion(file, "label,kind", motion);
+    saltus_json_member(file, "impacts", motion->impacts >= 0 && settled ? (double)motion->impacts : NAN);
+    put_motion(file, "periods,sticking_intervals", motion);
     put_impact_counts(file, system, motion);
     saltus_json_member(file, "impacts_per_response", saltus_impacts_per_response(system, motion));
     put_state_names(file, system);
     put_states(file, motion);
     saltus_json_events(file, system, motion->events, motion->event_count);
     saltus_json_multipliers(file, motion->multipliers, motion->multiplier_count);
-    fprintf(file, ", \"stable\": %s, \"mirror\": \"%s\"", motion->stable ? "true" : "false",
-            mirror[motion->mirror]);
-    saltus_json_member(file, "residual", motion->residual);
+    put_motion(file, "stable,mirror,residual", motion);
     put_sum_rule(file, motion);
-    saltus_json_member(file, "lyapunov", motion->lyapunov);
-    saltus_json_member(file, "lyapunov_standard_error", motion->lyapunov_error);
-    if (!saltus_verdict_settled(motion->verdict))
+    put_motion(file, "lyapunov,lyapunov_standard_error", motion);
+    if (!settled)
         saltus_json_member(file, "lifetime_at_least", motion->evidence.lifetime_at_least);
     put_evidence(file, motion);
     saltus_json_contact_force(file, system, motion->verdict == SALTUS_HELD ? motion->contact_force : NULL,
                               NULL);
-    saltus_json_member(file, "largest_displacement", motion->largest);
-    saltus_json_member(file, "smallest_displacement", motion->smallest);
-    saltus_json_member(file, "rms_displacement", motion->rms);
-    fprintf(file, ", \"transient\": %lld", motion->transient);
+    put_motion(file, "largest_displacement,smallest_displacement,rms_displacement,transient", motion);
     saltus_json_text(file, "reason", motion->reason);
     saltus_json_parameters(file, saltus_system_spec(system));
     saltus_json_text(file, "integrator", saltus_integrator_used(system, motion->integrator));
