@@ -258,28 +258,37 @@ static int measure_contacts(problem *q, const real *unknowns, real accuracy, int
     return found;
 }
 
-/* Down to where the lengths shrink by the same factor with every decade, as they begin to, to one part in
- * five. */
+static int by_size(const void *a, const void *b) {
+    const double *x = a, *y = b;
+    return (*x > *y) - (*x < *y);
+}
+
+/* Down to where the lengths shrink by the same factor in three decades, to one part in five: by that of most.
+ */
 static const char *locate_completion(problem *q, real *unknowns, real accuracy) {
     const double doubt = 0.2;
     real length[2][decades + 1];
-    int found[2];
+    double factor[decades], sorted[decades];
+    int found[2], count = 0;
     for (int k = 0; k < 2; k++)
         found[k] = measure_contacts(q, unknowns, accuracy, k ? 1 : -1, length[k]);
     if (found[0] && found[1])
         return "complete chatter on both sides";
     const real *of = length[found[1] > 0];
-    int k = decades;
-    while (k >= 0 && of[k] == 0)
-        k--;
-    if (k < 3 || of[k - 1] == 0 || of[k - 2] == 0)
-        return "no complete chatter on either side";
-    double factor = 0.5 * log((double)(of[k - 2] / of[k]));
-    for (k -= 2; k > 0 && of[k - 1] > 0; k--)
-        if (fabs(log((double)(of[k - 1] / of[k])) - factor) > doubt)
-            break;
-    unknowns[q->n] += accuracy * real_pow(10, k);
-    return NULL;
+    for (int k = 0; k < decades; k++) {
+        factor[k] = of[k] > 0 && of[k + 1] > 0 ? log((double)(of[k + 1] / of[k])) : INFINITY;
+        if (isfinite(factor[k]))
+            sorted[count++] = factor[k];
+    }
+    qsort(sorted, (size_t)count, sizeof *sorted, by_size);
+    for (int k = 0, like = 0; k < decades && count > 0; k++) {
+        like = fabs(factor[k] - sorted[count / 2]) < doubt ? like + 1 : 0;
+        if (like == 3) {
+            unknowns[q->n] += accuracy * real_pow(10, k - 2);
+            return NULL;
+        }
+    }
+    return "no complete chatter on either side";
 }
 
 /* One line of the branch; false where the point is further off than was stated, or cannot be located. */
