@@ -325,6 +325,7 @@ static double find_vanished(saltus_orbits *o, const saltus_solution *here, doubl
                             saltus_solution *at, saltus_solution *scratch, double *state, double *ahead) {
     enum { rounds = 12 };
     const double beyond = 4, nearer = 0.7;
+    saltus_message ignored;
     for (int k = 0; k < rounds && !isnan(width); k++) {
         double parameter = at->parameter[0], before = at->worst.value;
         double back = fmax(beyond * beyond_contact(here, at, *ahead), 1e-10);
@@ -333,12 +334,14 @@ static double find_vanished(saltus_orbits *o, const saltus_solution *here, doubl
             break;
         saltus_solution_head(scratch, way);
         width = bracket(o, scratch, -back, NULL, at);
-        if (isnan(width) || at->survey.impacts >= 0)
-            return NAN;
+        if (at->survey.impacts >= 0)
+            width = NAN;
         *ahead += at->at.ahead;
         if (at->worst.kind != SALTUS_BREACH_HOLD || !(at->worst.value > nearer * before))
             break;
     }
+    /* The branch goes on from `here`. */
+    saltus_orbits_noted(o, saltus_shooting_shape(o->shooting, &here->sequence, &ignored));
     return width;
 }
 
