@@ -62,6 +62,7 @@ static void make_point(fixture *f, int k) {
                                .impacts = k % 7 == 6 ? -1 : 4 + k / 20,
                                .sticking_intervals = k % 3,
                                .dimension = dimension,
+                               .multiplier_count = dimension,
                                .state = f->states[k],
                                .multipliers = f->multipliers[k],
                                .unstable = k / 30,

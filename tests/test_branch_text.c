@@ -48,6 +48,7 @@ static void make(made *m, saltus_point_kind locus) {
                                    .impacts = k == 4 ? -1 : 50 + k,
                                    .sticking_intervals = k % 5,
                                    .dimension = dimension,
+                                   .multiplier_count = dimension,
                                    .state = m->state[k],
                                    .events = m->event[k],
                                    .event_count = k % 3,

@@ -47,6 +47,7 @@ static void make_branch(void) {
                                    .periods = k < 60 ? 1 : 2,
                                    .impacts = 2,
                                    .dimension = dimension,
+                                   .multiplier_count = dimension,
                                    .state = made.state[k],
                                    .events = made.event[k],
                                    .event_count = 2,
@@ -309,11 +310,17 @@ static void impacts_are_curves_of_their_own(void **state) {
 static const struct {
     const char *word, *meaning;
 } kinds[SALTUS_POINT_CP + 1] = {
-    [SALTUS_POINT_LP] = {"LP", "fold"},     [SALTUS_POINT_PD] = {"PD", "flip"},
-    [SALTUS_POINT_NS] = {"NS", "torus"},    [SALTUS_POINT_BP] = {"BP", "branch point"},
-    [SALTUS_POINT_GR] = {"GR", "grazing"},  [SALTUS_POINT_CH] = {"CH", "chatter"},
-    [SALTUS_POINT_ST] = {"ST", "sticking"}, [SALTUS_POINT_UZ] = {"UZ", "wanted"},
-    [SALTUS_POINT_EP] = {"EP", "end"},      [SALTUS_POINT_CP] = {"co", "codimension two"},
+    [SALTUS_POINT_LP] = {"LP", "fold"},
+    [SALTUS_POINT_PD] = {"PD", "flip"},
+    [SALTUS_POINT_NS] = {"NS", "torus"},
+    [SALTUS_POINT_BP] = {"BP", "branch point"},
+    [SALTUS_POINT_GR] = {"GR", "grazing"},
+    [SALTUS_POINT_CH] = {"CH", "chatter"},
+    [SALTUS_POINT_ST] = {"ST", "sticking"},
+    [SALTUS_POINT_UZ] = {"UZ", "wanted"},
+    [SALTUS_POINT_EP] = {"EP", "end"},
+    [SALTUS_POINT_HB] = {"HB", "Hopf"},
+    [SALTUS_POINT_CP] = {"co", "codimension two"},
 };
 
 /* The mark that the legend gives a kind, as "pt N", or none. */
@@ -354,6 +361,7 @@ static void special_points_are_marked_at_their_rows(void **state) {
                 made.point[3 * kind + 30 * b].kind = (saltus_point_kind)kind;
         for (int kind = SALTUS_POINT_CP; kind < SALTUS_POINT_KINDS; kind++)
             made.point[kind + 21].kind = (saltus_point_kind)kind;
+        made.point[50].kind = SALTUS_POINT_HB;
         made.point[89].kind = made.point[60].kind = SALTUS_POINT_EP;
         made.options.low[0] = made.point[60].value[0];
         write_branch("b.h5");

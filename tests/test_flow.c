@@ -65,8 +65,8 @@ static void limits_are_as_stated(void **unused) {
                 {"atol", 1, true},        {"atol", 1.01, false},     {"order", 8, true},
                 {"order", 40, true},      {"order", 7, false},       {"order", 41, false},
                 {"order", -8, false},     {"columns", 256, true},    {"columns", 0, true},
-                {"columns", 257, false},  {"columns", -1, false},    {"directions", 2, true},
-                {"directions", 3, false}, {"directions", -1, false}, {"integrator", -1, false},
+                {"columns", 257, false},  {"columns", -1, false},    {"directions", 3, true},
+                {"directions", 4, false}, {"directions", -1, false}, {"integrator", -1, false},
                 {"integrator", 0, true},  {"integrator", 2, true},   {"integrator", 3, false}};
     scene s = scene_of(scene_two_sided_mass);
     saltus_system *system = build(&s.spec);

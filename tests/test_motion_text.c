@@ -368,8 +368,11 @@ static void harvests_are_told(void **state) {
     saltus_harvest_orbit orbits[5] = {{.impacts = 0}};
     static const int mirror[] = {-1, 2, 1, 3, 0};
     for (int k = 0; k < 5; k++) {
-        orbits[k].orbit = (saltus_orbit){
-            .dimension = 4, .periods = k + 2, .multipliers = m.multipliers, .residual = 2.5e-13 * (k + 1)};
+        orbits[k].orbit = (saltus_orbit){.dimension = 4,
+                                         .periods = k + 2,
+                                         .multipliers = m.multipliers,
+                                         .multiplier_count = 4,
+                                         .residual = 2.5e-13 * (k + 1)};
         orbits[k].impacts = k == 4 ? -1 : 20 + k;
         orbits[k].mirror = mirror[k];
     }

@@ -383,7 +383,7 @@ static saltus_cocycle run_cocycle(const saltus_system *system, int periods, cons
     saltus_flow *flow = NULL;
     check_ok(saltus_flow_single(system, saltus_system_dimension(system), &options, &flow, &message),
              &message);
-    check_ok(saltus_cocycle_open(&cocycle, system, periods, &message), &message);
+    check_ok(saltus_cocycle_open(&cocycle, system, periods, false, &message), &message);
     check_ok(saltus_flow_start(flow, 0, (saltus_time){0, phase}, state, &message), &message);
     check_ok(saltus_cocycle_follow(&cocycle, flow, (saltus_time){periods, phase}, NULL, &message), &message);
     saltus_flow_free(flow);

@@ -247,7 +247,7 @@ static void surveys_tell_the_multipliers(void **state) {
         check_near(s.survey.log_volume, (double)volume, 1e-9);
         check_near(s.survey.sum_rule, (double)volume, 1e-12);
         check_near(s.survey.pair, expm1((double)volume), 1e-9);
-        assert_false(saltus_pair_on_circle(&f.orbits, &s.survey));
+        assert_false(saltus_pair_on_circle(&s.survey));
         saltus_solution_clear(&s);
         saltus_orbits_close(&f.orbits);
     }
@@ -408,15 +408,16 @@ static void zeros_are_the_closed_points(void **state) {
         saltus_solution from = {0}, to = {0}, at = {0};
         step_over(&f, p, &from, &to);
         closed_orbit known = find_known(p, &f.o);
-        saltus_zero zero =
-            p->test == SALTUS_TEST_CROSSING
-                ? saltus_solution_crossing(&f.orbits, &from, 0.5 * to.at.ahead, to.at.ahead, &at)
-                : saltus_solution_zero(&f.orbits, p->test, 0, &from, &to, &at);
+        saltus_zero zero = p->test == SALTUS_TEST_CROSSING
+                               ? saltus_solution_crossing(&f.orbits, SALTUS_TEST_CROSSING, &from,
+                                                          0.5 * to.at.ahead, to.at.ahead, &at)
+                               : saltus_solution_zero(&f.orbits, p->test, 0, &from, &to, &at);
         if (p->test == SALTUS_TEST_CROSSING && !zero.found) {
             /* The middle was too far aside. */
             zero = saltus_solution_zero(&f.orbits, p->test, 0, &from, &to, &at);
             assert_true(zero.found);
-            zero = saltus_solution_crossing(&f.orbits, &from, zero.ahead, to.at.ahead, &at);
+            zero = saltus_solution_crossing(&f.orbits, SALTUS_TEST_CROSSING, &from, zero.ahead, to.at.ahead,
+                                            &at);
         }
         assert_true(zero.found);
         assert_true(zero.ahead > 0 && zero.ahead < to.at.ahead);
@@ -518,7 +519,9 @@ static void branches_leave_along_null_vectors(void **state) {
         saltus_zero zero = saltus_solution_zero(&f.orbits, p->test, 0, &from, &to, &at);
         assert_true(zero.found);
         if (!flips)
-            assert_true(saltus_solution_crossing(&f.orbits, &from, zero.ahead, to.at.ahead, &at).found);
+            assert_true(
+                saltus_solution_crossing(&f.orbits, SALTUS_TEST_CROSSING, &from, zero.ahead, to.at.ahead, &at)
+                    .found);
         check_ok(saltus_starts_leave(&f.orbits, &at, p->kind, &like, &starts, &message), &message);
         assert_int_equal(starts.count, 1);
         const saltus_branch_start *start = &starts.start[0];

@@ -231,7 +231,7 @@ static void every_member_is_wanted(void **state) {
         {"\"periods\"", "\"periods\": 2", "\"periods\": -1", "periods: must be a whole number from 1"},
         {"\"periods\"", "\"periods\": 2", "\"periods\": 1.5", "periods: must be a whole number from 1"},
         {"\"periods\"", "\"periods\": 2", "\"periods\": null", "periods: must be a whole number from 1"},
-        {"\"periods\"", "\"periods\"", "\"period\"", "periods: must be a whole number from 1"},
+        {"\"periods\"", "\"periods\"", "\"perlods\"", "periods: must be a whole number from 1"},
         {"\"periods\"", "\"periods\": 2", "\"periods\": 0",
          "holds no periodic orbit (the motion is 5/2, periods is 0)"},
         {"\"state\"", "\"state\": [", "\"state\": [0.5, ", "state: has 5 entries, its parameters make it 4"},

@@ -176,9 +176,10 @@ void cli_clear(cli_setup *setup);
 bool cli_on_orbit(const cli_setup *setup);
 /* The motion that a command is about: with --from a periodic orbit this very orbit, stable or not, polished
  * at the parameters that hold; otherwise what the start settles on. To be cleared. Errors: those of
- * saltus_orbit_find (a start that is no orbit is SALTUS_BAD_INPUT) and of saltus_classify. */
-saltus_status cli_motion(const cli_request *request, const cli_setup *setup,
-                         const saltus_classify_options *how, saltus_motion *motion, saltus_message *message);
+ * saltus_orbit_find (a start that is no orbit is SALTUS_BAD_INPUT) and of saltus_classify. Where the orbit
+ * has a period of its own the setup's system becomes one that counts by its returns. */
+saltus_status cli_motion(const cli_request *request, cli_setup *setup, const saltus_classify_options *how,
+                         saltus_motion *motion, saltus_message *message);
 /* A scene by its name: a file, a built-in one, or - for standard input. Errors: SALTUS_BAD_INPUT,
  * SALTUS_NO_MEMORY. */
 saltus_status cli_read_scene(const char *name, saltus_scene *scene, saltus_message *message);

@@ -111,6 +111,9 @@ static saltus_status classify_start(run_state *run, saltus_message *message) {
                         run->setup.scene.name, motion.label, motion.reason[0] ? ": " : "", motion.reason);
     if (status == SALTUS_OK) {
         run->setup.start.periods = motion.periods;
+        run->setup.start.own_period = motion.trivial_multiplier != 0;
+        if (run->setup.start.own_period)
+            saltus_spec_set_omega(&run->setup.scene.spec, 2 * M_PI / motion.period);
         memcpy(run->setup.start.state, motion.state, (size_t)motion.dimension * sizeof *motion.state);
     }
     saltus_motion_clear(&motion);
@@ -250,6 +253,7 @@ static saltus_status take_over(run_state *run, saltus_message *message) {
 /* A start that Newton's method cannot polish is not an orbit: bad input. */
 static int open_branch(run_state *run, saltus_message *message) {
     const saltus_start *start = &run->setup.start;
+    run->options.orbit.free_period = start->own_period || run->options.orbit.free_period;
     saltus_status status = saltus_branch_new(&run->setup.scene.spec, start->periods, start->state,
                                              &run->options, &run->branch, message);
     if (status != SALTUS_OK && status != SALTUS_NO_MEMORY && status != SALTUS_BAD_INPUT &&
@@ -359,7 +363,9 @@ const cli_command cmd_continue = {
     .options = options,
     .notes =
         "Labels: LP fold, PD flip, NS torus (Neimark-Sacker), BP branch point, GR grazing, CH complete "
-        "chatter begins or ends, ST sticking begins, splits or ends, UZ a value asked for by --at, EP end "
+        "chatter begins or ends, ST sticking begins, splits or ends, HB Hopf: without forcing an orbit "
+        "shrinks to "
+        "an equilibrium, UZ a value asked for by --at, EP end "
         "of a branch, with its reason. Where the contact is permanent (held) a point tells its smallest "
         "force over the orbit: where that is zero the contact lets go. Points of codimension two on a "
         "curve: CP cusp, R1 to R4 resonances (double multipliers 1 and -1, pairs at a third and a quarter "

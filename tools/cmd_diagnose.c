@@ -61,13 +61,13 @@ static saltus_status analyse_motion(const saltus_system *system, const saltus_fl
                        : SALTUS_OK;
 }
 
-static saltus_status diagnose(const cli_request *request, const cli_setup *setup,
-                              const saltus_figure_options *look, saltus_message *message) {
+static saltus_status diagnose(const cli_request *request, cli_setup *setup, const saltus_figure_options *look,
+                              saltus_message *message) {
     const saltus_scene *scene = &setup->scene;
-    const saltus_system *system = setup->system;
     saltus_classify_options how = cli_classify_options(request);
     page p = {.sectioned = false};
     saltus_status status = cli_motion(request, setup, &how, &p.motion, message);
+    const saltus_system *system = setup->system;
     bool classified = status == SALTUS_OK;
     if (classified && interrupt_asked())
         status = SALTUS_INTERRUPTED;

@@ -51,7 +51,7 @@ static saltus_status deliver(const cli_request *request, const cli_setup *setup,
 }
 
 /* With --from an orbit: its exponents are known from its multipliers. */
-static saltus_status run_orbit(const cli_request *request, const cli_setup *setup,
+static saltus_status run_orbit(const cli_request *request, cli_setup *setup,
                                const saltus_lyapunov_options *how, saltus_lyapunov *result,
                                saltus_message *message) {
     saltus_classify_options describing = saltus_classify_defaults();

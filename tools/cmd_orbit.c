@@ -63,6 +63,23 @@ static saltus_status find(const cli_request *request, const cli_setup *setup, in
     return status;
 }
 
+/* A scene without forcing: an orbit of so many returns to the section, or that of --from. */
+static saltus_status find_cycle(const cli_request *request, const cli_setup *setup, int returns,
+                                saltus_message *message) {
+    saltus_classify_options how = saltus_classify_defaults();
+    saltus_motion motion = {0};
+    how.flow = request->harvest.flow;
+    saltus_status status =
+        setup->start.own_period && (!request->periods || (int)request->periods == setup->start.periods)
+            ? saltus_motion_cycle(setup->system, setup->start.state, &how, &motion, message)
+            : saltus_motion_returning(setup->system, setup->start.state, returns, &how, &motion, message);
+    if (status == SALTUS_OK)
+        (request->json ? saltus_write_motion_json : saltus_write_motion_text)(stdout, &setup->scene,
+                                                                              setup->system, &motion);
+    saltus_motion_clear(&motion);
+    return status;
+}
+
 /* A scene without forcing: an equilibrium. */
 static saltus_status find_equilibrium(const cli_request *request, const cli_setup *setup,
                                       saltus_message *message) {
@@ -137,6 +154,7 @@ static int run(const cli_request *request) {
     if (status == SALTUS_OK)
         status = request->unstable ? harvest(request, &setup, &message)
                  : forced          ? find(request, &setup, p, &message)
+                 : p               ? find_cycle(request, &setup, p, &message)
                                    : find_equilibrium(request, &setup, &message);
     cli_clear(&setup);
     if (status == SALTUS_OK && request->unstable && interrupt_asked())
@@ -158,7 +176,9 @@ const cli_command cmd_orbit = {
     .help = "Find a periodic orbit by Newton's method and report it as classify does, stable or not. It "
             "begins with the scene's settled trajectory, or with the orbit of a file (of classify, orbit or "
             "continue --json, or a branch), whose parameters hold where --set does not say otherwise. With "
-            "--unstable --json there is one orbit on each line; orbits.json:3 then names the third.",
+            "--unstable --json there is one orbit on each line; orbits.json:3 then names the third. Without "
+            "forcing p counts returns to the section, as in classify, and the period is found too; without "
+            "--periods an equilibrium is found, with its eigenvalues.",
     .needs_scene = true,
     .tables = tables,
     .options = options,

@@ -33,17 +33,17 @@ static saltus_status read_wishes(const cli_request *request, const saltus_system
     return SALTUS_OK;
 }
 
-static saltus_status analyse(const cli_request *request, const cli_setup *setup,
-                             const saltus_figure_options *look, saltus_message *message) {
+static saltus_status analyse(const cli_request *request, cli_setup *setup, const saltus_figure_options *look,
+                             saltus_message *message) {
     const saltus_scene *scene = &setup->scene;
-    const saltus_system *system = setup->system;
     saltus_classify_options how = cli_classify_options(request);
     saltus_spectrum_options wishes;
     saltus_motion motion = {0};
     saltus_spectra spectra = {0};
-    saltus_status status = read_wishes(request, system, &wishes, message);
+    saltus_status status = read_wishes(request, setup->system, &wishes, message);
     if (status == SALTUS_OK)
         status = cli_motion(request, setup, &how, &motion, message);
+    const saltus_system *system = setup->system;
     if (status == SALTUS_OK && interrupt_asked() && !saltus_verdict_settled(motion.verdict))
         status = SALTUS_INTERRUPTED;
     if (status == SALTUS_OK)

@@ -26,6 +26,7 @@ typedef enum saltus_point_kind {
     SALTUS_POINT_ST, /* a sticking interval begins, splits or ends otherwise */
     SALTUS_POINT_UZ, /* a value asked for */
     SALTUS_POINT_EP, /* end of the branch; `reason` says why */
+    SALTUS_POINT_HB, /* without forcing: an orbit shrinks to an equilibrium, Hopf */
     /* On loci, where one condition more holds: */
     SALTUS_POINT_CP,    /* cusp: two folds meet */
     SALTUS_POINT_GR_LP, /* a fold meets grazing */
@@ -59,16 +60,19 @@ typedef struct saltus_branch_point {
     double value[2];         /* of the continued parameters (the second one: loci only, otherwise NAN) */
     double heading;          /* d value[0] / d arclength */
     saltus_spec spec;        /* all parameters */
-    int periods;
+    int periods;   /* p; of orbits of a period of their own the returns to the section, as in saltus_motion */
+    double period; /* in units of time */
     long long impacts; /* n per orbit; -1 with complete chatter */
     int sticking_intervals;
     char label[SALTUS_LABEL_MAX];       /* "4/4", "chatter/2": as classify says it */
     char label_after[SALTUS_LABEL_MAX]; /* GR, CH, ST: n/p beyond the point; "" where the branch ends */
     int dimension;
-    double *state;        /* at section phase 0 */
+    double *state;        /* at section phase 0, or at the highest maximum, as in saltus_motion */
     saltus_event *events; /* of one orbit, times in periods from phase 0 */
     int event_count;
-    saltus_multiplier *multipliers; /* dimension of them */
+    saltus_multiplier *multipliers; /* room for dimension of them */
+    int multiplier_count;           /* dimension; of an orbit of a period of its own one less */
+    double trivial_multiplier;      /* of such an orbit, along the flow: 1 but for errors; otherwise 0 */
     int unstable;                   /* multipliers not inside the unit circle (saltus_multipliers_unstable) */
     bool stable;                    /* false at LP, PD, NS and BP, where one is on it */
     bool admissible; /* the event-driven flow closes on this orbit with this sequence of events */
@@ -109,7 +113,9 @@ typedef struct saltus_branch saltus_branch;
 
 /* A branch through the periodic orbit near `state` (phase 0, length dimension) of p = `periods`. With a locus
  * the first point of its kind is sought along key[0], then followed. Errors: SALTUS_BAD_INPUT (unknown key,
- * range that excludes the start, ...), those of saltus_orbit_find. */
+ * range that excludes the start, ...), those of saltus_orbit_find. With options->orbit.free_period the orbits
+ * have periods of their own, from that of the specification (saltus_spec_set_omega) on; `periods` is not
+ * needed then. */
 saltus_status saltus_branch_new(const saltus_spec *spec, int periods, const double *state,
                                 const saltus_branch_options *options, saltus_branch **branch,
                                 saltus_message *message);

@@ -27,7 +27,7 @@ saltus_time saltus_time_of(double periods);
 /* Negative, 0 or positive as `a` is before, at or after `b`. */
 int saltus_time_compare(saltus_time a, saltus_time b);
 
-enum { SALTUS_DIRECTIONS_MAX = 2 };
+enum { SALTUS_DIRECTIONS_MAX = 3 };
 
 typedef enum saltus_integrator {
     SALTUS_AUTOMATIC, /* the choice made when the system was built */

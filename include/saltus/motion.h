@@ -90,7 +90,9 @@ typedef struct saltus_motion {
     char label[32];         /* "4/4", "0/1", "chatter/2", "equilibrium", "held", "quasi-periodic", "chaotic",
                                "transient", "long-period", "irregular", "undecided" */
     char reason[384];       /* motions without a period: what is known, what is lacking */
-    int periods;            /* p, least period in forcing periods; 0 if not periodic */
+    int periods;            /* p, least period in forcing periods, without forcing in returns to the section;
+                               0 if not periodic */
+    double period;          /* least period in units of time; NAN if not periodic */
     long long impacts;      /* n per orbit; -1 when complete chatter makes it infinite */
     int sticking_intervals; /* per orbit */
     long long impacts_by_face[SALTUS_FACES_MAX]; /* with chatter those simulated one by one */
@@ -98,12 +100,16 @@ typedef struct saltus_motion {
                           period; 0: not counted */
     int face_count;
     int dimension;
-    double *state;          /* at section phase 0: q, q', extra states */
-    double *section_states; /* periods x dimension: the orbit's stroboscopic points */
+    double *state;          /* at section phase 0: q, q', extra states; of an orbit without forcing at its
+                               highest maximum of the observed displacement */
+    double *section_states; /* periods x dimension: the orbit's stroboscopic points, without forcing its
+                               maxima */
     saltus_event *events;   /* of one orbit, times from its start */
     int event_count;
     saltus_multiplier *multipliers; /* multiplier_count of them, by decreasing modulus */
     int multiplier_count;
+    double trivial_multiplier; /* of an orbit without forcing that along the flow, which is none of the
+                                  others: 1 but for errors; otherwise 0 */
     bool stable;
     double residual; /* of Newton's iteration, relative to the state's scale */
     int iterations;
@@ -134,6 +140,24 @@ saltus_status saltus_classify(const saltus_system *system, const double *state,
 saltus_status saltus_motion_describe(const saltus_system *system, const saltus_orbit *orbit,
                                      const saltus_classify_options *options, saltus_motion *motion,
                                      saltus_message *message);
+/* The orbit, stable or not, of a scene without forcing from a state on it that closes after about the
+ * system's period (saltus_spec_set_omega), described as classification does. To be cleared. Errors:
+ * SALTUS_BAD_INPUT for a forced scene, SALTUS_NO_CONVERGENCE where there is none or it is a rest, those of
+ * the flow. */
+saltus_status saltus_motion_cycle(const saltus_system *system, const double *guess,
+                                  const saltus_classify_options *options, saltus_motion *motion,
+                                  saltus_message *message);
+/* Count an orbit with a period of its own by the mean time between its returns, as forced orbits are counted
+ * by the forcing's period: *counted (the caller's) is the system for that, and the motion's section points
+ * and event times become those of its phase 0. Errors: those of the flow, SALTUS_NO_MEMORY. */
+saltus_status saltus_motion_count_returns(const saltus_system *system, const saltus_flow_options *options,
+                                          saltus_motion *motion, saltus_system **counted,
+                                          saltus_message *message);
+/* As saltus_motion_cycle for an orbit of so many returns to the section near the trajectory from a state,
+ * found by Newton's method from its closest returns within options->transient periods. */
+saltus_status saltus_motion_returning(const saltus_system *system, const double *state, int periods,
+                                      const saltus_classify_options *options, saltus_motion *motion,
+                                      saltus_message *message);
 /* The exponents of a motion's periodic orbit, the `count` largest, from its multipliers: nothing is measured,
  * so `members` is 0 and all errors are 0. To be cleared by saltus_lyapunov_clear. Errors: SALTUS_BAD_INPUT
  * (no orbit, count out of range), SALTUS_NO_MEMORY. */

@@ -27,13 +27,16 @@ typedef struct saltus_orbit_options {
     double phase;             /* section phase, 0 <= phase < 1 */
     int iterations;           /* Newton steps at most, of each formulation that is tried; >= 0 */
     double tolerance;         /* residual relative to the state's scale at which Newton has converged */
-    int segments;             /* shooting segments; 0: chosen from the growth of the tangent vectors */
+    /* The period is an unknown: for scenes without forcing, whose orbits have periods of their own. It is
+     * sought from `periods` times the system's. */
+    bool free_period;
+    int segments; /* shooting segments; 0: chosen from the growth of the tangent vectors */
     /* Called with each Newton step's residual and the formulation in use; may be NULL. */
     void (*history)(void *context, int iteration, double residual, const char *what);
     void *context;
 } saltus_orbit_options;
 
-/* Flow defaults, phase 0, 20 iterations, tolerance 1e-12, automatic segments. */
+/* Flow defaults, phase 0, 20 iterations, tolerance 1e-12, the period given, automatic segments. */
 saltus_orbit_options saltus_orbit_defaults(void);
 
 typedef struct saltus_orbit {
@@ -41,9 +44,12 @@ typedef struct saltus_orbit {
     int periods;                    /* p */
     double *state;                  /* at the section; dimension */
     double *monodromy;              /* dimension x dimension, row-major: derivative over p periods */
-    saltus_multiplier *multipliers; /* dimension, by decreasing modulus */
-    double residual;                /* max |x(pT) - x(0)| / scale after the last iteration */
-    int iterations;                 /* Newton steps made, over all formulations */
+    saltus_multiplier *multipliers; /* by decreasing modulus */
+    int multiplier_count;           /* dimension; with a free period one less */
+    double trivial;  /* with a free period the multiplier along the flow, 1 but for errors; otherwise 0 */
+    double omega;    /* with which the orbit takes `periods` periods 2 pi / omega */
+    double residual; /* max |x(pT) - x(0)| / scale after the last iteration */
+    int iterations;  /* Newton steps made, over all formulations */
     bool sticks; /* the orbit has lasting contacts: zero multipliers are exact, the sum rule does not apply */
     double log_volume; /* sum of the multipliers' log moduli, from the orthogonalised tangent flow; NAN when
                           some are too small to be resolved */

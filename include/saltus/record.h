@@ -84,6 +84,7 @@ saltus_file_facts saltus_file_identify(const char *path);
 typedef struct saltus_start {
     saltus_spec spec; /* parameters and stops */
     int periods;      /* p of a periodic orbit; 0: it is another motion */
+    bool own_period;  /* the scene is not forced: `spec` counts time by the orbit's period */
     int dimension;    /* of the state; 0: there is none, the scene's initial state leads to the motion */
     double state[SALTUS_SCENE_STATE_MAX]; /* at section phase 0 */
     char label[SALTUS_LABEL_MAX];         /* what the file calls the motion, such as "4/4" */

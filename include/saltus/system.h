@@ -102,6 +102,8 @@ typedef struct saltus_spec {
      * or a place on a line (0.3). "": the text's first quantity, where that is a sum of displacements, else
      * the first stop's coordinate, else the middle of a line or the first displacement. */
     char observe[SALTUS_OBSERVE_MAX];
+    double clock; /* of a model without forcing: the angular frequency whose period times are counted in; 0
+                     stands for 2 pi, which counts them in units of time */
 } saltus_spec;
 
 /* The key that places a stop of the model, xi or weight, and its numbers in a stop: *count of them, where one
@@ -134,6 +136,7 @@ saltus_stop saltus_stop_defaults(void);
 typedef struct saltus_direction {
     double parameter[SALTUS_PARAMETERS_MAX]; /* in the order of the model's table */
     double d[SALTUS_STOPS_MAX], r[SALTUS_STOPS_MAX], xi[SALTUS_STOPS_MAX];
+    double clock;
 } saltus_direction;
 
 /* The direction of a key of `--set`: a parameter of the model other than a whole number, or d, r, xi (of all
@@ -142,6 +145,11 @@ typedef struct saltus_direction {
  * defined at the present value). */
 saltus_status saltus_spec_direction(const saltus_spec *spec, const char *key, saltus_direction *direction,
                                     double *value, saltus_message *message);
+/* The angular frequency that times are counted by: the forcing's, or the clock of a model without one. */
+double saltus_spec_omega(const saltus_spec *spec);
+void saltus_spec_set_omega(saltus_spec *spec, double omega);
+/* The direction of that number. */
+saltus_direction saltus_spec_omega_direction(const saltus_spec *spec);
 /* spec + amount * direction. */
 saltus_spec saltus_spec_shifted(const saltus_spec *spec, const saltus_direction *direction, double amount);
 

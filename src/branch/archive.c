@@ -117,6 +117,12 @@ void saltus_archive_sequence(saltus_archive *a, saltus_sequence *s) {
     s->cuts = (int)saltus_archive_whole(a, s->cuts, 1, SALTUS_CUTS_MAX);
     for (int k = 0; k < s->cuts; k++)
         orbit_time(a, s, &s->cut[k]);
+    saltus_archive_finite(a, &s->omega, 1);
+    if (s->omega > 0) {
+        saltus_archive_finite(a, s->anchor, (size_t)a->n);
+        saltus_archive_finite(a, s->across, (size_t)a->n);
+        saltus_archive_finite(a, &s->speed, 1);
+    }
 }
 
 static void scaled(saltus_archive *a, saltus_scaled *number) {
@@ -198,7 +204,9 @@ static void archive_survey(saltus_archive *a, saltus_survey *survey) {
         saltus_archive_real(a, &survey->multipliers[i].im);
         saltus_archive_real(a, &survey->multipliers[i].log_modulus);
     }
+    survey->multiplier_count = (int)saltus_archive_whole(a, survey->multiplier_count, 0, a->n);
     survey->unstable = (int)saltus_archive_whole(a, survey->unstable, 0, a->n);
+    saltus_archive_real(a, &survey->trivial);
     saltus_archive_real(a, &survey->log_volume);
     saltus_archive_real(a, &survey->sum_rule);
     saltus_archive_real(a, &survey->pair);
@@ -222,6 +230,8 @@ void saltus_archive_solution(saltus_archive *a, saltus_solution *s) {
     saltus_archive_finite(a, s->parameter, 2);
     saltus_archive_finite(a, &s->value, 1);
     scaled(a, &s->flip);
+    saltus_archive_real(a, &s->onward);
+    saltus_archive_real(a, &s->speed);
     saltus_archive_real(a, &s->growth);
     archive_breaches(a, s);
     if (a->reading && a->sound && !s->survey.multipliers) {
@@ -248,7 +258,7 @@ static void archive_start(saltus_archive *a, saltus_branch_start *start) {
     saltus_archive_array(a, &start->state, (size_t)a->n);
     if (saltus_archive_flag(a, start->tangent != NULL)) {
         start->unknowns = (int)saltus_archive_length(a, (size_t)start->unknowns, 1);
-        a->sound = a->sound && start->unknowns == a->n * start->sequence.cuts + start->sequence.count + 1;
+        a->sound = a->sound && start->unknowns == saltus_sequence_unknowns(&start->sequence, a->n) + 1;
         saltus_archive_array(a, &start->tangent, (size_t)start->unknowns);
     }
     start->heading = (int)saltus_archive_whole(a, start->heading, -1, 1);

@@ -13,6 +13,7 @@
 #include "branch/point.h"
 #include "branch/sequence.h"
 #include "branch/special.h"
+#include "orbit/maxima.h"
 #include "orbit/returns.h"
 #include "orbit/sequence.h"
 
@@ -72,7 +73,7 @@ struct saltus_branch {
     trace trace;
     saltus_solution solutions[5];
     saltus_solution *next, *trial, *spare, *other; /* beside the trace's `here` */
-    saltus_special specials[SALTUS_BRANCH_VALUES_MAX + 8];
+    saltus_special specials[SALTUS_BRANCH_VALUES_MAX + 9];
     double targets[SALTUS_BRANCH_VALUES_MAX + 1];
     saltus_point_kind target_kinds[SALTUS_BRANCH_VALUES_MAX + 1];
     visited *visited;
@@ -97,11 +98,20 @@ static saltus_status open_starts(saltus_branch *b, int periods, const double *st
     saltus_orbit_options options = o->options;
     options.phase = 0;
     options.flow.stop = b->stop;
+    const bool cycle = o->options.free_period;
     saltus_branch_start start = {.parent = -1};
-    saltus_status status = saltus_return_polish(o->flow, periods, state, &options, &orbit, &lap, message);
+    saltus_system *clocked = NULL;
+    const double at_start[2] = {0};
+    saltus_status status =
+        cycle ? saltus_cycle_polish(o->system, state, &options, &orbit, &clocked, &lap, message)
+              : saltus_return_polish(o->flow, periods, state, &options, &orbit, &lap, message);
     start.state = orbit.state;
+    if (status == SALTUS_OK && cycle)
+        status = saltus_orbits_tune(o, at_start, orbit.omega, message);
     if (status == SALTUS_OK)
-        status = saltus_sequence_make(o->flow, orbit.periods, start.state, &lap, &start.sequence, message);
+        status =
+            saltus_sequence_make(o->flow, orbit.periods, cycle, start.state, &lap, &start.sequence, message);
+    saltus_system_free(clocked);
     for (int heading = 1; heading >= -1 && status == SALTUS_OK; heading -= 2)
         if (b->options.direction * heading >= 0) {
             start.heading = heading;
@@ -397,6 +407,24 @@ static saltus_status open_locus(saltus_branch *b, const saltus_solution *at, con
                              saltus_point_word(b->options.locus), b->options.key[0], at->value, why.text);
 }
 
+/* Whether an orbit is the branch's first one. */
+static bool has_come_back(saltus_branch *b, const saltus_solution *s) {
+    const saltus_lap *first = &b->trace.first;
+    saltus_lap lap = {0};
+    saltus_message ignored;
+    const double *state = s->survey.lap.points;
+    bool known = true;
+    if (s->sequence.omega > 0) {
+        known =
+            saltus_orbits_noted(&b->orbits, saltus_cycle_around(&b->orbits, s, &lap, &ignored)) == SALTUS_OK;
+        state = lap.points;
+    }
+    bool back = known && saltus_orbit_passes(b->orbits.system, first->points, first->periods, state,
+                                             SALTUS_SAME_POINT);
+    saltus_lap_close(&lap);
+    return back;
+}
+
 /* One special point of the step from `here` to `next`. */
 static saltus_status give_special(saltus_branch *b, saltus_special *special, saltus_message *message) {
     trace *t = &b->trace;
@@ -413,8 +441,7 @@ static saltus_status give_special(saltus_branch *b, saltus_special *special, sal
                    .reason = special->end,
                    .value = special->value};
     if (special->kind == SALTUS_POINT_REGULAR) {
-        if (!saltus_orbit_passes(b->orbits.system, t->first.points, t->first.periods,
-                                 b->trial->survey.lap.points, SALTUS_SAME_POINT))
+        if (!has_come_back(b, b->trial))
             return status;
         /* The other way from the same start leads around the same branch. */
         if (b->starts.begun == 1 && b->starts.count > 0 && b->starts.start[0].heading) {
@@ -773,11 +800,15 @@ static saltus_status keep_first(saltus_branch *b, saltus_message *message) {
     saltus_message ignored;
     saltus_lap_close(&t->first);
     t->first_value = t->here->value;
-    saltus_status status = saltus_orbits_tune(&b->orbits, t->here->parameter, message);
-    if (status == SALTUS_OK && saltus_lap_around(&t->first, b->orbits.flow, t->here->survey.lap.points,
-                                                 t->here->sequence.periods, &ignored) == SALTUS_NO_MEMORY)
-        status = no_memory(message);
-    return status;
+    saltus_status status =
+        saltus_orbits_tune(&b->orbits, t->here->parameter, t->here->sequence.omega, message);
+    if (status != SALTUS_OK)
+        return status;
+    saltus_status around = t->here->sequence.omega > 0
+                               ? saltus_cycle_around(&b->orbits, t->here, &t->first, &ignored)
+                               : saltus_lap_around(&t->first, b->orbits.flow, t->here->survey.lap.points,
+                                                   t->here->sequence.periods, &ignored);
+    return around == SALTUS_NO_MEMORY ? no_memory(message) : SALTUS_OK;
 }
 
 static saltus_status begin_at(saltus_branch *b, const saltus_branch_start *start, saltus_message *message) {

@@ -69,7 +69,7 @@ saltus_status saltus_change_graze(saltus_orbits *o, const saltus_solution *at, s
         change->kind = SALTUS_POINT_EP;
         return SALTUS_OK;
     }
-    double *old = calloc((size_t)(o->n * beyond->cuts + beyond->count + 1), sizeof *old);
+    double *old = calloc((size_t)saltus_sequence_unknowns(beyond, o->n) + 1, sizeof *old);
     if (!old)
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch");
     saltus_sequence_carry(&at->sequence, at->at.tangent, beyond, order, o->n, 1, old);
@@ -136,9 +136,10 @@ static bool sequence_met(saltus_orbits *o, const saltus_solution *s, double *sta
     saltus_lap lap = {.keeps_events = true};
     saltus_message ignored;
     memcpy(state, s->survey.lap.points, (size_t)o->n * sizeof *state);
-    saltus_status status = saltus_orbits_tune(o, s->parameter, &ignored);
+    saltus_status status = saltus_orbits_tune(o, s->parameter, s->sequence.omega, &ignored);
     if (status == SALTUS_OK)
-        status = saltus_sequence_make(o->flow, s->sequence.periods, state, &lap, met, &ignored);
+        status = saltus_sequence_make(o->flow, s->sequence.periods, s->sequence.omega > 0, state, &lap, met,
+                                      &ignored);
     saltus_lap_close(&lap);
     return saltus_orbits_noted(o, status) == SALTUS_OK;
 }
@@ -147,14 +148,13 @@ static bool sequence_met(saltus_orbits *o, const saltus_solution *s, double *sta
  * base, which becomes `out`, with the sequence that the flow meets on it. `state` (n) is overwritten. */
 static bool shoot_freely(saltus_orbits *o, const saltus_sequence *old, const double *parameters,
                          double *state, saltus_solution *out) {
-    saltus_sequence met, driven = {.periods = old->periods,
-                                   .base = old->base,
-                                   .contacts = old->contacts,
-                                   .driven = true,
-                                   .cuts = 1,
-                                   .cut = {old->base}};
+    saltus_sequence met, driven = *old;
+    driven.driven = true;
+    driven.count = 0;
+    driven.cuts = 1;
+    driven.cut[0] = old->base;
     saltus_message ignored;
-    if (saltus_orbits_tune(o, parameters, &ignored) != SALTUS_OK)
+    if (saltus_orbits_tune(o, parameters, old->omega, &ignored) != SALTUS_OK)
         return false;
     /* A guess made along the tangent may lie beyond a stop, the more so where a contact becomes permanent. */
     saltus_state_admit(o->system, state);

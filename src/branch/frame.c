@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "branch/sequence.h"
 #include "branch/solution.h"
+#include "orbit/sequence.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -56,7 +57,7 @@ saltus_status saltus_solution_contact_force(saltus_orbits *o, const saltus_solut
     for (int f = 0; f < SALTUS_FACES_MAX; f++)
         extremes[f] = (saltus_extreme){.value = -INFINITY, .inner = -INFINITY};
     /* At the end of the orbit, and where a force is smallest on the way. */
-    saltus_status status = saltus_orbits_tune(o, s->parameter, message);
+    saltus_status status = saltus_orbits_tune(o, s->parameter, s->sequence.omega, message);
     if (status == SALTUS_OK)
         status = weigh(o, s, saltus_time_of(sequence->base + sequence->periods), extremes, force, message);
     for (int f = 0; f < saltus_system_face_count(o->system) && status == SALTUS_OK; f++)
@@ -75,13 +76,43 @@ static int count_cuts(const saltus_orbits *o, const saltus_solution *s) {
     return s->growth > growth_max && 2 * cuts <= SALTUS_CUTS_MAX / 2 ? 2 * cuts : cuts;
 }
 
-static saltus_status place(saltus_orbits *o, const saltus_solution *s, const saltus_sequence *fresh,
-                           const int *order, saltus_solution *out, double *work) {
+/* The base of an orbit of unknown period is the state that it begins with. */
+static saltus_status anchor(saltus_orbits *o, const saltus_solution *s, const double *state, bool turning,
+                            saltus_sequence *fresh, saltus_message *message) {
+    saltus_status status = saltus_orbits_tune(o, s->parameter, fresh->omega, message);
+    if (status == SALTUS_OK)
+        status = saltus_flow_place(o->flow, 0, saltus_time_of(fresh->base), state, fresh->contacts, message);
+    if (status == SALTUS_OK)
+        saltus_sequence_anchor(fresh, o->flow, turning);
+    return status;
+}
+
+/* Where an orbit of a period of its own had better begin, `state` (n) there: at a turning point. NAN: as it
+ * does. */
+static double better_section(saltus_orbits *o, const saltus_solution *s, double *state) {
+    const double least_onward = 0.5;
+    double time = s->sequence.base;
+    saltus_message ignored;
+    memcpy(state, s->state, (size_t)o->n * sizeof *state);
+    if (!(s->sequence.omega > 0) || s->onward > least_onward || !s->survey.follows ||
+        saltus_orbits_tune(o, s->parameter, s->sequence.omega, &ignored) != SALTUS_OK ||
+        !saltus_orbit_turning(o->flow, s->sequence.periods, &time, state))
+        return NAN;
+    double end = s->sequence.base + s->sequence.periods;
+    return time < end ? time : s->sequence.base;
+}
+
+/* A solution again, with another sequence; `turning`: the state at its base begins `work`. */
+static saltus_status place(saltus_orbits *o, const saltus_solution *s, saltus_sequence *fresh,
+                           const int *order, bool turning, saltus_solution *out, double *work) {
     const saltus_sequence *old = &s->sequence;
     saltus_message ignored;
     double *state = work, *guide = work + o->n;
     double later = fresh->base < old->base ? fresh->base + old->periods : fresh->base;
-    saltus_status status = saltus_solution_state_at(o, s, later, state, &ignored);
+    saltus_status status = turning ? SALTUS_OK : saltus_solution_state_at(o, s, later, state, &ignored);
+    bool moved = fresh->base != old->base || turning;
+    if (status == SALTUS_OK && fresh->omega > 0 && moved)
+        status = anchor(o, s, state, turning, fresh, &ignored);
     if (status == SALTUS_OK)
         status = saltus_solution_place(o, fresh, s->parameter, state, false, out, &ignored);
     if (status != SALTUS_OK || o->family.parameters != 1)
@@ -95,13 +126,18 @@ bool saltus_solution_reframe(saltus_orbits *o, bool trims, saltus_solution *s, s
                              int *order) {
     saltus_sequence fresh;
     saltus_message ignored;
-    double speed[SALTUS_MARKS_MAX];
+    double speed[SALTUS_MARKS_MAX], state[SALTUS_STATE_MAX], section = better_section(o, s, state);
+    const bool turning = !isnan(section);
     saltus_solution_speeds(o, s, speed);
-    if (!saltus_sequence_reframe(&s->sequence, speed, count_cuts(o, s), trims, &fresh, order))
+    if (turning)
+        saltus_sequence_turn(&s->sequence, section, count_cuts(o, s), &fresh, order);
+    else if (!saltus_sequence_reframe(&s->sequence, speed, count_cuts(o, s), trims, &fresh, order))
         return false;
-    size_t room = (size_t)(o->n * (fresh.cuts + 1) + fresh.count + 1);
+    size_t room = (size_t)(saltus_sequence_unknowns(&fresh, o->n) + o->n + 1);
     double *work = calloc(room, sizeof *work);
-    saltus_status status = work ? place(o, s, &fresh, order, scratch, work) : SALTUS_NO_MEMORY;
+    if (work)
+        memcpy(work, state, (size_t)o->n * sizeof *work);
+    saltus_status status = work ? place(o, s, &fresh, order, turning, scratch, work) : SALTUS_NO_MEMORY;
     free(work);
     if (saltus_orbits_noted(o, status) != SALTUS_OK) {
         saltus_orbits_noted(o, saltus_shooting_shape(o->shooting, &s->sequence, &ignored));

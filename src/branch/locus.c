@@ -175,9 +175,9 @@ static saltus_status find_first(saltus_locus *l, int k, saltus_message *message)
 }
 
 /* The angle of the pair on the unit circle. */
-static double angle_on_circle(const saltus_survey *survey, int n) {
+static double angle_on_circle(const saltus_survey *survey) {
     double best = INFINITY, angle = 0;
-    for (int i = 0; i < n; i++)
+    for (int i = 0; i < survey->multiplier_count; i++)
         if (survey->multipliers[i].im > 0 && fabs(survey->multipliers[i].log_modulus) < best) {
             best = fabs(survey->multipliers[i].log_modulus);
             angle = atan2(survey->multipliers[i].im, survey->multipliers[i].re);
@@ -300,7 +300,7 @@ static saltus_status open_first(saltus_locus *l, const saltus_solution *at, cons
            sequence->mark[start.mark].time == less->mark[start.mark].time)
         start.mark++;
     if (start.kind == SALTUS_POINT_NS)
-        start.theta = angle_on_circle(&at->survey, l->x.orbits.n);
+        start.theta = angle_on_circle(&at->survey);
     l->way_count = l->options.direction ? 1 : 2;
     l->ways[0] = l->options.direction < 0 ? -1 : 1;
     l->ways[1] = -1;
@@ -438,7 +438,7 @@ static bool is_closed(saltus_locus *l) {
 static saltus_status install(saltus_locus *l, const saltus_sequence *old, const double *tangent, double extra,
                              const int *order, saltus_message *message) {
     const saltus_sequence *fresh = &l->orbit.sequence;
-    int m = l->x.orbits.equations->unknowns, old_unknowns = old->cuts * l->x.orbits.n + old->count + 2;
+    int m = l->x.orbits.equations->unknowns, old_unknowns = saltus_sequence_unknowns(old, l->x.orbits.n) + 2;
     double *guide = calloc((size_t)(m + l->x.extra), sizeof *guide);
     saltus_status status = guide ? SALTUS_OK : no_memory(message);
     if (status == SALTUS_OK) {

@@ -6,17 +6,30 @@
 #include <stdlib.h>
 #include <string.h>
 
-const saltus_word saltus_point_words[] = {{"regular", SALTUS_POINT_REGULAR}, {"LP", SALTUS_POINT_LP},
-                                          {"PD", SALTUS_POINT_PD},           {"NS", SALTUS_POINT_NS},
-                                          {"BP", SALTUS_POINT_BP},           {"GR", SALTUS_POINT_GR},
-                                          {"CH", SALTUS_POINT_CH},           {"ST", SALTUS_POINT_ST},
-                                          {"UZ", SALTUS_POINT_UZ},           {"EP", SALTUS_POINT_EP},
-                                          {"CP", SALTUS_POINT_CP},           {"GR-LP", SALTUS_POINT_GR_LP},
-                                          {"GR-PD", SALTUS_POINT_GR_PD},     {"GR-NS", SALTUS_POINT_GR_NS},
-                                          {"GR-GR", SALTUS_POINT_GR_GR},     {"GR-BP", SALTUS_POINT_GR_BP},
-                                          {"CH-GR", SALTUS_POINT_CH_GR},     {"R1", SALTUS_POINT_R1},
-                                          {"R2", SALTUS_POINT_R2},           {"R3", SALTUS_POINT_R3},
-                                          {"R4", SALTUS_POINT_R4},           {NULL, 0}};
+const saltus_word saltus_point_words[] = {{"regular", SALTUS_POINT_REGULAR},
+                                          {"LP", SALTUS_POINT_LP},
+                                          {"PD", SALTUS_POINT_PD},
+                                          {"NS", SALTUS_POINT_NS},
+                                          {"BP", SALTUS_POINT_BP},
+                                          {"GR", SALTUS_POINT_GR},
+                                          {"CH", SALTUS_POINT_CH},
+                                          {"ST", SALTUS_POINT_ST},
+                                          {"UZ", SALTUS_POINT_UZ},
+                                          {"EP", SALTUS_POINT_EP},
+                                          {"HB", SALTUS_POINT_HB},
+                                          {"CP", SALTUS_POINT_CP},
+                                          {"GR-LP", SALTUS_POINT_GR_LP},
+                                          {"GR-PD", SALTUS_POINT_GR_PD},
+                                          {"GR-NS", SALTUS_POINT_GR_NS},
+                                          {"GR-GR", SALTUS_POINT_GR_GR},
+                                          {"GR-BP", SALTUS_POINT_GR_BP},
+                                          {"CH-GR", SALTUS_POINT_CH_GR},
+                                          {"R1", SALTUS_POINT_R1},
+                                          {"R2", SALTUS_POINT_R2},
+                                          {"R3", SALTUS_POINT_R3},
+                                          {"R4", SALTUS_POINT_R4},
+
+                                          {NULL, 0}};
 
 const char *saltus_point_word(saltus_point_kind kind) {
     const char *word = kind ? saltus_word_of(saltus_point_words, (int)kind) : NULL;
@@ -91,6 +104,25 @@ static void found_events(const saltus_survey *survey, saltus_branch_point *point
         memcpy(point->events, survey->lap.events, (size_t)point->event_count * sizeof *point->events);
 }
 
+/* An orbit of a period of its own is told as it is from its highest maximum on. Where the flow does not
+ * follow it, it stays as it is prescribed. */
+static saltus_status from_maximum(saltus_orbits *o, const saltus_solution *s, bool found,
+                                  saltus_branch_point *point, saltus_message *message) {
+    saltus_lap lap = {.keeps_events = true};
+    saltus_message ignored;
+    saltus_status status = saltus_cycle_around(o, s, &lap, &ignored);
+    saltus_spec_set_omega(&point->spec, 2 * M_PI / point->period);
+    if (status == SALTUS_OK) {
+        point->periods = lap.periods;
+        memcpy(point->state, lap.points, (size_t)o->n * sizeof *point->state);
+        if (found && lap.event_count == point->event_count && lap.event_count)
+            memcpy(point->events, lap.events, (size_t)lap.event_count * sizeof *point->events);
+        saltus_orbit_label(found ? point->impacts : lap.impacts, point->periods, point->label);
+    }
+    saltus_lap_close(&lap);
+    return status == SALTUS_NO_MEMORY ? saltus_fail(message, status, "no memory for a branch") : SALTUS_OK;
+}
+
 saltus_status saltus_point_make(saltus_orbits *o, const saltus_solution *s, bool prescribed,
                                 saltus_branch_point *point, saltus_message *message) {
     const saltus_survey *survey = &s->survey;
@@ -99,24 +131,28 @@ saltus_status saltus_point_make(saltus_orbits *o, const saltus_solution *s, bool
     double section = ceil(s->sequence.base / s->sequence.periods) * s->sequence.periods;
     /* What the parameter's rounding leaves to the solution's value, as on a border of the range. */
     double rest = s->value - (o->origin + o->family.unit[0] * s->parameter[0]);
-    saltus_spec spec = saltus_family_spec(&o->family, s->parameter);
-    *point = (saltus_branch_point){.value = {s->value, NAN},
-                                   .heading = saltus_solution_heading(s) * o->family.unit[0],
-                                   .spec = saltus_spec_shifted(&spec, &o->family.direction[0], rest),
-                                   .periods = s->sequence.periods,
-                                   .dimension = o->n,
-                                   .unstable = survey->unstable,
-                                   .stable = saltus_multipliers_stable(survey->multipliers, o->n),
-                                   .admissible = survey->follows,
-                                   .residual = s->at.residual,
-                                   .iterations = s->at.iterations,
-                                   .log_volume = survey->log_volume,
-                                   .sum_rule = survey->sum_rule,
-                                   .grazing_time = NAN,
-                                   .contact_force = NAN,
-                                   .state = calloc(n, sizeof *point->state),
-                                   .events = calloc(events + 1, sizeof *point->events),
-                                   .multipliers = calloc(n, sizeof *point->multipliers)};
+    saltus_spec spec = saltus_family_spec(&o->family, s->parameter, s->sequence.omega);
+    *point = (saltus_branch_point){
+        .value = {s->value, NAN},
+        .heading = saltus_solution_heading(s) * o->family.unit[0],
+        .spec = saltus_spec_shifted(&spec, &o->family.direction[0], rest),
+        .periods = s->sequence.periods,
+        .dimension = o->n,
+        .unstable = survey->unstable,
+        .stable = saltus_multipliers_stable(survey->multipliers, survey->multiplier_count),
+        .admissible = survey->follows,
+        .residual = s->at.residual,
+        .iterations = s->at.iterations,
+        .log_volume = survey->log_volume,
+        .sum_rule = survey->sum_rule,
+        .grazing_time = NAN,
+        .contact_force = NAN,
+        .state = calloc(n, sizeof *point->state),
+        .events = calloc(events + 1, sizeof *point->events),
+        .multipliers = calloc(n, sizeof *point->multipliers)};
+    point->multiplier_count = survey->multiplier_count;
+    point->trivial_multiplier = s->sequence.omega > 0 ? survey->trivial : 0;
+    point->period = s->sequence.periods * 2 * M_PI / saltus_spec_omega(&spec);
     saltus_status status = point->state && point->events && point->multipliers
                                ? SALTUS_OK
                                : saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch");
@@ -134,12 +170,14 @@ saltus_status saltus_point_make(saltus_orbits *o, const saltus_solution *s, bool
         return status;
     }
     memcpy(point->multipliers, survey->multipliers, n * sizeof *point->multipliers);
+    for (int k = point->multiplier_count; k < o->n; k++)
+        point->multipliers[k] = (saltus_multiplier){0, 0, NAN};
     if (found)
         found_events(survey, point);
     else
         prescribed_events(o, s, point);
     fold_events(point->events, point->event_count, s->sequence.periods);
-    return status;
+    return s->sequence.omega > 0 ? from_maximum(o, s, found, point, message) : status;
 }
 
 void saltus_point_mark_grazing(const saltus_orbits *o, const saltus_breach *breach,

@@ -191,6 +191,12 @@ static bool cuts_are_tight(const saltus_sequence *s) {
     return false;
 }
 
+void saltus_sequence_turn(const saltus_sequence *old, double base, int cuts, saltus_sequence *fresh,
+                          int *order) {
+    rotate(old, base, fresh, order);
+    cut_evenly(fresh, cuts);
+}
+
 bool saltus_sequence_reframe(const saltus_sequence *old, const double *speed, int cuts, bool trims,
                              saltus_sequence *fresh, int *order) {
     double base = old->base;
@@ -219,6 +225,7 @@ void saltus_sequence_carry(const saltus_sequence *old, const double *vector, con
     }
     for (int k = 0; k < fresh->count; k++)
         times[k] = order[k] < 0 ? 0 : old_times[order[k]];
-    for (int d = 0; d < parameters; d++)
+    int others = parameters + (fresh->omega > 0);
+    for (int d = 0; d < others; d++)
         times[fresh->count + d] = old_times[old->count + d];
 }

@@ -19,6 +19,11 @@ bool saltus_sequence_double(const saltus_sequence *old, saltus_sequence *fresh);
 bool saltus_sequence_join(const saltus_sequence *first, const saltus_sequence *second,
                           saltus_sequence *fresh);
 
+/* The sequence cut open at a time within the orbit, with `cuts` cuts in free flight; order: where the marks
+ * stood. */
+void saltus_sequence_turn(const saltus_sequence *old, double base, int cuts, saltus_sequence *fresh,
+                          int *order);
+
 /* How an orbit should be cut into unknowns: its base in the middle of the longest free flight, if an event
  * has come near the present one, `cuts` cuts in free flight, and the tail of a long run of ever slower
  * impacts (orbit/sequence.h) left to the flow if `trims`. `speed` belongs to the marks. False: it is good as

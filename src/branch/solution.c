@@ -6,6 +6,7 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "branch/solution.h"
 
+#include "orbit/maxima.h"
 #include "orbit/multipliers.h"
 #include "orbit/sequence.h"
 
@@ -73,8 +74,9 @@ double saltus_orbits_border(double origin, double unit, double border, int side)
     return found;
 }
 
-saltus_status saltus_orbits_tune(saltus_orbits *o, const double *parameters, saltus_message *message) {
-    saltus_spec spec = saltus_family_spec(&o->family, parameters);
+saltus_status saltus_orbits_tune(saltus_orbits *o, const double *parameters, double omega,
+                                 saltus_message *message) {
+    saltus_spec spec = saltus_family_spec(&o->family, parameters, omega);
     saltus_system *system = NULL;
     saltus_status status = saltus_system_new(&spec, &system, message);
     if (status == SALTUS_OK)
@@ -140,6 +142,7 @@ saltus_status saltus_solution_see(saltus_orbits *o, saltus_solution *s, saltus_m
         s->parameter[d] = parameters[d];
     s->value = o->origin + o->family.unit[0] * parameters[0];
     s->at.residual = o->equations->size;
+    s->onward = saltus_shooting_onward(o->shooting, &s->speed);
     s->growth = saltus_shooting_growth(o->shooting);
     s->worst = (saltus_breach){.value = -1};
     for (int k = 0; k < s->breach_count; k++) {
@@ -185,6 +188,7 @@ bool saltus_solution_fits(const saltus_orbits *o, const saltus_solution *s) {
     const saltus_sequence *own = saltus_shooting_sequence(o->shooting), *sequence = &s->sequence;
     bool same = sequence->periods == own->periods && sequence->base == own->base &&
                 sequence->contacts == own->contacts && sequence->driven == own->driven &&
+                memcmp(sequence->anchor, own->anchor, (size_t)o->n * sizeof *own->anchor) == 0 &&
                 sequence->count == own->count && sequence->cuts == own->cuts &&
                 s->at.unknowns == o->equations->unknowns;
     for (int k = 0; k < own->count && same; k++)
@@ -219,9 +223,9 @@ static saltus_status go_around(saltus_orbits *o, saltus_solution *s, saltus_cocy
     saltus_message why = {.text = ""};
     survey->follows = survey->walked = false;
     survey->lap.keeps_events = true;
-    saltus_status status = saltus_orbits_tune(o, s->parameter, message);
+    saltus_status status = saltus_orbits_tune(o, s->parameter, s->sequence.omega, message);
     if (status == SALTUS_OK && cocycle)
-        status = saltus_cocycle_open(cocycle, o->system, s->sequence.periods, message);
+        status = saltus_cocycle_open(cocycle, o->system, s->sequence.periods, s->sequence.omega > 0, message);
     if (status != SALTUS_OK)
         return saltus_orbits_noted(o, status);
     status = saltus_sequence_walk(&s->sequence, cocycle ? o->tangent : o->flow,
@@ -242,6 +246,15 @@ saltus_status saltus_solution_walk(saltus_orbits *o, saltus_solution *s, saltus_
     return go_around(o, s, NULL, message);
 }
 
+saltus_status saltus_cycle_around(saltus_orbits *o, const saltus_solution *s, saltus_lap *lap,
+                                  saltus_message *message) {
+    saltus_status status =
+        saltus_orbits_tune(o, s->parameter, s->sequence.omega / s->sequence.periods, message);
+    if (status == SALTUS_OK)
+        status = saltus_lap_cycle(lap, o->flow, s->state, message);
+    return status;
+}
+
 static double pair_product(const saltus_multiplier *mu, int n) {
     double re = 1, im = 0;
     for (int i = 0; i < n; i++)
@@ -260,17 +273,18 @@ saltus_status saltus_solution_survey(saltus_orbits *o, saltus_solution *s, saltu
     saltus_cocycle *cocycle = &o->cocycle;
     saltus_message ignored;
     saltus_status status = go_around(o, s, cocycle, message);
-    survey->unstable = 0;
+    survey->unstable = survey->multiplier_count = 0;
+    survey->trivial = 0;
     for (int i = 0; i < o->n; i++)
         survey->multipliers[i] = (saltus_multiplier){NAN, NAN, NAN};
     survey->log_volume = survey->sum_rule = survey->pair = NAN;
     if (status != SALTUS_OK || !survey->walked)
         return status;
-    status = saltus_cocycle_multipliers(cocycle->segments, o->n, cocycle->count, cocycle->zeros,
-                                        survey->multipliers, &survey->log_volume, &ignored);
+    status = saltus_cocycle_solve(cocycle, survey->multipliers, &survey->multiplier_count, &survey->trivial,
+                                  &survey->log_volume, &ignored);
     survey->sum_rule = cocycle->sum_rule;
-    survey->unstable = saltus_multipliers_unstable(survey->multipliers, o->n);
-    survey->pair = pair_product(survey->multipliers, o->n);
+    survey->unstable = saltus_multipliers_unstable(survey->multipliers, survey->multiplier_count);
+    survey->pair = pair_product(survey->multipliers, survey->multiplier_count);
     return saltus_orbits_noted(o, status) == SALTUS_NO_MEMORY ? no_memory(message) : SALTUS_OK;
 }
 
@@ -307,8 +321,8 @@ double saltus_solution_half_distance(saltus_orbits *o, const saltus_solution *s,
     return largest;
 }
 
-bool saltus_pair_on_circle(const saltus_orbits *o, const saltus_survey *survey) {
-    for (int i = 0; i < o->n; i++)
+bool saltus_pair_on_circle(const saltus_survey *survey) {
+    for (int i = 0; i < survey->multiplier_count; i++)
         if (fabs(survey->multipliers[i].log_modulus) < 1e-6 && survey->multipliers[i].im != 0)
             return true;
     return false;
@@ -329,6 +343,8 @@ double saltus_test_value(saltus_test test, double target, const saltus_solution 
         /* A step begins on the admissible side, where an impact without speed was just put in or taken out.
          */
         return s == from ? fmin(s->worst.value, -1e-300) : s->worst.value;
+    case SALTUS_TEST_ONWARD:
+        return s->onward;
     case SALTUS_TEST_VALUE:
         return s->value - target;
     }
@@ -385,14 +401,14 @@ saltus_zero saltus_solution_zero(saltus_orbits *o, saltus_test test, double targ
 enum { crossing_samples = 6 };
 
 /* Points on both sides of an expected crossing: tests and unknowns (m x crossing_samples). */
-static bool sample_crossing(saltus_orbits *o, const saltus_solution *from, double middle, double apart,
-                            saltus_solution *out, double *test, double *u) {
+static bool sample_crossing(saltus_orbits *o, saltus_test by, const saltus_solution *from, double middle,
+                            double apart, saltus_solution *out, double *test, double *u) {
     static const double place[crossing_samples] = {-1, 1, -2, 2, -3, 3};
     saltus_message ignored;
     for (int k = 0; k < crossing_samples; k++) {
         if (saltus_solution_visit(o, from, middle + place[k] * apart, out, &ignored) != SALTUS_OK)
             return false;
-        test[k] = saltus_test_value(SALTUS_TEST_CROSSING, 0, out, from);
+        test[k] = saltus_test_value(by, 0, out, from);
         for (int j = 0; j < out->at.unknowns; j++)
             u[j * crossing_samples + k] = out->at.u[j];
         if (k % 2 && !(test[k] * test[k - 1] < 0))
@@ -401,8 +417,8 @@ static bool sample_crossing(saltus_orbits *o, const saltus_solution *from, doubl
     return true;
 }
 
-saltus_zero saltus_solution_crossing(saltus_orbits *o, const saltus_solution *from, double ahead,
-                                     double reach, saltus_solution *out) {
+saltus_zero saltus_solution_crossing(saltus_orbits *o, saltus_test by, const saltus_solution *from,
+                                     double ahead, double reach, saltus_solution *out) {
     enum { passes = 6 };
     const double sharp = 1e-11 * o->family.unit[0];
     int m = from->at.unknowns;
@@ -415,7 +431,7 @@ saltus_zero saltus_solution_crossing(saltus_orbits *o, const saltus_solution *fr
     /* Ever closer around the place, as long as that is needed, until rounding, which grows towards it,
      * outweighs the curvature. */
     for (int pass = 0; pass < passes && u && (pass < 2 || zero.accuracy > sharp) &&
-                       sample_crossing(o, from, middle, apart, out, test, u);
+                       sample_crossing(o, by, from, middle, apart, out, test, u);
          pass++) {
         const double *last = u + (m - 1) * crossing_samples;
         double at = saltus_curve_interpolate(test, last, crossing_samples);

@@ -19,7 +19,8 @@ typedef struct saltus_survey {
     int sticking_intervals;
     char label[SALTUS_LABEL_MAX];
     saltus_multiplier *multipliers; /* NAN where not known */
-    int unstable;                   /* of them */
+    int multiplier_count, unstable; /* of them */
+    double trivial;                 /* multiplier along the flow, of orbits whose period is an unknown */
     double log_volume, sum_rule;
     double pair; /* product over all pairs of multipliers of mu_i mu_j - 1: zero where a pair is on the unit
                     circle */
@@ -31,9 +32,11 @@ typedef struct saltus_solution {
     saltus_sequence sequence;   /* with the event times of this orbit */
     double *state;              /* at its base */
     double parameter[2], value; /* `value` of the first parameter */
-    saltus_scaled flip; /* determinant of the equations with x(pT) + x(0) for x(pT) - x(0): zero where a
-                           multiplier is -1, and smooth through grazing */
-    double growth;      /* of perturbations over a segment, at most */
+    saltus_scaled flip;   /* determinant of the equations with x(pT) + x(0) for x(pT) - x(0): zero where a
+                             multiplier is -1, and smooth through grazing */
+    double onward, speed; /* of a period of its own: the flow's speed across the anchor, and in all
+                             directions, in units of that there */
+    double growth;        /* of perturbations over a segment, at most */
     saltus_breach *breaches;
     int breach_count, breach_room;
     saltus_breach worst; /* of them; value at least -1 */
@@ -67,8 +70,9 @@ double saltus_orbits_parameter(const saltus_orbits *orbits, double value);
 /* The parameter unknown at which a parameter with this origin and unit meets a border of its range, from
  * within: never beyond it by a rounding, as the parameter's domain may end there. `side`: 0 low, 1 high. */
 double saltus_orbits_border(double origin, double unit, double border, int side);
-/* The system of the event-driven flows becomes that of parameters. */
-saltus_status saltus_orbits_tune(saltus_orbits *orbits, const double *parameters, saltus_message *message);
+/* The system of the event-driven flows becomes that of parameters, and of a sequence's omega. */
+saltus_status saltus_orbits_tune(saltus_orbits *orbits, const double *parameters, double omega,
+                                 saltus_message *message);
 
 void saltus_solution_clear(saltus_solution *solution);
 /* The parameter's share of the tangent. */
@@ -90,6 +94,10 @@ saltus_status saltus_solution_visit(saltus_orbits *orbits, const saltus_solution
                                     saltus_solution *out, saltus_message *message);
 /* Let the event-driven flow go around a solution that has the shooting's sequence. */
 saltus_status saltus_solution_walk(saltus_orbits *orbits, saltus_solution *solution, saltus_message *message);
+/* Once around an orbit of a period of its own, from maximum to maximum (orbit/maxima.h). Errors: those of the
+ * flow, SALTUS_NO_MEMORY. */
+saltus_status saltus_cycle_around(saltus_orbits *orbits, const saltus_solution *solution, saltus_lap *lap,
+                                  saltus_message *message);
 /* Walk, and multipliers on the way. */
 saltus_status saltus_solution_survey(saltus_orbits *orbits, saltus_solution *solution,
                                      saltus_message *message);
@@ -120,7 +128,7 @@ saltus_status saltus_orbits_shoot(const saltus_orbits *orbits, const saltus_sequ
  * `mirrored`: from being its own mirror image. */
 double saltus_solution_half_distance(saltus_orbits *orbits, const saltus_solution *solution, bool mirrored);
 /* Whether a complex pair of multipliers is on the unit circle, not two real ones whose product is 1. */
-bool saltus_pair_on_circle(const saltus_orbits *orbits, const saltus_survey *survey);
+bool saltus_pair_on_circle(const saltus_survey *survey);
 
 /* Functions whose zeros along a branch are special points. */
 typedef enum saltus_test {
@@ -129,6 +137,7 @@ typedef enum saltus_test {
     SALTUS_TEST_CROSSING, /* `crossing` */
     SALTUS_TEST_PAIR,     /* `pair` of the survey */
     SALTUS_TEST_BREACH,   /* the worst breach */
+    SALTUS_TEST_ONWARD,   /* `onward` */
     SALTUS_TEST_VALUE     /* parameter minus a target */
 } saltus_test;
 
@@ -155,9 +164,10 @@ saltus_zero saltus_solution_zero_between(saltus_orbits *orbits, saltus_test test
 static inline double saltus_rounding_at(double apart) {
     return 1e-14 / fabs(apart);
 }
-/* The point where curves cross near `ahead` from `from`, as `out`: its equations are singular, so it is
+/* The point where curves cross near `ahead` from `from`, as `out`, where a test is zero, CROSSING or, at an
+ * equilibrium, ONWARD: its equations are singular, so it is
  * interpolated from points around it, not further than a tenth of `reach`. */
-saltus_zero saltus_solution_crossing(saltus_orbits *orbits, const saltus_solution *from, double ahead,
-                                     double reach, saltus_solution *out);
+saltus_zero saltus_solution_crossing(saltus_orbits *orbits, saltus_test by, const saltus_solution *from,
+                                     double ahead, double reach, saltus_solution *out);
 
 #endif

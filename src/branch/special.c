@@ -34,7 +34,7 @@ static int add(saltus_orbits *o, const saltus_solution *from, const saltus_solut
         saltus_zero zero = saltus_solution_zero(o, test, target, from, to, scratch);
         found.ahead = zero.ahead;
         found.accuracy = zero.accuracy;
-        if (!zero.found && kind != SALTUS_POINT_BP)
+        if (!zero.found && kind != SALTUS_POINT_BP && kind != SALTUS_POINT_HB)
             return count;
         if (!zero.found) /* singular there: interpolated later */
             found.ahead = to->at.ahead * near / (near - far);
@@ -76,6 +76,26 @@ static int add_pairs(saltus_orbits *o, const saltus_solution *from, const saltus
     return count;
 }
 
+/* Where an orbit shrinks to an equilibrium the curve goes on through it, to the same orbits half a period
+ * later: it ends there. The parameter turns in that place, and the flow's direction, which the other
+ * determinants are bordered by, is lost. */
+static int end_at_equilibrium(saltus_special *specials, int count, double reach) {
+    const double near = 0.05 * reach;
+    int kept = 0;
+    double hopf = INFINITY;
+    for (int k = 0; k < count; k++)
+        if (specials[k].kind == SALTUS_POINT_HB)
+            hopf = specials[k].ahead;
+    for (int k = 0; k < count; k++) {
+        bool own = specials[k].kind == SALTUS_POINT_HB;
+        if (own)
+            specials[k].end = "the orbit shrinks to an equilibrium";
+        if (own || specials[k].ahead < hopf - near)
+            specials[kept++] = specials[k];
+    }
+    return kept;
+}
+
 int saltus_special_find(saltus_orbits *o, const saltus_solution *from, const saltus_solution *to, bool fresh,
                         const double *targets, const saltus_point_kind *kinds, int target_count,
                         saltus_special *specials, saltus_solution *scratch) {
@@ -92,7 +112,9 @@ int saltus_special_find(saltus_orbits *o, const saltus_solution *from, const sal
         count = add_pairs(o, from, to, specials, count, scratch);
     for (int k = 0; k < target_count; k++)
         count = add(o, from, to, kinds[k], SALTUS_TEST_VALUE, targets[k], specials, count, scratch);
-    return count;
+    if (from->sequence.omega > 0)
+        count = add(o, from, to, SALTUS_POINT_HB, SALTUS_TEST_ONWARD, 0, specials, count, scratch);
+    return end_at_equilibrium(specials, count, to->at.ahead);
 }
 
 /* The determinant, the parameter fixed, of the orbit at a parameter: of the equations, or with a flip. */
@@ -281,9 +303,12 @@ saltus_status saltus_special_visit(saltus_orbits *o, const saltus_solution *from
                                    saltus_message *message) {
     saltus_message ignored;
     saltus_zero crossing = {.found = false};
+    const double still = 0.2; /* of the speed on the orbit before */
     *is_one = false;
     if (special->kind == SALTUS_POINT_BP)
-        crossing = saltus_solution_crossing(o, from, special->ahead, reach, at);
+        crossing = saltus_solution_crossing(o, SALTUS_TEST_CROSSING, from, special->ahead, reach, at);
+    if (special->kind == SALTUS_POINT_HB)
+        crossing = saltus_solution_crossing(o, SALTUS_TEST_ONWARD, from, special->ahead, reach, at);
     if (crossing.found)
         special->accuracy = crossing.accuracy;
     else if (saltus_solution_visit(o, from, special->ahead, at, &ignored) != SALTUS_OK)
@@ -292,7 +317,9 @@ saltus_status saltus_special_visit(saltus_orbits *o, const saltus_solution *from
     if (status != SALTUS_OK)
         return status;
     special->value = at->value;
-    *is_one = special->kind != SALTUS_POINT_NS || saltus_pair_on_circle(o, &at->survey);
+    *is_one = special->kind == SALTUS_POINT_NS   ? saltus_pair_on_circle(&at->survey)
+              : special->kind == SALTUS_POINT_HB ? at->speed < still
+                                                 : true;
     bool is_fold = special->kind == SALTUS_POINT_LP || special->kind == SALTUS_POINT_BP;
     bool joins = is_fold && (joins_half(o, at, special) || joins_image(o, from, at, special));
     if (*is_one && !joins && !crossing.found && special->test != SALTUS_TEST_VALUE)

@@ -19,7 +19,7 @@ typedef struct saltus_special {
 /* All places between `from` and `to` where tests change their sign, in order; `scratch` is overwritten. Where
  * `fresh`, at the begin of a branch that was switched to, the determinants are zero to rounding and tell
  * nothing: then only targets are looked out for. `targets`: values of the parameter that are looked out for,
- * `kinds` what they are. `specials` has room for target_count + 6. Returns how many there are. */
+ * `kinds` what they are. `specials` has room for target_count + 7. Returns how many there are. */
 int saltus_special_find(saltus_orbits *orbits, const saltus_solution *from, const saltus_solution *to,
                         bool fresh, const double *targets, const saltus_point_kind *kinds, int target_count,
                         saltus_special *specials, saltus_solution *scratch);

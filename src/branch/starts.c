@@ -91,7 +91,7 @@ saltus_status saltus_starts_leave(saltus_orbits *o, const saltus_solution *at, s
     if (flips && !saltus_sequence_double(&at->sequence, &start.sequence))
         return saltus_fail(message, SALTUS_NO_CONVERGENCE, "twice the orbit has more than %d events",
                            SALTUS_MARKS_MAX);
-    size_t m = (size_t)(o->n + start.sequence.count + 1);
+    size_t m = (size_t)saltus_sequence_unknowns(&start.sequence, o->n) + 1;
     double *work = calloc(4 * m, sizeof *work), *old = work + 2 * m;
     saltus_status status = work ? find_plane(o, &start.sequence, at, work, message)
                                 : saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch");

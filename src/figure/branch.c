@@ -11,19 +11,25 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Whether the orbits have periods of their own. */
+static bool shows_cycles(const saltus_plot_page *page) {
+    return page->files[0].point_count > 0 && page->files[0].points[0].trivial_multiplier != 0;
+}
+
 static void name_measure(const saltus_plot_page *page, saltus_line *line) {
+    const char *where = shows_cycles(page) ? "at its maximum" : "at phase 0";
     char name[160];
     switch (page->show) {
     case SALTUS_SHOW_DISPLACEMENT:
         saltus_observed_name(page->system, false, name, sizeof name);
-        saltus_line_add(line, "%s  at phase 0", name);
+        saltus_line_add(line, "%s  %s", name, where);
         break;
     case SALTUS_SHOW_VELOCITY:
         saltus_observed_name(page->system, true, name, sizeof name);
-        saltus_line_add(line, "%s  at phase 0", name);
+        saltus_line_add(line, "%s  %s", name, where);
         break;
     case SALTUS_SHOW_PERIOD:
-        saltus_line_add(line, "period in {/:Italic T}");
+        saltus_line_add(line, shows_cycles(page) ? "period" : "period in {/:Italic T}");
         break;
     case SALTUS_SHOW_IMPACTS:
         saltus_line_add(line, "speed of every impact  |{/:Bold n·q′}|");

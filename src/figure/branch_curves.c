@@ -22,6 +22,7 @@ static const struct {
     [SALTUS_POINT_ST] = {4, 1.2, "#3a5a98", "ST  sticking"},
     [SALTUS_POINT_UZ] = {6, 1.1, "#404040", "UZ  wanted"},
     [SALTUS_POINT_EP] = {2, 1.1, "#606060", "EP  end"},
+    [SALTUS_POINT_HB] = {3, 1.5, "#b00020", "HB  Hopf"},
     [SALTUS_POINT_CP] = {12, 1.4, "#1c1c1c", "codimension two, as named"},
 };
 

@@ -144,7 +144,7 @@ static double measure(const saltus_plot_page *page, const saltus_branch_point *p
     case SALTUS_SHOW_VELOCITY:
         return saltus_system_observed(page->system, point->state + saltus_system_dof(page->system));
     case SALTUS_SHOW_PERIOD:
-        return point->periods;
+        return point->trivial_multiplier != 0 ? point->period : point->periods;
     case SALTUS_SHOW_IMPACTS:
         return point->kind == SALTUS_POINT_GR ? grazing_speed(page, point) : largest_speed(point);
     default:

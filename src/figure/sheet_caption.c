@@ -111,6 +111,8 @@ static void add_motion(saltus_line *l, const saltus_sheet *sheet) {
         saltus_line_add(l, "%lld impact%s in %d {/:Italic T}, %.4g per response cycle%s", m->impacts,
                         m->impacts == 1 ? "" : "s", m->periods, saltus_impacts_per_response(sheet->system, m),
                         saltus_notation_of(sheet->system)->response == 2 ? " 2{/:Italic T}" : "");
+    if (m->trivial_multiplier != 0)
+        saltus_line_add(l, ";  period %.8g, {/:Italic T} is the mean time between maxima", m->period);
     if (m->verdict == SALTUS_PERIODIC && m->mirror != SALTUS_MIRROR_NONE)
         saltus_line_add(l, ";  %s",
                         m->mirror == SALTUS_MIRROR_SELF ? "its own mirror image" : "one of a mirror pair");

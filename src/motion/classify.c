@@ -73,12 +73,18 @@ static saltus_status look_for_locking(saltus_search *s, saltus_motion *motion, s
     return status;
 }
 
-/* No period so far: judge the motion; if it should settle, give it the rest of the time. */
+/* No period so far: judge the motion; if it should settle, give it the rest of the time. Without forcing its
+ * periods are the mean time between returns. */
 static saltus_status judge(saltus_search *s, saltus_motion *motion, saltus_message *message) {
     const saltus_classify_options *o = s->options;
     saltus_outcome outcome;
+    saltus_system *counted = NULL;
     saltus_flow_state(s->flow, 0, motion->state);
-    saltus_status status = saltus_motion_judge(s->system, o, motion, &outcome, message);
+    saltus_status status = saltus_search_count_returns(s, &counted, message);
+    if (status != SALTUS_OK)
+        return status;
+    status = saltus_motion_judge(counted ? counted : s->system, o, motion, &outcome, message);
+    saltus_system_free(counted);
     bool regular = outcome == SALTUS_OUTCOME_REGULAR || outcome == SALTUS_OUTCOME_LEFT;
     if (status == SALTUS_OK && motion->verdict == SALTUS_QUASIPERIODIC)
         return look_for_locking(s, motion, message);

@@ -12,10 +12,15 @@
 static const double same_rest = 3e-3;
 static const double same_image = 1e-7; /* a mirror image that is the orbit itself */
 
-/* Whether q(t + pT/2) = -q(t). Half the orbit's period must be a shift that the symmetry allows: whole
- * forcing periods, or an odd number of half ones. */
-static saltus_status find_mirror(const saltus_system *system, saltus_flow *flow, saltus_motion *motion,
-                                 saltus_message *message) {
+/* Whether an orbit's period is its own, not the forcing's. */
+static bool is_cycle(const saltus_orbit *orbit) {
+    return orbit->trivial != 0;
+}
+
+/* Whether q(t + pT/2) = -q(t). With forcing half the orbit's period must be a shift that the symmetry allows:
+ * whole forcing periods, or an odd number of half ones. */
+static saltus_status find_mirror(const saltus_system *system, saltus_flow *flow, bool cycle,
+                                 saltus_motion *motion, saltus_message *message) {
     bool shift, symmetric = saltus_system_mirror_symmetric(system, &shift);
     motion->mirror = symmetric ? SALTUS_MIRROR_PAIR : SALTUS_MIRROR_NONE;
     int n = motion->dimension;
@@ -25,9 +30,9 @@ static saltus_status find_mirror(const saltus_system *system, saltus_flow *flow,
     bool at_centre = !shift && saltus_system_distance(system, image, motion->state) < same_image;
     if (symmetric && at_centre)
         motion->mirror = SALTUS_MIRROR_SELF;
-    if (!symmetric || at_centre || (motion->periods % 2 == 1) != shift)
+    if (!symmetric || at_centre || (!cycle && (motion->periods % 2 == 1) != shift))
         return SALTUS_OK;
-    saltus_time half = {motion->periods / 2, shift ? 0.5 : 0};
+    saltus_time half = {cycle ? 0 : motion->periods / 2, cycle || shift ? 0.5 : 0};
     saltus_status status = saltus_mirror_image(flow, motion->state, half, image, message);
     if (status == SALTUS_OK && saltus_system_distance(system, image, motion->state) < same_image)
         motion->mirror = SALTUS_MIRROR_SELF;
@@ -51,22 +56,25 @@ saltus_status saltus_motion_take(const saltus_system *system, saltus_flow *flow,
                                  saltus_lap *lap, const saltus_classify_options *options,
                                  saltus_motion *motion, saltus_message *message) {
     size_t n = (size_t)orbit->dimension;
-    motion->periods = orbit->periods;
+    motion->periods = lap->periods;
     motion->residual = orbit->residual;
     motion->iterations = orbit->iterations;
     motion->sticks = orbit->sticks;
     motion->log_volume = orbit->log_volume;
     motion->sum_rule = orbit->sum_rule;
-    motion->stable = saltus_multipliers_stable(orbit->multipliers, orbit->dimension);
-    motion->multiplier_count = orbit->dimension;
+    motion->stable = saltus_multipliers_stable(orbit->multipliers, orbit->multiplier_count);
+    motion->period = orbit->periods * saltus_system_period(system);
+    motion->trivial_multiplier = orbit->trivial;
+    motion->multiplier_count = orbit->multiplier_count;
     motion->multipliers = calloc(n, sizeof *motion->multipliers);
     if (!motion->multipliers)
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the orbit");
-    memcpy(motion->multipliers, orbit->multipliers, n * sizeof *motion->multipliers);
+    memcpy(motion->multipliers, orbit->multipliers,
+           (size_t)orbit->multiplier_count * sizeof *motion->multipliers);
     memcpy(motion->state, orbit->state, n * sizeof *motion->state);
     saltus_motion_forget_evidence(motion);
     motion->reason[0] = 0;
-    motion->lyapunov = orbit->multipliers[0].log_modulus / (motion->periods * saltus_system_period(system));
+    motion->lyapunov = orbit->multipliers[0].log_modulus / motion->period;
     motion->lyapunov_error = 0;
     motion->verdict = saltus_lap_held(lap) ? SALTUS_HELD : SALTUS_PERIODIC;
     motion->impacts = saltus_lap_impacts(lap);
@@ -84,7 +92,9 @@ saltus_status saltus_motion_take(const saltus_system *system, saltus_flow *flow,
     if (motion->verdict == SALTUS_HELD)
         status = measure_forces(system, options, motion, message);
     if (status == SALTUS_OK)
-        status = find_mirror(system, flow, motion, message);
+        status = find_mirror(system, flow, is_cycle(orbit), motion, message);
+    if (is_cycle(orbit))
+        memcpy(motion->state, motion->section_states, n * sizeof *motion->state);
     saltus_verdict_label(motion->verdict, motion->impacts, motion->periods, motion->label);
     return status;
 }
@@ -122,7 +132,7 @@ saltus_status saltus_motion_polish(const saltus_system *system, int periods, con
     saltus_orbit orbit = {0};
     *motion = (saltus_motion){0};
     saltus_status status = saltus_orbit_find(system, periods, state, &shooting, &orbit, NULL);
-    if (status == SALTUS_OK && saltus_multipliers_stable(orbit.multipliers, orbit.dimension) &&
+    if (status == SALTUS_OK && saltus_multipliers_stable(orbit.multipliers, orbit.multiplier_count) &&
         saltus_system_distance(system, orbit.state, state) < near)
         status = saltus_motion_describe(system, &orbit, options, motion, NULL);
     else if (status == SALTUS_OK)
@@ -169,7 +179,7 @@ static saltus_status polish_rest(const saltus_system *system, const saltus_class
     saltus_status status = saltus_orbit_find(system, 1, motion->state, &shooting, &rest, message);
     if (status == SALTUS_OK && saltus_system_distance(system, rest.state, motion->state) < same_rest) {
         memcpy(motion->state, rest.state, (size_t)motion->dimension * sizeof *motion->state);
-        motion->stable = saltus_multipliers_stable(rest.multipliers, rest.dimension);
+        motion->stable = saltus_multipliers_stable(rest.multipliers, rest.multiplier_count);
         motion->residual = rest.residual;
         motion->iterations = rest.iterations;
         motion->lyapunov = rest.multipliers[0].log_modulus / saltus_system_period(system);

@@ -153,12 +153,13 @@ static saltus_status run_on(judge *j, long long samples, saltus_outcome *outcome
     return status;
 }
 
-/* Whether a stable orbit lies amid the motion; looked for once. */
+/* Whether a stable orbit lies amid the motion; looked for once. Without forcing the points are no section of
+ * their own periods: there only the trajectories tell. */
 static saltus_status look_for_orbit(judge *j, saltus_message *message) {
     saltus_track tracks[trajectories];
     saltus_motion orbit = {0};
     bool found = false;
-    if (j->searched)
+    if (j->searched || !saltus_system_forced(j->system))
         return SALTUS_OK;
     j->searched = true;
     for (int m = 0; m < trajectories; m++)
@@ -369,9 +370,10 @@ static void tell_torus(const judge *j) {
             m->lyapunov, m->lyapunov_error, e->curves, e->curves == 1 ? "" : "s", e->broadband);
     } else
         say(m,
-            "a self-sustained oscillation: the scene is not forced, and the motion has a period of its "
-            "own that omega does not give (largest exponent %.1e +- %.0e); set omega to its frequency",
-            m->lyapunov, m->lyapunov_error);
+            "largest exponent %.1e +- %.0e per unit of time, that of time itself: a torus, or an orbit of "
+            "more "
+            "than %d returns to the section; a longer --longest would tell",
+            m->lyapunov, m->lyapunov_error, j->options->longest);
 }
 
 static void tell_regular(const judge *j) {

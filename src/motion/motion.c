@@ -30,6 +30,7 @@ void saltus_motion_forget_evidence(saltus_motion *m) {
 bool saltus_motion_open(const saltus_system *system, const saltus_flow_options *flow, saltus_motion *motion) {
     *motion = (saltus_motion){.verdict = SALTUS_UNDECIDED,
                               .dimension = saltus_system_dimension(system),
+                              .period = NAN,
                               .lyapunov = NAN,
                               .lyapunov_error = NAN,
                               .integrator = flow->integrator,

@@ -11,22 +11,38 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 
 /* Distances in the stroboscopic section are relative to the system's scales. */
 static const double nearby = 3e-3; /* the polished orbit must be this close to the trajectory */
 static const double all_but_reached = 1e-6;
 static const double drift_at_rest = 1e-6; /* of a displacement over a period */
 
+/* A maximum of the observed displacement is a return to the section, unless chatter may be under way. */
+static void note_return(saltus_search *s, const saltus_event *event, const double *state) {
+    if (saltus_maxima_count(&s->maxima, s->system, event, state) <= 0 || s->maxima.falling)
+        return;
+    saltus_flow_info info = saltus_flow_information(s->flow, 0);
+    s->return_times[s->returns.count % s->returns.size] = saltus_time_periods(event->time);
+    saltus_settling_add(&s->returns, state, info.impacts, info.sticks + info.releases);
+}
+
 /* One more period of the trajectory. */
 static saltus_status advance_period(saltus_search *s, saltus_message *message) {
     double state[SALTUS_STATE_MAX];
-    saltus_event event;
+    const bool forced = saltus_system_forced(s->system);
+    saltus_event event = {.kind = SALTUS_STEP};
     saltus_time until = {saltus_flow_time(s->flow, 0).cycle + 1, 0};
-    saltus_status status = saltus_flow_advance(s->flow, until, 0, &event, message);
-    if (status != SALTUS_OK)
-        return status;
+    while (event.kind != SALTUS_REACHED) {
+        saltus_status status =
+            saltus_flow_advance(s->flow, until, forced ? 0 : SALTUS_WATCH_MAXIMA, &event, message);
+        if (status != SALTUS_OK)
+            return status;
+        saltus_flow_state(s->flow, 0, state);
+        if (event.kind != SALTUS_REACHED)
+            note_return(s, &event, state);
+    }
     saltus_flow_info info = saltus_flow_information(s->flow, 0);
-    saltus_flow_state(s->flow, 0, state);
     saltus_settling_add(&s->settling, state, info.impacts, info.sticks + info.releases);
     return saltus_state_bounded(s->system, state, s->settling.count, message);
 }
@@ -44,20 +60,34 @@ static bool is_resting(const saltus_search *s) {
     return drift < drift_at_rest;
 }
 
+/* Of the trajectory's last section point. */
+static double distance_from_orbit(const saltus_search *s) {
+    double least = INFINITY;
+    if (!s->clocked)
+        return saltus_system_distance(s->system, saltus_settling_point(&s->settling, 0), s->orbit.state);
+    for (int k = 0; k < s->lap.periods; k++)
+        least = fmin(least, saltus_system_distance(s->system, saltus_settling_point(&s->returns, 0),
+                                                   s->lap.points + (size_t)(k * s->orbit.dimension)));
+    return least;
+}
+
 /* The trajectory must go on closing in on the orbit: its distance falls to a fifth or below `near`, or,
  * where the largest multiplier is near the unit circle, at least half as far as that multiplier predicts. */
 static saltus_status confirm(saltus_search *s, saltus_message *message) {
     enum { cycles_max = 60, patient_cycles = 40 };
     const saltus_orbit *orbit = &s->orbit;
-    double start = saltus_system_distance(s->system, saltus_settling_point(&s->settling, 0), orbit->state);
+    double start = distance_from_orbit(s);
+    /* So many of the trajectory's periods are about one of the orbit. */
+    int periods = s->clocked ? (int)ceil(saltus_system_period(s->clocked) / saltus_system_period(s->system))
+                             : orbit->periods;
     s->found = false;
     for (int c = 0; c < cycles_max && !s->found; c++) {
-        for (int k = 0; k < orbit->periods; k++) {
+        for (int k = 0; k < periods; k++) {
             saltus_status status = advance_period(s, message);
             if (status != SALTUS_OK)
                 return status;
         }
-        double now = saltus_system_distance(s->system, saltus_settling_point(&s->settling, 0), orbit->state);
+        double now = distance_from_orbit(s);
         double predicted = exp((c + 1) * orbit->multipliers[0].log_modulus);
         s->found = now < s->settling.near || (c > 2 && now < 0.2 * start) ||
                    (c >= patient_cycles && now <= start * (1 - 0.5 * (1 - predicted)));
@@ -78,6 +108,14 @@ saltus_status saltus_search_open(saltus_search *s, const double *state, saltus_m
     double close = fmax(1e-9, 1e4 * options->rtol);
     if (status == SALTUS_OK && !saltus_settling_open(&s->settling, n, s->options->longest, close))
         status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory to classify");
+    if (status == SALTUS_OK && !saltus_system_forced(s->system)) {
+        if (saltus_settling_open(&s->returns, n, s->options->longest, close))
+            s->return_times = calloc((size_t)s->returns.size, sizeof *s->return_times);
+        if (!s->return_times)
+            status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory to classify");
+        else
+            saltus_settling_reset(&s->returns, s->system);
+    }
     if (status == SALTUS_OK)
         saltus_settling_reset(&s->settling, s->system);
     if (status == SALTUS_OK)
@@ -90,9 +128,50 @@ saltus_status saltus_search_open(saltus_search *s, const double *state, saltus_m
 void saltus_search_close(saltus_search *s) {
     saltus_orbit_clear(&s->orbit);
     saltus_settling_close(&s->settling);
+    saltus_settling_close(&s->returns);
+    free(s->return_times);
+    saltus_flow_free(s->around);
+    saltus_system_free(s->clocked);
     saltus_flow_free(s->flow);
     saltus_flow_free(s->beside);
     saltus_lap_close(&s->lap);
+}
+
+static void forget_cycle(saltus_search *s) {
+    saltus_flow_free(s->around);
+    saltus_system_free(s->clocked);
+    saltus_orbit_clear(&s->orbit);
+    s->around = NULL;
+    s->clocked = NULL;
+}
+
+/* Without forcing: try the returns that recur at present, with the time between them. */
+static saltus_status try_cycle(saltus_search *s, saltus_message *message) {
+    saltus_orbit_options shooting = saltus_motion_shooting(s->options);
+    saltus_spec spec = *saltus_system_spec(s->system);
+    saltus_system *counted = NULL;
+    int p = saltus_settling_candidate(&s->returns);
+    if (p == 0)
+        return SALTUS_OK;
+    const double *last = saltus_settling_point(&s->returns, 0);
+    long long now = s->returns.count - 1;
+    double taken = s->return_times[now % s->returns.size] - s->return_times[(now - p) % s->returns.size],
+           near = fmax(nearby, 30 * saltus_settling_recurrence(&s->returns, p));
+    saltus_spec_set_omega(&spec, saltus_spec_omega(&spec) / taken);
+    saltus_status status = saltus_system_new(&spec, &counted, message);
+    if (status == SALTUS_OK)
+        status = saltus_cycle_polish(counted, last, &shooting, &s->orbit, &s->clocked, &s->lap, message);
+    if (status == SALTUS_OK)
+        status = saltus_flow_single(s->clocked, 0, &s->options->flow, &s->around, message);
+    if (status == SALTUS_OK && saltus_multipliers_stable(s->orbit.multipliers, s->orbit.multiplier_count) &&
+        distance_from_orbit(s) <= near)
+        status = confirm(s, message);
+    else if (status != SALTUS_NO_MEMORY)
+        status = SALTUS_OK; /* no orbit here */
+    if (!s->found)
+        forget_cycle(s);
+    saltus_system_free(counted);
+    return status;
 }
 
 /* Try the period that recurs at present: Newton's method from the trajectory's last point. The orbit must be
@@ -101,7 +180,9 @@ static saltus_status try_period(saltus_search *s, saltus_message *message) {
     enum { most_impacts = 150, few_steps = 4 };
     saltus_orbit_options shooting = saltus_motion_shooting(s->options);
     const double *last = saltus_settling_point(&s->settling, 0);
-    int p = saltus_system_forced(s->system) ? saltus_settling_candidate(&s->settling) : 0;
+    if (!saltus_system_forced(s->system))
+        return try_cycle(s, message);
+    int p = saltus_settling_candidate(&s->settling);
     /* A try at a long orbit of very many impacts may take minutes: only where it is all but reached. */
     double impacts = (double)saltus_flow_information(s->flow, 0).impacts / (double)s->settling.count;
     if (p == 0)
@@ -116,7 +197,7 @@ static saltus_status try_period(saltus_search *s, saltus_message *message) {
     }
     double near = fmax(nearby, 30 * recurrence);
     saltus_status status = saltus_return_polish(s->beside, p, last, &shooting, &s->orbit, &s->lap, message);
-    if (status == SALTUS_OK && saltus_multipliers_stable(s->orbit.multipliers, s->orbit.dimension) &&
+    if (status == SALTUS_OK && saltus_multipliers_stable(s->orbit.multipliers, s->orbit.multiplier_count) &&
         saltus_system_distance(s->system, s->orbit.state, last) <= near)
         status = confirm(s, message);
     else if (status != SALTUS_NO_MEMORY)
@@ -171,9 +252,24 @@ saltus_status saltus_search_run(saltus_search *s, long long at_most, saltus_moti
     return status;
 }
 
+saltus_status saltus_search_count_returns(const saltus_search *s, saltus_system **counted,
+                                          saltus_message *message) {
+    enum { few = 16 };
+    const saltus_settling *r = &s->returns;
+    *counted = NULL;
+    if (saltus_system_forced(s->system) || r->count < few)
+        return SALTUS_OK;
+    long long now = r->count - 1, span = r->count <= r->size ? now : r->size - 1;
+    double taken = s->return_times[now % r->size] - s->return_times[(now - span) % r->size];
+    saltus_spec spec = *saltus_system_spec(s->system);
+    saltus_spec_set_omega(&spec, saltus_spec_omega(&spec) * (double)span / taken);
+    return saltus_system_new(&spec, counted, message);
+}
+
 saltus_status saltus_search_conclude(saltus_search *s, saltus_motion *motion, saltus_message *message) {
     if (s->found)
-        return saltus_motion_take(s->system, s->beside, &s->orbit, &s->lap, s->options, motion, message);
+        return saltus_motion_take(s->clocked ? s->clocked : s->system, s->clocked ? s->around : s->beside,
+                                  &s->orbit, &s->lap, s->options, motion, message);
     if (motion->verdict == SALTUS_UNDECIDED) {
         char recurrence[64] = "";
         double closest = saltus_settling_closest(&s->settling);

@@ -9,6 +9,10 @@
  * left to the periodic QR iteration (base/periodic.h), which needs no separation. (Dieci & Van Vleck, Appl.
  * Numer. Math. 17 (1995) 275-291; Lust, Int. J. Bifurcation Chaos 11 (2001) 2389-2410.)
  *
+ * Of an orbit without forcing one multiplier belongs to the flow's own direction f. With bases at the
+ * segments' ends whose first vector is that of f, every segment is block triangular, (t *; 0 B): the product
+ * of t is 1 but for the errors, and the B have the other multipliers.
+ *
  * An orbit with lasting contacts loses two dimensions per contact; as many multipliers are exact zeros.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "orbit/multipliers.h"
@@ -42,11 +46,14 @@ static double choose_density(const saltus_system *system, int n, int periods) {
 }
 
 saltus_status saltus_cocycle_open(saltus_cocycle *cocycle, const saltus_system *system, int periods,
-                                  saltus_message *message) {
+                                  bool autonomous, saltus_message *message) {
     int n = cocycle->n = saltus_system_dimension(system);
     cocycle->count = cocycle->zeros = 0;
+    cocycle->autonomous = autonomous;
+    cocycle->periods = periods;
+    cocycle->scale = saltus_system_scale(system);
     cocycle->sum_rule = 0;
-    cocycle->density = choose_density(system, n, periods);
+    cocycle->density = fmax(choose_density(system, n, periods), cocycle->wanted);
     if (!cocycle->table)
         cocycle->table = gsl_integration_glfixed_table_alloc(SALTUS_TRACE_POINTS);
     if (!cocycle->columns)
@@ -60,10 +67,24 @@ saltus_status saltus_cocycle_open(saltus_cocycle *cocycle, const saltus_system *
 
 void saltus_cocycle_close(saltus_cocycle *cocycle) {
     free(cocycle->segments);
+    free(cocycle->fields);
     free(cocycle->columns);
     if (cocycle->table)
         gsl_integration_glfixed_table_free(cocycle->table);
     *cocycle = (saltus_cocycle){0};
+}
+
+/* The direction of the flow where a segment begins, of unit length in the system's scales. */
+static void note_field(saltus_cocycle *cocycle, saltus_flow *flow) {
+    const double *scale = cocycle->scale;
+    double *field = cocycle->fields + (size_t)cocycle->count * (size_t)cocycle->n, size = 0;
+    saltus_flow_field(flow, 0, field);
+    for (int i = 0; i < cocycle->n; i++) {
+        field[i] /= scale[i];
+        size = hypot(size, field[i]);
+    }
+    for (int i = 0; i < cocycle->n; i++)
+        field[i] = size > 0 ? field[i] / size : i == 0;
 }
 
 /* One segment more: its derivative, its share of the sum rule, and the number of exact zeros. */
@@ -73,6 +94,8 @@ static saltus_status follow_segment(saltus_cocycle *cocycle, saltus_flow *flow, 
     double *state = cocycle->columns + n * n;
     saltus_flow_info before = saltus_flow_information(flow, 0);
     long long steps = before.steps;
+    if (cocycle->autonomous)
+        note_field(cocycle, flow);
     saltus_flow_set_tangents(flow, 0, cocycle->columns);
     for (saltus_event event = {.kind = SALTUS_STEP}; event.kind != SALTUS_REACHED;) {
         saltus_status status =
@@ -103,6 +126,10 @@ saltus_status saltus_cocycle_follow(saltus_cocycle *cocycle, saltus_flow *flow, 
         if (!grown)
             return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the multipliers");
         cocycle->segments = grown;
+        grown = realloc(cocycle->fields, room * (size_t)cocycle->n * sizeof *grown);
+        if (!grown)
+            return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the multipliers");
+        cocycle->fields = grown;
         cocycle->room = (int)room;
     }
     saltus_status status = SALTUS_OK;
@@ -336,6 +363,101 @@ saltus_status saltus_cocycle_multipliers(const double *segments, int n, int coun
                  : saltus_fail(message, SALTUS_NO_CONVERGENCE, "the multipliers' eigenvalue iteration fails");
 }
 
+/* vector = vector reflected so that e1 and the unit vector f change places, but for the sign; entries
+ * `stride` apart. */
+static void reflect(const double *f, int n, double *vector, int stride) {
+    const double first = f[0] + copysign(1, f[0]);
+    double along = first * vector[0];
+    for (int i = 1; i < n; i++)
+        along += f[i] * vector[i * stride];
+    along /= fabs(first); /* half the square of the reflecting vector's length */
+    vector[0] -= along * first;
+    for (int i = 1; i < n; i++)
+        vector[i * stride] -= along * f[i];
+}
+
+/* Segments of one dimension less, without the flow's direction; returns the multiplier of that. */
+static double deflate(saltus_cocycle *cocycle) {
+    const double *scale = cocycle->scale;
+    int n = cocycle->n;
+    double trivial = 1;
+    for (int m = 0; m < cocycle->count; m++) {
+        double *a = cocycle->segments + (size_t)m * (size_t)(n * n);
+        const double *from = cocycle->fields + (size_t)(m * n),
+                     *to = cocycle->fields + (size_t)((m + 1) % cocycle->count * n);
+        for (int k = 0; k < n; k++)
+            for (int i = 0; i < n; i++)
+                a[k * n + i] *= scale[k] / scale[i];
+        for (int k = 0; k < n; k++)
+            reflect(to, n, a + k * n, 1);
+        for (int i = 0; i < n; i++)
+            reflect(from, n, a + i, n);
+        trivial *= a[0];
+        double *out = cocycle->segments + (size_t)m * (size_t)((n - 1) * (n - 1));
+        for (int k = 1; k < n; k++)
+            for (int i = 1; i < n; i++)
+                *out++ = a[k * n + i];
+    }
+    return trivial;
+}
+
+/* Multipliers so small that a segment's errors hide them are not resolved. */
+static void forget_hidden(const saltus_cocycle *cocycle, saltus_multiplier *found, int count) {
+    const double hidden = -18; /* logarithm of a growth over a segment */
+    for (int k = 0; k < count; k++)
+        if (isfinite(found[k].log_modulus) && found[k].log_modulus < hidden * cocycle->count)
+            found[k] = (saltus_multiplier){0, 0, NAN};
+}
+
+saltus_status saltus_cocycle_solve(saltus_cocycle *cocycle, saltus_multiplier *out, int *count,
+                                   double *trivial, double *log_volume, saltus_message *message) {
+    enum { bytes_max = 1 << 24 };
+    const double over_segment = 10; /* a contraction that leaves the smallest multiplier its digits */
+    const int n = cocycle->n;
+    *count = n - cocycle->autonomous;
+    *trivial = cocycle->autonomous ? deflate(cocycle) : 0;
+    saltus_status status = saltus_cocycle_multipliers(cocycle->segments, *count, cocycle->count,
+                                                      cocycle->zeros, out, log_volume, message);
+    if (status != SALTUS_OK || !cocycle->autonomous)
+        return status;
+    /* Where the flow contracts most is not known before it has been followed. */
+    double wanted = fmin(-cocycle->sum_rule / over_segment, bytes_max / (8.0 * n * n)) / cocycle->periods;
+    if (wanted > cocycle->density)
+        cocycle->wanted = wanted;
+    forget_hidden(cocycle, out, *count);
+    for (int k = 0; k < *count; k++)
+        if (isnan(out[k].log_modulus))
+            *log_volume = NAN;
+    return status;
+}
+
+/* Once around an orbit: its derivative and multipliers. `product` is scratch of the monodromy matrix's size.
+ */
+static saltus_status go_around(saltus_cocycle *cocycle, const saltus_system *system, saltus_flow *flow,
+                               const saltus_orbit_options *options, saltus_orbit *orbit, double *product,
+                               saltus_message *message) {
+    const int n = orbit->dimension;
+    const double phase = options->free_period ? 0 : options->phase;
+    saltus_status status =
+        saltus_cocycle_open(cocycle, system, orbit->periods, options->free_period, message);
+    if (status == SALTUS_OK)
+        status = saltus_flow_start(flow, 0, (saltus_time){0, phase}, orbit->state, message);
+    if (status == SALTUS_OK)
+        status = saltus_cocycle_follow(cocycle, flow, (saltus_time){orbit->periods, phase}, NULL, message);
+    if (status != SALTUS_OK)
+        return status;
+    orbit->sum_rule = cocycle->sum_rule;
+    orbit->sticks = cocycle->zeros > 0;
+    for (int i = 0; i < n * n; i++)
+        orbit->monodromy[i] = i % (n + 1) == 0;
+    for (int m = 0; m < cocycle->count; m++) {
+        multiply(cocycle->segments, n, m, NULL, orbit->monodromy, product);
+        memcpy(orbit->monodromy, product, (size_t)(n * n) * sizeof *product);
+    }
+    return saltus_cocycle_solve(cocycle, orbit->multipliers, &orbit->multiplier_count, &orbit->trivial,
+                                &orbit->log_volume, message);
+}
+
 saltus_status saltus_orbit_multipliers(const saltus_system *system, const saltus_orbit_options *options,
                                        saltus_orbit *orbit, saltus_message *message) {
     int n = orbit->dimension;
@@ -343,32 +465,17 @@ saltus_status saltus_orbit_multipliers(const saltus_system *system, const saltus
     saltus_cocycle cocycle = {.n = n};
     saltus_flow *flow = NULL;
     saltus_status status = saltus_flow_single(system, n, &options->flow, &flow, message);
-    if (status == SALTUS_OK)
-        status = saltus_cocycle_open(&cocycle, system, orbit->periods, message);
-    if (status == SALTUS_OK)
-        status = saltus_flow_start(flow, 0, (saltus_time){0, options->phase}, orbit->state, message);
-    if (status == SALTUS_OK)
-        status = saltus_cocycle_follow(&cocycle, flow, (saltus_time){orbit->periods, options->phase}, NULL,
-                                       message);
-    saltus_flow_free(flow);
     double *product = calloc(square, sizeof *product);
     orbit->monodromy = calloc(square, sizeof *orbit->monodromy);
     orbit->multipliers = calloc((size_t)n, sizeof *orbit->multipliers);
     if (status == SALTUS_OK && !(product && orbit->monodromy && orbit->multipliers))
         status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the multipliers");
-    if (status == SALTUS_OK) {
-        orbit->sum_rule = cocycle.sum_rule;
-        orbit->sticks = cocycle.zeros > 0;
-        for (int i = 0; i < n; i++)
-            orbit->monodromy[i * n + i] = 1;
-        for (int m = 0; m < cocycle.count; m++) {
-            multiply(cocycle.segments, n, m, NULL, orbit->monodromy, product);
-            memcpy(orbit->monodromy, product, square * sizeof *product);
-        }
-        status = saltus_cocycle_multipliers(cocycle.segments, n, cocycle.count, cocycle.zeros,
-                                            orbit->multipliers, &orbit->log_volume, message);
-    }
+    if (status == SALTUS_OK)
+        status = go_around(&cocycle, system, flow, options, orbit, product, message);
+    if (status == SALTUS_OK && cocycle.wanted > cocycle.density)
+        status = go_around(&cocycle, system, flow, options, orbit, product, message);
     free(product);
+    saltus_flow_free(flow);
     saltus_cocycle_close(&cocycle);
     return status;
 }

@@ -11,18 +11,23 @@
  * each keeps the digits of its smallest singular value. It is filled piece by piece from a flow with n
  * columns, and is the workspace for that. */
 typedef struct saltus_cocycle {
-    int n, count, room;
-    int zeros;        /* multipliers that are zero because directions are lost (lasting contacts, r = 0) */
-    double *segments; /* count matrices n x n, by columns */
-    double sum_rule;  /* integral of the trace, and 2 ln r for each impact */
-    double density;   /* of segments, per period */
-    double *columns;  /* the identity, and room for a state */
+    int n, count, room, periods;
+    int zeros;           /* multipliers that are zero because directions are lost (lasting contacts, r = 0) */
+    double *segments;    /* count matrices n x n, by columns */
+    double sum_rule;     /* integral of the trace, and 2 ln r for each impact */
+    double density;      /* of segments, per period */
+    double wanted;       /* at least as many, as an orbit before has shown; 0: not known */
+    double *columns;     /* the identity, and room for a state */
+    bool autonomous;     /* the flow's own direction is a multiplier of 1, which is told apart */
+    const double *scale; /* the system's */
+    double *fields;      /* then: the direction of the flow at each segment's begin, in the system's scales */
     gsl_integration_glfixed_table *table;
 } saltus_cocycle;
 
-/* An empty cocycle for orbits of so many periods; its memory is used again. Errors: SALTUS_NO_MEMORY. */
+/* An empty cocycle for orbits of so many periods, `autonomous` for those of a scene without forcing that are
+ * no rests; its memory is used again. Errors: SALTUS_NO_MEMORY. */
 saltus_status saltus_cocycle_open(saltus_cocycle *cocycle, const saltus_system *system, int periods,
-                                  saltus_message *message);
+                                  bool autonomous, saltus_message *message);
 /* A zeroed cocycle is accepted. */
 void saltus_cocycle_close(saltus_cocycle *cocycle);
 /* Follow lane 0 of a flow to a time; contact events go to the lap (may be NULL). Errors: those of the flow,
@@ -36,6 +41,12 @@ saltus_status saltus_cocycle_follow(saltus_cocycle *cocycle, saltus_flow *flow, 
  * resolved. Errors: SALTUS_NO_MEMORY, SALTUS_NO_CONVERGENCE. */
 saltus_status saltus_cocycle_multipliers(const double *segments, int n, int count, int zeros,
                                          saltus_multiplier *out, double *log_volume, saltus_message *message);
+
+/* The multipliers of a cocycle that has been followed once around an orbit: *count of them to `out`, the
+ * dimension or, of an autonomous orbit, one less; *trivial is then the multiplier along the flow, as
+ * computed, otherwise 0. Autonomous, the segments are used up. Errors: as above. */
+saltus_status saltus_cocycle_solve(saltus_cocycle *cocycle, saltus_multiplier *out, int *count,
+                                   double *trivial, double *log_volume, saltus_message *message);
 
 /* Fill orbit->monodromy, multipliers, sticks, log_volume and sum_rule from orbit->state, which must be a
  * periodic point of period orbit->periods. The arrays are allocated. Errors: those of the flow,

@@ -24,7 +24,8 @@ typedef struct search {
     const saltus_orbit_options *options;
     int n, periods;
     saltus_shooting *shooting;
-    saltus_flow *flow; /* event-driven, without tangent vectors */
+    saltus_flow *flow;     /* event-driven, without tangent vectors */
+    saltus_system *system; /* the flow's, where the period has changed; otherwise NULL */
     saltus_lap lap;
     double *u; /* the shooting's unknowns */
     int unknowns_room;
@@ -59,6 +60,23 @@ static void cut_sequence(saltus_sequence *sequence, int segments, double growth)
         sequence->cut[j] = sequence->base + (double)j * sequence->periods / sequence->cuts;
 }
 
+/* The event-driven flow counts time as the best orbit does. */
+static saltus_status retune(search *s, saltus_message *message) {
+    saltus_spec spec = *saltus_system_spec(saltus_flow_system(s->flow, 0));
+    saltus_system *system;
+    if (!(s->sequence.omega > 0))
+        return SALTUS_OK;
+    saltus_spec_set_omega(&spec, s->sequence.omega);
+    saltus_status status = saltus_system_new(&spec, &system, message);
+    if (status == SALTUS_OK)
+        status = saltus_flow_retune(s->flow, 0, system, message);
+    if (status == SALTUS_OK) {
+        saltus_system_free(s->system);
+        s->system = system;
+    }
+    return status;
+}
+
 /* Newton's method from the best state, with the events of a sequence. Where there is no orbit it may run so
  * far that all the forcing does is lost in rounding: that is a failure too. */
 static saltus_status solve(search *s, const saltus_sequence *sequence, saltus_message *message) {
@@ -80,6 +98,8 @@ static saltus_status solve(search *s, const saltus_sequence *sequence, saltus_me
     s->residual = equations->size;
     if (status == SALTUS_OK || s->residual < INFINITY)
         saltus_shooting_extract(s->shooting, s->u, &s->sequence, s->state);
+    if (status == SALTUS_OK)
+        status = retune(s, message);
     const double *scale = saltus_system_scale(saltus_shooting_system(s->shooting));
     for (int i = 0; i < s->n; i++)
         size = fmax(size, fabs(s->state[i]) / scale[i]);
@@ -137,7 +157,7 @@ static int find_passing(search *s, const double *guess) {
     memcpy(s->state, guess, bytes);
     s->sequence = met;
     if (to_section(s, 0, &ignored) != SALTUS_OK ||
-        saltus_sequence_make(s->flow, s->periods, s->state, &s->lap, &met, &ignored) != SALTUS_OK)
+        saltus_sequence_make(s->flow, s->periods, false, s->state, &s->lap, &met, &ignored) != SALTUS_OK)
         return -1;
     memcpy(start, s->state, bytes);
     for (int out = 0; out < met.count && out < tries; out++) {
@@ -154,14 +174,36 @@ static int find_passing(search *s, const double *guess) {
     return -1;
 }
 
+/* The sequence that the flow meets from the best state, which moves to its base. Without a clock of the
+ * forcing time begins there. */
+static saltus_status meet(search *s, saltus_sequence *met, saltus_message *message) {
+    saltus_status status =
+        saltus_sequence_make(s->flow, s->periods, s->options->free_period, s->state, &s->lap, met, message);
+    if (status != SALTUS_OK || !s->options->free_period)
+        return status;
+    for (int k = 0; k < met->count; k++)
+        met->mark[k].time -= met->base;
+    met->base = met->cut[0] = 0;
+    return status;
+}
+
 /* The two formulations in turn, each from where the other has come to. The cause that a failure names: an
  * orbit found that passes through a stop says more than a residual. */
 static saltus_status find(search *s, const double *guess, saltus_message *message) {
-    saltus_sequence driven = {.periods = s->periods, .base = s->options->phase, .driven = true};
+    const double phase = s->options->free_period ? 0 : s->options->phase;
+    saltus_sequence driven = {.periods = s->periods, .base = phase, .driven = true};
     saltus_message plain = {.text = ""}, ignored;
     saltus_status first = SALTUS_OK;
     int passing = -1;
     memcpy(s->state, guess, (size_t)s->n * sizeof *guess);
+    if (s->options->free_period) {
+        first = meet(s, &driven, message);
+        if (first != SALTUS_OK)
+            return first;
+        driven.count = 0;
+        driven.contacts = 0;
+        driven.driven = true;
+    }
     for (int turn = 0; turn < turns_max; turn++) {
         saltus_sequence met;
         int events = -1;
@@ -175,16 +217,16 @@ static saltus_status find(search *s, const double *guess, saltus_message *messag
             break;
         status = to_section(s, 0, &ignored);
         if (status == SALTUS_OK)
-            status = saltus_sequence_make(s->flow, s->periods, s->state, &s->lap, &met, &ignored);
+            status = meet(s, &met, &ignored);
         if (status == SALTUS_OK)
             status = solve_sequence(s, &met, &events);
         if (status == SALTUS_OK)
-            return to_section(s, s->options->phase, message);
+            return to_section(s, phase, message);
         passing = passing < 0 ? events : passing;
-        if (!(s->residual < INFINITY) || to_section(s, s->options->phase, &ignored) != SALTUS_OK)
+        if (!(s->residual < INFINITY) || to_section(s, phase, &ignored) != SALTUS_OK)
             break;
     }
-    if (passing < 0 && first != SALTUS_NO_MEMORY && first != SALTUS_BAD_INPUT)
+    if (passing < 0 && first != SALTUS_NO_MEMORY && first != SALTUS_BAD_INPUT && !s->options->free_period)
         passing = find_passing(s, guess);
     return passing < 0 ? saltus_fail(message, first, "%s", plain.text)
                        : saltus_fail(message, SALTUS_NO_CONVERGENCE,
@@ -198,6 +240,9 @@ saltus_status saltus_orbit_find(const saltus_system *system, int periods, const 
     int n = saltus_system_dimension(system);
     search s = {.options = options, .n = n, .periods = periods, .lap.keeps_events = true};
     *orbit = (saltus_orbit){.dimension = n, .periods = periods};
+    if (options->free_period && saltus_system_forced(system))
+        return saltus_fail(message, SALTUS_BAD_INPUT,
+                           "the scene is forced: its orbits have the forcing's period");
     saltus_status status = saltus_flow_single(system, 0, &options->flow, &s.flow, message);
     if (status == SALTUS_OK)
         status = saltus_shooting_new(&(saltus_family){.spec = *saltus_system_spec(system)}, options,
@@ -211,10 +256,12 @@ saltus_status saltus_orbit_find(const saltus_system *system, int periods, const 
         status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for shooting");
     if (status == SALTUS_OK) {
         memcpy(orbit->state, s.state, (size_t)n * sizeof *s.state);
-        status = saltus_orbit_multipliers(system, options, orbit, message);
+        orbit->omega = saltus_spec_omega(saltus_system_spec(saltus_flow_system(s.flow, 0)));
+        status = saltus_orbit_multipliers(saltus_flow_system(s.flow, 0), options, orbit, message);
     }
     saltus_shooting_free(s.shooting);
     saltus_flow_free(s.flow);
+    saltus_system_free(s.system);
     saltus_lap_close(&s.lap);
     free(s.u);
     if (status != SALTUS_OK)

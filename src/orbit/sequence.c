@@ -111,19 +111,70 @@ static void make_marks(const saltus_lap *lap, saltus_sequence *s) {
     }
 }
 
-saltus_status saltus_sequence_make(saltus_flow *flow, int periods, double *state, saltus_lap *lap,
-                                   saltus_sequence *s, saltus_message *message) {
+bool saltus_orbit_turning(saltus_flow *flow, int periods, double *time, double *state) {
+    enum { most = 64 };
+    const double apart = 0.02 * periods;
+    const double begin = *time;
+    const int n = saltus_system_dimension(saltus_flow_system(flow, 0));
+    double best = 0, contact[most], place = begin, found[SALTUS_STATE_MAX];
+    int contacts = 0;
+    /* First the contacts, then the turning points between them. */
+    for (int pass = 0; pass < 2; pass++) {
+        saltus_event event = {.kind = SALTUS_STEP};
+        if (saltus_flow_start(flow, 0, saltus_time_of(begin), state, NULL) != SALTUS_OK)
+            return false;
+        while (event.kind != SALTUS_REACHED) {
+            unsigned watch = pass ? SALTUS_WATCH_TURNING : SALTUS_WATCH_CONTACT;
+            if (saltus_flow_advance(flow, saltus_time_of(begin + periods), watch, &event, NULL) != SALTUS_OK)
+                return false;
+            double at = saltus_time_periods(event.time), near = INFINITY;
+            if (event.kind == SALTUS_REACHED || (pass == 0 && contacts == most))
+                continue;
+            if (pass == 0) {
+                contact[contacts++] = at;
+                continue;
+            }
+            for (int k = 0; k < contacts; k++)
+                near = fmin(near, fabs(remainder(at - contact[k], periods)));
+            if (near < apart || saltus_flow_contacts(flow, 0) || !(fabs(event.velocity_before) > best))
+                continue;
+            best = fabs(event.velocity_before);
+            place = at;
+            saltus_flow_state(flow, 0, found);
+        }
+    }
+    if (best > 0) {
+        *time = place;
+        memcpy(state, found, (size_t)n * sizeof *state);
+    }
+    return best > 0;
+}
+
+/* From a state at section phase 0 to the sequence's base. */
+static saltus_status go_to_base(saltus_flow *flow, const saltus_sequence *s, double *state,
+                                saltus_message *message) {
     saltus_event event;
+    saltus_status status = saltus_flow_start(flow, 0, (saltus_time){0, 0}, state, message);
+    if (status == SALTUS_OK)
+        status = saltus_flow_advance(flow, saltus_time_of(s->base), 0, &event, message);
+    saltus_flow_state(flow, 0, state);
+    return status;
+}
+
+saltus_status saltus_sequence_make(saltus_flow *flow, int periods, bool free_period, double *state,
+                                   saltus_lap *lap, saltus_sequence *s, saltus_message *message) {
+    double time = 0;
     *s = (saltus_sequence){.periods = periods, .cuts = 1};
     saltus_status status = saltus_sequence_walk(s, flow, state, lap, NULL, message);
     if (status != SALTUS_OK)
         return status;
-    s->base = s->cut[0] = longest_flight(lap);
+    bool turning = free_period && saltus_orbit_turning(flow, periods, &time, state);
+    s->base = s->cut[0] = turning ? fmod(time, periods) : longest_flight(lap);
     if (s->base > 0) {
-        status = saltus_flow_start(flow, 0, (saltus_time){0, 0}, state, message);
-        if (status == SALTUS_OK)
-            status = saltus_flow_advance(flow, saltus_time_of(s->base), 0, &event, message);
-        saltus_flow_state(flow, 0, state);
+        if (!turning)
+            status = go_to_base(flow, s, state, message);
+        else
+            status = saltus_flow_start(flow, 0, saltus_time_of(s->base), state, message);
         s->contacts = saltus_flow_contacts(flow, 0);
         if (status == SALTUS_OK)
             status = saltus_sequence_walk(s, flow, state, lap, NULL, message);
@@ -132,6 +183,11 @@ saltus_status saltus_sequence_make(saltus_flow *flow, int periods, double *state
     }
     if (status == SALTUS_OK)
         make_marks(lap, s);
+    if (status == SALTUS_OK && free_period) {
+        status = saltus_flow_start(flow, 0, saltus_time_of(s->base), state, message);
+        if (status == SALTUS_OK)
+            saltus_sequence_anchor(s, flow, turning);
+    }
     return status;
 }
 

@@ -31,13 +31,19 @@ static saltus_status open_parts(saltus_shooting *p, saltus_message *message) {
     saltus_flow_options flow = p->options.flow;
     const saltus_system *system = p->system;
     p->n = saltus_system_dimension(system);
-    flow.directions = p->family.parameters;
+    saltus_direction direction[SALTUS_DIRECTIONS_MAX];
+    for (int d = 0; d < p->family.parameters; d++)
+        direction[d] = p->family.direction[d];
+    p->directions = p->family.parameters;
+    if (!saltus_system_forced(system))
+        direction[p->directions++] = saltus_spec_omega_direction(&p->family.spec);
+    flow.directions = p->directions;
     p->columns = flow.columns = p->n + flow.directions;
     saltus_status status = saltus_flow_new(&system, 1, &flow, &p->flow, message);
     if (status != SALTUS_OK)
         return status;
-    if (p->family.parameters)
-        saltus_flow_set_directions(p->flow, p->family.direction);
+    if (p->directions)
+        saltus_flow_set_directions(p->flow, direction);
     reserve(p);
     if (!saltus_arena_open(&p->arena))
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for shooting");
@@ -108,7 +114,8 @@ saltus_status saltus_shooting_shape(saltus_shooting *p, const saltus_sequence *s
     if (sequence->periods < 1)
         return saltus_fail(message, SALTUS_BAD_INPUT, "periods = %d: must be at least 1", sequence->periods);
     p->sequence = *sequence;
-    p->count = cuts * p->n + marks;
+    p->plain_count = cuts * p->n + marks;
+    p->count = saltus_sequence_unknowns(sequence, p->n);
     p->equations.kind = marks ? "event times unknown" : "stroboscopic map";
     int unknowns = p->count + (p->family.parameters > 1 ? p->family.parameters : 1);
     p->breach_room = 2 * marks + 2 * (marks + cuts + 1) * faces;
@@ -121,6 +128,36 @@ saltus_status saltus_shooting_shape(saltus_shooting *p, const saltus_sequence *s
     for (int j = 0; j < p->count; j++)
         p->scale[j] = j < cuts * p->n ? p->state_scale[j % p->n] : 1;
     return SALTUS_OK;
+}
+
+int saltus_sequence_unknowns(const saltus_sequence *s, int n) {
+    return s->cuts * n + s->count + (s->omega > 0);
+}
+
+void saltus_sequence_anchor(saltus_sequence *s, saltus_flow *flow, bool turning) {
+    const saltus_system *system = saltus_flow_system(flow, 0);
+    const double *scale = saltus_system_scale(system);
+    int n = saltus_system_dimension(system);
+    const double *observer = saltus_system_observer(system);
+    double field[SALTUS_STATE_MAX], size = 0;
+    int dof = saltus_system_dof(system);
+    s->omega = saltus_spec_omega(saltus_system_spec(system));
+    saltus_flow_state(flow, 0, s->anchor);
+    saltus_flow_field(flow, 0, field);
+    s->speed = 0;
+    for (int i = 0; i < n; i++) {
+        field[i] /= scale[i];
+        s->across[i] = !turning ? field[i] : i >= dof && i < 2 * dof ? observer[i - dof] * scale[i] : 0;
+        size = hypot(size, s->across[i]);
+    }
+    for (int i = 0; i < n && size > 0; i++) {
+        s->across[i] /= size;
+        s->speed += s->across[i] * field[i];
+    }
+    /* The flow crosses it in the direction of `across`. */
+    for (int i = 0; i < n && s->speed < 0; i++)
+        s->across[i] = -s->across[i];
+    s->speed = fabs(s->speed);
 }
 
 saltus_equations *saltus_shooting_equations(saltus_shooting *p) {
@@ -140,6 +177,10 @@ double saltus_shooting_speed_scale(const saltus_shooting *p) {
 }
 int saltus_shooting_closing_row(const saltus_shooting *p) {
     return (p->sequence.cuts - 1) * p->n;
+}
+double saltus_shooting_onward(const saltus_shooting *p, double *speed) {
+    *speed = p->flow_speed;
+    return p->onward;
 }
 const saltus_breach *saltus_shooting_breaches(const saltus_shooting *p, int *count) {
     *count = p->breach_count;
@@ -164,6 +205,8 @@ saltus_status saltus_shooting_fill(saltus_shooting *p, const double *parameters,
         u[j] = j < n ? state[j] / p->scale[j] : 0;
     for (int k = 0; k < s->count; k++)
         u[s->cuts * n + k] = s->mark[k].time;
+    if (s->omega > 0)
+        u[p->plain_count] = log(saltus_spec_omega(&p->family.spec) / s->omega);
     u[p->count] = 0;
     for (int d = 0; d < p->family.parameters; d++)
         u[p->count + d] = parameters[d];
@@ -191,6 +234,8 @@ void saltus_shooting_extract(const saltus_shooting *p, const double *u, saltus_s
         state[i] = u[i] * p->scale[i];
     for (int k = 0; k < sequence->count; k++)
         sequence->mark[k].time = u[sequence->cuts * p->n + k];
+    if (sequence->omega > 0)
+        sequence->omega = saltus_shooting_omega(p, u);
 }
 
 /* The Jacobian with the parameter fixed, and an orbit that closes on minus its begin. */

@@ -7,6 +7,10 @@
  * "formulation with unknowns at the impacts"). Whether stops are respected between the marks is another
  * question, answered by the extremes collected on the way.
  *
+ * Where the scene is not forced the period is an unknown too, by the logarithm of its ratio to the family's,
+ * and one more equation says where on the orbit its base is: on the hyperplane through `anchor`
+ * that `across` is normal to.
+ *
  * A mark may be `driven`: from there to the next mark the flow finds its events itself, as it must through
  * complete chatter. A sequence without marks, driven from its base, is ordinary shooting.
  * SPDX-License-Identifier: GPL-3.0-or-later */
@@ -35,6 +39,10 @@ typedef struct saltus_sequence {
     saltus_mark mark[SALTUS_MARKS_MAX];
     int cuts; /* >= 1; cut 0 is the base */
     double cut[SALTUS_CUTS_MAX];
+    double
+        omega; /* with which a scene without forcing counts the orbit's times; 0: the period is no unknown */
+    /* With omega; `across` and the flow's `speed` at the anchor in scaled units. */
+    double anchor[SALTUS_STATE_MAX], across[SALTUS_STATE_MAX], speed;
 } saltus_sequence;
 
 typedef enum saltus_breach_kind {
@@ -65,15 +73,22 @@ typedef struct saltus_family {
     double unit[2];
 } saltus_family;
 
-/* The specification at values of the parameter unknowns (as many as there are parameters). */
-saltus_spec saltus_family_spec(const saltus_family *family, const double *parameters);
+/* The specification at values of the parameter unknowns (as many as there are parameters), and with a
+ * sequence's omega where that is not 0. */
+saltus_spec saltus_family_spec(const saltus_family *family, const double *parameters, double omega);
+/* How many unknowns the orbits of a sequence in n dimensions have, but for the parameters. */
+int saltus_sequence_unknowns(const saltus_sequence *sequence, int n);
+/* The period of a sequence becomes an unknown, its base lies where the flow now is: on the hyperplane on
+ * which the observed velocity is zero, where `turning`, which rests lie on too; otherwise on one across the
+ * flow. */
+void saltus_sequence_anchor(saltus_sequence *sequence, saltus_flow *flow, bool turning);
 
 /* A workspace for the orbits of a family. */
 saltus_status saltus_shooting_new(const saltus_family *family, const saltus_orbit_options *options,
                                   saltus_shooting **shooting, saltus_message *message);
 void saltus_shooting_free(saltus_shooting *shooting);
 /* Take on a sequence: afterwards the unknowns are, all in scaled units, the states at the cuts, the times of
- * the marks, the parameters. */
+ * the marks, the period's where it is one, the parameters. */
 saltus_status saltus_shooting_shape(saltus_shooting *shooting, const saltus_sequence *sequence,
                                     saltus_message *message);
 /* The equations of the sequence: continuity and the marks. With two parameters there are two unknowns more
@@ -96,6 +111,9 @@ const double *saltus_shooting_states(saltus_shooting *shooting, const double *u)
 
 /* The largest growth of a scaled perturbation over a segment, at the last evaluation. */
 double saltus_shooting_growth(const saltus_shooting *shooting);
+/* The speed of the flow across the anchor's hyperplane where the orbit closes, in units of that at the
+ * anchor, at the last evaluation, 0 without an anchor; and its *speed in all directions. */
+double saltus_shooting_onward(const saltus_shooting *shooting, double *speed);
 /* What the last evaluation saw of the orbit between its marks; `count` entries. */
 const saltus_breach *saltus_shooting_breaches(const saltus_shooting *shooting, int *count);
 /* The scale of normal speeds, in which breaches give them. */

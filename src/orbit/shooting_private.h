@@ -9,12 +9,14 @@ struct saltus_shooting {
     saltus_family family;
     saltus_orbit_options options;
     saltus_system *system;
-    double at[2]; /* the parameters that `system` has */
+    double at[2], omega; /* the parameters, and the sequence's omega, that `system` has */
     saltus_flow *flow;
     int n, columns;
+    int directions;              /* of them: the parameters, and omega where the scene is not forced */
     double length, speed, force; /* scales of gaps, normal speeds, normal accelerations */
     saltus_sequence sequence;
-    int count; /* of the equations, and of the unknowns but for the parameters */
+    int plain_count; /* unknowns that are states and times */
+    int count;       /* of the equations, and of the unknowns but for the parameters */
     saltus_equations equations;
     saltus_arena arena; /* of what depends on the state's dimension alone */
     double *state_scale, *end, *tangents, *gradient, *shift; /* n or columns of them; n x columns tangents */
@@ -22,11 +24,15 @@ struct saltus_shooting {
     double *scale;                                           /* count */
     double *plain;                                           /* the unknowns unscaled */
     double *answer, *next; /* n x unknowns: how the state at hand answers to the unknowns */
-    double steps;          /* of the integrator in a period, as usual here; 0: not known */
+    double onward,
+        flow_speed; /* of the flow at the end, in units of the anchor's: across it, and altogether */
+    double steps;   /* of the integrator in a period, as usual here; 0: not known */
     saltus_breach *breaches;
     int breach_count, breach_room;
 };
 
+/* The omega of unknowns; 0 where it is none of them. */
+double saltus_shooting_omega(const saltus_shooting *shooting, const double *u);
 /* Along the first so many segments: their residuals, whatever the states at later cuts may be. Errors: those
  * of the flow; marks out of order. */
 saltus_status saltus_shooting_along(saltus_shooting *shooting, int segments, const double *u,

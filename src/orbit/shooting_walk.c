@@ -20,15 +20,26 @@ typedef struct walk {
     double held_since[SALTUS_FACES_MAX]; /* time at which a face began to hold */
 } walk;
 
+double saltus_shooting_omega(const saltus_shooting *p, const double *u) {
+    return p->sequence.omega > 0 ? saltus_spec_omega(&p->family.spec) * exp(-u[p->plain_count]) : 0;
+}
+
+/* The unknown that a parameter column of the flow belongs to, -1 for none: omega's comes last. */
+static int column_place(const saltus_shooting *p, int direction) {
+    if (direction < p->family.parameters)
+        return p->count + direction;
+    return p->count > p->plain_count ? p->plain_count : -1;
+}
+
 /* The tangent vectors of a new piece: the identity, and how the state answers to the parameter. */
 static void begin_piece(saltus_shooting *p) {
     int n = p->n;
     memset(p->tangents, 0, (size_t)(n * p->columns) * sizeof(double));
     for (int i = 0; i < n; i++)
         p->tangents[i * n + i] = 1;
-    for (int d = 0; d < p->family.parameters; d++)
-        for (int i = 0; i < n; i++)
-            p->tangents[(n + d) * n + i] = p->answer[i * p->equations.unknowns + p->count + d];
+    for (int d = 0; d < p->directions; d++)
+        for (int i = 0; i < n && column_place(p, d) >= 0; i++)
+            p->tangents[(n + d) * n + i] = p->answer[i * p->equations.unknowns + column_place(p, d)];
     saltus_flow_set_tangents(p->flow, 0, p->tangents);
 }
 
@@ -40,12 +51,12 @@ static void end_piece(saltus_shooting *p) {
     for (int k = 0; k < n; k++)
         for (int i = 0; i < n; i++) {
             double a = p->tangents[k * n + i];
-            for (int j = 0; j < p->count; j++)
+            for (int j = 0; j < p->plain_count; j++)
                 p->next[i * m + j] = fma(a, p->answer[k * m + j], p->next[i * m + j]);
         }
-    for (int d = 0; d < p->family.parameters; d++)
-        for (int i = 0; i < n; i++)
-            p->next[i * m + p->count + d] = p->tangents[(n + d) * n + i];
+    for (int d = 0; d < p->directions; d++)
+        for (int i = 0; i < n && column_place(p, d) >= 0; i++)
+            p->next[i * m + column_place(p, d)] = p->tangents[(n + d) * n + i];
     double *swap = p->answer;
     p->answer = p->next;
     p->next = swap;
@@ -127,8 +138,9 @@ static saltus_status open_segment(walk *w, int cut, unsigned contacts, saltus_me
     for (int i = 0; i < n; i++) {
         for (int k = 0; k < n; k++)
             p->answer[i * m + cut * n + k] = p->tangents[k * n + i];
-        for (int d = 0; d < p->family.parameters; d++)
-            p->answer[i * m + p->count + d] = p->tangents[(n + d) * n + i];
+        for (int d = 0; d < p->directions; d++)
+            if (column_place(p, d) >= 0)
+                p->answer[i * m + column_place(p, d)] = p->tangents[(n + d) * n + i];
     }
     return status;
 }
@@ -142,10 +154,11 @@ static void mark_row(saltus_shooting *p, int k, const saltus_strike *strike, dou
     for (int j = 0; j < m; j++)
         gradient[j] = 0;
     for (int i = 0; i < n; i++)
-        for (int j = 0; j < p->count; j++)
+        for (int j = 0; j < p->plain_count; j++)
             gradient[j] = fma(strike->equation_gradient[i] / scale, p->answer[i * m + j], gradient[j]);
-    for (int d = 0; d < p->family.parameters; d++)
-        gradient[p->count + d] = strike->equation_gradient[n + d] / scale;
+    for (int d = 0; d < p->directions; d++)
+        if (column_place(p, d) >= 0)
+            gradient[column_place(p, d)] = strike->equation_gradient[n + d] / scale;
     gradient[row] += strike->equation_rate * period / scale;
 }
 
@@ -198,30 +211,51 @@ static void match(walk *w, int cut) {
     }
 }
 
-/* The unknowns of the states and times are scaled, the parameters by the family's units. */
+/* Where on an orbit of unknown period its base is. */
+static void anchor_row(saltus_shooting *p) {
+    const saltus_sequence *s = &p->sequence;
+    double *row = p->equations.jacobian + (size_t)p->plain_count * (size_t)p->equations.unknowns;
+    memset(row, 0, (size_t)p->equations.unknowns * sizeof *row);
+    p->equations.residual[p->plain_count] = p->onward = p->flow_speed = 0;
+    saltus_flow_field(p->flow, 0, p->shift);
+    for (int i = 0; i < p->n; i++) {
+        row[i] = s->across[i] / p->scale[i];
+        p->equations.residual[p->plain_count] += row[i] * (p->plain[i] - s->anchor[i]);
+        p->onward += row[i] * p->shift[i] / s->speed;
+        p->flow_speed = hypot(p->flow_speed, p->shift[i] / p->scale[i] / s->speed);
+    }
+}
+
+/* The unknowns of the states and times are scaled, omega falls with the period's logarithm, the parameters go
+ * by the family's units. */
 static void scale_columns(saltus_shooting *p) {
     int m = p->equations.unknowns;
     for (int i = 0; i < p->count; i++)
         for (int j = 0; j < m; j++)
-            p->equations.jacobian[(size_t)i * (size_t)m + (size_t)j] *=
-                j < p->count ? p->scale[j] : p->family.unit[j - p->count];
+            p->equations.jacobian[(size_t)i * (size_t)m + (size_t)j] *= j < p->plain_count ? p->scale[j]
+                                                                        : j < p->count
+                                                                            ? -p->omega
+                                                                            : p->family.unit[j - p->count];
 }
 
-saltus_spec saltus_family_spec(const saltus_family *family, const double *parameters) {
+saltus_spec saltus_family_spec(const saltus_family *family, const double *parameters, double omega) {
     saltus_spec spec = family->spec;
+    if (omega > 0)
+        saltus_spec_set_omega(&spec, omega);
     for (int d = 0; d < family->parameters; d++)
         spec = saltus_spec_shifted(&spec, &family->direction[d], family->unit[d] * parameters[d]);
     return spec;
 }
 
-/* Make the system that of the parameters. */
-static saltus_status tune(saltus_shooting *p, const double *parameters, saltus_message *message) {
-    bool same = true;
+/* Make the system that of the parameters and of omega. */
+static saltus_status tune(saltus_shooting *p, const double *parameters, double omega,
+                          saltus_message *message) {
+    bool same = omega == p->omega;
     for (int d = 0; d < p->family.parameters; d++)
         same = same && parameters[d] == p->at[d];
     if (same)
         return SALTUS_OK;
-    saltus_spec spec = saltus_family_spec(&p->family, parameters);
+    saltus_spec spec = saltus_family_spec(&p->family, parameters, omega);
     saltus_system *system = NULL;
     saltus_status status = SALTUS_OK;
     for (int d = 0; d < p->family.parameters && status == SALTUS_OK; d++)
@@ -237,6 +271,7 @@ static saltus_status tune(saltus_shooting *p, const double *parameters, saltus_m
     saltus_system_free(p->system);
     p->system = system;
     memcpy(p->at, parameters, (size_t)p->family.parameters * sizeof *parameters);
+    p->omega = omega;
     return SALTUS_OK;
 }
 
@@ -273,7 +308,7 @@ saltus_status saltus_shooting_along(saltus_shooting *p, int segments, const doub
     p->breach_count = 0;
     if (!lies_within(p, p->plain + s->cuts * p->n))
         return saltus_fail(message, SALTUS_NO_CONVERGENCE, "prescribed events change their order");
-    saltus_status status = tune(p, u + p->count, message);
+    saltus_status status = tune(p, u + p->count, saltus_shooting_omega(p, u), message);
     for (int cut = 0; cut < segments && status == SALTUS_OK; cut++) {
         double until = cut + 1 < s->cuts ? s->cut[cut + 1] : s->base + s->periods;
         status = open_segment(&w, cut, contacts, message);
@@ -294,6 +329,8 @@ saltus_status saltus_shooting_along(saltus_shooting *p, int segments, const doub
 saltus_status saltus_shooting_around(void *self, const double *u, saltus_message *message) {
     saltus_shooting *p = self;
     saltus_status status = saltus_shooting_along(p, p->sequence.cuts, u, message);
+    if (status == SALTUS_OK && p->count > p->plain_count)
+        anchor_row(p);
     if (status == SALTUS_OK)
         scale_columns(p);
     return status;

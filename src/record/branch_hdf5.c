@@ -65,6 +65,8 @@ static void put_head(saltus_h5 *w, const saltus_branch_output *o) {
     hid_t group = saltus_h5_open_group(w, "start", "the orbit that the branch was begun with");
     if (w->sound)
         saltus_h5_integer(w, group, "periods", head->periods);
+    if (w->sound && head->options.orbit.free_period)
+        saltus_h5_double(w, group, "period", 2 * M_PI / saltus_spec_omega(&head->spec));
     saltus_h5_reals(w, group, "state", "q, q', further states at phase 0", head->state, head->dimension);
     saltus_h5_close(group);
 }

@@ -33,12 +33,14 @@ void saltus_write_point_json(FILE *file, const saltus_scene *scene, const saltus
     saltus_json_list(file, "values", point->value, isnan(point->value[1]) ? 1 : 2);
     saltus_json_named(file, "heading, arclength, motion, motion_after", table, counts, &row);
     saltus_json_member(file, "impacts", point->impacts < 0 ? NAN : (double)point->impacts);
-    saltus_json_named(file, "periods, sticking_intervals, stable, unstable, admissible, state", table, counts,
-                      &row);
+    saltus_json_named(file, "periods, period, sticking_intervals, stable, unstable, admissible, state", table,
+                      counts, &row);
     saltus_json_events(file, system, point->events, point->event_count);
     saltus_json_member(file, "contact_force", point->contact_force);
     put_grazing(file, point);
-    saltus_json_multipliers(file, point->multipliers, point->dimension);
+    saltus_json_multipliers(file, point->multipliers, point->multiplier_count);
+    if (point->trivial_multiplier != 0)
+        saltus_json_member(file, "trivial_multiplier", point->trivial_multiplier);
     saltus_json_named(file, "log_volume, sum_rule, residual, iterations", table, counts, &row);
     saltus_json_member(file, "accuracy", point->kind == SALTUS_POINT_REGULAR ? NAN : point->accuracy);
     saltus_json_named(file, "reason", table, counts, &row);

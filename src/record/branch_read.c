@@ -76,6 +76,11 @@ static saltus_status read_start(reader *r) {
     int count = 0;
     hid_t group = saltus_h5_find_group(r->h5.file, "start");
     bool found = group >= 0 && saltus_h5_get_integer(group, "periods", &periods);
+    double period = 0;
+    if (found && saltus_h5_get_double(group, "period", &period) && period > 0) {
+        made->options.orbit.free_period = true;
+        saltus_spec_set_omega(&made->spec, 2 * M_PI / period);
+    }
     saltus_h5_close(group);
     if (!found || periods < 1 || periods > INT_MAX)
         return saltus_h5_refuse_part(&r->h5, "start", "periods");
@@ -143,6 +148,11 @@ static saltus_status fill_points(reader *r, const saltus_h5_shape *shape, saltus
         if (!is_point(r, &rows[k], events))
             return saltus_h5_refuse(&r->h5, what);
         made->points[k] = rows[k].point;
+        saltus_branch_point *point = &made->points[k];
+        const bool own_period = point->trivial_multiplier != 0;
+        point->multiplier_count = n - own_period;
+        if (own_period)
+            saltus_spec_set_omega(&point->spec, 2 * M_PI / point->period);
         made->points[k].events = made->events + rows[k].event_first;
     }
     return status;

@@ -18,7 +18,8 @@ void saltus_write_harvest_text(FILE *file, const saltus_scene *scene, const salt
         char name[SALTUS_LABEL_MAX];
         saltus_orbit_label(o->impacts, o->orbit.periods, name);
         fprintf(file, "%5d  %-12s %9.3g  %11d  %9.1e", k + 1, name, exp(o->orbit.multipliers[0].log_modulus),
-                saltus_multipliers_unstable(o->orbit.multipliers, o->orbit.dimension), o->orbit.residual);
+                saltus_multipliers_unstable(o->orbit.multipliers, o->orbit.multiplier_count),
+                o->orbit.residual);
         if (o->mirror == k)
             fputs("  its own mirror image", file);
         else if (o->mirror >= 0)

@@ -275,6 +275,10 @@ bool saltus_h5_get_integer(hid_t owner, const char *name, long long *value) {
     return get_attribute(owner, name, H5T_INTEGER, H5T_NATIVE_LLONG, value);
 }
 
+bool saltus_h5_get_double(hid_t owner, const char *name, double *value) {
+    return get_attribute(owner, name, H5T_FLOAT, H5T_NATIVE_DOUBLE, value);
+}
+
 bool saltus_h5_get_text(hid_t owner, const char *name, char *text, size_t room) {
     hid_t type = saltus_h5_text_type(room, false);
     bool fits = type >= 0 && get_attribute(owner, name, H5T_STRING, type, text);

@@ -86,6 +86,7 @@ bool saltus_h5_seal(int descriptor, long long length, char seal[SALTUS_H5_SEAL +
 
 /* Attributes; false when one is absent, of another type or, as a text, of more than room - 1 bytes. */
 bool saltus_h5_get_integer(hid_t owner, const char *name, long long *value);
+bool saltus_h5_get_double(hid_t owner, const char *name, double *value);
 bool saltus_h5_get_text(hid_t owner, const char *name, char *text, size_t room);
 
 /* Read the attributes of options; the name of the first one that is missing or not admissible, NULL when all

@@ -268,13 +268,15 @@ void saltus_write_motion_json(FILE *file, const saltus_scene *scene, const saltu
     saltus_json_text(file, "scene", scene->name);
     put_motion(file, "label,kind", motion);
     saltus_json_member(file, "impacts", motion->impacts >= 0 && settled ? (double)motion->impacts : NAN);
-    put_motion(file, "periods,sticking_intervals", motion);
+    put_motion(file, "periods,sticking_intervals,period", motion);
     put_impact_counts(file, system, motion);
     saltus_json_member(file, "impacts_per_response", saltus_impacts_per_response(system, motion));
     put_state_names(file, system);
     put_states(file, motion);
     saltus_json_events(file, system, motion->events, motion->event_count);
     saltus_json_multipliers(file, motion->multipliers, motion->multiplier_count);
+    if (motion->trivial_multiplier != 0)
+        put_motion(file, "trivial_multiplier", motion);
     put_motion(file, "stable,mirror,residual", motion);
     put_sum_rule(file, motion);
     put_motion(file, "lyapunov,lyapunov_standard_error", motion);

@@ -89,7 +89,10 @@ static saltus_status read_point(const source *s, saltus_start *start, saltus_mes
         status = saltus_fail(message, SALTUS_BAD_INPUT, "%.300s: the state is too long", s->path);
     if (status == SALTUS_OK) {
         const saltus_branch_point *point = &file.points[row];
-        *start = (saltus_start){.spec = point->spec, .periods = point->periods, .dimension = file.dimension};
+        *start = (saltus_start){.spec = point->spec,
+                                .periods = point->periods,
+                                .own_period = point->trivial_multiplier != 0,
+                                .dimension = file.dimension};
         memcpy(start->state, point->state, (size_t)file.dimension * sizeof *start->state);
         snprintf(start->label, sizeof start->label, "%s", point->label);
     }
@@ -278,6 +281,13 @@ static saltus_status read_object(const source *s, const saltus_source *json, con
         return refuse(s, message, "holds no periodic orbit (the motion is %s, periods is 0)", start->label);
     start->periods = (int)periods;
     saltus_status status = read_parameters(s, json, object, start);
+    double period;
+    start->own_period = saltus_node_member(object, "trivial_multiplier") != NULL;
+    if (status == SALTUS_OK && start->own_period) {
+        if (!number_of(saltus_node_member(object, "period"), &period) || !(period > 0))
+            return refuse(s, message, "period: must be a number greater than 0");
+        saltus_spec_set_omega(&start->spec, 2 * M_PI / period);
+    }
     return status == SALTUS_OK ? read_state(s, object, start, message) : status;
 }
 

@@ -43,6 +43,17 @@ static const char *plural(long long count) {
     return count == 1 ? "" : "s";
 }
 
+/* Of an orbit with a period of its own. */
+static void put_cycle(FILE *file, const saltus_motion *motion) {
+    if (motion->impacts < 0)
+        fprintf(file, "complete chatter with %d sticking interval%s", motion->sticking_intervals,
+                plural(motion->sticking_intervals));
+    else
+        fprintf(file, "%lld impact%s", motion->impacts, plural(motion->impacts));
+    fprintf(file, " in %d return%s to the section, the maxima of the displacement; period %.13g\n",
+            motion->periods, plural(motion->periods), motion->period);
+}
+
 static void put_motion(FILE *file, const saltus_system *system, const saltus_motion *motion) {
     put_head(file, "motion");
     if (!saltus_verdict_settled(motion->verdict))
@@ -51,6 +62,8 @@ static void put_motion(FILE *file, const saltus_system *system, const saltus_mot
         fputs("at rest, clear of every stop\n", file);
     else if (motion->verdict == SALTUS_HELD)
         fputs("in contact for good\n", file);
+    else if (motion->trivial_multiplier != 0)
+        put_cycle(file, motion);
     else if (motion->impacts < 0)
         fprintf(file, "complete chatter with %d sticking interval%s in %d forcing period%s\n",
                 motion->sticking_intervals, plural(motion->sticking_intervals), motion->periods,
@@ -147,6 +160,9 @@ static void put_multipliers(FILE *file, const saltus_motion *motion) {
     fprintf(file, "%s", motion->multiplier_count > leading ? ", ..." : "");
     if (!motion->stable)
         fprintf(file, "; %d not inside the unit circle", unstable);
+    if (motion->trivial_multiplier != 0)
+        fprintf(file, "; along the flow 1 %c %.1e", motion->trivial_multiplier < 1 ? '-' : '+',
+                fabs(motion->trivial_multiplier - 1));
     fputc('\n', file);
     put_head(file, "sum rule");
     if (motion->sticks)

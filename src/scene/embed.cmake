@@ -12,7 +12,7 @@ set(names
     fig2 fig3 fig4a fig4b fig5 fig6 fig7a fig7b fig7c fig7d fig8
     chatter
     impact-oscillator near-grazing budd-dux budd-chatter bouncing-ball vibrating-table impact-pair two-stops two-mass
-    duffing gear-rattle impact-damper chain)
+    duffing gear-rattle impact-damper chain relief-valve flutter van-der-pol)
 
 file(GLOB files RELATIVE ${SCENES} ${SCENES}/*.yaml)
 foreach(file IN LISTS files)

@@ -96,8 +96,17 @@ double saltus_spec_get(const saltus_spec *spec, const char *name) {
     return saltus_spec_direction(spec, name, &direction, &value, NULL) == SALTUS_OK ? value : NAN;
 }
 
+saltus_direction saltus_spec_omega_direction(const saltus_spec *spec) {
+    saltus_direction direction = {.clock = spec->model->forcing < 0};
+    if (spec->model->forcing >= 0)
+        direction.parameter[spec->model->forcing] = 1;
+    return direction;
+}
+
 saltus_spec saltus_spec_shifted(const saltus_spec *spec, const saltus_direction *direction, double amount) {
     saltus_spec shifted = *spec;
+    if (direction->clock != 0)
+        shifted.clock = saltus_spec_omega(spec) + amount * direction->clock;
     for (int k = 0; k < spec->model->parameter_count; k++)
         shifted.parameters[k] += amount * direction->parameter[k];
     for (int s = 0; s < spec->stop_count; s++) {
@@ -164,7 +173,8 @@ void saltus_variation_fill(saltus_variation *variation, const saltus_system *sys
             variation->normal[s][i] *= direction->xi[s];
     }
     spec->model->vary(system, direction, variation);
-    variation->omega = spec->model->forcing < 0 ? 0 : direction->parameter[spec->model->forcing];
+    variation->omega =
+        spec->model->forcing < 0 ? direction->clock : direction->parameter[spec->model->forcing];
     variation->tilts = false;
     for (int s = 0; s < spec->stop_count; s++) {
         vary_impulse(variation, system, s);

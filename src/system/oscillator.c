@@ -16,7 +16,8 @@
 enum { p_N, p_m, p_c, p_k, p_F, p_F0, p_m2, p_c2, p_k2, p_F2, p_F02, p_kz, p_tz, p_omega };
 
 static const saltus_parameter parameters[] = {
-    [p_N] = {"N", true, 1, 1, 2, false, false, "number of masses; more: equations, saltus help text", NULL, 0},
+    [p_N] = {"N", true, 1, 1, 2, false, false, "number of masses; more: equations, saltus help text", NULL,
+             0},
     [p_m] = {"m", false, 1, 0, 1e12, true, false, "mass 1", NULL, 0},
     [p_c] = {"c", false, 0, 0, 1e9, false, false, "damper from the support to mass 1", NULL, 0},
     [p_k] = {"k", false, 1, 0, 1e12, false, false, "spring from the support to mass 1", NULL, 0},

@@ -302,6 +302,16 @@ static bool faces_symmetric(const saltus_system *system) {
     return symmetric;
 }
 
+double saltus_spec_omega(const saltus_spec *spec) {
+    if (spec->model->forcing >= 0)
+        return spec->parameters[spec->model->forcing];
+    return spec->clock ? spec->clock : 2 * M_PI;
+}
+
+void saltus_spec_set_omega(saltus_spec *spec, double omega) {
+    *(spec->model->forcing >= 0 ? &spec->parameters[spec->model->forcing] : &spec->clock) = omega;
+}
+
 /* Orders of sin(omega t)'s series that matter at the largest step that stability allows, rate h = 6. */
 static int count_forcing_orders(const saltus_system *system) {
     double term = 1, angle = 6 * system->omega / system->rate;
@@ -333,9 +343,9 @@ saltus_status saltus_system_new(const saltus_spec *spec, saltus_system **system,
     made->dof = dof;
     made->extra = extra;
     made->dimension = 2 * dof + extra;
-    made->omega = spec->model->forcing < 0 ? 2 * M_PI : spec->parameters[spec->model->forcing];
+    made->omega = saltus_spec_omega(spec);
     made->observed_place = NAN;
-    made->period = spec->model->forcing < 0 ? 1 : 2 * M_PI / made->omega;
+    made->period = spec->model->forcing < 0 && !spec->clock ? 1 : 2 * M_PI / made->omega;
     reserve(made);
     if (!saltus_arena_open(&made->arena)) {
         saltus_model_release(full.model);

@@ -173,10 +173,14 @@ static void measure_rates(saltus_system *system, const saltus_equations_graph *g
         stiffness = fmax(stiffness, i < n ? pull[i] : 0);
         damping = fmax(damping, drag[i]);
     }
+    /* Without forcing all that pulls at a displacement tells how fast it is: its own stiffness may be lost in
+     * what feeds the motion. */
     for (int i = 0; i < n; i++)
-        if (g->scale[n + i] < 0)
-            system->scale[n + i] = system->scale[i] * fmax(g->forced ? system->omega : 0,
-                                                           fmax(sqrt(system->stiffness[i]), 1e-3));
+        if (g->scale[n + i] < 0 && g->forced)
+            system->scale[n + i] =
+                system->scale[i] * fmax(system->omega, fmax(sqrt(system->stiffness[i]), 1e-3));
+        else if (g->scale[n + i] < 0)
+            system->scale[n + i] = system->scale[i] * (pull[i] > 0 ? sqrt(pull[i]) : 1);
     system->decay = decay;
     system->rate = fmax(fmax(sqrt(stiffness), damping), g->forced ? system->omega : 1e-3);
     system->stiff = damping > 200 * fmax(g->forced ? system->omega : 0, sqrt(stiffness));
