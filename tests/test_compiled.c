@@ -189,8 +189,10 @@ static void same_bits(void **unused) {
         }
         for (int left = way_count; left > 0; pause_briefly()) {
             left = way_count;
-            for (int k = 0; k < way_count; k++)
+            for (int k = 0; k < way_count; k++) {
                 left -= saltus_fixed_ask(&flow[k]->fixed, system[k]);
+                assert_false(saltus_compiled_failed(flow[k]->fixed.compiled));
+            }
         }
         for (int k = 0; k < way_count; k++) {
             saltus_compiled_function *function = flow[k]->fixed.function;
